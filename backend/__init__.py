@@ -1,0 +1,1 @@
+"""Thetascope's service: numerics, library, store, web interface and command line."""

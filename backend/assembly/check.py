@@ -1,0 +1,46 @@
+"""What can be said of a plant before anything runs."""
+
+from backend.engine.errors import SpecError
+from backend.engine.observers.registry import kinds, observer
+from backend.engine.programs import plant_program
+from shared import Plant
+
+
+def check_plant(plant: Plant) -> dict:
+    """Read every equation and report on the plant. Raises ExpressionError, which points into the text.
+
+    The report: sizes, Φ and Ψ as text, equations affine in the states, the canonical form or why there is none, and
+    which kinds of observers can be built for it (with the reason where one cannot).
+    """
+    from backend.engine.model import Model
+
+    data = plant.model_dump(mode="json")
+    model = Model(data)
+    plant_program(data)
+    names = [c.name for c in plant.channels]
+    return {
+        "id": plant.id,
+        "valid": True,
+        "time": plant.time.kind,
+        "sizes": {"states": model.n, "inputs": len(model.u), "outputs": model.m, "channels": len(names)},
+        "channels": names,
+        "Phi": [[str(e) for e in model.Phi(names).row(i)] for i in range(model.n)],
+        "Psi": [[str(e) for e in model.Psi(names).row(i)] for i in range(model.m)],
+        "affine": dict(zip(model.states, model.is_affine, strict=True)),
+        "observers": [_possible(kind, plant) for kind in kinds()],
+    }
+
+
+def _possible(kind: str, plant: Plant) -> dict:
+    from backend.assembly.estimators import estimator
+    from shared import Experiment, ObserverConfig
+
+    made = observer(kind)
+    config = ObserverConfig(label="observer", kind=kind)
+    step = plant.time.period if plant.time.kind == "discrete" else 0.001
+    spec = Experiment(plant=plant, horizon=1000 * step, step=step, observers=(config,))
+    try:
+        estimator(0, config, spec, plant, plant.model_dump(mode="json"), step)
+    except SpecError as error:
+        return {"kind": kind, "title": made.title, "possible": False, "why": f"{error.problem}; {error.remedy}"}
+    return {"kind": kind, "title": made.title, "possible": True, "why": ""}

@@ -1,0 +1,145 @@
+"""An Experiment as data → an experiment that can run."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from backend import library
+from backend.assembly.estimators import estimator
+from backend.engine import faults, signals
+from backend.engine.errors import SpecError
+from backend.engine.measurement import Measurement
+from backend.engine.programs import plant_program
+from backend.engine.result import Result
+from backend.engine.run import run
+from backend.engine.simulation import Experiment as Engine
+from shared import Experiment, Plant
+
+_ON_GRID = 1e-6  # relative: how exactly one interval must be a multiple of another
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a run will take, known before it starts."""
+
+    steps: int
+    rows: int
+    columns: int  # at least: diagnostics come on top
+    states: int  # of plant and observers together
+    bytes: int  # of the result, about
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """An experiment whose programs are ready."""
+
+    spec: Experiment
+    plant: Plant
+    engine: Engine
+
+    @property
+    def cost(self) -> Cost:
+        e = self.engine
+        rows = e.steps // e.every + 1
+        outputs = sum(len([o for o in s.program.outputs if not o.startswith("init.")]) for s in e.estimators)
+        columns = 1 + len(e.signals) + len(e.plant.states) + len(e.plant.outputs) + outputs
+        states = len(e.plant.states) + sum(len(s.program.states) for s in e.estimators)
+        return Cost(e.steps, rows, columns, states, 8 * rows * (columns + states))
+
+    def run(
+        self, progress: Callable[[float], None] | None = None, cancelled: Callable[[], bool] | None = None
+    ) -> Result:
+        """Simulate. Raises Cancelled, or SpecError where the step cannot be made to suit the gains."""
+        return run(self.engine, progress, cancelled)
+
+
+def prepare(spec: Experiment) -> Prepared:
+    """Check an experiment against its plant and make its programs.
+
+    Raises SpecError (or ExpressionError, which points into a text) that names the field, the value and the remedy.
+    """
+    plant = library.plant(spec.plant) if isinstance(spec.plant, str) else spec.plant
+    data = plant.model_dump(mode="json")
+    _known(spec, plant)
+    step, steps, every = _times(spec, plant)
+    measurement = _measurement(spec, plant, step)
+    engine = Engine(
+        plant=plant_program(data).program,
+        parameters={f"p.{n}": v for n, v in _parameters(spec, plant).items()},
+        x0=np.array([spec.initial.get(s.name, s.initial) for s in plant.states], dtype=float),
+        signals=_signals(spec, plant),
+        measurement=measurement,
+        estimators=tuple(estimator(i, c, spec, plant, data, step) for i, c in enumerate(spec.observers)),
+        step=step,
+        steps=steps,
+        every=every,
+    )
+    return Prepared(spec, plant, engine)
+
+
+def _known(spec: Experiment, plant: Plant) -> None:
+    """Every name that the experiment uses must be the plant's."""
+    spec.with_plant(plant)
+
+
+def _parameters(spec: Experiment, plant: Plant) -> dict[str, float]:
+    return {p.name: spec.parameters.get(p.name, p.value) for p in plant.parameters}
+
+
+def multiple(interval: float, step: float, field: str, of: str = "step") -> int:
+    """How many steps an interval is. Raises SpecError unless it is a whole number of them, at least one."""
+    count = round(interval / step)
+    if count < 1 or abs(interval / step - count) > _ON_GRID * max(1, count):
+        near = max(1, count) * step
+        raise SpecError(field, interval, f"it must be a whole number of {of}s of {step:g} s", f"give {near:g}")
+    return count
+
+
+def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
+    step = spec.step
+    if plant.time.kind == "discrete":
+        if abs(step - plant.time.period) > 1e-9 * plant.time.period:
+            raise SpecError("step", step, f"the plant {plant.id} is discrete with a period of {plant.time.period:g} s",
+                            f"set step to {plant.time.period:g}")  # fmt: skip
+        step = plant.time.period
+    return step, multiple(spec.horizon, step, "horizon"), multiple(spec.record_interval, step, "record")
+
+
+def _signals(spec: Experiment, plant: Plant) -> dict[str, signals.Signal]:
+    made = {}
+    for u in plant.inputs:
+        given = spec.inputs.get(u.name)
+        made[f"u.{u.name}"] = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
+    for s in plant.signals:
+        made[f"signal.{s.name}"] = _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
+    plain = [f.model_dump(mode="json") for f in spec.faults]
+    for c in plant.channels:
+        made[f"theta.{c.name}"] = faults.theta(c.name, plain, spec.seed)
+    return made
+
+
+def _signal(given, field: str) -> signals.Signal:
+    try:
+        return signals.signal(given.model_dump(mode="json"))
+    except SpecError as error:
+        error.field = f"{field}.{error.field}"
+        raise
+
+
+def _measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
+    noise = [spec.noise.get(o.name) for o in plant.outputs]
+    plain = [f.model_dump(mode="json") for f in spec.faults if hasattr(f, "output")]
+    for fault in plain:
+        fault["output"] = f"y.{fault['output']}"
+    every = None
+    if spec.measurement.mode == "sampled":
+        every = multiple(spec.measurement.period, step, "measurement.period")
+    return Measurement(
+        outputs=tuple(f"y.{o.name}" for o in plant.outputs),
+        std=tuple(n.std if n else 0.0 for n in noise),
+        sample_time=tuple(n.sample_time if n else step for n in noise),
+        seed=spec.seed,
+        faults=tuple(plain),
+        sample_every=every,
+    )

@@ -1,0 +1,1 @@
+"""The numerics. Nothing here knows pydantic, the web or asyncio."""

@@ -1,0 +1,394 @@
+"""Program → LLVM IR text for the whole time loop: scalar, or SIMD lanes over runs.
+
+The function that comes out has this shape (all pointers to float64 unless said):
+
+    run(i64 segments, i64* seg_steps, i64* seg_first, seg_t, seg_index, seg_h,
+        held, lane_held, staged, lane_staged, params, lane_params, state, out, emitted, i64 every)
+
+Time is cut into segments of equal steps on which held inputs are constant. Step k of a segment begins at
+seg_t + (seg_index + k)·seg_h, rounded once, so that a segment may be cut anywhere. Staged inputs have one value for each of
+the four Runge–Kutta stages of each step (one for discrete time). ``seg_first`` is the number of steps until the first
+recorded one in that segment; then every ``every``-th is recorded, as one row of all states, in ``out``. ``emitted``
+takes the values of chosen nodes at every stage. What is called lane_* holds one value per lane, lanes innermost.
+The numbers do not depend on how steps are dealt out over calls and segments, nor on the number of lanes: no
+fast-math flag is set, and the multiply-adds are those of the graph.
+"""
+
+import struct
+from dataclasses import dataclass
+
+from backend.engine.graph import topological
+from backend.engine.system import DISCRETE, Program
+
+INLINE_LIMIT = 4000  # nodes; above it the right-hand side becomes a function of its own, called once a stage
+_LIBM = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "pow", "atan2")
+_COMPARE = {"lt": "olt", "le": "ole"}
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a kernel finds its inputs and what it emits: the part of a kernel's identity beside its Program."""
+
+    held: tuple[str, ...] = ()
+    staged: tuple[str, ...] = ()
+    lane_held: tuple[str, ...] = ()
+    lane_staged: tuple[str, ...] = ()
+    lane_params: tuple[str, ...] = ()
+    emitted: tuple[int, ...] = ()  # node indices
+    lanes: int = 1
+
+    def shared_params(self, program: Program) -> tuple[str, ...]:
+        return tuple(p for p in program.parameters if p not in self.lane_params)
+
+
+class _Writer:
+    """Appends instructions of one function; every method that computes returns the name of its value."""
+
+    def __init__(self, lanes: int):
+        self.lanes = lanes
+        self.type = "double" if lanes == 1 else f"<{lanes} x double>"
+        self.bool = "i1" if lanes == 1 else f"<{lanes} x i1>"
+        self.suffix = "f64" if lanes == 1 else f"v{lanes}f64"
+        self.lines: list[str] = []
+        self.count = 0
+
+    def put(self, text: str) -> None:
+        self.lines.append("  " + text)
+
+    def let(self, text: str) -> str:
+        self.count += 1
+        name = f"%v{self.count}"
+        self.put(f"{name} = {text}")
+        return name
+
+    def const(self, value: float) -> str:
+        text = "0x" + struct.pack(">d", value).hex().upper()
+        return text if self.lanes == 1 else "<" + ", ".join([f"double {text}"] * self.lanes) + ">"
+
+    def splat(self, scalar: str) -> str:
+        if self.lanes == 1:
+            return scalar
+        one = self.let(f"insertelement {self.type} poison, double {scalar}, i32 0")
+        return self.let(f"shufflevector {self.type} {one}, {self.type} poison, <{self.lanes} x i32> zeroinitializer")
+
+    def fma(self, a: str, b: str, c: str) -> str:
+        t = self.type
+        return self.let(f"call {t} @llvm.fma.{self.suffix}({t} {a}, {t} {b}, {t} {c})")
+
+    def address(self, base: str, index: str | int, kind: str = "double") -> str:
+        return self.let(f"getelementptr {kind}, ptr {base}, i64 {index}")
+
+    def load_shared(self, base: str, index: int) -> str:
+        return self.splat(self.let(f"load double, ptr {self.address(base, index)}"))
+
+    def load_lanes(self, base: str, index: int) -> str:
+        return self.let(f"load {self.type}, ptr {self.address(base, index * self.lanes)}, align 8")
+
+    def store(self, value: str, base: str, index: int) -> None:
+        self.put(f"store {self.type} {value}, ptr {self.address(base, index * self.lanes)}, align 8")
+
+    def libm(self, name: str, *args: str) -> str:
+        """Call the C library, lane by lane, so that every lane gets the scalar run's bits."""
+        if self.lanes == 1:
+            return self.let(f"call double @{name}(" + ", ".join(f"double {a}" for a in args) + ") #1")
+        result = "poison"
+        for lane in range(self.lanes):
+            picked = [self.let(f"extractelement {self.type} {a}, i32 {lane}") for a in args]
+            value = self.let(f"call double @{name}(" + ", ".join(f"double {a}" for a in picked) + ") #1")
+            result = self.let(f"insertelement {self.type} {result}, double {value}, i32 {lane}")
+        return result
+
+    def flag(self, comparison: str) -> str:
+        return self.let(f"select {self.bool} {comparison}, {self.type} {self.const(1.0)}, {self.type} {self.const(0.0)}")
+
+    def compare(self, kind: str, a: str, b: str) -> str:
+        return self.let(f"fcmp {kind} {self.type} {a}, {b}")
+
+    def select(self, condition: str, a: str, b: str) -> str:
+        return self.let(f"select {self.bool} {condition}, {self.type} {a}, {self.type} {b}")
+
+    def intrinsic(self, name: str, *args: str) -> str:
+        t = self.type
+        return self.let(f"call {t} @llvm.{name}.{self.suffix}(" + ", ".join(f"{t} {a}" for a in args) + ")")
+
+    def operation(self, op: str, args: list[str]) -> str:
+        """One graph node; the counterpart of graph.NUMPY."""
+        t = self.type
+        if op in ("add", "sub", "mul", "div"):
+            return self.let(f"f{op} {t} {args[0]}, {args[1]}")
+        if op == "neg":
+            return self.let(f"fneg {t} {args[0]}")
+        if op == "fma":
+            return self.fma(*args)
+        if op in ("sqrt", "floor", "abs"):
+            return self.intrinsic("fabs" if op == "abs" else op, args[0])
+        if op in _LIBM:
+            return self.libm(op, *args)
+        return self._logic(op, args)
+
+    def _logic(self, op: str, args: list[str]) -> str:
+        zero = self.const(0.0)
+        if op in _COMPARE:
+            return self.flag(self.compare(_COMPARE[op], args[0], args[1]))
+        if op in ("min", "max"):
+            a, b = args
+            return self.select(self.compare("olt" if op == "min" else "ogt", b, a), b, a)
+        if op in ("and", "or"):
+            x, y = (self.compare("une", a, zero) for a in args)
+            return self.flag(self.let(f"{op} {self.bool} {x}, {y}"))
+        if op == "where":
+            return self.select(self.compare("une", args[0], zero), args[1], args[2])
+        if op == "sign":
+            a = args[0]
+            rest = self.select(self.compare("olt", a, zero), self.const(-1.0), self.let(f"fmul {self.type} {a}, {zero}"))
+            return self.select(self.compare("ogt", a, zero), self.const(1.0), rest)
+        if op == "spow":
+            return self.intrinsic("copysign", self.libm("pow", self.intrinsic("fabs", args[0]), args[1]), args[0])
+        raise ValueError(f"no instruction for {op!r}")
+
+
+def emit(program: Program, layout: Layout) -> str:
+    """The IR text of one module with one function, ``run``."""
+    return _Module(program, layout).text()
+
+
+class _Module:
+    def __init__(self, program: Program, layout: Layout):
+        self.program, self.layout = program, layout
+        self.roots = [*program.update, *layout.emitted]
+        self.order = topological(program.graph, self.roots)
+        self.stages = 1 if program.time == DISCRETE else 4
+        self.inline = len(self.order) <= INLINE_LIMIT
+        self.params = layout.shared_params(program)
+
+    def text(self) -> str:
+        w = _Writer(self.layout.lanes)
+        body = self._main(w)
+        suffix, t = w.suffix, w.type
+        declared = [f"declare double @{f}({', '.join(['double'] * (2 if f in ('pow', 'atan2') else 1))}) #0" for f in _LIBM]
+        declared += [f"declare {t} @llvm.{f}.{suffix}({t})" for f in ("sqrt", "floor", "fabs")]
+        declared += [f"declare {t} @llvm.copysign.{suffix}({t}, {t})", f"declare {t} @llvm.fma.{suffix}({t}, {t}, {t})"]
+        attributes = [
+            "attributes #0 = { nounwind willreturn memory(none) nobuiltin }",
+            "attributes #1 = { nounwind willreturn memory(none) nobuiltin }",
+            'attributes #2 = { nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }',
+            'attributes #3 = { noinline nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }',
+        ]
+        functions = [] if self.inline else self._right_hand_side()
+        return "\n".join([*declared, *functions, *body, *attributes])
+
+    # ---- the values of one stage -------------------------------------------------------------------------------
+
+    def _leaf(self, w: _Writer, name: str, where: dict) -> str:
+        """Load a variable. ``where`` holds the base pointers: params, held rows and staged rows."""
+        lay = self.layout
+        for group, base, load in (
+            (self.params, "params", w.load_shared),
+            (lay.lane_params, "lane_params", w.load_lanes),
+            (lay.held, "held", w.load_shared),
+            (lay.lane_held, "lane_held", w.load_lanes),
+            (lay.staged, "staged", w.load_shared),
+            (lay.lane_staged, "lane_staged", w.load_lanes),
+        ):
+            if name in group:
+                return load(where[base], group.index(name))
+        raise ValueError(f"kernel of {self.program.name}: nothing supplies {name!r}")
+
+    def _values(self, w: _Writer, leaves: dict[str, str], where: dict, memo: dict[int, str]) -> list[str]:
+        """Emit all roots; ``leaves`` maps states and t to values, ``memo`` keeps what is already computed."""
+        graph = self.program.graph
+        for i in self.order:
+            if i in memo:
+                continue
+            op, *args = graph.nodes[i]
+            if op == "const":
+                memo[i] = w.const(args[0])
+            elif op == "var":
+                memo[i] = leaves[args[0]] if args[0] in leaves else self._leaf(w, args[0], where)
+            else:
+                memo[i] = w.operation(op, [memo[a] for a in args])
+        return [memo[r] for r in self.roots]
+
+    def _split(self, values: list[str]) -> tuple[list[str], list[str]]:
+        n = len(self.program.states)
+        return values[:n], values[n:]
+
+    # ---- the loop ----------------------------------------------------------------------------------------------
+
+    def _main(self, w: _Writer) -> list[str]:
+        n = len(self.program.states)
+        head = [
+            "define void @run(i64 %segments, ptr noalias %seg_steps, ptr noalias %seg_first, ptr noalias %seg_t, "
+            "ptr noalias %seg_index, ptr noalias %seg_h, ptr noalias %held, ptr noalias %lane_held, ptr noalias %staged, "
+            "ptr noalias %lane_staged, ptr noalias %params, ptr noalias %lane_params, ptr noalias %state, "
+            "ptr noalias %out, ptr noalias %emitted, i64 %every) #2 {",
+            "entry:",
+        ]
+        start = [w.load_lanes("%state", i) for i in range(n)]
+        constants: dict[int, str] = {}
+        if self.inline:
+            self._preload(w, constants, self.params, "%params", w.load_shared)
+            self._preload(w, constants, self.layout.lane_params, "%lane_params", w.load_lanes)
+        scratch = self._scratch(w)
+        w.put("%any = icmp sgt i64 %segments, 0")
+        w.put("br i1 %any, label %segment, label %done")
+        w.lines.append("segment:")
+        w.put("%s = phi i64 [0, %entry], [%s1, %next]")
+        w.put("%row0 = phi i64 [0, %entry], [%row2, %next]")
+        w.put("%at0 = phi i64 [0, %entry], [%at1, %next]")
+        phi0, place0 = [f"%a{i}" for i in range(n)], self._mark(w)
+        per_segment = self._segment_head(w, constants)
+        w.put("%none = icmp sle i64 %steps, 0")
+        w.put("br i1 %none, label %next, label %step")
+        w.lines.append("step:")
+        w.put("%k = phi i64 [0, %segment], [%k1, %cont]")
+        w.put("%at = phi i64 [%at0, %segment], [%atn, %cont]")
+        w.put("%row = phi i64 [%row0, %segment], [%row1, %cont]")
+        w.put("%left = phi i64 [%first, %segment], [%left2, %cont]")
+        phi1, place1 = [f"%b{i}" for i in range(n)], self._mark(w)
+        new = self._step(w, phi1, per_segment, scratch)
+        self._record(w, new)
+        t = w.type
+        w.lines[place1] = "\n".join(f"  {p} = phi {t} [{a}, %segment], [{v}, %cont]" for p, a, v in zip(phi1, phi0, new))
+        w.lines.append("next:")
+        w.put("%row2 = phi i64 [%row0, %segment], [%row1, %cont]")
+        w.put("%at1 = phi i64 [%at0, %segment], [%atn, %cont]")
+        for i in range(n):
+            w.put(f"%c{i} = phi {t} [%a{i}, %segment], [{new[i]}, %cont]")
+        w.lines[place0] = "\n".join(f"  {p} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, (p, v) in enumerate(zip(phi0, start)))
+        w.put("%s1 = add i64 %s, 1")
+        w.put("%more = icmp slt i64 %s1, %segments")
+        w.put("br i1 %more, label %segment, label %save")
+        w.lines.append("save:")
+        for i in range(n):
+            w.store(f"%c{i}", "%state", i)
+        w.put("br label %done")
+        w.lines.append("done:")
+        w.put("ret void")
+        return [*head, *w.lines, "}"]
+
+    def _mark(self, w: _Writer) -> int:
+        w.lines.append("")
+        return len(w.lines) - 1
+
+    def _preload(self, w: _Writer, memo: dict[int, str], names: tuple[str, ...], base: str, load) -> None:
+        graph = self.program.graph
+        for j, name in enumerate(names):
+            i = graph.index.get(("var", name))
+            if i is not None:
+                memo[i] = load(base, j)
+
+    def _segment_head(self, w: _Writer, constants: dict[int, str]) -> dict:
+        lay, lanes = self.layout, self.layout.lanes
+        w.put(f"%steps = load i64, ptr {w.address('%seg_steps', '%s', 'i64')}")
+        w.put(f"%first = load i64, ptr {w.address('%seg_first', '%s', 'i64')}")
+        w.put(f"%t0 = load double, ptr {w.address('%seg_t', '%s')}")
+        w.put(f"%i0 = load double, ptr {w.address('%seg_index', '%s')}")
+        w.put(f"%h = load double, ptr {w.address('%seg_h', '%s')}")
+        row = w.let(f"mul i64 %s, {len(lay.held)}")
+        held = w.address("%held", row)
+        row = w.let(f"mul i64 %s, {len(lay.lane_held) * lanes}")
+        lane_held = w.address("%lane_held", row)
+        memo = dict(constants)
+        if self.inline:
+            self._preload(w, memo, lay.held, held, w.load_shared)
+            self._preload(w, memo, lay.lane_held, lane_held, w.load_lanes)
+        h = w.splat("%h")
+        sizes = {"h": h} | {
+            name: w.let(f"fmul {w.type} {h}, {w.const(c)}") for name, c in (("half", 0.5), ("third", 1 / 3), ("sixth", 1 / 6))
+        }
+        return {"memo": memo, "held": held, "lane_held": lane_held, **sizes}
+
+    def _scratch(self, w: _Writer) -> dict:
+        if self.inline:
+            return {}
+        n, m = len(self.program.states), max(1, len(self.layout.emitted))
+        return {k: w.let(f"alloca [{size} x {w.type}], align 64") for k, size in (("z", n), ("d", n), ("e", m))}
+
+    def _record(self, w: _Writer, new: list[str]) -> None:
+        n = len(new)
+        w.put("%left1 = sub i64 %left, 1")
+        w.put("%due = icmp eq i64 %left1, 0")
+        w.put("br i1 %due, label %write, label %cont")
+        w.lines.append("write:")
+        place = w.address("%out", w.let(f"mul i64 %row, {n * self.layout.lanes}"))
+        for i, value in enumerate(new):
+            w.store(value, place, i)
+        w.put("%rown = add i64 %row, 1")
+        w.put("br label %cont")
+        w.lines.append("cont:")
+        w.put("%left2 = phi i64 [%left1, %step], [%every, %write]")
+        w.put("%row1 = phi i64 [%row, %step], [%rown, %write]")
+        w.put("%k1 = add i64 %k, 1")
+        w.put("%atn = add i64 %at, 1")
+        w.put("%again = icmp slt i64 %k1, %steps")
+        w.put("br i1 %again, label %step, label %next")
+
+    # ---- one step ----------------------------------------------------------------------------------------------
+
+    def _step(self, w: _Writer, state: list[str], segment: dict, scratch: dict) -> list[str]:
+        kd = w.let("sitofp i64 %k to double")
+        count = w.let(f"fadd double %i0, {kd}")
+        t = w.let(f"fadd double %t0, {w.let(f'fmul double {count}, %h')}")
+        if self.stages == 1:
+            return self._stage(w, 0, state, t, segment, scratch)
+        half, third, sixth, h = (segment[k] for k in ("half", "third", "sixth", "h"))
+        middle = w.let(f"fadd double {t}, {w.let(f'fmul double %h, {_Writer(1).const(0.5)}')}")
+        end = w.let(f"fadd double {t}, %h")
+        k1 = self._stage(w, 0, state, t, segment, scratch)
+        z = [w.fma(half, k, s) for k, s in zip(k1, state)]
+        total = [w.fma(sixth, k, s) for k, s in zip(k1, state)]
+        k2 = self._stage(w, 1, z, middle, segment, scratch)
+        z = [w.fma(half, k, s) for k, s in zip(k2, state)]
+        total = [w.fma(third, k, s) for k, s in zip(k2, total)]
+        k3 = self._stage(w, 2, z, middle, segment, scratch)
+        z = [w.fma(h, k, s) for k, s in zip(k3, state)]
+        total = [w.fma(third, k, s) for k, s in zip(k3, total)]
+        k4 = self._stage(w, 3, z, end, segment, scratch)
+        return [w.fma(sixth, k, s) for k, s in zip(k4, total)]
+
+    def _stage(self, w: _Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
+        lay, lanes = self.layout, self.layout.lanes
+
+        def row(base: str, width: int) -> str:
+            at = w.let(f"add i64 {w.let(f'mul i64 %at, {self.stages}')}, {stage}")
+            return w.address(base, w.let(f"mul i64 {at}, {width}"))
+
+        where = {"params": "%params", "lane_params": "%lane_params", "held": segment["held"], "lane_held": segment["lane_held"]}
+        where["staged"] = row("%staged", len(lay.staged)) if lay.staged else "%staged"
+        where["lane_staged"] = row("%lane_staged", len(lay.lane_staged) * lanes) if lay.lane_staged else "%lane_staged"
+        if self.inline:
+            leaves = dict(zip(self.program.states, z)) | {"t": w.splat(t)}
+            values, emitted = self._split(self._values(w, leaves, where, dict(segment["memo"])))
+        else:
+            values, emitted = self._called(w, z, t, where, scratch)
+        if lay.emitted:
+            place = row("%emitted", len(lay.emitted) * lanes)
+            for j, value in enumerate(emitted):
+                w.store(value, place, j)
+        return values
+
+    # ---- large programs ----------------------------------------------------------------------------------------
+
+    def _called(self, w: _Writer, z: list[str], t: str, where: dict, scratch: dict) -> tuple[list[str], list[str]]:
+        for i, value in enumerate(z):
+            w.store(value, scratch["z"], i)
+        names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
+        args = ", ".join(f"ptr {where[k]}" for k in names)
+        w.put(f"call void @rhs(double {t}, ptr {scratch['z']}, ptr {scratch['d']}, ptr {scratch['e']}, {args}) #3")
+        values = [w.load_lanes(scratch["d"], i) for i in range(len(z))]
+        return values, [w.load_lanes(scratch["e"], j) for j in range(len(self.layout.emitted))]
+
+    def _right_hand_side(self) -> list[str]:
+        w = _Writer(self.layout.lanes)
+        names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
+        where = {k: f"%{k}" for k in names}
+        leaves = {s: w.load_lanes("%z", i) for i, s in enumerate(self.program.states)} | {"t": w.splat("%t")}
+        values, emitted = self._split(self._values(w, leaves, where, {}))
+        for i, value in enumerate(values):
+            w.store(value, "%d", i)
+        for j, value in enumerate(emitted):
+            w.store(value, "%e", j)
+        args = ", ".join(f"ptr noalias %{k}" for k in names)
+        head = f"define internal void @rhs(double %t, ptr noalias %z, ptr noalias %d, ptr noalias %e, {args}) #3 {{"
+        return [head, *w.lines, "  ret void", "}"]

@@ -1,0 +1,284 @@
+"""Hash-consed expression graph: what a System becomes before it is compiled.
+
+A node is a tuple ``(op, a, b, ...)`` whose arguments are indices of earlier nodes; ``("const", value)`` and
+``("var", name)`` are the leaves. Equal nodes are stored once, so shared subexpressions fall out without a search.
+Comparisons give 1.0 or 0.0, so that every node is a real number.
+"""
+
+import math
+from collections import Counter
+from collections.abc import Iterable, Mapping
+
+import numpy as np
+
+UNARY_FUNCTIONS = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "floor", "abs")
+LEAVES = ("const", "var")
+
+
+class Graph:
+    """A growing list of nodes. The building methods fold constants and drop additions of 0 and products with 0 or 1."""
+
+    def __init__(self, nodes: Iterable[tuple] = ()):
+        self.nodes: list[tuple] = list(nodes)
+        self.index: dict[tuple, int] = {node: i for i, node in enumerate(self.nodes)}
+        self.orders: dict[tuple[int, ...], list[int]] = {}  # see topological: nodes never change, so orders do not
+
+    def raw(self, op: str, *args) -> int:
+        """Store a node as it is (no simplification) and return its index."""
+        # 0.0 == -0.0 and True == 1 as dictionary keys: the sign of a zero must survive
+        key = (op, *args, math.copysign(1.0, args[0])) if op == "const" else (op, *args)
+        found = self.index.get(key)
+        if found is None:
+            found = len(self.nodes)
+            self.nodes.append((op, *args))
+            self.index[key] = found
+        return found
+
+    def const(self, value: float) -> int:
+        return self.raw("const", float(value))
+
+    def var(self, name: str) -> int:
+        return self.raw("var", name)
+
+    def value(self, i: int) -> float | None:
+        """The number a constant node holds, else None."""
+        node = self.nodes[i]
+        return node[1] if node[0] == "const" else None
+
+    def add(self, a: int, b: int) -> int:
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None:
+            return self.const(x + y)
+        if x == 0:
+            return b
+        if y == 0:
+            return a
+        if self.nodes[b][0] == "neg":
+            return self.sub(a, self.nodes[b][1])
+        if self.nodes[a][0] == "neg":
+            return self.sub(b, self.nodes[a][1])
+        return self.raw("add", *sorted((a, b)))
+
+    def sub(self, a: int, b: int) -> int:
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None:
+            return self.const(x - y)
+        if y == 0:
+            return a
+        if x == 0:
+            return self.neg(b)
+        return self.raw("sub", a, b)
+
+    def mul(self, a: int, b: int) -> int:
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None:
+            return self.const(x * y)
+        if x is not None:
+            a, b, x, y = b, a, y, x
+        if y == 0:
+            return self.const(0.0)
+        if y == 1:
+            return a
+        if y == -1:
+            return self.neg(a)
+        if self.nodes[a][0] == "neg":
+            return self.neg(self.mul(self.nodes[a][1], b))
+        if self.nodes[b][0] == "neg":
+            return self.neg(self.mul(a, self.nodes[b][1]))
+        return self.raw("mul", *sorted((a, b)))
+
+    def div(self, a: int, b: int) -> int:
+        x, y = self.value(a), self.value(b)
+        if x is not None and y is not None and y != 0:
+            return self.const(x / y)
+        if x == 0:
+            return a
+        if y is not None and y != 0 and math.frexp(y)[0] in (0.5, -0.5):  # exact: a power of two
+            return self.mul(a, self.const(1.0 / y))
+        return self.raw("div", a, b)
+
+    def neg(self, a: int) -> int:
+        x = self.value(a)
+        if x is not None:
+            return self.const(-x)
+        return self.nodes[a][1] if self.nodes[a][0] == "neg" else self.raw("neg", a)
+
+    def power(self, base: int, exponent: float) -> int:
+        """base**exponent: products for integers up to 64, square roots for halves, else the C library's pow."""
+        if exponent < 0:
+            return self.div(self.const(1.0), self.power(base, -exponent))
+        if exponent == int(exponent) and exponent <= 64:
+            return self._integer_power(base, int(exponent))
+        if exponent == 0.5:
+            return self.call("sqrt", base)
+        if exponent * 2 == int(exponent * 2) and exponent <= 32:
+            return self.mul(self._integer_power(base, int(exponent)), self.call("sqrt", base))
+        return self.call("pow", base, self.const(exponent))
+
+    def _integer_power(self, base: int, exponent: int) -> int:
+        result, square = self.const(1.0), base
+        while exponent:
+            if exponent & 1:
+                result = self.mul(result, square)
+            exponent >>= 1
+            if exponent:
+                square = self.mul(square, square)
+        return result
+
+    def call(self, op: str, *args: int) -> int:
+        """A function node; folded when every argument is a constant and the value is finite."""
+        values = [self.value(a) for a in args]
+        if all(v is not None for v in values):
+            with np.errstate(all="ignore"):
+                folded = float(NUMPY[op](*(np.float64(v) for v in values)))
+            if math.isfinite(folded):
+                return self.const(folded)
+        return self.raw(op, *args)
+
+    def absorb(self, other: "Graph", roots: Iterable[int], replace: Mapping[str, int] | None = None) -> dict[int, int]:
+        """Copy what ``roots`` need from another graph, unsimplified; variables named in ``replace`` become those nodes.
+
+        Unsimplified, because a program must give the same bits alone and joined to another.
+        """
+        replace, moved = replace or {}, {}
+        for i in topological(other, roots):
+            node = other.nodes[i]
+            if node[0] == "const":
+                moved[i] = self.const(node[1])
+            elif node[0] == "var":
+                moved[i] = replace[node[1]] if node[1] in replace else self.var(node[1])
+            else:
+                moved[i] = self.raw(node[0], *(moved[a] for a in node[1:]))
+        return moved
+
+
+def topological(graph: Graph, roots: Iterable[int]) -> list[int]:
+    """Indices that the roots need, each after its arguments (iterative: expressions may be deep)."""
+    roots = tuple(roots)
+    known = graph.orders.get(roots)
+    if known is not None:
+        return known
+    order: list[int] = []
+    seen: set[int] = set()
+    for root in roots:
+        stack = [(root, False)]
+        while stack:
+            i, ready = stack.pop()
+            if ready:
+                order.append(i)
+                continue
+            if i in seen:
+                continue
+            seen.add(i)
+            stack.append((i, True))
+            node = graph.nodes[i]
+            if node[0] not in LEAVES:
+                stack.extend((a, False) for a in reversed(node[1:]) if a not in seen)
+    graph.orders[roots] = order
+    return order
+
+
+def variables(graph: Graph, roots: Iterable[int]) -> set[str]:
+    """Names of the variables that the roots depend on."""
+    return {graph.nodes[i][1] for i in topological(graph, roots) if graph.nodes[i][0] == "var"}
+
+
+def dependent(graph: Graph, roots: Iterable[int], names: set[str]) -> set[int]:
+    """Nodes below the roots whose value depends on one of the named variables."""
+    found: set[int] = set()
+    for i in topological(graph, roots):
+        node = graph.nodes[i]
+        if (node[0] == "var" and node[1] in names) or (node[0] not in LEAVES and any(a in found for a in node[1:])):
+            found.add(i)
+    return found
+
+
+def contract(graph: Graph, roots: list[int]) -> tuple[Graph, list[int]]:
+    """Turn a·b + c into one fused multiply-add wherever the product is used once.
+
+    It is done here, once and for good, rather than by the compiler: so a lane, a single run and a joined program
+    all round in the same places and agree bit for bit.
+    """
+    order = topological(graph, roots)
+    uses = Counter(a for i in order if graph.nodes[i][0] not in LEAVES for a in graph.nodes[i][1:])
+    uses.update(roots)
+    result, moved = Graph(), {}
+    for i in order:
+        op, *args = graph.nodes[i]
+        if op == "const":
+            moved[i] = result.const(args[0])
+        elif op == "var":
+            moved[i] = result.var(args[0])
+        elif op in ("add", "sub"):
+            moved[i] = _fuse(graph, result, moved, uses, op, *args)
+        else:
+            moved[i] = result.raw(op, *(moved[a] for a in args))
+    return result, [moved[r] for r in roots]
+
+
+def _fuse(graph: Graph, result: Graph, moved: dict[int, int], uses: Counter, op: str, a: int, b: int) -> int:
+    def product(i: int) -> bool:
+        return graph.nodes[i][0] == "mul" and uses[i] == 1
+
+    if product(a):
+        x, y = (moved[k] for k in graph.nodes[a][1:])
+        return result.raw("fma", x, y, moved[b] if op == "add" else result.raw("neg", moved[b]))
+    if product(b):
+        x, y = (moved[k] for k in graph.nodes[b][1:])
+        return result.raw("fma", x if op == "add" else result.raw("neg", x), y, moved[a])
+    return result.raw(op, moved[a], moved[b])
+
+
+def _spow(x, a):
+    return np.copysign(np.abs(x) ** a, x)
+
+
+# How each operation is evaluated on NumPy arrays (diagnostics, checks, tests; the compiled kernels do the runs).
+NUMPY = {
+    "add": lambda a, b: a + b,
+    "sub": lambda a, b: a - b,
+    "mul": lambda a, b: a * b,
+    "div": lambda a, b: a / b,
+    "neg": lambda a: -a,
+    "fma": lambda a, b, c: a * b + c,
+    "min": lambda a, b: np.where(b < a, b, a),
+    "max": lambda a, b: np.where(b > a, b, a),
+    "sign": lambda a: np.where(a > 0, 1.0, np.where(a < 0, -1.0, a * 0.0)),
+    "lt": lambda a, b: np.where(a < b, 1.0, 0.0),
+    "le": lambda a, b: np.where(a <= b, 1.0, 0.0),
+    "and": lambda a, b: np.where((a != 0) & (b != 0), 1.0, 0.0),
+    "or": lambda a, b: np.where((a != 0) | (b != 0), 1.0, 0.0),
+    "where": lambda c, a, b: np.where(c != 0, a, b),
+    "pow": lambda a, b: a**b,
+    "spow": _spow,
+    "atan2": np.arctan2,
+    "sqrt": np.sqrt,
+    "sin": np.sin,
+    "cos": np.cos,
+    "tan": np.tan,
+    "asin": np.arcsin,
+    "acos": np.arccos,
+    "atan": np.arctan,
+    "sinh": np.sinh,
+    "cosh": np.cosh,
+    "tanh": np.tanh,
+    "exp": np.exp,
+    "log": np.log,
+    "floor": np.floor,
+    "abs": np.abs,
+}
+
+
+def evaluate(graph: Graph, roots: list[int], values: Mapping[str, object]) -> list:
+    """Evaluate nodes on NumPy arrays or numbers, broadcasting: ``values`` maps variable names to them."""
+    done: dict[int, object] = {}
+    with np.errstate(all="ignore"):
+        for i in topological(graph, roots):
+            node = graph.nodes[i]
+            if node[0] == "const":
+                done[i] = np.float64(node[1])
+            elif node[0] == "var":
+                done[i] = np.asarray(values[node[1]], dtype=float)
+            else:
+                done[i] = NUMPY[node[0]](*(done[a] for a in node[1:]))
+    return [done[r] for r in roots]

@@ -1,0 +1,139 @@
+"""Compile Programs to machine code with LLVM, and call them on NumPy arrays. Object files are cached on disk."""
+
+import ctypes
+import hashlib
+import threading
+from dataclasses import dataclass
+from functools import lru_cache
+
+import llvmlite
+import llvmlite.binding as llvm
+import numpy as np
+
+from backend.engine import cache
+from backend.engine.emitter import INLINE_LIMIT, Layout, emit
+from backend.engine.graph import topological
+from backend.engine.system import Program
+
+_lock = threading.Lock()  # LLVM's compiler is entered by one thread at a time; compiled kernels run in parallel
+_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_int64, *[ctypes.c_void_p] * 14, ctypes.c_int64)
+NEVER = np.int64(1) << 60  # "first" of a segment in which nothing is recorded
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Runs of equal steps: step k of segment i begins at ``t[i] + (index[i] + k)·h[i]`` seconds.
+
+    ``steps[i]`` counts them; after ``first[i]`` of them the first is recorded (NEVER: none).
+    """
+
+    steps: np.ndarray  # int64
+    first: np.ndarray  # int64
+    t: np.ndarray
+    index: np.ndarray
+    h: np.ndarray
+
+
+@lru_cache(maxsize=1)
+def _machine() -> llvm.TargetMachine:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_default_triple()
+    return target.create_target_machine(cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2)
+
+
+@lru_cache(maxsize=1)
+def platform_key() -> str:
+    """What machine code depends on beside the program: compiler version, processor, and the engine's source."""
+    _machine()
+    cpu = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), llvmlite.__version__)
+    return hashlib.sha256(repr((cpu, cache.package_digest())).encode()).hexdigest()
+
+
+class Kernel:
+    """A compiled Program. Call it with arrays; ``state`` is advanced in place."""
+
+    def __init__(self, program: Program, layout: Layout):
+        self.program, self.layout = program, layout
+        key = hashlib.sha256(repr((program.digest, layout, platform_key())).encode()).hexdigest()
+        with _lock:
+            code = cache.read("kernel", key)
+            if code is None:
+                code = _object_code(program, layout)
+                cache.write("kernel", key, code)
+            self._engine = _load(code)
+            self._run = _SIGNATURE(self._engine.get_function_address("run"))
+
+    def __call__(
+        self,
+        segments: Segments,
+        state: np.ndarray,
+        params: np.ndarray,
+        every: int,
+        out: np.ndarray,
+        held: np.ndarray | None = None,
+        staged: np.ndarray | None = None,
+        lane_held: np.ndarray | None = None,
+        lane_staged: np.ndarray | None = None,
+        lane_params: np.ndarray | None = None,
+        emitted: np.ndarray | None = None,
+    ) -> None:
+        """Advance ``state`` (states × lanes) through the segments, recording into ``out`` (rows × states × lanes).
+
+        held: segments × names; staged: steps × stages × names; lane_* the same with lanes innermost;
+        emitted: steps × stages × nodes × lanes. All float64 and C-contiguous.
+        """
+
+        def at(array: np.ndarray | None):
+            return None if array is None else array.ctypes.data
+
+        self._run(
+            len(segments.steps), at(segments.steps), at(segments.first), at(segments.t), at(segments.index), at(segments.h),
+            at(held), at(lane_held), at(staged), at(lane_staged), at(params), at(lane_params), at(state), at(out),
+            at(emitted), every,
+        )  # fmt: skip
+
+
+@lru_cache(maxsize=256)
+def _kernel(digest: str, layout: Layout, program: "_Hidden") -> Kernel:
+    return Kernel(program.value, layout)
+
+
+class _Hidden:
+    """Carries a program past lru_cache: equality is the digest's business."""
+
+    def __init__(self, value: Program):
+        self.value = value
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Hidden)
+
+    def __hash__(self) -> int:
+        return 0
+
+
+def kernel(program: Program, layout: Layout) -> Kernel:
+    """The kernel for a program and layout: from memory, else from the object cache, else compiled."""
+    return _kernel(program.digest, layout, _Hidden(program))
+
+
+def _object_code(program: Program, layout: Layout) -> bytes:
+    module = llvm.parse_assembly(emit(program, layout))
+    size = len(topological(program.graph, [*program.update, *layout.emitted]))
+    options = llvm.create_pipeline_tuning_options(speed_level=2 if size <= INLINE_LIMIT else 1)
+    builder = llvm.create_pass_builder(_machine(), options)
+    builder.getModulePassManager().run(module, builder)
+    return _machine().emit_object(module)
+
+
+def _load(code: bytes) -> llvm.ExecutionEngine:
+    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
+    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+    engine.finalize_object()
+    return engine
+
+
+def _machine_for_engine() -> llvm.TargetMachine:
+    # an engine takes ownership of its target machine, so each gets one of its own
+    _machine()
+    return llvm.Target.from_default_triple().create_target_machine(opt=2)

@@ -1,0 +1,96 @@
+"""SymPy expressions → expression graph. The only module that knows both."""
+
+from functools import reduce
+
+import sympy
+
+from backend.engine.graph import UNARY_FUNCTIONS, Graph
+
+_BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
+    "Abs": "abs",
+    "sign": "sign",
+    "atan2": "atan2",
+    "Less": "lt",
+    "LessEqual": "le",
+    "And_": "and",
+    "Or_": "or",
+    "Where": "where",
+    "SignedPower": "spow",
+}
+
+
+class Lowering:
+    """Lowers expressions into one graph. Names that are neither known nor defined are refused."""
+
+    def __init__(self, graph: Graph, known: set[str]):
+        self.graph = graph
+        self.known = known
+        self.memo: dict[sympy.Basic, int] = {}
+
+    def define(self, symbol: sympy.Symbol, expression: sympy.Expr) -> None:
+        """Let a symbol stand for an expression from now on."""
+        self.memo[symbol] = self(expression)
+
+    def __call__(self, expression: sympy.Expr) -> int:
+        expression = sympy.sympify(expression)
+        found = self.memo.get(expression)
+        if found is None:
+            found = self.memo[expression] = self._lower(expression)
+        return found
+
+    def _lower(self, e: sympy.Expr) -> int:
+        g = self.graph
+        if e.is_Symbol:
+            if e.name not in self.known:
+                raise ValueError(f"the symbol {e.name!r} is used but is no state, input, parameter or definition")
+            return g.var(e.name)
+        if e.is_Number or e.is_NumberSymbol:
+            return g.const(float(e))
+        if e.is_Add:
+            return self._sum(e)
+        if e.is_Mul:
+            return self._product(e)
+        if e.is_Pow:
+            return self._power(e)
+        return self._function(e)
+
+    def _sum(self, e: sympy.Add) -> int:
+        # a leading positive term lets later negative ones be subtractions
+        terms = sorted(e.args, key=lambda a: a.could_extract_minus_sign())
+        return reduce(self.graph.add, [self(a) for a in terms])
+
+    def _product(self, e: sympy.Mul) -> int:
+        above = [a for a in e.args if not _is_reciprocal(a)]
+        below = [1 / a for a in e.args if _is_reciprocal(a)]
+        top = reduce(self.graph.mul, [self(a) for a in above], self.graph.const(1.0))
+        return self.graph.div(top, reduce(self.graph.mul, [self(a) for a in below])) if below else top
+
+    def _power(self, e: sympy.Pow) -> int:
+        if e.base == sympy.E:
+            return self.graph.call("exp", self(e.exp))
+        if e.exp.is_Number:
+            return self.graph.power(self(e.base), float(e.exp))
+        return self.graph.call("pow", self(e.base), self(e.exp))
+
+    def _function(self, e: sympy.Function) -> int:
+        name = e.func.__name__
+        args = [self(a) for a in e.args]
+        if name in ("Min", "Max"):
+            return reduce(lambda a, b: self.graph.call(name.lower(), a, b), args)
+        if name == "Backlash":
+            return self._backlash(*args)
+        if name not in _BY_NAME:
+            raise ValueError(f"{name} is not one of the functions the engine computes")
+        return self.graph.call(_BY_NAME[name], *args)
+
+    def _backlash(self, x: int, dx: int, z: int, m1: int, m2: int, d1: int, d2: int) -> int:
+        """One backlash operator, Zhou & Tan (6)–(9): follows m1·(x − D1) rising, m2·(x + D2) falling, else keeps z."""
+        g, zero = self.graph, self.graph.const(0.0)
+        rising = g.call("and", g.call("lt", g.add(g.div(z, m1), d1), x), g.call("lt", zero, dx))
+        falling = g.call("and", g.call("lt", x, g.sub(g.div(z, m2), d2)), g.call("lt", dx, zero))
+        inner = g.call("where", falling, g.mul(m2, g.add(x, d2)), z)
+        return g.call("where", rising, g.mul(m1, g.sub(x, d1)), inner)
+
+
+def _is_reciprocal(e: sympy.Expr) -> bool:
+    return e.is_Pow and e.exp.is_number and bool(e.exp.is_negative) and e.base != sympy.E

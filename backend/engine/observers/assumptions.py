@@ -1,0 +1,92 @@
+"""Checks that several observers share. Each takes numbers from the run and gives a Check with the number in it."""
+
+import numpy as np
+
+from backend.engine.result import CANNOT_TELL, FAILS, HOLDS, Check
+from backend.engine.observers.base import Observed
+
+
+def verdict(condition: bool | None) -> str:
+    return CANNOT_TELL if condition is None else (HOLDS if condition else FAILS)
+
+
+def stable(name: str, matrix: np.ndarray, source: str, discrete: bool = False) -> Check:
+    """Whether all eigenvalues lie in the open left half plane (or the open unit disc)."""
+    eigenvalues = np.linalg.eigvals(matrix)
+    value = float(np.abs(eigenvalues).max() if discrete else eigenvalues.real.max())
+    limit = 1.0 if discrete else 0.0
+    listed = ", ".join(f"{e:.4g}" for e in np.sort_complex(eigenvalues)[:8])
+    what = "largest modulus" if discrete else "largest real part"
+    return Check(name, verdict(value < limit), f"eigenvalues {listed}; {what} {value:.4g}", value, limit, source)
+
+
+def windowed_gramian(omega: np.ndarray, spacing: float, window: float) -> np.ndarray:
+    """∫ ΩᵀΩ over the last ``window`` seconds, at every row: Ω has shape (time, m, p); the answer (time, p, p).
+
+    Zhao, Li & Li 2012, eq. (36). Before a whole window has passed the rows are NaN.
+    """
+    products = np.einsum("tki,tkj->tij", omega, omega) * spacing
+    total = np.concatenate([np.zeros((1, *products.shape[1:])), np.cumsum(products, axis=0)])
+    length = max(1, round(window / spacing))
+    gramian = np.full_like(products, np.nan)
+    if len(products) > length:
+        gramian[length:] = total[length:-1] - total[: -1 - length]
+    return gramian
+
+
+def smallest_eigenvalue(gramian: np.ndarray, most: int = 2000) -> np.ndarray:
+    """λmin at every row; on long records at ``most`` of them, interpolated between."""
+    rows = np.flatnonzero(np.isfinite(gramian).all(axis=(1, 2)))
+    values = np.full(len(gramian), np.nan)
+    if not len(rows):
+        return values
+    picked = rows[np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).astype(int))]
+    small = np.linalg.eigvalsh(gramian[picked])[:, 0]
+    values[rows] = np.interp(rows, picked, small)
+    return values
+
+
+def excitation(run: Observed) -> np.ndarray:
+    """λmin of the windowed Gramian of Ω along the run (rows of the record)."""
+    p = len(run.channels)
+    omega = run.matrix("Omega", run.context.m, p)
+    return smallest_eigenvalue(windowed_gramian(omega, run.record, run.gain("window")))
+
+
+def persistent_excitation(run: Observed, level: np.ndarray, source: str) -> Check:
+    """Whether λmin of the windowed Gramian stays above the asked-for level δ."""
+    finite = level[np.isfinite(level)]
+    window, delta = run.gain("window"), run.gain("delta")
+    if not len(finite):
+        return Check("persistent excitation", CANNOT_TELL, f"the run is shorter than the window of {window:g} s",
+                     None, delta, source)  # fmt: skip
+    settled = finite[len(finite) // 10 :]  # Υ starts at zero: the first windows are not yet those of the theorem
+    value = float(settled.min())
+    return Check("persistent excitation", verdict(value >= delta),
+                 f"smallest eigenvalue of the Gramian of Ω over {window:g} s: {value:.3g}, asked for {delta:g}",
+                 value, delta, source)  # fmt: skip
+
+
+def positive_definite(run: Observed, name: str, size: int, source: str) -> Check:
+    """Whether a recorded symmetric matrix stays positive definite."""
+    matrices = run.matrix(name, size, size, symmetric=True)
+    finite = matrices[np.isfinite(matrices).all(axis=(1, 2))]
+    if not len(finite):
+        return Check(f"{name} positive definite", CANNOT_TELL, "no finite value was recorded", None, 0.0, source)
+    picked = finite[np.unique(np.linspace(0, len(finite) - 1, 200).astype(int))]
+    value = float(np.linalg.eigvalsh(picked).min())
+    return Check(f"{name} positive definite", verdict(value > 0), f"smallest eigenvalue over the run: {value:.3g}",
+                 value, 0.0, source)  # fmt: skip
+
+
+def gain_at_least(run: Observed, name: str, least: float, source: str, why: str) -> Check:
+    value = run.gain(name)
+    return Check(f"{name} ≥ {least:g}", verdict(value >= least), f"{name} = {value:g}; {why}", value, least, source)
+
+
+def sigma_of_theta(run: Observed, name: str, scale: float = 1.0) -> dict[str, np.ndarray]:
+    """Columns ``sigma.<channel>``: square roots of the diagonal of a recorded covariance, times ``scale``."""
+    return {
+        f"sigma.{channel}": scale * np.sqrt(np.maximum(run.values[f"{name}.{j}.{j}"], 0.0))
+        for j, channel in enumerate(run.channels)
+    }

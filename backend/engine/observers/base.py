@@ -1,0 +1,114 @@
+"""What an observer's file offers: its gains, options, equations and the assumptions it checks."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from backend.engine.model import Model
+from backend.engine.result import Check
+from backend.engine.system import Program
+from backend.engine.observers.draft import Draft
+
+
+@dataclass(frozen=True)
+class Context:
+    """What defaults may depend on: the plant's size, the noise that the experiment declares, its sampling."""
+
+    n: int
+    m: int
+    p: int
+    noise_std: tuple[float, ...]  # per output; 0 where none is declared
+    step: float
+    period: float  # sample period a discrete observer works at, s
+    model: Mapping = field(default_factory=dict)  # the plant's data
+    channels: tuple[str, ...] = ()  # the fault channels to estimate
+    noise_hold: tuple[float, ...] = ()  # per output: the sample time of the declared noise, s
+
+
+@dataclass(frozen=True)
+class Gain:
+    """A number (or column of numbers) that the user may move while the observer runs.
+
+    ``size``: None for a scalar, else one of n, m, p, n+p, n-m: the length of the column.
+    ``default``: a number, a list, or a function of the Context. ``low`` and ``high`` bound every entry (inclusive).
+    """
+
+    name: str
+    meaning: str
+    default: float | tuple | Callable[[Context], object]
+    low: float = 0.0
+    high: float = 1e6
+    size: str | None = None
+    symbol: str = ""
+    unit: str = ""
+
+
+@dataclass(frozen=True)
+class Option:
+    """A structural choice: it changes the equations, not a number in them. ``kind``: choice, integer or channels.
+
+    ``default``: a value, or a function of the Context.
+    """
+
+    name: str
+    meaning: str
+    kind: str
+    default: object
+    choices: tuple[str, ...] = ()
+    low: int = 0
+    high: int = 0
+
+
+@dataclass(frozen=True)
+class Observed:
+    """One observer's run, as its checks and diagnostics see it.
+
+    ``values`` holds every recorded quantity as an array over the recorded rows: the observer's states, its outputs,
+    its inputs (``u.* signal.* y.*``), ``t``; its parameters (``g.* m.* x0.* theta0.*``) as numbers.
+    """
+
+    model: Model | None
+    program: Program
+    channels: tuple[str, ...]
+    facts: dict
+    values: dict[str, np.ndarray]
+    record: float  # spacing of the rows, s
+    context: Context
+
+    def gain(self, name: str) -> float:
+        return float(self.values[f"g.{name}"])
+
+    def gains(self, name: str) -> np.ndarray:
+        """A column gain as an array."""
+        found = []
+        while f"g.{name}.{len(found)}" in self.values:
+            found.append(float(self.values[f"g.{name}.{len(found)}"]))
+        return np.array(found)
+
+    def matrix(self, name: str, rows: int, cols: int, symmetric: bool = False) -> np.ndarray:
+        """A recorded matrix (states or outputs ``name.i.j``) over time: shape (time, rows, cols)."""
+        length = len(self.values["t"])
+        made = np.empty((length, rows, cols))
+        for i in range(rows):
+            for j in range(cols):
+                a, b = (min(i, j), max(i, j)) if symmetric else (i, j)
+                made[:, i, j] = self.values[f"{name}.{a}.{b}"]
+        return made
+
+
+@dataclass(frozen=True)
+class Observer:
+    """One kind of observer. ``write`` puts its equations into a Draft; it raises SpecError where it cannot be built."""
+
+    id: str
+    title: str
+    source: str
+    summary: str
+    gains: tuple[Gain, ...]
+    write: Callable[[Draft], None]
+    checks: Callable[[Observed], list[Check]]
+    options: tuple[Option, ...] = ()
+    time: str = "continuous"  # "discrete": works at a sample period; "plant": in the plant's own time
+    estimates_theta: bool = True
+    diagnostics: Callable[[Observed], dict[str, np.ndarray]] = lambda run: {}

@@ -1,0 +1,78 @@
+"""Small linear algebra written into a Draft: every intermediate is named, so expressions stay small for any size."""
+
+from collections.abc import Callable
+
+import sympy
+from sympy import ImmutableMatrix, Matrix
+
+from backend.engine.observers.draft import Draft
+
+
+def product(*factors: Matrix) -> ImmutableMatrix:
+    """The matrix product, with sums over entries that are not identically zero: quick for large sparse matrices."""
+    result = factors[0]
+    for factor in factors[1:]:
+        rows = [[(k, result[i, k]) for k in range(result.shape[1]) if result[i, k] != 0] for i in range(result.shape[0])]
+        result = ImmutableMatrix(
+            result.shape[0],
+            factor.shape[1],
+            lambda i, j, rows=rows, factor=factor: sympy.Add(*[a * factor[k, j] for k, a in rows[i] if factor[k, j] != 0]),
+        )
+    return ImmutableMatrix(result)
+
+
+def symmetric(size: int, entry: Callable[[int, int], sympy.Expr]) -> ImmutableMatrix:
+    """A symmetric matrix from its entries on and above the diagonal."""
+    upper = {(i, j): entry(i, j) for i in range(size) for j in range(i, size)}
+    return ImmutableMatrix(size, size, lambda i, j: upper[min(i, j), max(i, j)])
+
+
+def congruence(draft: Draft, name: str, X: Matrix, S: Matrix) -> ImmutableMatrix:
+    """X S Xᵀ for symmetric S."""
+    XS = draft.let(f"{name}.left", product(X, S))
+    rows = [{k: X[i, k] for k in range(X.shape[1]) if X[i, k] != 0} for i in range(X.shape[0])]
+    return symmetric(X.shape[0], lambda i, j: sympy.Add(*[XS[i, k] * a for k, a in rows[j].items() if XS[i, k] != 0]))
+
+
+def solve(draft: Draft, name: str, M: Matrix, b: Matrix) -> ImmutableMatrix:
+    """M⁻¹ b by Gaussian elimination; pivots are chosen by structure (first entry that is not identically zero).
+
+    Raises ZeroDivisionError if M is structurally singular. A pivot that vanishes at run time gives a division by zero.
+    """
+    size, width = M.shape[0], b.shape[1]
+    rows = [list(M.row(i)) + list(b.row(i)) for i in range(size)]
+    for k in range(size):
+        pivot = next((i for i in range(k, size) if rows[i][k].is_number and rows[i][k] != 0), None)
+        pivot = pivot if pivot is not None else next((i for i in range(k, size) if rows[i][k] != 0), None)
+        if pivot is None:
+            raise ZeroDivisionError(f"{name}: the matrix has no inverse")
+        rows[k], rows[pivot] = rows[pivot], rows[k]
+        for i in range(k + 1, size):
+            if rows[i][k] == 0:
+                continue
+            factor = draft.let(f"{name}.l{i}.{k}", rows[i][k] / rows[k][k])
+            for j in range(k + 1, size + width):
+                if rows[k][j] != 0:
+                    rows[i][j] = draft.let(f"{name}.a{k}.{i}.{j}", rows[i][j] - factor * rows[k][j])
+    solution = [[sympy.S.Zero] * width for _ in range(size)]
+    for i in reversed(range(size)):
+        for c in range(width):
+            rest = sum((rows[i][j] * solution[j][c] for j in range(i + 1, size)), sympy.S.Zero)
+            solution[i][c] = draft.let(f"{name}.x{i}.{c}", (rows[i][size + c] - rest) / rows[i][i])
+    return ImmutableMatrix(solution)
+
+
+def cholesky(draft: Draft, name: str, M: Matrix, floor: float = 1e-300) -> ImmutableMatrix:
+    """Lower triangular L with L Lᵀ = M for symmetric positive definite M (only the lower triangle is read).
+
+    Pivots are kept above ``floor`` so that rounding on a nearly singular matrix gives no NaN.
+    """
+    size = M.shape[0]
+    L = sympy.zeros(size, size).as_mutable()
+    for j in range(size):
+        pivot = M[j, j] - sum((L[j, k] ** 2 for k in range(j)), sympy.S.Zero)
+        L[j, j] = draft.let(f"{name}.{j}.{j}", sympy.sqrt(sympy.Max(pivot, sympy.Float(floor), evaluate=False)))
+        for i in range(j + 1, size):
+            rest = sum((L[i, k] * L[j, k] for k in range(j)), sympy.S.Zero)
+            L[i, j] = draft.let(f"{name}.{i}.{j}", (M[i, j] - rest) / L[j, j])
+    return ImmutableMatrix(L)

@@ -1,0 +1,37 @@
+"""Evaluate a program's outputs along recorded rows with compiled code: the very roundings of the run itself."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from backend.engine.graph import variables
+from backend.engine.kernel import NEVER, Layout, Segments, kernel
+from backend.engine.system import DISCRETE, Program
+
+
+def probe(program: Program, names: list[str], values: dict[str, np.ndarray | float]) -> np.ndarray:
+    """Outputs (by name; ``d.<state>`` for an update) at each row: shape (names, rows).
+
+    ``values`` maps states, inputs, parameters and ``t`` to arrays over the rows, or to numbers that hold for all.
+    """
+    position = {s: i for i, s in enumerate(program.states)}
+    roots = [program.update[position[n[2:]]] if n.startswith("d.") else program.outputs[n] for n in names]
+    needed = sorted(variables(program.graph, roots) - {"t"})
+    arrays = {n: np.asarray(values[n], dtype=float) for n in needed}
+    fixed = tuple(n for n in needed if arrays[n].ndim == 0)
+    moving = tuple(n for n in needed if arrays[n].ndim == 1)
+    t = np.atleast_1d(np.asarray(values["t"], dtype=float))
+    rows = len(t)
+    result = np.empty((rows, 1, len(roots)))
+    if not roots or not rows:
+        return np.empty((len(roots), rows))
+    bare = replace(program, time=DISCRETE, states=(), update=(), parameters=fixed, inputs=moving)
+    run = kernel(bare, Layout(staged=moving, emitted=tuple(roots)))
+    staged = np.empty((rows, max(1, len(moving))))
+    for j, name in enumerate(moving):
+        staged[:, j] = arrays[name]
+    ones = np.ones(rows, dtype=np.int64)
+    segments = Segments(ones, ones * NEVER, t.copy(), np.zeros(rows), np.zeros(rows))
+    params = np.array([float(arrays[n]) for n in fixed] or [0.0])
+    run(segments, np.zeros(1), params, 1, np.zeros(1), staged=staged, emitted=result)
+    return np.ascontiguousarray(result[:, 0, :].T)

@@ -1,0 +1,88 @@
+"""Programs of plants and observers: from memory, from the disk cache, else written down and lowered with SymPy.
+
+The cache key is made of the plant's mathematics, the structural choices and the source of this package, so it is found
+without SymPy, and never after the code has changed.
+"""
+
+import hashlib
+import json
+import threading
+from collections import OrderedDict
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from backend.engine import cache
+from backend.engine.observers.base import Observer
+from backend.engine.system import CONTINUOUS, DISCRETE, Program
+
+_PROSE = ("title", "description", "source", "unit", "typical")
+_memory: OrderedDict[str, "Written"] = OrderedDict()
+_lock = threading.RLock()
+_KEPT = 256
+
+
+@dataclass(frozen=True)
+class Written:
+    """A lowered program and what was found out while writing it down (JSON values)."""
+
+    program: Program
+    facts: dict
+
+
+def mathematics(plant: Mapping) -> dict:
+    """A plant's data without what no equation depends on: prose, units, initial values, parameter values, signals."""
+    kept = {k: v for k, v in plant.items() if k not in (*_PROSE, "id")}
+    for part in ("states", "inputs", "outputs", "definitions", "channels"):
+        kept[part] = [{k: v for k, v in item.items() if k not in (*_PROSE, "default", "bounds")} for item in plant[part]]
+    kept["parameters"] = [{"name": p["name"], "value": p["value"]} for p in plant["parameters"]]
+    kept["signals"] = [s["name"] for s in plant["signals"]]
+    return kept
+
+
+def plant_program(plant: Mapping) -> Written:
+    """The plant's program. Raises ExpressionError for text that is no admissible expression."""
+
+    def write() -> Written:
+        from backend.engine.model import Model
+
+        return Written(Model(plant).system().lower(), {})
+
+    return _written(["plant", mathematics(plant)], write)
+
+
+def observer_program(
+    plant: Mapping, kind: Observer, channels: tuple[str, ...], gains: dict[str, int | None], options: dict
+) -> Written:
+    """An observer's program for a plant. Raises SpecError where it cannot be built for that plant."""
+
+    def write() -> Written:
+        from backend.engine.model import Model
+        from backend.engine.observers.draft import Draft
+
+        time = {"continuous": CONTINUOUS, "discrete": DISCRETE, "plant": plant["time"]["kind"]}[kind.time]
+        draft = Draft(Model(plant), channels, gains, options, time)
+        kind.write(draft)
+        return Written(draft.system(kind.id).lower(), draft.facts)
+
+    return _written([kind.id, mathematics(plant), channels, gains, options], write)
+
+
+def _written(what: list, write) -> Written:
+    text = json.dumps([what, cache.package_digest()], sort_keys=True, separators=(",", ":"))
+    key = hashlib.sha256(text.encode()).hexdigest()
+    with _lock:
+        if key in _memory:
+            _memory.move_to_end(key)
+            return _memory[key]
+        stored = cache.read("program", key)
+        if stored is not None:
+            data = json.loads(stored)
+            made = Written(Program.from_json(data["program"]), data["facts"])
+        else:
+            made = write()
+            body = {"program": made.program.to_json(), "facts": made.facts}
+            cache.write("program", key, json.dumps(body, separators=(",", ":")).encode())
+        _memory[key] = made
+        while len(_memory) > _KEPT:
+            _memory.popitem(last=False)
+        return made

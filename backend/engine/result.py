@@ -1,0 +1,58 @@
+"""What a run gives back."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+HOLDS, FAILS, CANNOT_TELL = "holds", "fails", "cannot tell"
+
+
+@dataclass(frozen=True)
+class Diverged:
+    """When something left the finite numbers (or exploded), and the likely cause."""
+
+    time: float
+    cause: str
+
+
+@dataclass(frozen=True)
+class Check:
+    """One assumption of an observer's theorem, on this plant, with these gains, in this run."""
+
+    name: str
+    verdict: str  # holds, fails or cannot tell
+    text: str
+    value: float | None = None
+    threshold: float | None = None
+    source: str = ""
+
+
+@dataclass(frozen=True)
+class ObserverReport:
+    label: str
+    kind: str
+    title: str
+    checks: tuple[Check, ...]
+    diverged: Diverged | None
+    facts: dict[str, object] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Result:
+    """Columns of a run, in the order of every export. ``data`` has one row a column: shape (names, rows)."""
+
+    names: tuple[str, ...]
+    data: np.ndarray
+    observers: tuple[ObserverReport, ...]
+    diverged: Diverged | None
+    step: float
+    substeps: int
+    notes: tuple[str, ...]
+    seconds: dict[str, float]
+
+    def column(self, name: str) -> np.ndarray:
+        """One column by name. Raises KeyError."""
+        try:
+            return self.data[self.names.index(name)]
+        except ValueError:
+            raise KeyError(name) from None

@@ -1,0 +1,332 @@
+"""Plant, measurement and observers advanced together: state in, state out.
+
+The plant's kernel hands over y at the four stages of each Runge–Kutta step; the measurement makes of it what sensors
+give; observers' kernels take that. Where the measurement only adds noise, plant and first observer are joined into one
+kernel: the same numbers, sooner. An observer that works at a sample period gets the samples at its own instants.
+
+Advancing over base steps [k, k+n) gives the recorded rows at base steps in that half-open span: everything that holds
+at t_k, the measured y included, is known when the step from t_k on begins.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+from functools import lru_cache
+
+import numpy as np
+
+from backend.engine.graph import evaluate, variables
+from backend.engine.grid import Grid, cut
+from backend.engine.kernel import Layout, Segments, kernel
+from backend.engine.measurement import Measurement, Memory
+from backend.engine.observers.base import Context, Observer
+from backend.engine.probe import probe
+from backend.engine.signals import Signal
+from backend.engine.system import CONTINUOUS, DISCRETE, Program, join
+
+CHUNK = 1 << 15  # base steps taken at once: tables of stages stay small
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """One observer of an experiment: its program and the numbers for it."""
+
+    label: str
+    kind: Observer
+    program: Program
+    channels: tuple[str, ...]
+    parameters: dict[str, float]  # g.*, m.*, x0.*, theta0.*
+    facts: dict
+    context: Context
+    every: int | None = None  # base steps in its sample period; None: runs in the plant's own time
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """Everything a run is made of, as engine objects. ``signals`` holds u.*, signal.* and theta.* by name."""
+
+    plant: Program
+    parameters: dict[str, float]  # p.*
+    x0: np.ndarray
+    signals: dict[str, Signal]
+    measurement: Measurement
+    estimators: tuple[Estimator, ...]
+    step: float
+    steps: int
+    every: int  # base steps between recorded rows
+    model_data: dict = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class State:
+    """Where a simulation stands: copy it to rewind or fork."""
+
+    k: int
+    plant: np.ndarray
+    observers: tuple[np.ndarray, ...]
+    memory: Memory
+
+
+@dataclass(frozen=True)
+class Rows:
+    """Recorded rows of a span: base-step indices, plant states (rows × n), measured y (rows × m), observer states."""
+
+    index: np.ndarray
+    plant: np.ndarray
+    y: np.ndarray
+    observers: tuple[np.ndarray, ...]
+
+
+@lru_cache(maxsize=128)
+def _joined(key: tuple[str, str], pair: "_Pair") -> Program:
+    plant, observer = pair.programs
+    return join(plant, observer, {name: (name, f"noise.{name}") for name in plant.outputs})
+
+
+class _Pair:
+    """Carries two programs past lru_cache; their digests are the key."""
+
+    def __init__(self, *programs: Program):
+        self.programs = programs
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Pair)
+
+    def __hash__(self) -> int:
+        return 0
+
+
+class Simulation:
+    """Advances an experiment. ``substeps`` divides every base step (for stiff observers)."""
+
+    def __init__(self, experiment: Experiment, substeps: int = 1):
+        self.experiment, self.substeps = experiment, substeps
+        plant = experiment.plant
+        self.stages = 1 if plant.time == DISCRETE else 4
+        self.lockstep = [i for i, e in enumerate(experiment.estimators) if e.every is None]
+        self.sampled = [i for i, e in enumerate(experiment.estimators) if e.every is not None]
+        # only an observer that runs in the plant's time can be joined to it
+        self.joined = bool(self.lockstep) and experiment.measurement.direct
+
+    # ---- states ------------------------------------------------------------------------------------------------------
+
+    def initial(self) -> State:
+        """The state at t = 0; observers may start from the first measurement."""
+        e = self.experiment
+        y = self._first_measurement()
+        observers = tuple(self._start(s, y) for s in e.estimators)
+        return State(0, e.x0.astype(float).copy(), observers, e.measurement.start())
+
+    def _first_measurement(self) -> dict[str, float]:
+        e = self.experiment
+        at = np.array([0.5 * e.step * 1e-3])
+        zero = np.zeros(1)
+        values = {n: s(zero, at)[0] for n, s in e.signals.items()} | e.parameters | {"t": 0.0}
+        values |= dict(zip(e.plant.states, e.x0, strict=True))
+        clean = evaluate(e.plant.graph, list(e.plant.outputs.values()), values)
+        noise = e.measurement.noise_at(at)[0]
+        return {name: float(c) + noise[i] for i, (name, c) in enumerate(zip(e.plant.outputs, clean, strict=True))}
+
+    def _start(self, estimator: Estimator, y: dict[str, float]) -> np.ndarray:
+        e, program = self.experiment, estimator.program
+        zero, at = np.zeros(1), np.array([0.5 * e.step * 1e-3])
+        outside = {n: s(zero, at)[0] for n, s in e.signals.items() if not n.startswith("theta.")} | y
+        values = {f"{when}{n}": v for when in ("", "mid.", "end.", "now.") for n, v in outside.items()}
+        values |= estimator.parameters | {"t": 0.0}
+        roots = [program.outputs[f"init.{s}"] for s in program.states]
+        return np.array([float(v) for v in evaluate(program.graph, roots, values)])
+
+    # ---- advancing ---------------------------------------------------------------------------------------------------
+
+    def advance(self, state: State, count: int) -> tuple[State, Rows]:
+        """Advance by ``count`` base steps; give the new state and the rows of [k, k + count)."""
+        e, first, last = self.experiment, state.k, state.k + count
+        grid = cut(first, last, e.step, self._breaks(first, last), e.every, self.substeps)
+        index = np.arange(-(-first // e.every) * e.every, last, e.every)
+        tables = _Tables(grid, e.signals, self.stages)
+        observers, recorded = list(state.observers), [None] * len(e.estimators)
+        if self.joined:
+            plant, plant_rows, y, memory = self._joint(state, grid, tables, index, observers, recorded)
+        else:
+            plant, plant_rows, clean = self._plant(state, grid, tables, index)
+            y, memory = e.measurement.measure(grid, first, clean, state.memory)
+        for i in self.lockstep:
+            if recorded[i] is None:
+                observers[i], recorded[i] = self._observer(i, state, grid, tables, index, y)
+        for i in self.sampled:
+            observers[i], recorded[i] = self._sampling(i, state, grid, index, y)
+        y_rows = self._measured_rows(grid, first, index, plant_rows, y)
+        after = State(last, plant, tuple(observers), memory)
+        return after, Rows(index, plant_rows, y_rows, tuple(recorded))
+
+    def spans(self, count: int, state: State | None = None) -> Iterator[tuple[State, Rows]]:
+        """Advance by ``count`` base steps in chunks."""
+        state = state or self.initial()
+        while count > 0:
+            state, rows = self.advance(state, min(count, CHUNK))
+            count -= min(count, CHUNK)
+            yield state, rows
+
+    def _breaks(self, first: int, last: int) -> np.ndarray:
+        a, b = (first - 0.5) * self.experiment.step, (last + 0.5) * self.experiment.step
+        parts = [s.breaks(a, b) for s in self.experiment.signals.values()]
+        parts.append(self.experiment.measurement.breaks(a, b))
+        return np.concatenate(parts)
+
+    def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
+        """States at the rows of the span: the kernel records at the ends of steps, the first row may be the start."""
+        rows = np.vstack([start[None, :], out]) if first % self.experiment.every == 0 else out
+        return rows[: len(index)]
+
+    def _out(self, first: int, last: int, width: int) -> np.ndarray:
+        every = self.experiment.every
+        return np.empty((last // every - first // every + 1, width))
+
+    def _call(self, program: Program, grid: Grid, layout: Layout, values: dict, start: np.ndarray, **arrays):
+        state = start.copy()
+        params = np.array([values[p] for p in layout.shared_params(program)] or [0.0])
+        out = self._out(self._first(grid), self._last(grid), len(program.states))
+        kernel(program, layout)(grid.segments, state, params, self.experiment.every * self.substeps, out, **arrays)
+        return state, out
+
+    def _first(self, grid: Grid) -> int:
+        return round(grid.start[0] / self.experiment.step) if len(grid.start) else 0
+
+    def _last(self, grid: Grid) -> int:
+        return round(grid.end[-1] / self.experiment.step) if len(grid.end) else 0
+
+    def _plant(self, state: State, grid: Grid, tables: "_Tables", index: np.ndarray):
+        plant = self.experiment.plant
+        roots = tuple(plant.outputs.values())
+        held, staged = tables.divide(variables(plant.graph, [*plant.update, *roots]))
+        emitted = np.empty((len(grid.start), self.stages, max(1, len(roots))))
+        new, out = self._call(plant, grid, Layout(held=held, staged=staged, emitted=roots), self.experiment.parameters,
+                              state.plant, held=tables.held(held), staged=tables.staged(staged), emitted=emitted)  # fmt: skip
+        return new, self._rows(state.plant, out, state.k, index), emitted[:, :, : len(roots)]
+
+    def _joint(self, state: State, grid: Grid, tables: "_Tables", index: np.ndarray, observers: list, recorded: list):
+        """Plant and first lockstep observer in one kernel; y is emitted only if another observer wants it."""
+        e, i = self.experiment, self.lockstep[0]
+        estimator = e.estimators[i]
+        program = _joined((e.plant.digest, estimator.program.digest), _Pair(e.plant, estimator.program))
+        wanted = len(e.estimators) > 1
+        graph = program.graph
+        roots = tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs
+                      ) if wanted else ()  # fmt: skip
+        noise = dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
+        tables = tables.extended(noise)
+        held, staged = tables.divide(variables(graph, [*program.update, *roots]))
+        emitted = np.empty((len(grid.start), self.stages, max(1, len(roots))))
+        values = e.parameters | estimator.parameters
+        new, out = self._call(program, grid, Layout(held=held, staged=staged, emitted=roots), values,
+                              np.concatenate([state.plant, state.observers[i]]),
+                              held=tables.held(held), staged=tables.staged(staged), emitted=emitted)  # fmt: skip
+        n = len(e.plant.states)
+        observers[i] = new[n:]
+        recorded[i] = self._rows(state.observers[i], out[:, n:], state.k, index)
+        return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if wanted else None, state.memory
+
+    def _observer(self, i: int, state: State, grid: Grid, tables: "_Tables", index: np.ndarray, y: np.ndarray):
+        estimator = self.experiment.estimators[i]
+        program = estimator.program
+        names = variables(program.graph, program.update)
+        outputs = [n for n in self.experiment.plant.outputs if n in names]
+        held, staged = tables.divide(names - set(outputs))
+        picked = [list(self.experiment.plant.outputs).index(n) for n in outputs]
+        parts = [p for p in (tables.staged(staged) if staged else None, y[:, :, picked]) if p is not None]
+        together = np.ascontiguousarray(np.concatenate(parts, axis=2))
+        new, out = self._call(program, grid, Layout(held=held, staged=staged + tuple(outputs)), estimator.parameters,
+                              state.observers[i], held=tables.held(held), staged=together)  # fmt: skip
+        return new, self._rows(state.observers[i], out, state.k, index)
+
+    def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray):
+        """An observer at its own sample period: one step for every sample instant t_j = j·period in [t_k, t_k+n)."""
+        e, estimator = self.experiment, self.experiment.estimators[i]
+        program, q, first = estimator.program, estimator.every, state.k
+        last = first + len(grid.base) - 1
+        j = np.arange(max(1, -(-first // q)), -(-last // q))
+        start = state.observers[i]
+        if not len(j):
+            return start, np.repeat(start[None, :], len(index), axis=0)
+        now_y = y[grid.base[j * q - first], 0, :]
+        staged, table = self._sample_table(program, j * q, q, now_y)
+        ones = np.ones(len(j), dtype=np.int64)
+        segments = Segments(ones, ones, np.zeros(len(j)), (j - 1.0) * q, np.full(len(j), e.step))
+        layout = Layout(staged=staged)
+        params = np.array([estimator.parameters[p] for p in program.parameters] or [0.0])
+        new, out = start.copy(), np.empty((len(j), len(start)))
+        kernel(program, layout)(segments, new, params, 1, out, staged=table)
+        after = np.vstack([start[None, :], out])
+        return new, after[np.searchsorted(j * q, index, side="right")]
+
+    def _sample_table(self, program: Program, k: np.ndarray, q: int, now_y: np.ndarray) -> tuple[tuple[str, ...], np.ndarray]:
+        """Inputs over each sample interval: at its start, middle, end (left limit) and at the instant now (right limit)."""
+        e, h, tiny = self.experiment, self.experiment.step, 1e-4
+        begin, end = (k - q) * h, k * h
+        middle = 0.5 * (begin + end)
+        places = {"": (begin, begin + tiny * h), "mid.": (middle, middle + tiny * h), "end.": (end, end - tiny * h),
+                  "now.": (end, end + tiny * h)}  # fmt: skip
+        names = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
+        outputs = list(e.plant.outputs)
+        table = np.empty((len(k), 1, max(1, len(names))))
+        for c, name in enumerate(names):
+            when, bare = next((w, name[len(w):]) for w in ("mid.", "end.", "now.", "") if name.startswith(w))
+            if bare in outputs:
+                table[:, 0, c] = now_y[:, outputs.index(bare)]
+            else:
+                table[:, 0, c] = e.signals[bare](*places[when])
+        return names, table
+
+    def _measured_rows(self, grid: Grid, first: int, index: np.ndarray, plant_rows: np.ndarray, y: np.ndarray | None):
+        e = self.experiment
+        at = grid.base[index - first]
+        if y is not None:
+            return y[at, 0, :]
+        values = row_values(e, index, plant_rows)
+        clean = probe(e.plant, list(e.plant.outputs), values)
+        return clean.T + e.measurement.noise_at(grid.anchor[at])
+
+
+def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict[str, np.ndarray | float]:
+    """Time, signals (right limits), parameters and plant states at recorded rows."""
+    t = index * e.step
+    anchor = t + 1e-4 * e.step
+    values: dict[str, np.ndarray | float] = {n: s(t, anchor) for n, s in e.signals.items()}
+    values |= e.parameters | {"t": t}
+    return values | {s: plant_rows[:, j] for j, s in enumerate(e.plant.states)}
+
+
+class _Tables:
+    """Signals laid out for kernels over one grid: held ones a value a segment, the others a value a stage."""
+
+    def __init__(self, grid: Grid, signals: dict[str, Signal], stages: int):
+        self.grid, self.signals, self.stages = grid, signals, stages
+
+    def extended(self, more: dict[str, Signal]) -> "_Tables":
+        return _Tables(self.grid, self.signals | more, self.stages)
+
+    def divide(self, names: set[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
+        """Of the named variables, which are held and which staged signals."""
+        mine = sorted(n for n in names if n in self.signals)
+        return tuple(n for n in mine if self.signals[n].held), tuple(n for n in mine if not self.signals[n].held)
+
+    def held(self, names: tuple[str, ...]) -> np.ndarray:
+        at = self.grid.segment_anchor
+        table = np.empty((len(at), max(1, len(names))))
+        for j, name in enumerate(names):
+            table[:, j] = self.signals[name](at, at)
+        return table
+
+    def staged(self, names: tuple[str, ...]) -> np.ndarray:
+        g = self.grid
+        table = np.empty((len(g.start), self.stages, max(1, len(names))))
+        for j, name in enumerate(names):
+            signal = self.signals[name]
+            table[:, 0, j] = signal(g.start, g.anchor)
+            if self.stages == 4:
+                table[:, 1, j] = table[:, 2, j] = signal(0.5 * (g.start + g.end), g.anchor)
+                table[:, 3, j] = signal(g.end, g.anchor)
+        return table
+
+
+__all__ = ["CONTINUOUS", "Estimator", "Experiment", "Rows", "Simulation", "State", "replace", "row_values"]
