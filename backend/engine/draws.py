@@ -1,19 +1,40 @@
 """Reproducible random numbers with random access: draw j of a stream is a function of (key, j) alone.
 
 So a run may be cut into chunks, rewound or forked without carrying a generator along, and the numbers stay the same.
+A stream is a PCG64 sequence; its block b begins 2⁶⁴·b draws further on, so blocks never overlap.
 """
 
+import threading
 from functools import lru_cache
 
 import numpy as np
 
-BLOCK = 4096
+BLOCK = 2048
+_APART = 1 << 64
+_own = threading.local()  # one generator a thread, set to the state that is wanted: making one costs more than drawing
 
 
-@lru_cache(maxsize=512)
-def _block(kind: str, key: tuple[int, ...], index: int) -> np.ndarray:
-    generator = np.random.Generator(np.random.PCG64(np.random.SeedSequence([*key, index])))
-    values = generator.standard_normal(BLOCK) if kind == "normal" else generator.random(BLOCK)
+@lru_cache(maxsize=8192)
+def _origin(key: tuple[int, ...]) -> dict:
+    """The state from which the stream of a key begins."""
+    return np.random.PCG64(np.random.SeedSequence(list(key))).state
+
+
+def _fill(kind: str, key: tuple[int, ...], block: int, out: np.ndarray) -> None:
+    if not hasattr(_own, "bits"):
+        _own.bits = np.random.PCG64(0)
+        _own.generator = np.random.Generator(_own.bits)
+    _own.bits.state = _origin(key)
+    if block:
+        _own.bits.advance(block * _APART)
+    draw = _own.generator.standard_normal if kind == "normal" else _own.generator.random
+    draw(out=out)
+
+
+@lru_cache(maxsize=256)
+def _block(kind: str, key: tuple[int, ...], block: int) -> np.ndarray:
+    values = np.empty(BLOCK)
+    _fill(kind, key, block, values)
     values.setflags(write=False)
     return values
 
@@ -22,7 +43,12 @@ def _draw(kind: str, key: tuple[int, ...], first: int, count: int) -> np.ndarray
     if count <= 0:
         return np.empty(0)
     blocks = range(first // BLOCK, (first + count - 1) // BLOCK + 1)
-    joined = np.concatenate([_block(kind, key, b) for b in blocks]) if len(blocks) > 1 else _block(kind, key, blocks[0])
+    if len(blocks) == 1:  # the usual case of a live session: the same block again and again
+        joined = _block(kind, key, blocks[0])
+    else:
+        joined = np.empty(len(blocks) * BLOCK)
+        for i, block in enumerate(blocks):
+            _fill(kind, key, block, joined[i * BLOCK : (i + 1) * BLOCK])
     start = first - blocks[0] * BLOCK
     return joined[start : start + count]
 

@@ -14,8 +14,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from backend.engine.graph import evaluate, variables
+from backend.engine.graph import variables
 from backend.engine.grid import Grid, cut
+from backend.engine.initial import observer_states
 from backend.engine.kernel import Layout, Segments, kernel
 from backend.engine.measurement import Measurement, Memory
 from backend.engine.observers.base import Context, Observer
@@ -78,22 +79,9 @@ class Rows:
 
 
 @lru_cache(maxsize=128)
-def _joined(key: tuple[str, str], pair: "_Pair") -> Program:
-    plant, observer = pair.programs
+def joined(plant: Program, observer: Program) -> Program:
+    """Plant and observer in one program; each output y gets the input ``noise.y`` added on its way."""
     return join(plant, observer, {name: (name, f"noise.{name}") for name in plant.outputs})
-
-
-class _Pair:
-    """Carries two programs past lru_cache; their digests are the key."""
-
-    def __init__(self, *programs: Program):
-        self.programs = programs
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Pair)
-
-    def __hash__(self) -> int:
-        return 0
 
 
 class Simulation:
@@ -113,28 +101,8 @@ class Simulation:
     def initial(self) -> State:
         """The state at t = 0; observers may start from the first measurement."""
         e = self.experiment
-        y = self._first_measurement()
-        observers = tuple(self._start(s, y) for s in e.estimators)
+        observers = tuple(observer_states([e], i)[:, 0].copy() for i in range(len(e.estimators)))
         return State(0, e.x0.astype(float).copy(), observers, e.measurement.start())
-
-    def _first_measurement(self) -> dict[str, float]:
-        e = self.experiment
-        at = np.array([0.5 * e.step * 1e-3])
-        zero = np.zeros(1)
-        values = {n: s(zero, at)[0] for n, s in e.signals.items()} | e.parameters | {"t": 0.0}
-        values |= dict(zip(e.plant.states, e.x0, strict=True))
-        clean = evaluate(e.plant.graph, list(e.plant.outputs.values()), values)
-        noise = e.measurement.noise_at(at)[0]
-        return {name: float(c) + noise[i] for i, (name, c) in enumerate(zip(e.plant.outputs, clean, strict=True))}
-
-    def _start(self, estimator: Estimator, y: dict[str, float]) -> np.ndarray:
-        e, program = self.experiment, estimator.program
-        zero, at = np.zeros(1), np.array([0.5 * e.step * 1e-3])
-        outside = {n: s(zero, at)[0] for n, s in e.signals.items() if not n.startswith("theta.")} | y
-        values = {f"{when}{n}": v for when in ("", "mid.", "end.", "now.") for n, v in outside.items()}
-        values |= estimator.parameters | {"t": 0.0}
-        roots = [program.outputs[f"init.{s}"] for s in program.states]
-        return np.array([float(v) for v in evaluate(program.graph, roots, values)])
 
     # ---- advancing ---------------------------------------------------------------------------------------------------
 
@@ -143,7 +111,7 @@ class Simulation:
         e, first, last = self.experiment, state.k, state.k + count
         grid = cut(first, last, e.step, self._breaks(first, last), e.every, self.substeps)
         index = np.arange(-(-first // e.every) * e.every, last, e.every)
-        tables = _Tables(grid, e.signals, self.stages)
+        tables = Tables(grid, e.signals, self.stages)
         observers, recorded = list(state.observers), [None] * len(e.estimators)
         if self.joined:
             plant, plant_rows, y, memory = self._joint(state, grid, tables, index, observers, recorded)
@@ -195,7 +163,7 @@ class Simulation:
     def _last(self, grid: Grid) -> int:
         return round(grid.end[-1] / self.experiment.step) if len(grid.end) else 0
 
-    def _plant(self, state: State, grid: Grid, tables: "_Tables", index: np.ndarray):
+    def _plant(self, state: State, grid: Grid, tables: "Tables", index: np.ndarray):
         plant = self.experiment.plant
         roots = tuple(plant.outputs.values())
         held, staged = tables.divide(variables(plant.graph, [*plant.update, *roots]))
@@ -204,11 +172,11 @@ class Simulation:
                               state.plant, held=tables.held(held), staged=tables.staged(staged), emitted=emitted)  # fmt: skip
         return new, self._rows(state.plant, out, state.k, index), emitted[:, :, : len(roots)]
 
-    def _joint(self, state: State, grid: Grid, tables: "_Tables", index: np.ndarray, observers: list, recorded: list):
+    def _joint(self, state: State, grid: Grid, tables: "Tables", index: np.ndarray, observers: list, recorded: list):
         """Plant and first lockstep observer in one kernel; y is emitted only if another observer wants it."""
         e, i = self.experiment, self.lockstep[0]
         estimator = e.estimators[i]
-        program = _joined((e.plant.digest, estimator.program.digest), _Pair(e.plant, estimator.program))
+        program = joined(e.plant, estimator.program)
         wanted = len(e.estimators) > 1
         graph = program.graph
         roots = tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs
@@ -226,7 +194,7 @@ class Simulation:
         recorded[i] = self._rows(state.observers[i], out[:, n:], state.k, index)
         return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if wanted else None, state.memory
 
-    def _observer(self, i: int, state: State, grid: Grid, tables: "_Tables", index: np.ndarray, y: np.ndarray):
+    def _observer(self, i: int, state: State, grid: Grid, tables: "Tables", index: np.ndarray, y: np.ndarray):
         estimator = self.experiment.estimators[i]
         program = estimator.program
         names = variables(program.graph, program.update)
@@ -296,14 +264,14 @@ def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict
     return values | {s: plant_rows[:, j] for j, s in enumerate(e.plant.states)}
 
 
-class _Tables:
+class Tables:
     """Signals laid out for kernels over one grid: held ones a value a segment, the others a value a stage."""
 
     def __init__(self, grid: Grid, signals: dict[str, Signal], stages: int):
         self.grid, self.signals, self.stages = grid, signals, stages
 
-    def extended(self, more: dict[str, Signal]) -> "_Tables":
-        return _Tables(self.grid, self.signals | more, self.stages)
+    def extended(self, more: dict[str, Signal]) -> "Tables":
+        return Tables(self.grid, self.signals | more, self.stages)
 
     def divide(self, names: set[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
         """Of the named variables, which are held and which staged signals."""

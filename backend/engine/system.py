@@ -60,9 +60,9 @@ class System:
         )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Program:
-    """A lowered System. ``update`` and ``outputs`` are node indices into ``graph``."""
+    """A lowered System. ``update`` and ``outputs`` are node indices into ``graph``. Equal if the digests are."""
 
     name: str
     time: str
@@ -72,6 +72,12 @@ class Program:
     graph: Graph
     update: tuple[int, ...]
     outputs: dict[str, int]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Program) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
 
     @cached_property
     def digest(self) -> str:
@@ -143,5 +149,6 @@ def join(first: Program, second: Program, links: dict[str, tuple[str, str | None
         parameters=tuple(dict.fromkeys(first.parameters + second.parameters)),
         graph=graph,
         update=tuple(moved[u] for u in first.update) + tuple(later[u] for u in second.update),
-        outputs={**{k: moved[v] for k, v in first.outputs.items()}, **{k: later[v] for k, v in second.outputs.items()}},
+        # the first's win where both have a name: y.* is what is measured, not an observer's estimate of it
+        outputs={**{k: later[v] for k, v in second.outputs.items()}, **{k: moved[v] for k, v in first.outputs.items()}},
     )
