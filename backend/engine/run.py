@@ -14,6 +14,7 @@ from backend.engine.simulation import Estimator, Experiment, Rows, Simulation, r
 from backend.engine.stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
 from backend.engine.system import CONTINUOUS
 
+_FINER = 8  # how much finer a step must diverge too before a divergence is believed
 EXPLODED = 1e12  # a state beyond this is taken as diverged: nothing physical is that large in the user's units
 
 
@@ -44,24 +45,51 @@ def run(
 
 
 def _stable_record(experiment: Experiment, progress, cancelled) -> tuple[Record, int]:
-    """Simulate; where a step turns out beyond RK4's stability bound, start again with the substeps that do."""
+    """Simulate; where a step turns out beyond RK4's stability bound, start again with the substeps that do.
+
+    A divergence may be the step's doing in a transient too short to be seen at the recorded rows, so it is believed
+    only if a finer step diverges too.
+    """
     substeps = 1
-    while True:
-        parts: list[Rows] = []
-        needed = substeps
-        total = experiment.steps + 1  # one more: the rows of a span are those at the beginnings of its steps
-        for state, rows in Simulation(experiment, substeps).spans(total):
-            if cancelled is not None and cancelled():
-                raise Cancelled("the run was cancelled")
-            parts.append(rows)
-            needed = max(needed, _needed(experiment, rows))
-            if needed > substeps:
-                break
-            if progress is not None:
-                progress(min(1.0, state.k / total))
-        if needed <= substeps:
-            return _joined_rows(parts), substeps
+    parts, needed = _spans(experiment, substeps, progress, cancelled)
+    while needed > substeps:
         substeps = _allowed(experiment, needed)
+        parts, needed = _spans(experiment, substeps, progress, cancelled)
+    record = _joined_rows(parts)
+    escaped = _escapes(experiment, record)
+    if escaped:
+        finer = _joined_rows(_spans(experiment, substeps * _FINER, None, cancelled)[0])
+        if _escapes(experiment, finer) < escaped:
+            return finer, substeps * _FINER
+    return record, substeps
+
+
+def _spans(experiment: Experiment, substeps: int, progress, cancelled) -> tuple[list[Rows], int]:
+    """Rows up to the horizon, or up to where more substeps turn out to be needed (and how many)."""
+    parts: list[Rows] = []
+    total = experiment.steps + 1  # one more: the rows of a span are those at the beginnings of its steps
+    for state, rows in Simulation(experiment, substeps).spans(total):
+        if cancelled is not None and cancelled():
+            raise Cancelled("the run was cancelled")
+        parts.append(rows)
+        needed = _needed(experiment, rows)
+        if needed > substeps:
+            return parts, needed
+        if progress is not None:
+            progress(min(1.0, state.k / total))
+    return parts, substeps
+
+
+def _escapes(experiment: Experiment, record: Record) -> int:
+    """How many observers leave the finite numbers before the plant does."""
+    if experiment.plant.time != CONTINUOUS:
+        return 0
+    ended = _finite(record.plant)
+    return sum(
+        _finite(states) < ended
+        for estimator, states in zip(experiment.estimators, record.observers, strict=True)
+        if estimator.every is None
+    )
 
 
 def _needed(experiment: Experiment, rows: Rows) -> int:

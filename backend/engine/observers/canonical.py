@@ -1,7 +1,8 @@
 """The uniformly observable canonical form of Zhao, Li & Li 2012, eqs. (2)–(5), by Lie derivatives.
 
 The map z = T(x) = (h, L_f h, …, L_f^{n−1} h), with f the drift (inputs at zero), is never inverted: an observer that
-is ẑ' = F(ẑ) + G r in the canonical coordinates is x̂' = f(x̂) + (∂T/∂x)⁻¹ G r in the user's own.
+is ẑ' = F(ẑ) + G r in the canonical coordinates is x̂' = f(x̂) + (∂T/∂x)⁻¹ G r in the user's own. A plant that has the
+triangular form (3)–(5) as it is written keeps its coordinates.
 """
 
 import random
@@ -35,6 +36,8 @@ def canonical_form(model: Model) -> CanonicalForm:
         raise _refused(model, "it is a discrete-time plant")
     x = Matrix(model.x)
     f = model.f.xreplace(model.expansion)
+    if _is_chain(model, f):
+        return CanonicalForm(ImmutableMatrix(x), ImmutableMatrix(sympy.eye(model.n)), True, True)
     drift = f.subs({u: 0 for u in model.u})
     lie = [model.h.xreplace(model.expansion)[0]]
     for _ in range(model.n - 1):
@@ -53,6 +56,14 @@ def canonical_form(model: Model) -> CanonicalForm:
     return CanonicalForm(
         ImmutableMatrix(map_), ImmutableMatrix(J), J == sympy.eye(model.n), _triangular(model, f, J, lie, points)
     )
+
+
+def _is_chain(model: Model, f: Matrix) -> bool:
+    """Whether the plant is in the form (3)–(5) as it stands: y = x1, x_i' = x_{i+1} + f_i(x1…xi, u, φ, t)."""
+    if model.h.xreplace(model.expansion)[0] != model.x[0]:
+        return False
+    rest = [sympy.expand(f[i] - model.x[i + 1]) for i in range(model.n - 1)]
+    return not any(e.free_symbols & set(model.x[i + 1 :]) for i, e in enumerate(rest))
 
 
 def _refused(model: Model, why: str) -> SpecError:
