@@ -27,6 +27,7 @@ def _kind(kind: Observer) -> dict:
 def _gain(gain: Gain) -> dict:
     plain = asdict(gain)
     plain["default"] = None if callable(gain.default) else gain.default  # None: it depends on plant and noise
+    plain["size"] = gain.size.__doc__ if callable(gain.size) else gain.size
     return plain
 
 

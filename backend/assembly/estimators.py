@@ -1,5 +1,6 @@
 """An observer as data → its program and the numbers for it, every default filled in and every name checked."""
 
+from collections.abc import Callable
 from difflib import get_close_matches
 
 from backend.engine.errors import SpecError
@@ -32,8 +33,7 @@ def _estimator(config: ObserverConfig, spec: Experiment, plant: Plant, data: dic
     sizes = {name: None if isinstance(v, float) else len(v) for name, v in gains.items()}
     written = observer_program(data, kind, channels, sizes, options)
     numbers = _numbers(gains, config, spec, plant, channels)
-    if every is not None:
-        numbers["g.period"] = every * step
+    numbers["g.period"] = context.period
     return Estimator(config.label, kind, written.program, channels, numbers, written.facts, context, every)
 
 
@@ -100,10 +100,14 @@ def _context(plant: Plant, spec: Experiment, data: dict, channels: tuple[str, ..
         step=step,
         period=step if every is None else every * step,
         model=data,
+        channels=channels,
+        noise_hold=tuple(n.sample_time if n else 0.0 for n in noise),
     )
 
 
-def _length(size: str, context: Context) -> int:
+def _length(size: str | Callable[[Context], int], context: Context) -> int:
+    if callable(size):
+        return size(context)
     counts = {"n": context.n, "m": context.m, "p": context.p}
     total, sign = 0, 1
     for part in size.replace("+", " + ").replace("-", " - ").split():
@@ -138,7 +142,8 @@ def _column(gain: Gain, value, length: int, field: str, is_default: bool) -> lis
     if len(values) != length:
         if is_default and values:
             return (values + [values[-1]] * length)[:length]
-        raise SpecError(field, values, f"it has {len(values)} entries; this plant needs {length} ({gain.size})",
+        meaning = gain.size.__doc__ if callable(gain.size) else gain.size
+        raise SpecError(field, values, f"it has {len(values)} entries; this plant needs {length} ({meaning})",
                         f"give {length} numbers, or one for all")  # fmt: skip
     return values
 

@@ -227,6 +227,8 @@ class _Noise:
         if not names:
             return None
         at = grid.segment_anchor
+        if len(names) == 1 and names[0] not in self.lanes.own:
+            return self._drawn(names[0], at, block, who)
         table = np.empty((len(at), len(names), self.lanes.width))
         for j, name in enumerate(names):
             if name not in self.lanes.own:
@@ -253,6 +255,8 @@ class _Noise:
                 m = self.lanes.experiments[r].measurement
                 drawn[lane] = m.std[output] * normal((m.seed, 3, output), start, count)
             kept = self.kept[block, output] = (start, np.ascontiguousarray(drawn.T))
+        if high - low + 1 == len(index) and (np.diff(index) == 1).all():
+            return kept[1][low - kept[0] : high - kept[0] + 1]
         return kept[1][index - kept[0]]
 
 

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from backend.engine.graph import topological
 from backend.engine.system import DISCRETE, Program
 
-INLINE_LIMIT = 4000  # nodes; above it the right-hand side becomes a function of its own, called once a stage
+INLINE_LIMIT = 6000  # nodes times stages; above it the right-hand side is a function of its own, called once a stage
 _LIBM = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "pow", "atan2")
 _COMPARE = {"lt": "olt", "le": "ole"}
 
@@ -147,6 +147,12 @@ class _Writer:
         raise ValueError(f"no instruction for {op!r}")
 
 
+def fits_inline(program: Program, layout: Layout) -> bool:
+    """Whether a program is small enough for its right-hand side to be written out in the loop, at every stage."""
+    stages = 1 if program.time == DISCRETE else 4
+    return stages * len(topological(program.graph, [*program.update, *layout.emitted])) <= INLINE_LIMIT
+
+
 def emit(program: Program, layout: Layout) -> str:
     """The IR text of one module with one function, ``run``."""
     return _Module(program, layout).text()
@@ -158,7 +164,7 @@ class _Module:
         self.roots = [*program.update, *layout.emitted]
         self.order = topological(program.graph, self.roots)
         self.stages = 1 if program.time == DISCRETE else 4
-        self.inline = len(self.order) <= INLINE_LIMIT
+        self.inline = fits_inline(program, layout)
         self.params = layout.shared_params(program)
 
     def text(self) -> str:

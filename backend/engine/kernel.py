@@ -11,8 +11,7 @@ import llvmlite.binding as llvm
 import numpy as np
 
 from backend.engine import cache
-from backend.engine.emitter import INLINE_LIMIT, Layout, emit
-from backend.engine.graph import topological
+from backend.engine.emitter import Layout, emit, fits_inline
 from backend.engine.system import Program
 
 _lock = threading.Lock()  # LLVM's compiler is entered by one thread at a time; compiled kernels run in parallel
@@ -103,10 +102,9 @@ def kernel(program: Program, layout: Layout) -> Kernel:
 
 def _object_code(program: Program, layout: Layout) -> bytes:
     module = llvm.parse_assembly(emit(program, layout))
-    size = len(topological(program.graph, [*program.update, *layout.emitted]))
-    options = llvm.create_pipeline_tuning_options(speed_level=2 if size <= INLINE_LIMIT else 1)
-    builder = llvm.create_pass_builder(_machine(), options)
-    builder.getModulePassManager().run(module, builder)
+    if fits_inline(program, layout):  # for a large straight-line function they take long and find nothing
+        builder = llvm.create_pass_builder(_machine(), llvm.create_pipeline_tuning_options(speed_level=2))
+        builder.getModulePassManager().run(module, builder)
     return _machine().emit_object(module)
 
 

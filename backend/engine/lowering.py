@@ -22,9 +22,10 @@ _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
 class Lowering:
     """Lowers expressions into one graph. Names that are neither known nor defined are refused."""
 
-    def __init__(self, graph: Graph, known: set[str]):
+    def __init__(self, graph: Graph, known: set[str], parameters: set[str] = frozenset()):
         self.graph = graph
         self.known = known
+        self.parameters = parameters
         self.memo: dict[sympy.Basic, int] = {}
 
     def define(self, symbol: sympy.Symbol, expression: sympy.Expr) -> None:
@@ -62,8 +63,14 @@ class Lowering:
     def _product(self, e: sympy.Mul) -> int:
         above = [a for a in e.args if not _is_reciprocal(a)]
         below = [1 / a for a in e.args if _is_reciprocal(a)]
+        # 1/parameter is the same in every step: found once, and a product is much quicker than a division
+        fixed = [b for b in below if b.free_symbols and {s.name for s in b.free_symbols} <= self.parameters]
+        below = [b for b in below if b not in fixed]
         top = reduce(self.graph.mul, [self(a) for a in above], self.graph.const(1.0))
-        return self.graph.div(top, reduce(self.graph.mul, [self(a) for a in below])) if below else top
+        if fixed:
+            one = self.graph.const(1.0)
+            top = self.graph.mul(top, self.graph.div(one, reduce(self.graph.mul, [self(b) for b in fixed])))
+        return self.graph.div(top, reduce(self.graph.mul, [self(b) for b in below])) if below else top
 
     def _power(self, e: sympy.Pow) -> int:
         if e.base == sympy.E:

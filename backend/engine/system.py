@@ -42,7 +42,7 @@ class System:
         from backend.engine.lowering import Lowering
 
         known = {s.name for s in (*self.states, *self.inputs, *self.parameters)} | {"t"}
-        lowering = Lowering(Graph(), known)
+        lowering = Lowering(Graph(), known, {s.name for s in self.parameters})
         for symbol, expression in self.definitions:
             lowering.define(symbol, expression)
         roots = [lowering(e) for e in (*self.update, *self.outputs.values())]

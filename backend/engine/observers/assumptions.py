@@ -38,7 +38,7 @@ def smallest_eigenvalue(gramian: np.ndarray, most: int = 2000) -> np.ndarray:
     """λmin at every row; on long records at ``most`` of them, interpolated between."""
     rows = np.flatnonzero(np.isfinite(gramian).all(axis=(1, 2)))
     values = np.full(len(gramian), np.nan)
-    if not len(rows):
+    if not len(rows) or not gramian.shape[-1]:
         return values
     picked = rows[np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).astype(int))]
     small = np.linalg.eigvalsh(gramian[picked])[:, 0]
@@ -71,8 +71,9 @@ def positive_definite(run: Observed, name: str, size: int, source: str) -> Check
     """Whether a recorded symmetric matrix stays positive definite."""
     matrices = run.matrix(name, size, size, symmetric=True)
     finite = matrices[np.isfinite(matrices).all(axis=(1, 2))]
-    if not len(finite):
-        return Check(f"{name} positive definite", CANNOT_TELL, "no finite value was recorded", None, 0.0, source)
+    if not len(finite) or not size:
+        why = "no finite value was recorded" if size else "there is nothing to estimate"
+        return Check(f"{name} positive definite", CANNOT_TELL, why, None, 0.0, source)
     picked = finite[np.unique(np.linspace(0, len(finite) - 1, 200).astype(int))]
     value = float(np.linalg.eigvalsh(picked).min())
     return Check(f"{name} positive definite", verdict(value > 0), f"smallest eigenvalue over the run: {value:.3g}",

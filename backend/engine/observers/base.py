@@ -30,7 +30,7 @@ class Context:
 class Gain:
     """A number (or column of numbers) that the user may move while the observer runs.
 
-    ``size``: None for a scalar, else one of n, m, p, n+p, n-m: the length of the column.
+    ``size``: None for a scalar, else one of n, m, p, n+p, n-m or a function of the Context: the length of the column.
     ``default``: a number, a list, or a function of the Context. ``low`` and ``high`` bound every entry (inclusive).
     """
 
@@ -39,7 +39,7 @@ class Gain:
     default: float | tuple | Callable[[Context], object]
     low: float = 0.0
     high: float = 1e6
-    size: str | None = None
+    size: str | Callable[[Context], int] | None = None
     symbol: str = ""
     unit: str = ""
 

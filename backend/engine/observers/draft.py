@@ -195,8 +195,8 @@ class Draft:
     ) -> ModelAt:
         """The plant's model at the estimate x (n×1) with inputs and signals at ``when``.
 
-        ``when`` is START, MIDDLE, END, NOW, or a fraction of the sample interval; between the first three, inputs and
-        signals are joined by lines.
+        ``when`` is START, MIDDLE, END, NOW, or a fraction of the sample interval; there, inputs and signals are on the
+        parabola through the first three.
 
         Equations that are affine in the states take x̂ as it is; the others, h where not affine, and the fault
         coefficients take x̂ saturated to the plant's domain, and definitions saturated to theirs.
@@ -233,12 +233,14 @@ class Draft:
         return swap
 
     def _between(self, prefix: str, names: Sequence[str], fraction: sympy.Rational) -> Sequence[Expr]:
-        """Known quantities at a fraction of the sample interval: lines through START, MIDDLE and END."""
+        """Known quantities at a fraction of the sample interval: on the parabola through START, MIDDLE and END."""
         start, middle, end = (symbols(f"{when}{prefix}", names) for when in (START, MIDDLE, END))
-        place, left, right = (2 * fraction, start, middle) if 2 * fraction <= 1 else (2 * fraction - 1, middle, end)
-        if place.is_Integer:
-            return right if place else left
-        return [self._let(f"{prefix}.{n}.at{fraction}", a + place * (b - a)) for n, a, b in zip(names, left, right)]
+        exact = {sympy.S.Zero: start, sympy.S.Half: middle, sympy.S.One: end}
+        if fraction in exact:
+            return exact[fraction]
+        by_middle, by_end = 4 * fraction * (1 - fraction), fraction * (2 * fraction - 1)
+        return [self._let(f"{prefix}.{n}.at{fraction}", a + by_middle * (b - a) + by_end * (c - a))
+                for n, a, b, c in zip(names, start, middle, end)]  # fmt: skip
 
     def _clipped(self, d: Definition, inside: dict, saturate: bool) -> Expr:
         value = d.expression.xreplace(inside)

@@ -12,13 +12,14 @@ def product(*factors: Matrix) -> ImmutableMatrix:
     """The matrix product, with sums over entries that are not identically zero: quick for large sparse matrices."""
     result = factors[0]
     for factor in factors[1:]:
-        rows = [[(k, result[i, k]) for k in range(result.shape[1]) if result[i, k] != 0] for i in range(result.shape[0])]
-        result = ImmutableMatrix(
-            result.shape[0],
-            factor.shape[1],
-            lambda i, j, rows=rows, factor=factor: sympy.Add(*[a * factor[k, j] for k, a in rows[i] if factor[k, j] != 0]),
-        )
+        result = _times(result, factor)
     return ImmutableMatrix(result)
+
+
+def _times(X: Matrix, Y: Matrix) -> ImmutableMatrix:
+    rows = [[(k, X[i, k]) for k in range(X.shape[1]) if X[i, k] != 0] for i in range(X.shape[0])]
+    entry = lambda i, j: sympy.Add(*[a * Y[k, j] for k, a in rows[i] if Y[k, j] != 0])
+    return ImmutableMatrix(X.shape[0], Y.shape[1], entry)
 
 
 def symmetric(size: int, entry: Callable[[int, int], sympy.Expr]) -> ImmutableMatrix:
@@ -62,17 +63,18 @@ def solve(draft: Draft, name: str, M: Matrix, b: Matrix) -> ImmutableMatrix:
     return ImmutableMatrix(solution)
 
 
-def cholesky(draft: Draft, name: str, M: Matrix, floor: float = 1e-300) -> ImmutableMatrix:
+def cholesky(draft: Draft, name: str, M: Matrix) -> ImmutableMatrix:
     """Lower triangular L with L Lᵀ = M for symmetric positive definite M (only the lower triangle is read).
 
-    Pivots are kept above ``floor`` so that rounding on a nearly singular matrix gives no NaN.
+    A pivot that rounding has made negative or tiny is taken as 1e-15 of its diagonal entry.
     """
     size = M.shape[0]
     L = sympy.zeros(size, size).as_mutable()
     for j in range(size):
-        pivot = M[j, j] - sum((L[j, k] ** 2 for k in range(j)), sympy.S.Zero)
-        L[j, j] = draft.let(f"{name}.{j}.{j}", sympy.sqrt(sympy.Max(pivot, sympy.Float(floor), evaluate=False)))
+        pivot = M[j, j] - sympy.Add(*[L[j, k] ** 2 for k in range(j)])
+        least = sympy.Max(sympy.Float(1e-15) * M[j, j], sympy.Float(1e-300), evaluate=False)
+        L[j, j] = draft.let(f"{name}.{j}.{j}", sympy.sqrt(sympy.Max(pivot, least, evaluate=False)))
         for i in range(j + 1, size):
-            rest = sum((L[i, k] * L[j, k] for k in range(j)), sympy.S.Zero)
+            rest = sympy.Add(*[L[i, k] * L[j, k] for k in range(j)])
             L[i, j] = draft.let(f"{name}.{i}.{j}", (M[i, j] - rest) / L[j, j])
     return ImmutableMatrix(L)

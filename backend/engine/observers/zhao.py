@@ -44,8 +44,8 @@ def write(d: Draft) -> None:
 
     dUpsilon = rho * (A0(n) - k0(n) * c0(n)) * Upsilon + rho * Delta.inv() * Phi - rho * k0(n) * Psi  # (34a)
     dGamma = lam * Gamma - GammaOmega * GammaOmega.T  # (34b)
-    correction = Delta * (k0(n) + Upsilon * GammaOmega / rho) * r
-    dx = at.f + at.Phi * theta + to_user(d, at, form, ImmutableMatrix(correction))  # (34c)
+    gain = d.let("gain", Delta * (k0(n) + Upsilon * GammaOmega / rho))
+    dx = at.f + at.Phi * theta + to_user(d, at, form, gain * r)  # (34c)
     dtheta = GammaOmega * r  # (34d)
 
     d.set(Upsilon, dUpsilon)

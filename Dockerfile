@@ -1,0 +1,32 @@
+# The service as an image: docker compose up, or docker build -t thetascope . && docker run -p 8000:8000 thetascope
+FROM python:3.11-slim AS build
+ENV PIP_DISABLE_PIP_VERSION_CHECK=1 PIP_NO_CACHE_DIR=1
+RUN python -m venv /opt/thetascope
+WORKDIR /source
+COPY requirements.txt ./
+RUN /opt/thetascope/bin/pip install --require-hashes --requirement requirements.txt
+COPY pyproject.toml README.md ./
+COPY shared shared
+COPY backend backend
+COPY frontend frontend
+RUN /opt/thetascope/bin/pip install --no-deps --no-build-isolation .
+
+FROM python:3.11-slim
+RUN useradd --system --uid 10001 --no-create-home --shell /usr/sbin/nologin thetascope \
+ && install -d -o thetascope -g thetascope /data /cache
+COPY --from=build /opt/thetascope /opt/thetascope
+# /data holds the runs, /cache compiled kernels: both are written, nothing else is.
+ENV PATH=/opt/thetascope/bin:$PATH \
+    PYTHONUNBUFFERED=1 \
+    PYTHONDONTWRITEBYTECODE=1 \
+    THETASCOPE_HOST=0.0.0.0 \
+    THETASCOPE_PORT=8000 \
+    THETASCOPE_DATA=/data \
+    THETASCOPE_CACHE=/cache
+USER thetascope
+WORKDIR /data
+VOLUME ["/data", "/cache"]
+EXPOSE 8000
+HEALTHCHECK --interval=10s --timeout=5s --start-period=15s --retries=3 \
+    CMD ["python", "-c", "import urllib.request as r; r.urlopen('http://127.0.0.1:8000/api/health', timeout=4)"]
+CMD ["thetascope", "serve"]

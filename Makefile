@@ -1,0 +1,48 @@
+# make run    set up and serve the page (PORT=9000 for another port, HOST=0.0.0.0 for other machines)
+# make test   set up and check everything (ARGS="tests/engine -k zhao" for a part)
+
+# The first Python that is new enough; PYTHON=... chooses another.
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
+	"$$p" -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && { echo "$$p"; break; }; done)
+BIN := .venv/bin
+HERE = $(if $(PYTHON),,$(error Python 3.11 or newer is needed, and no python3 here is. Install one, or name it: make run PYTHON=/path/to/python3.11))
+
+# A browser is opened where there is a screen; elsewhere a text browser would take the terminal.
+OPEN := $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname -s)),$(if $(CI)$(SSH_CONNECTION),,--open))
+SERVE := $(OPEN) $(if $(PORT),--port $(PORT)) $(if $(HOST),--host $(HOST))
+
+.PHONY: run test lint bench docs pins clean help
+.DEFAULT_GOAL := help
+
+run: ## Serve the page; the address is printed
+	$(HERE)@$(PYTHON) tools/environment.py run
+	@exec $(BIN)/thetascope serve $(SERVE)
+
+test: lint ## Check everything, in a browser too
+	@browser=$$($(BIN)/python tools/browser.py) || exit 1; \
+	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(ARGS)
+
+lint: ## Check style
+	$(HERE)@$(PYTHON) tools/environment.py dev
+	@$(BIN)/ruff check --quiet .
+
+bench: ## Measure speed
+	$(HERE)@$(PYTHON) tools/environment.py bench
+	@$(BIN)/python -m benchmarks $(ARGS)
+
+docs: ## Write docs/observers.md anew from the observers' files
+	$(HERE)@$(PYTHON) tools/environment.py dev
+	@$(BIN)/python -m tools.document_observers
+
+pins: ## Choose versions anew from pyproject.toml (needs uv)
+	uv pip compile --quiet $(PIN) --group build --output-file requirements.txt pyproject.toml
+	uv pip compile --quiet $(PIN) --group build --group dev --constraint requirements.txt --output-file requirements-dev.txt pyproject.toml
+	uv pip compile --quiet $(PIN) --group build --group dev --group bench --constraint requirements-dev.txt --output-file requirements-bench.txt pyproject.toml
+PIN := --universal --python-version 3.11 --fork-strategy fewest --generate-hashes --upgrade --custom-compile-command "make pins"
+
+clean: ## Remove the environment and what tools left behind
+	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +
+
+help:
+	@sed -n 's/^\([a-z]*\):.*## /make \1: /p' Makefile

@@ -1,0 +1,1 @@
+"""The REST interface under /api: thin routers over the library, the run manager, the exports and the figures."""

@@ -1,0 +1,37 @@
+"""What the routers work with, made once per application."""
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from fastapi import Depends, Request
+
+from backend.runs.manager import RunManager
+from backend.settings import Settings
+from backend.store import Database, RunStore
+
+
+@dataclass(frozen=True)
+class Services:
+    """The settings, the run manager and the store's database of one application."""
+
+    settings: Settings
+    runs: RunManager
+    database: Database
+
+    @classmethod
+    def start(cls, settings: Settings) -> "Services":
+        """Open the store and start the manager. Raises StoreError."""
+        database = Database(settings.database)
+        return cls(settings, RunManager(settings, RunStore(database, settings.store_limit)), database)
+
+    def close(self) -> None:
+        self.runs.close()
+        self.database.close()
+
+
+def of_request(request: Request) -> Services:
+    """The services of the application that handles this request."""
+    return request.app.state.services
+
+
+Use = Annotated[Services, Depends(of_request)]

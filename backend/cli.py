@@ -1,0 +1,130 @@
+"""The command line: `thetascope serve | run | list | check`.
+
+Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong use of the command, 130 interrupted.
+Modules are imported by the commands that need them, so that `--help` and mistakes answer at once.
+"""
+
+import argparse
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+FORMATS = (".csv", ".json", ".mat", ".html")
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command and return its exit code."""
+    options = parser().parse_args(arguments)
+    try:
+        return options.command(options)
+    except KeyboardInterrupt:
+        return _fail("interrupted", 130)
+    except BrokenPipeError:  # `thetascope list | head`
+        sys.stderr.close()
+        return 0
+    except _expected() as error:
+        return _fail(str(error), 1)
+
+
+def parser() -> argparse.ArgumentParser:
+    """What the command line understands."""
+    top = argparse.ArgumentParser(prog="thetascope", description="Adaptive observers finding faults.")
+    commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
+
+    serve = commands.add_parser("serve", help="serve the page and the REST interface")
+    serve.add_argument("--host", help="address to listen on (default 127.0.0.1)")
+    serve.add_argument("--port", type=int, help="port to listen on (default 8000; 0 takes a free one)")
+    serve.add_argument("--open", action="store_true", help="open the page in the browser")
+    serve.set_defaults(command=_serve)
+
+    run = commands.add_parser("run", help="run an experiment", description=_RUN)
+    run.add_argument("experiment", metavar="EXPERIMENT|FILE", help="library id, or a YAML or JSON file")
+    changes = "change a value: observers.adaptive.gains.rho=8, noise.y.std=0, faults.0.size=0.03"
+    run.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", dest="changes", help=changes)
+    outputs = f"write the result; the ending tells the format: {' '.join(FORMATS)}"
+    run.add_argument("--out", action="append", default=[], type=_output, metavar="FILE", help=outputs)
+    run.add_argument("--quiet", action="store_true", help="print nothing but errors")
+    run.add_argument("--no-store", action="store_true", help="neither look the run up in the store nor keep it there")
+    run.set_defaults(command=_run)
+
+    listing = commands.add_parser("list", help="list the library's experiments and plants")
+    listing.set_defaults(command=_list)
+
+    check = commands.add_parser("check", help="check a plant file")
+    check.add_argument("plant", metavar="PLANTFILE", type=Path, help="a YAML or JSON file")
+    check.set_defaults(command=_check)
+    return top
+
+
+_RUN = "Run an experiment and print how its observers did. The same spec gives the same numbers, bit for bit."
+
+
+def _output(text: str) -> Path:
+    path = Path(text)
+    if path.suffix.lower() not in FORMATS:
+        raise argparse.ArgumentTypeError(f"{text!r} ends in none of {' '.join(FORMATS)}")
+    if not path.absolute().parent.is_dir():
+        raise argparse.ArgumentTypeError(f"there is no folder {str(path.absolute().parent)!r}")
+    return path
+
+
+def _serve(options: argparse.Namespace) -> int:
+    from backend.app import serve
+    from backend.settings import load
+
+    def ready(address: str) -> None:
+        print(f"Thetascope is at {address} (Ctrl-C stops it)", flush=True)
+        if options.open:
+            import webbrowser
+
+            webbrowser.open(address)
+
+    serve(load(host=options.host, port=options.port), ready)
+    return 0
+
+
+def _run(options: argparse.Namespace) -> int:
+    from backend.commands.run import run_command
+
+    return run_command(options)
+
+
+def _list(options: argparse.Namespace) -> int:
+    from backend import library
+    from backend.commands.terminal import table
+
+    experiments = [
+        [item.id, item.plant if isinstance(item.plant, str) else item.plant.id, item.title]
+        for item in library.experiments().values()
+    ]
+    plants = [[item.id, item.time.kind, item.title] for item in library.plants().values()]
+    print(table(["EXPERIMENT", "PLANT", "TITLE"], experiments))
+    print()
+    print(table(["PLANT", "TIME", "TITLE"], plants))
+    return 0
+
+
+def _check(options: argparse.Namespace) -> int:
+    from backend.commands.check import check_command
+
+    return check_command(options.plant)
+
+
+def _expected() -> tuple[type[Exception], ...]:
+    """The errors whose message is all a user needs; others are faults of the program and keep their traceback."""
+    from backend.engine.errors import ThetascopeError
+    from backend.runs.documents import DocumentError, DocumentRefused
+    from backend.runs.errors import InvalidSpec, Refusal
+    from backend.settings import SettingsError
+    from backend.store import StoreError
+
+    return ThetascopeError, DocumentError, DocumentRefused, InvalidSpec, Refusal, SettingsError, StoreError, OSError
+
+
+def _fail(message: str, code: int) -> int:
+    print(f"thetascope: {message}", file=sys.stderr)
+    return code
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,171 @@
+"""`thetascope run`: the same specs, limits and store as the service, in this process."""
+
+import argparse
+import shlex
+import sys
+from concurrent.futures import ThreadPoolExecutor, wait
+from pathlib import Path
+
+from backend import assembly
+from backend.commands.terminal import Progress, number, table
+from backend.engine.errors import Cancelled, SpecError
+from backend.engine.result import Result
+from backend.export import csv_chunks, json_bytes, matlab_bytes, select
+from backend.runs.documents import read
+from backend.runs.errors import InvalidSpec, from_engine, invalid
+from backend.runs.execution import allow, completed
+from backend.runs.job import Finished, Job
+from backend.runs.overrides import parse_assignment
+from backend.runs.records import record_of
+from backend.runs.report import report_html
+from backend.runs.requests import asked
+from backend.runs.resolve import library_experiment, resolved, with_changes
+from backend.runs.version import engine_version
+from backend.settings import Settings, load
+from backend.store import Database, RunStore, StoreError
+from shared.experiment import Experiment
+
+
+def run_command(options: argparse.Namespace) -> int:
+    """Run an experiment, write the files asked for, print how the observers did."""
+    settings = load()
+    spec = experiment_of(options.experiment, settings)
+    spec = with_changes(spec, dict(parse_assignment(text) for text in options.changes))
+    store = None if options.no_store else open_store(settings)
+    finished = result_of(spec, settings, store, Progress(quiet=options.quiet))
+    for path in options.out:
+        write(finished, path, command_line(options, path))
+    if not options.quiet:
+        print(outcome(finished))
+    return 0
+
+
+def experiment_of(target: str, settings: Settings) -> Experiment:
+    """The experiment of a library id or a file. Raises Unknown, DocumentError or DocumentRefused."""
+    path = Path(target)
+    if not path.suffix and not path.exists():
+        return library_experiment(target)
+    document = read(path, settings.max_body)
+    try:
+        return asked(document.data)
+    except InvalidSpec as error:
+        raise document.refused(error.errors) from None
+
+
+def result_of(spec: Experiment, settings: Settings, store: RunStore | None, progress: Progress) -> Finished:
+    """The run of a spec, from the store or computed (and kept in the store)."""
+    complete = resolved(spec)
+    job = Job(complete.spec_hash(), spec)
+    result = store and store.get_result(job.id, engine_version())
+    if result is not None:
+        return completed(job.snapshot(), result)
+    finished = completed(job.snapshot(), compute(job, complete, settings, progress))
+    if store is not None:
+        _keep(store, finished)
+    return finished
+
+
+def compute(job: Job, spec: Experiment, settings: Settings, progress: Progress) -> Result:
+    """Prepare and run in a thread, so that this one can draw the progress and hear Ctrl-C."""
+
+    def work() -> Result:
+        prepared = assembly.prepare(spec)
+        allow(spec, prepared.cost, settings)
+        job.begin(settings.max_seconds)
+        return prepared.run(job.report, job.stopped)
+
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(work)
+        try:
+            while not wait([future], timeout=0.05).done:
+                progress.show(job.progress)
+        except KeyboardInterrupt:
+            job.cancel()
+            raise
+        finally:
+            progress.close()
+        try:
+            return future.result()
+        except SpecError as error:
+            raise from_engine(error) from None
+        except Cancelled:
+            raise invalid(
+                "horizon", spec.horizon, f"the run took longer than {settings.max_seconds:g} s and was stopped",
+                "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_SECONDS",
+            ) from None  # fmt: skip
+
+
+def open_store(settings: Settings) -> RunStore | None:
+    """The store, or None with a warning: a run needs none."""
+    try:
+        return RunStore(Database(settings.database), settings.store_limit)
+    except StoreError as error:
+        print(f"thetascope: the run is not kept. {error}", file=sys.stderr)
+        return None
+
+
+def _keep(store: RunStore, finished: Finished) -> None:
+    try:
+        store.put(record_of(finished.snapshot))
+        store.put_result(finished.snapshot.id, engine_version(), finished.result)
+    except StoreError as error:
+        print(f"thetascope: the run is not kept. {error}", file=sys.stderr)
+
+
+def write(finished: Finished, path: Path, command: str) -> None:
+    """Write a result in the format that the file's ending tells."""
+    suffix, whole = path.suffix.lower(), select(finished.result)
+    if suffix == ".csv":
+        with path.open("wb") as stream:
+            stream.writelines(csv_chunks(whole))
+    elif suffix == ".html":
+        path.write_text(report_html(finished, command), encoding="utf-8")
+    else:
+        path.write_bytes(matlab_bytes(whole) if suffix == ".mat" else json_bytes(whole))
+
+
+def command_line(options: argparse.Namespace, path: Path) -> str:
+    """The command that writes one of the files again."""
+    changes = [part for change in options.changes for part in ("--set", change)]
+    return shlex.join(["thetascope", "run", options.experiment, *changes, "--out", path.name])
+
+
+def outcome(finished: Finished) -> str:
+    """A run in a few lines: for every observer and fault the truth, the estimate and whether it has settled."""
+    from backend.diagnosis.metrics import summary
+
+    spec, result = finished.snapshot.spec, finished.result
+    title = spec.title or spec.id
+    lines = [f"{title}: {spec.horizon:g} s in steps of {result.step:g} s, run {finished.snapshot.id[:12]}"]
+    if result.diverged:
+        lines.append(f"The plant itself diverged at {result.diverged.time:.4g} s: {result.diverged.cause}")
+    measures = summary(result, spec.faults)
+    rows = [row for label, found in measures.items() for row in _rows(label, found)]
+    if rows:
+        lines += ["", table(["OBSERVER", "FAULT", "TRUE", "ESTIMATE", "MEAN ERROR", "STD", "SETTLED"], rows), ""]
+    lines += [line for label, found in measures.items() for line in _sentences(label, found)]
+    lines += [
+        f"{o.label}: {c.name} fails: {c.text}" for o in result.observers for c in o.checks if c.verdict == "fails"
+    ]
+    return "\n".join([*lines, *result.notes]).rstrip()
+
+
+def _rows(label: str, measures: dict) -> list[list[str]]:
+    """Lines of the table. Mean error and its scatter are over the last tenth of the run."""
+    settled = {step["channel"]: step["time"] for step in measures["settling"]}
+    rows = []
+    for channel, end in {} if measures["diverged"] else measures["theta"].items():
+        after = "–" if channel not in settled else "no" if settled[channel] is None else f"{settled[channel]:.2f} s"
+        values = (end["truth"], end["estimate"], end["mean_error"], end["std"])
+        rows.append([label, channel, *map(number, values), after])
+    return rows
+
+
+def _sentences(label: str, measures: dict) -> list[str]:
+    """What the table cannot hold: an observer that diverged, and one that estimates no fault."""
+    if measures["diverged"]:
+        return [f"{label} diverged at {measures['diverged']['time']:.4g} s: {measures['diverged']['cause']}"]
+    if measures["theta"]:
+        return []
+    states = ", ".join(f"{state} {number(value, 3)}" for state, value in measures["rmse_end"].items())
+    return [f"{label} estimates states only; rms errors over the last tenth of the run: {states}"]

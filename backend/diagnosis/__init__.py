@@ -1,0 +1,1 @@
+"""Residuals, measures and decisions on a finished result: pure NumPy above the engine."""

@@ -1,0 +1,62 @@
+"""A result in a few numbers: the summary that goes with a run."""
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from backend.diagnosis.metrics import state_rmse
+from backend.engine.result import Check, Diverged, ObserverReport, Result
+from shared.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
+
+
+def summarise(result: Result) -> RunSummary:
+    """The run's summary: divergence, errors and assumption checks of every observer."""
+    return RunSummary(
+        columns=len(result.names),
+        rows=result.data.shape[1],
+        step=result.step,
+        substeps=result.substeps,
+        diverged=_divergence(result.diverged),
+        observers=tuple(_observer(result, report) for report in result.observers),
+        notes=tuple(result.notes),
+        seconds=result.seconds,
+    )
+
+
+def _observer(result: Result, report: ObserverReport) -> ObserverSummary:
+    return ObserverSummary(
+        label=report.label,
+        kind=report.kind,
+        title=report.title,
+        diverged=_divergence(report.diverged),
+        rmse=state_rmse(result, report.label),
+        checks=tuple(_check(check) for check in report.checks),
+        facts={name: jsonable(value) for name, value in report.facts.items()},
+    )
+
+
+def _check(check: Check) -> AssumptionCheck:
+    return AssumptionCheck(**jsonable(asdict(check)))
+
+
+def _divergence(diverged: Diverged | None) -> Divergence | None:
+    return None if diverged is None else Divergence(time=diverged.time, cause=diverged.cause)
+
+
+def jsonable(value: object) -> Any:
+    """Plain JSON data: arrays as lists, complex numbers as [re, im], null for what is not finite, text for the rest."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, complex):
+        return [jsonable(value.real), jsonable(value.imag)]
+    if isinstance(value, dict):
+        return {str(key): jsonable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [jsonable(item) for item in value]
+    return str(value)

@@ -1,0 +1,46 @@
+// Small helpers for the document: elements, symbols, numbers. Text is always set as text, never as markup.
+
+/** An element: h('button', {class: 'run', onclick: f}, 'Run'). Properties that are null or false are left out. */
+export function h(tag, properties = {}, ...children) {
+  const element = tag === 'svg' || SVG.has(tag)
+    ? document.createElementNS('http://www.w3.org/2000/svg', tag) : document.createElement(tag);
+  for (const [name, value] of Object.entries(properties)) {
+    if (value === null || value === undefined || value === false) continue;
+    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
+    else element.setAttribute(name, value === true ? '' : value);
+  }
+  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return element;
+}
+const SVG = new Set(['path', 'line', 'rect', 'circle', 'g', 'text', 'title']);
+
+const GREEK = Object.fromEntries(('alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ '
+  + 'nu ν xi ξ pi π rho ρ sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π '
+  + 'Sigma Σ Phi Φ Psi Ψ Omega Ω').split(' ').reduce((pairs, word, place, all) => (
+  place % 2 ? pairs : [...pairs, [word, all[place + 1]]]), []));
+
+/** A name as mathematics: theta1 becomes an italic θ with the index 1; `hat` puts the hat of an estimate on it. */
+export function symbol(name, hat = false) {
+  const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
+  const [base, index] = match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1]))
+    ? [match[1], match[2]] : [name, ''];
+  const letter = Object.hasOwn(GREEK, base) ? GREEK[base] : base.replaceAll('_', ' ');
+  return h('span', {class: 'math'}, h('i', {class: hat ? 'hat' : null}, letter), index && h('sub', {}, index));
+}
+
+/** A number to four significant digits, powers of ten as such. */
+export function number(value, digits = 4) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return '–';
+  if (value === 0) return '0';
+  const size = Math.abs(value);
+  if (size >= 1e-3 && size < 1e5) return String(Number(value.toPrecision(digits))).replace('-', '−');
+  const [mantissa, power] = value.toExponential(digits - 2).split('e');
+  const raised = [...String(Number(power))].map((c) => '⁻⁰¹²³⁴⁵⁶⁷⁸⁹'['-0123456789'.indexOf(c)]).join('');
+  return `${Number(mantissa)}·10${raised}`.replace('-', '−');
+}
+
+/** Replace an element's children. */
+export function fill(element, ...children) {
+  element.replaceChildren(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  return element;
+}

@@ -1,0 +1,23 @@
+// When each fault acts, as bars over the horizon.
+
+import {fill, h, symbol} from '../dom.js';
+import {text} from '../strings.js';
+
+/** The timeline of an experiment, with what its plant says of the channels. */
+export function timeline(spec, plant) {
+  if (!spec.faults.length) return h('p', {class: 'soft'}, text.noFaults);
+  const rows = spec.faults.map((fault) => {
+    const name = fault.channel ?? fault.output;
+    const channel = plant?.channels.find((one) => one.name === name);
+    const share = (time) => `${Math.min(100, (100 * time) / spec.horizon)}%`;
+    const from = fault.onset;
+    const to = fault.end ?? spec.horizon;
+    const words = channel?.title ? `${channel.title}, ${fault.shape}` : fault.shape;
+    return h('li', {title: text.faultText(channel?.title || name, fault.shape, from, fault.end)},
+      h('span', {class: 'name'}, symbol(name), h('small', {}, words)),
+      h('span', {class: 'track'}, h('span', {class: 'bar', style: `left:${share(from)};right:calc(100% - ${share(to)})`},
+        h('small', {}, `${from} s`))));
+  });
+  const ticks = [0, 0.25, 0.5, 0.75, 1].map((share) => h('span', {}, String(Number((share * spec.horizon).toPrecision(6)))));
+  return fill(h('div', {class: 'timeline'}), h('ul', {'aria-label': text.timeline}, rows), h('div', {class: 'ticks', 'aria-hidden': 'true'}, ticks));
+}

@@ -1,0 +1,28 @@
+// The header: name, connection, interface, theme.
+
+import {fill, h} from '../dom.js';
+import {text} from '../strings.js';
+
+const ICON = 'M8 2.500a5.500 5.500 0 0 1 0 11z';
+
+export function mountTop(root, connection) {
+  const state = h('span', {class: 'connection', role: 'status'});
+  const theme = h('button', {class: 'quiet', type: 'button', title: text.themeHint, onclick: () => window.theme.toggle()});
+  const showConnection = () => {
+    state.classList.toggle('lost', connection.lost);
+    fill(state, h('span', {class: 'dot'}), connection.lost ? text.lost : text.connected);
+  };
+  const showTheme = () => {
+    const icon = h('svg', {viewBox: '0 0 16 16', width: 15, height: 15, fill: 'none', stroke: 'currentColor',
+      'stroke-width': 1.6, 'aria-hidden': 'true'}, h('circle', {cx: 8, cy: 8, r: 5.5}), h('path', {d: ICON, fill: 'currentColor'}));
+    fill(theme, icon, h('span', {}, window.theme.now === 'dark' ? text.toLight : text.toDark));
+  };
+  connection.addEventListener('change', showConnection);
+  addEventListener('theme', showTheme);
+  showConnection();
+  showTheme();
+  fill(root,
+    h('a', {class: 'logo', href: '/'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, text.title)),
+    h('span', {class: 'grow'}), state,
+    h('a', {class: 'quiet', href: '/docs', title: text.interfaceHint}, text.interface), theme);
+}

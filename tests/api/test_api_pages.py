@@ -1,0 +1,95 @@
+"""What a browser loads: types, caching, policy, and nothing from elsewhere."""
+
+import gzip
+import json
+import re
+
+import pytest
+
+from backend.client import ServiceError
+from backend.engine.observers.registry import kinds
+
+
+def test_plotly_comes_from_the_installed_wheel_compressed_and_is_not_sent_twice(client):
+    """Its version is the one that the figures are made for."""
+    from importlib.metadata import version
+
+    status, headers, plain = client.request("GET", "/assets/plotly.min.js")
+    assert status == 200 and headers["content-type"].startswith("text/javascript")
+    assert b"plotly.js v" in plain[:200] and version("plotly")
+    client._connection.request("GET", "/assets/plotly.min.js", headers={"Accept-Encoding": "gzip"})
+    answer = client._connection.getresponse()
+    assert gzip.decompress(answer.read()) == plain
+    client._connection.request("GET", "/assets/plotly.min.js", headers={"If-None-Match": answer.headers["etag"]})
+    again = client._connection.getresponse()
+    assert (again.status, again.read()) == (304, b"")
+
+
+@pytest.mark.parametrize("page", ["/docs", "/redoc"])
+def test_the_documentation_loads_only_files_of_this_service(client, page):
+    """Offline: every script and style is here, with its type; no script stands within the page."""
+    html = client.request("GET", page)[2].decode()
+    loaded = re.findall(r'(?:src|href)="(?!data:)([^"]+)"', html)
+    assert loaded and all(path.startswith("/assets/") for path in loaded)
+    for path in loaded:
+        _, headers, content = client.request("GET", path)
+        assert content and headers["content-type"].split(";")[0] in ("text/javascript", "text/css")
+        assert b"://cdn." not in content
+    assert not re.search(r"<script[^>]*>[^<]", html)
+
+
+def test_every_answer_has_the_security_headers(client):
+    """Pages, data and problems alike."""
+    for path in ("/docs", "/api/health", "/openapi.json"):
+        headers = client.request("GET", path)[1]
+        assert "default-src 'self'" in headers["content-security-policy"]
+        assert "script-src 'self';" in headers["content-security-policy"]
+        assert (headers["x-content-type-options"], headers["referrer-policy"]) == ("nosniff", "no-referrer")
+
+
+def test_files_outside_the_page_are_not_served(client):
+    """No path leads out of the folder."""
+    for path in (
+        "/../backend/settings.py",
+        "/%2e%2e/backend/settings.py",
+        "/assets/../settings.py",
+        "/assets/settings.py",
+    ):
+        with pytest.raises(ServiceError) as refusal:
+            client.request("GET", path)
+        assert refusal.value.status == 404
+
+
+def test_the_openapi_document_has_every_schema_it_refers_to_with_units_bounds_and_an_example(client):
+    """Bodies that are read by hand are described as well."""
+    document = client.get("/openapi.json")
+    schemas = document["components"]["schemas"]
+    referred = set(re.findall(r'"#/components/schemas/([^"]+)"', json.dumps(document)))
+    assert referred <= set(schemas)
+    body = document["paths"]["/api/runs"]["post"]["requestBody"]["content"]["application/json"]["schema"]
+    assert body["anyOf"][0]["$ref"].endswith("/Experiment")
+    assert schemas["Experiment"]["examples"] and schemas["Parameter"]["properties"]["unit"]
+    assert {"Plant", "RunRequest", "Problem", "Run", "Progress"} <= set(schemas)
+
+
+def test_the_catalogue_has_what_a_form_needs(client):
+    """Every observer with its gains and their meaning, every fault shape and signal with typed fields."""
+    catalogue = client.catalogue()
+    assert [kind["id"] for kind in catalogue["observers"]] == list(kinds())
+    zhao = next(kind for kind in catalogue["observers"] if kind["id"] == "zhao-adaptive")
+    rho = next(gain for gain in zhao["gains"] if gain["name"] == "rho")
+    assert rho["meaning"] and rho["low"] <= 4 <= rho["high"]
+    shapes = {fault["shape"]: fault for fault in catalogue["faults"]}
+    assert len(shapes) == 15 and shapes["stuck"]["on"] == "output" and shapes["ramp"]["on"] == "channel"
+    duration = next(field for field in shapes["ramp"]["fields"] if field["name"] == "duration")
+    assert (duration["type"], duration["required"], duration["above"]) == ("number", True, 0)
+    assert {signal["kind"] for signal in catalogue["signals"]} >= {"constant", "steps", "pulse", "sine", "expression"}
+    assert {plant["id"] for plant in catalogue["plants"]} >= {"dts200", "dc-motor", "quadruple-tank"}
+
+
+def test_library_items_come_in_full_and_are_specs_that_can_be_posted_back(client):
+    """Copy, change, run."""
+    lines = client.get("/api/experiments")["experiments"]
+    assert {line["id"] for line in lines} >= {"zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012"}
+    plant = client.get(client.get("/api/plants")["plants"][0]["href"])
+    assert client.check(plant)["valid"]

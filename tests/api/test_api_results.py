@@ -1,0 +1,118 @@
+"""/api/runs/{id}/data, /figures and /report."""
+
+import base64
+import csv
+import io
+import json
+
+import numpy as np
+import pytest
+from scipy.io import loadmat
+
+from backend.client import ServiceError
+
+
+def test_the_columns_are_those_of_the_contract_in_its_order(client, run):
+    """t, inputs, known signals, states, faults, outputs, then the observer's."""
+    names = list(client.data(run["id"]))
+    assert names[0] == "t"
+    first = [name.split(".")[0] for name in names]
+    order = ["t", "u", "signal", "x", "theta", "y", "adaptive"]
+    assert [part for i, part in enumerate(first) if part not in first[:i]] == order
+    assert [name for name in names if name.startswith("adaptive.theta.")] == [
+        f"adaptive.theta.theta{i}" for i in (1, 2, 3)
+    ]
+
+
+def test_csv_json_and_mat_hold_the_same_numbers_to_the_last_bit(client, run):
+    """Read by other programs' readers."""
+    base = run["links"]["data"]
+    exact = client.data(run["id"])
+    text = client.request("GET", f"{base}?format=csv")[2].decode()
+    head, *rows = csv.reader(io.StringIO(text))
+    assert head == list(exact)
+    assert np.array_equal(np.array(rows, dtype=float).T, np.array(list(exact.values())), equal_nan=True)
+    plain = client.get(f"{base}?format=json")
+    assert plain["rows"] == 501 and plain["columns"]["x.x1"] == exact["x.x1"].tolist()
+    matlab = loadmat(io.BytesIO(client.request("GET", f"{base}?format=mat")[2]))
+    assert np.array_equal(matlab["adaptive_theta_theta1"].ravel(), exact["adaptive.theta.theta1"])
+
+
+def test_a_part_of_the_data_is_a_range_some_columns_and_fewer_rows(client, run):
+    """from, to, columns with patterns, every, points."""
+    found = client.data(run["id"], ["t", "theta.*"], start=1, end=2)
+    assert list(found) == ["t", "theta.theta1", "theta.theta2", "theta.theta3"]
+    assert (found["t"][0], found["t"][-1], len(found["t"])) == (1, 2, 101)
+    fewer = client.get(f"{run['links']['data']}?format=json&columns=t&points=10")
+    assert fewer["rows"] <= 10 and fewer["columns"]["t"][0] == 0
+
+
+def test_data_that_the_browser_has_is_not_sent_again(client, run):
+    """A result never changes, so its tag is its id."""
+    status, headers, _ = client.request("GET", run["links"]["data"])
+    assert status == 200 and headers["content-disposition"].endswith('.csv"')
+    client._connection.request("GET", run["links"]["data"], headers={"If-None-Match": headers["etag"]})
+    answer = client._connection.getresponse()
+    assert (answer.status, answer.read()) == (304, b"")
+
+
+def test_each_listed_figure_is_plotlys_json_with_packed_arrays(client, run):
+    """The experiment's own figures first; arrays decode to finite numbers of the run."""
+    figures = client.get(run["links"]["figures"])["figures"]
+    own = [figure["name"] for figure in run["spec"]["figures"]]
+    assert [figure["name"] for figure in figures][: len(own)] == own
+    for entry in figures:
+        figure = client.get(entry["href"])
+        assert figure["data"] and figure["layout"]
+        packed = figure["data"][0]["x"]
+        t = np.frombuffer(base64.b64decode(packed["bdata"]), packed["dtype"])
+        assert np.isfinite(t).all() and t.size > 2
+
+
+def test_an_unknown_figure_names_those_there_are(client, run):
+    """404 with the nearest."""
+    name = client.get(run["links"]["figures"])["figures"][0]["name"]
+    with pytest.raises(ServiceError, match=name) as refusal:
+        client.figure(run["id"], name[:-1] + "_")
+    assert refusal.value.status == 404
+
+
+def test_the_report_is_one_file_that_needs_nothing_else_and_can_reach_nothing(client, run):
+    """Plotly.js is inside; the policy shuts it off from the service's origin."""
+    _, headers, content = client.request("GET", run["links"]["report"])
+    html = content.decode()
+    assert html.startswith("<!doctype html>") and len(html) > 3_000_000
+    assert not any(f"<{tag}" in html.split("<script", 1)[0] for tag in ("link ", "img "))
+    assert "src=" not in html.split("Plotly", 1)[0]
+    assert "sandbox" in headers["content-security-policy"]
+    assert run["id"] in html
+    download = client.request("GET", run["links"]["report"] + "?download=true")[1]
+    assert download["content-disposition"].startswith("attachment")
+
+
+def test_the_targets_of_the_paper_come_out_of_the_rest_answer(client):
+    """READING.md §1, noise-free: means of the estimates on [30,40], [55,70], [90,100] s to 1e-6."""
+    run = client.run("zhao-2012-noise-free")
+    found = client.data(run["id"], ["t", "adaptive.theta.*"])
+    t = found.pop("t")
+    for (start, end), truth in {
+        (30, 40): (0, 0, 0.02),
+        (55, 70): (0.01, 0, 0.02),
+        (90, 100): (0.01, 0.015, 0.02),
+    }.items():
+        window = (t >= start) & (t < end)
+        means = [column[window].mean() for column in found.values()]
+        assert means == pytest.approx(truth, abs=1e-6)
+
+
+def test_problem_documents_of_parameters_name_the_parameter(client, run):
+    """Formats, counts, columns, ranges."""
+    for query, field in (
+        ("format=xml", "format"), ("every=0", "every"), ("points=no", "points"), ("columns=x.x3", "columns"),
+        ("from=3&to=2", "from"),
+    ):  # fmt: skip
+        with pytest.raises(ServiceError) as refusal:
+            client.get(f"{run['links']['data']}?{query}")
+        assert refusal.value.status == 422
+        assert refusal.value.problem["errors"][0]["field"] == field
+        assert json.dumps(refusal.value.problem["errors"][0]["remedy"]) != '""'

@@ -1,0 +1,130 @@
+"""/api/runs over HTTP: started, found again, long ones followed and cancelled."""
+
+import json
+
+import pytest
+
+from backend.client import ServiceError
+from tests.api.conftest import Client, service, until
+from tests.runs.samples import long_data, spec_data
+
+
+def posted(client: Client, data: dict, query: str = "") -> tuple[int, dict, dict]:
+    """Status, headers and answer of a POST of a run."""
+    status, headers, content = client.request("POST", f"/api/runs{query}", json.dumps(data).encode())
+    return status, headers, json.loads(content)
+
+
+def test_a_new_spec_answers_201_and_again_200_with_the_same_run(client):
+    """The id is the hash of the spec; whoever asks gets the one run."""
+    status, headers, run = posted(client, spec_data(seed=11))
+    assert (status, run["status"], run["progress"]) == (201, "done", 1)
+    assert headers["location"] == run["links"]["self"] == f"/api/runs/{run['id']}"
+    assert posted(client, spec_data(seed=11))[0::2] == (200, run)
+    assert client.get(run["links"]["self"]) == run
+
+
+def test_a_library_experiment_with_changes_is_the_same_run_as_its_whole_spec(client):
+    """Two ways to say it, one id; prose does not matter."""
+    changed = posted(client, {"experiment": "zhao-2012", "set": {"horizon": 1, "observers.adaptive.gains.rho": 8}})[2]
+    whole = client.experiment("zhao-2012") | {"horizon": 1, "title": "Mine"}
+    whole["observers"][0]["gains"]["rho"] = 8
+    assert posted(client, whole)[2]["id"] == changed["id"]
+    assert changed["spec"]["observers"][0]["gains"]["rho"] == 8
+
+
+def test_the_summary_tells_of_every_observer_its_errors_and_the_assumptions_it_checked(client, run):
+    """What a list of runs needs to show, without the data."""
+    observer = run["summary"]["observers"][0]
+    assert observer["label"] == "adaptive"
+    assert set(observer["rmse"]) == {"x1", "x2"} and all(value > 0 for value in observer["rmse"].values())
+    assert observer["checks"] and {check["verdict"] for check in observer["checks"]} <= {
+        "holds",
+        "fails",
+        "cannot tell",
+    }
+    assert run["summary"]["rows"] == 501
+
+
+def test_a_long_run_answers_202_and_can_be_followed_to_its_cancellation(client):
+    """Location is the run; progress rises; after cancelling it ends soon and has no data."""
+    status, headers, answer = posted(client, long_data(seed=21), "?wait=0")
+    assert status == 202 and answer["status"] in ("queued", "running")
+    assert headers["location"] == f"/api/runs/{answer['id']}" and headers["retry-after"]
+    progress = answer["links"]["progress"]
+    until(lambda: client.get(progress)["progress"] > 0.01)
+    first = client.get(progress)["progress"]
+    until(lambda: client.get(progress)["progress"] > first)
+    client.cancel(answer["id"])
+    assert client.get(progress + "?wait=20")["status"] == "cancelled"
+    with pytest.raises(ServiceError, match="cancelled") as refusal:
+        client.data(answer["id"])
+    assert refusal.value.status == 409
+
+
+def test_a_long_run_is_waited_for_as_long_as_asked(client):
+    """Two seconds of kernel: 202 at once, done when waited for, and the same run when asked again."""
+    spec = spec_data(horizon=2000, record=1, seed=31)
+    assert posted(client, spec, "?wait=0")[0] == 202
+    status, _, run = posted(client, spec, "?wait=30")
+    assert status in (200, 201) and run["status"] == "done"
+
+
+def test_a_deleted_run_is_gone_and_one_under_way_is_cancelled_first(client):
+    """204 for the one, 202 for the other."""
+    done = posted(client, spec_data(seed=41))[2]["links"]["self"]
+    assert client.request("DELETE", done)[0] == 204
+    with pytest.raises(ServiceError) as refusal:
+        client.get(done)
+    assert refusal.value.status == 404
+    answer = posted(client, long_data(seed=42), "?wait=0")[2]
+    until(lambda: client.get(answer["links"]["progress"])["status"] == "running")
+    assert client.request("DELETE", answer["links"]["self"])[0] == 202
+    assert client.get(answer["links"]["progress"] + "?wait=20")["status"] == "cancelled"
+
+
+def test_a_pin_is_set_and_taken_away(client):
+    """POST and DELETE on the run's pin."""
+    run = posted(client, spec_data(seed=51))[2]
+    assert client.post(run["links"]["pin"])["pinned"]
+    assert client.get(run["links"]["self"])["pinned"]
+    client.request("DELETE", run["links"]["pin"])
+    assert not client.get(run["links"]["self"])["pinned"]
+
+
+def test_runs_are_listed_newest_first_with_their_links(client):
+    """Under way or stored."""
+    first = posted(client, spec_data(seed=61, title="First"))[2]
+    second = posted(client, spec_data(seed=62, title="Second"))[2]
+    until(lambda: {first["id"], second["id"]} <= {run["id"] for run in client.get("/api/runs")["runs"]})
+    titles = {run["id"]: run["title"] for run in client.get("/api/runs")["runs"]}
+    order = [id for id in titles if id in (first["id"], second["id"])]
+    assert order == [second["id"], first["id"]]
+    assert titles[first["id"]] == "First"
+    assert len(client.get("/api/runs?limit=1")["runs"]) == 1
+
+
+def test_a_full_queue_answers_503_and_says_when_to_come_back(tmp_path):
+    """One at work, one waiting, the third is refused; cancelled, they make room."""
+    with service(tmp_path, workers=1, queue=1, wait=0) as address, Client(address) as client:
+        ids = [posted(client, long_data(seed=seed))[2]["id"] for seed in (1, 2)]
+        with pytest.raises(ServiceError, match="2 runs") as refusal:
+            posted(client, long_data(seed=3))
+        assert refusal.value.status == 503
+        for id in ids:
+            client.cancel(id)
+            client.wait(id)
+        assert posted(client, spec_data(), "?wait=20")[0] == 201
+
+
+def test_another_process_finds_the_run_in_the_store_and_the_service_stays_responsive_under_a_long_run(tmp_path):
+    """Restarted on the same folder the service answers 200; while a long run computes, health answers at once."""
+    with service(tmp_path, workers=1) as address, Client(address) as client:
+        run = posted(client, spec_data())[2]
+        until(lambda: client.health()["runs"]["results"] == 1)
+    with service(tmp_path, workers=1, wait=0) as address, Client(address, timeout=2) as client:
+        status, _, again = posted(client, spec_data())
+        assert (status, again) == (200, run)
+        posted(client, long_data())
+        for _ in range(20):
+            assert client.health()["status"] == "ok"

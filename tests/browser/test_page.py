@@ -1,0 +1,211 @@
+"""The page at /: choose an experiment, run it, see its figures; on any screen, by keyboard, and when things go wrong."""
+
+import json
+import re
+import time
+
+import pytest
+
+DRAWN = "figure[data-drawn] .plot .scatterlayer path.js-line"
+
+
+def until(page, expression: str, seconds: float = 20.0) -> None:
+    """Wait until an expression is true on the page (whose content policy forbids Playwright's own waiting by eval)."""
+    end = time.monotonic() + seconds
+    while not page.evaluate(expression):
+        assert time.monotonic() < end, f"it never came true: {expression}"
+        page.wait_for_timeout(50)
+
+
+def run(page) -> None:
+    page.click("button.run")
+    page.wait_for_selector(DRAWN, state="attached")
+
+
+def test_zhao_2012_runs_and_shows_its_figures(page):
+    """Open, run: figures with curves, the comparison and the assumptions appear; no error, no request to another host."""
+    opened = page("/?experiment=zhao-2012")
+    opened.wait_for_selector("h1")
+    run(opened)
+    opened.wait_for_selector(".side .checks")
+    assert opened.locator("figure").count() >= 5
+    assert opened.locator(".side table tbody tr").count() >= 2
+    assert "errata" in opened.inner_text(".side").lower()
+    assert opened.watch.errors == [] and opened.watch.foreign == []
+
+
+def test_the_library_is_listed_and_a_choice_opens(page):
+    """Every experiment of the library is a link; choosing one puts it into the address, and Back leads to the one before."""
+    opened = page("/")
+    links = opened.locator(".chooser li a")
+    links.first.wait_for()
+    listed = opened.evaluate("fetch('/api/experiments').then((answer) => answer.json()).then((all) => all.experiments.length)")
+    assert links.count() == listed > 0
+    opened.click(".chooser li a[href*='shen-hu-2015-noise-free']")
+    opened.wait_for_url("**/?experiment=shen-hu-2015-noise-free")
+    assert opened.locator("a[aria-current]").count() == 1
+    opened.go_back()
+    opened.wait_for_selector(".chooser li:first-child a[aria-current]")
+    assert "noise-free" not in opened.url
+
+
+def test_a_link_reopens_choice_changes_and_result(page, server):
+    """Seed and noise are kept in the address, together with the run, and a new page shows the same without running."""
+    opened = page("/?experiment=zhao-2012")
+    opened.fill("#field-seed", "5")
+    opened.fill("#field-noise-y-std", "0.002")
+    run(opened)
+    opened.wait_for_url("**run=*")
+    address = opened.url.removeprefix(server)
+    assert "set=seed%3D5" in address and "set=noise.y.std%3D0.002" in address
+    posts = []
+    again = page("/")
+    again.on("request", lambda request: posts.append(request.url) if request.method == "POST" else None)
+    again.goto(server + address)
+    again.wait_for_selector(DRAWN, state="attached")
+    assert again.input_value("#field-seed") == "5" and posts == []
+    spec = again.evaluate(f"fetch('/api/runs/{address.split('run=')[1]}').then((answer) => answer.json())")["spec"]
+    assert spec["seed"] == 5 and spec["noise"]["y"]["std"] == 0.002
+
+
+def test_a_refused_value_is_explained_at_its_field(page):
+    """The server's problem and remedy stand under the field, which is marked and has the focus; mending it clears them."""
+    opened = page("/?experiment=zhao-2012")
+    opened.fill("#field-noise-y-std", "-1")
+    opened.click("button.run")
+    opened.wait_for_selector("#field-noise-y-std[aria-invalid=true]")
+    assert "Remedy" in opened.inner_text("#field-noise-y-std-error")
+    assert opened.evaluate("document.activeElement.id") == "field-noise-y-std"
+    opened.fill("#field-noise-y-std", "0.001")
+    opened.wait_for_selector("#field-noise-y-std:not([aria-invalid])")
+    assert opened.inner_text("#field-noise-y-std-error") == ""
+
+
+def test_a_value_that_has_no_field_is_refused_above_the_button(page):
+    """A wrong path among the other values names itself and the nearest right one."""
+    opened = page("/?experiment=zhao-2012&set=noize.y.std%3D0")
+    opened.wait_for_selector("h1")
+    opened.click("button.run")
+    trouble = opened.wait_for_selector(".head .problem")
+    assert "noize" in trouble.inner_text() and "noise" in trouble.inner_text()
+
+
+def test_an_unknown_experiment_is_an_answer_not_a_blank_page(page):
+    """A link to an experiment that is not there says so, and the library stays at hand."""
+    opened = page("/?experiment=zhao-2021")
+    assert "zhao-2012" in opened.wait_for_selector(".head .problem").inner_text()
+    assert opened.locator(".chooser li a").count() > 0
+
+
+def test_a_long_run_shows_progress_and_can_be_cancelled(page):
+    """A run of minutes shows how far it is; Cancel ends it, and the page says so."""
+    opened = page("/?experiment=zhao-2012&set=horizon%3D15000&set=record%3D1.5")
+    opened.wait_for_selector("h1")
+    opened.click("button.run")
+    until(opened, "/^[1-9]\\d* %$/.test(document.querySelector('.status').textContent)")
+    opened.click("button:text-is('Cancel')")
+    until(opened, "document.querySelector('.status').textContent.includes('cancelled')")
+    assert opened.is_enabled("button.run")
+
+
+def test_a_lost_connection_is_told_and_survived(page):
+    """While the server does not answer the page says so and waits; when it answers again the run appears by itself."""
+    opened = page("/?experiment=shen-hu-2015")
+    opened.wait_for_selector("h1")
+    opened.route("**/api/**", lambda route: route.abort("connectionrefused"))
+    opened.click("button.run")
+    opened.wait_for_selector(".connection.lost")
+    opened.unroute("**/api/**")
+    opened.wait_for_selector(DRAWN, state="attached")
+    assert opened.locator(".connection.lost").count() == 0
+
+
+def test_everything_is_reached_by_keyboard(page):
+    """From the top of the page, Tab and Enter alone choose nothing wrong and start the run."""
+    opened = page("/?experiment=shen-hu-2015")
+    opened.wait_for_selector("h1")
+    for _ in range(80):
+        opened.keyboard.press("Tab")
+        if opened.evaluate("document.activeElement.id") == "field-seed":
+            break
+    assert opened.evaluate("document.activeElement.id") == "field-seed"
+    opened.keyboard.press("Control+A")
+    opened.keyboard.type("3")
+    opened.keyboard.press("Enter")
+    opened.wait_for_selector(DRAWN, state="attached")
+    assert "seed%3D3" in opened.url
+
+
+@pytest.mark.parametrize("width", [390, 820, 1180, 1920])
+def test_nothing_is_wider_than_the_screen(page, width):
+    """At every width the page scrolls down only, and the run button is on it."""
+    opened = page("/?experiment=shen-hu-2015", width=width, height=844)
+    opened.wait_for_selector("h1")
+    run(opened)
+    assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert opened.locator("button.run").is_visible()
+
+
+def test_light_and_dark_follow_the_system_and_the_button(page):
+    """A dark system gives a dark page and dark figures; the button turns both, and the choice is kept."""
+    opened = page("/?experiment=shen-hu-2015", theme="dark")
+    opened.wait_for_selector("h1")
+    run(opened)
+    paper = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
+    assert opened.evaluate("document.documentElement.dataset.theme") == "dark"
+    assert opened.evaluate(paper) == "#151a20"
+    opened.click("header button")
+    until(opened, f"{paper} === '#ffffff'")
+    opened.reload()
+    assert opened.evaluate("document.documentElement.dataset.theme") == "light"
+
+
+def test_hostile_words_stay_words(page, server):
+    """A posted experiment whose texts are markup is shown as text: in the page, its figures and its report."""
+    hostile = "<img src=x onerror='window.pwned=1'><script>window.pwned=1</script>"
+    opened = page("/")
+    spec = json.loads(opened.request.get(f"{server}/api/experiments/shen-hu-2015").text())
+    for figure in spec["figures"]:
+        figure |= {"title": hostile[:150], "caption": hostile}
+        for panel in figure["panels"]:
+            panel |= {"title": hostile[:150], "y_title": hostile[:150], "x_title": hostile[:150]}
+    spec |= {"title": hostile, "source": hostile, "description": hostile, "errata": [hostile]}
+    answer = opened.request.post(f"{server}/api/runs", data=spec)
+    assert answer.ok, answer.text()
+    opened.goto(f"{server}/?run={answer.json()['id']}")
+    opened.wait_for_selector(DRAWN, state="attached")
+    assert opened.inner_text("h1") == hostile
+    assert opened.evaluate("window.pwned") is None
+    opened.goto(f"{server}/api/runs/{answer.json()['id']}/report")
+    opened.wait_for_selector(".plot .main-svg", state="attached")
+    assert opened.evaluate("window.pwned") is None and opened.locator("img").count() == 0
+
+
+def test_no_button_sends_a_figure_away(page):
+    """Plotly's offer to upload a figure is not there, in the page."""
+    opened = page("/?experiment=shen-hu-2015")
+    opened.wait_for_selector("h1")
+    run(opened)
+    opened.hover("figure .plot")
+    titles = opened.evaluate("[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
+    sent = re.compile("share|cloud|studio|send", re.IGNORECASE)
+    assert "Zoom in" in titles and not [title for title in titles if sent.search(title)]
+
+
+def test_the_report_opens_offline_from_a_file(page, server, browser, tmp_path):
+    """The saved report draws every figure with the network off, and asks for nothing."""
+    opened = page("/")
+    answer = opened.request.post(f"{server}/api/runs", data={"experiment": "shen-hu-2015"})
+    report = opened.request.get(f"{server}{answer.json()['links']['report']}").text()
+    (tmp_path / "report.html").write_text(report, encoding="utf-8")
+    context = browser.new_context(offline=True)
+    page_ = context.new_page()
+    asked, errors = [], []
+    page_.on("request", lambda request: asked.append(request.url))
+    page_.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
+    page_.goto((tmp_path / "report.html").as_uri())
+    until(page_, "document.querySelectorAll('.plot .js-line').length && !resizing.busy")
+    assert page_.locator(".plot").count() == page_.locator(".plot:has(.main-svg)").count() >= 5
+    assert len(asked) == 1 and errors == []
+    assert page_.locator(".modebar-btn[data-title*=Share]").count() == 0
+    context.close()

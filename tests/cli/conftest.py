@@ -1,0 +1,49 @@
+"""The command line as it is called: in this process for speed, or as a process of its own."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from backend.cli import main
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(autouse=True)
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Files and the store are the test's own."""
+    monkeypatch.setenv("THETASCOPE_DATA", str(tmp_path / "data"))
+    monkeypatch.chdir(tmp_path)
+
+
+@pytest.fixture
+def call(capsys: pytest.CaptureFixture) -> Callable[..., tuple[int, str, str]]:
+    """Call the command line; gives its exit code, output and error output."""
+
+    def call_one(*arguments: str) -> tuple[int, str, str]:
+        try:
+            code = main(arguments)
+        except SystemExit as leaving:  # argparse's way
+            code = leaving.code
+        shown = capsys.readouterr()
+        return code, shown.out, shown.err
+
+    return call_one
+
+
+@pytest.fixture
+def process(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess]:
+    """Call it as a process."""
+
+    def run_one(*arguments: str, **options: object) -> subprocess.CompletedProcess:
+        command = [sys.executable, "-m", "backend.cli", *arguments]
+        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        return subprocess.run(
+            command, check=False, capture_output=True, text=True, timeout=60, env=environment, **options
+        )
+
+    return run_one

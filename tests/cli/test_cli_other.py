@@ -1,0 +1,105 @@
+"""`thetascope list`, `check` and the start of the program."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+
+from tests.cli.conftest import ROOT
+from tests.runs.samples import PLANT
+
+
+def test_list_names_the_experiments_and_plants_of_the_library(call):
+    """With their titles."""
+    code, shown, _ = call("list")
+    words = shown.split()
+    assert code == 0
+    assert {"zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dts200", "dc-motor"} <= set(words)
+
+
+def test_check_says_what_a_plant_file_means(call, tmp_path):
+    """Sizes, Φ and Ψ, and which observers can be built for it."""
+    (tmp_path / "p.json").write_text(json.dumps(PLANT))
+    code, shown, _ = call("check", "p.json")
+    lines = [line.split() for line in shown.splitlines()]
+    assert code == 0 and "1 state, 1 input, 1 output, 1 channel" in shown
+    assert ["Φ", "gain"] in lines and ["x", "u"] in lines and ["y", "0"] in lines
+    assert shown.index("adaptive-kalman") < shown.index("cannot") < shown.index("sandwich-nonsmooth")
+
+
+YAML = """id: mine
+states:
+  - {name: x, domain: [0, null]}
+outputs:
+  - {name: y, expression: x}
+parameters: [{name: a, value: 1}]
+dynamics:
+  x: "-a*x + a"
+"""
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "place", "under"),
+    [
+        ("-a*x + a", "-a*x + b", "p.yaml:8:14: dynamics.x", "b"),
+        ("-a*x + a", "-a*x + a.real", "p.yaml:8:14: dynamics.x", "a.real"),
+        ("-a*x + a", "-a*x + 9**9**9", "p.yaml:8:", "9"),
+        ("expression: x", "expression: z", "p.yaml:5:27: outputs[0].expression", "z"),
+        ("dynamics", "dynamiks", "p.yaml:8:3: dynamiks", "x"),
+        ("value: 1", "value: one", "p.yaml:6:31: parameters[0].value", "one"),
+        ("id: mine", "id: &a mine", "p.yaml:1:5: anchors", None),
+    ],
+)
+def test_check_points_at_the_mistake_in_the_text(call, tmp_path, old, new, place, under):
+    """Line and column of the file, and a mark under the very word."""
+    (tmp_path / "p.yaml").write_text(YAML.replace(old, new))
+    code, _, error = call("check", "p.yaml")
+    assert code == 1 and place in error
+    if under:
+        lines = error.splitlines()
+        mark = next(i for i, line in enumerate(lines) if line.strip() == "^")
+        assert lines[mark - 1][lines[mark].index("^") :].startswith(under)
+
+
+def loaded(arguments: list[str], heavy: set[str]) -> set[str]:
+    """Which of the modules a command has loaded when it ends well, in a process of its own."""
+    probe = (
+        "import sys, backend.cli\n"
+        f"try: code = backend.cli.main({arguments})\n"
+        "except SystemExit as leaving: code = leaving.code\n"
+        f"assert not code\nprint('LOADED', *({heavy} & set(sys.modules)))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", probe], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    return set(done.stdout.rpartition("LOADED")[2].split())
+
+
+def test_help_answers_without_loading_the_engine():
+    """It is there at once."""
+    heavy = {"numpy", "fastapi", "sympy", "pydantic", "plotly", "yaml"}
+    assert loaded(["--help"], heavy) == set()
+    assert "pydantic" in loaded(["list"], heavy)
+
+
+def test_a_run_does_not_load_the_web_service_or_plotly():
+    """The command line starts no slower for what it does not use."""
+    heavy = {"fastapi", "starlette", "uvicorn", "plotly", "llvmlite"}
+    assert loaded(["run", "shen-hu-2015", "--set", "horizon=1", "--quiet"], heavy) == {"llvmlite"}
+
+
+def test_serve_says_where_the_store_cannot_be_used(process, tmp_path, monkeypatch):
+    """Before anything listens."""
+    (tmp_path / "file").write_text("in the way")
+    monkeypatch.setenv("THETASCOPE_DATA", str(tmp_path / "file"))
+    found = process("serve", "--port", "0")
+    assert found.returncode == 1 and "THETASCOPE_DATA" in found.stderr and "Traceback" not in found.stderr
+
+
+def test_a_pipe_that_closes_early_is_no_error():
+    """`thetascope list | head -1`."""
+    shell = f"{sys.executable} -m backend.cli list | head -1"
+    done = subprocess.run(shell, shell=True, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    assert done.stdout.startswith("EXPERIMENT") and "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr

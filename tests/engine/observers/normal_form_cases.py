@@ -1,0 +1,50 @@
+"""The reference's CARTS as a plant's text, and runs of one observer on it."""
+
+from backend.assembly import prepare
+from backend.engine.result import Result
+from shared import Experiment
+
+CARTS = {
+    "id": "carts",
+    "states": [
+        {"name": "x1", "initial": 0.5},
+        {"name": "x2", "initial": 0.0},
+        {"name": "x3", "initial": 0.2},
+        {"name": "x4", "initial": -0.3},
+        {"name": "x5", "initial": 0.1},
+    ],
+    "inputs": [{"name": "u1"}, {"name": "u2"}],
+    "parameters": [{"name": "d", "value": 0.4}],
+    "definitions": [{"name": "k", "expression": "2 + cos(t)"}, {"name": "spring", "expression": "k*(x1 - x4)"}],
+    "outputs": [{"name": "y1", "expression": "x1"}, {"name": "y2", "expression": "x4"}],
+    "dynamics": {
+        "x1": "x2",
+        "x2": "-spring - d*x2 - 0.1*x2^2 + x3",
+        "x3": "-2*x3 + (1 + 0.2*cos(x2))*u1",
+        "x4": "x5",
+        "x5": "spring - x5 - sin(x4) + (1 + 0.2*sin(t))*u2",
+    },
+}
+STATES = ("x1", "x2", "x3", "x4", "x5")
+START = (0.0, 0.3, -0.5, 0.1, 0.4)  # x̂(0)
+
+
+def carts(kind: str, gains: dict, horizon: float = 8.0, **spec) -> Result:
+    """One observer, labelled ``o``, on CARTS with the reference's inputs."""
+    return prepare(
+        Experiment.model_validate(
+            {
+                "plant": CARTS,
+                "inputs": {
+                    "u1": {"kind": "expression", "text": "sin(1.3*t)"},
+                    "u2": {"kind": "expression", "text": "0.5*cos(0.7*t)"},
+                },
+                "horizon": horizon,
+                "record": 0.01,
+                "observers": [
+                    {"label": "o", "kind": kind, "gains": gains, "initial": dict(zip(STATES, START, strict=True))}
+                ],
+            }
+            | spec
+        )
+    ).run()

@@ -1,0 +1,221 @@
+"""The reduced-order observer (17): the paper's plant, another with blocks of 3 and 2, and the normal forms it finds."""
+
+import numpy as np
+import pytest
+
+from backend import library
+from backend.assembly import prepare
+from backend.engine.errors import SpecError
+from backend.engine.model import Model
+from backend.engine.observers.normal_form import normal_form
+from shared import Experiment, Plant
+from tests.engine.observers.normal_form_cases import STATES, carts
+from tests.reference import reduced_order
+
+
+def paper(**changes):
+    return prepare(library.experiment("reduced-order-mimo").model_copy(update=changes)).run()
+
+
+def errors(run, label="reduced"):
+    """e2 and e4 with e = x̂ − x, as the paper has them."""
+    return np.stack([run.column(f"{label}.x.{s}") - run.column(f"x.{s}") for s in ("x2", "x4")], axis=1)
+
+
+def with_gain(H, **initial):
+    """The paper's experiment with another H and other initial estimates, the reduced observer alone."""
+    spec = library.experiment("reduced-order-mimo")
+    first = spec.observers[0].model_copy(update={"gains": {"H": H}, "initial": {"x2": -2.0, "x4": 3.5} | initial})
+    return prepare(spec.model_copy(update={"observers": (first,), "figures": ()})).run()
+
+
+@pytest.mark.parametrize(
+    ("time", "expected"), [(0.0, (-2.0, 3.0)), (0.5, (-0.0555, 0.0849)), (1.0, (-0.00824, 0.001155))]
+)
+def test_the_papers_errors_at_three_times(time, expected):
+    """(e2, e4) as an independent computation gives them, ± 1 %."""
+    run = paper()
+    assert errors(run)[round(time / 0.001)] == pytest.approx(expected, rel=0.01)
+
+
+@pytest.mark.parametrize(
+    ("H", "initial"), [([5.0, 8.0], {}), ([9.0, 6.0], {"x2": 1.0, "x4": -1.0}), ([20.0, 20.0], {"x2": 0.5})]
+)
+def test_the_errors_follow_their_exact_equation(H, initial):
+    """e2' = −(H1 − 1) e2 + 2 x4 e4 + e4², e4' = −(H2 − 1) e4 + e2 sin t, integrated by DOP853 along the plant."""
+    run = with_gain(H, **initial)
+    start = {"x2": -2.0, "x4": 3.5} | initial
+    exact = reduced_order.paper_errors(run.column("t"), H, (start["x2"] - 0.0, start["x4"] - 0.5))
+    assert errors(run) == pytest.approx(exact, abs=1e-8)
+
+
+def test_what_is_measured_is_not_estimated():
+    """x̂1 and x̂3 are the measurements, whatever the initial estimates say."""
+    run = with_gain([5.0, 8.0], x1=7.0, x3=-4.0)
+    assert np.array_equal(run.column("reduced.x.x1"), run.column("y.y1"))
+    assert np.array_equal(run.column("reduced.x.x3"), run.column("y.y2"))
+    assert errors(run)[0] == pytest.approx((-2.0, 3.0))
+
+
+def test_the_plant_escapes_and_is_marked():
+    """The plant itself leaves all bounds at t ≈ 2.515 s, and the result says when."""
+    run = paper(horizon=3.0)
+    assert run.diverged is not None and run.diverged.time == pytest.approx(2.515, abs=0.01)
+    assert np.isnan(run.column("x.x1")[-1]) and np.isfinite(run.column("x.x1")[2400])
+
+
+def test_some_gains_never_converge():
+    """Convergence is local: with H = (2, 2) the observer is lost before the plant is, though Ã − HC̃ is stable."""
+    run = with_gain([2.0, 2.0])
+    report = run.observers[0]
+    assert {c.name: c.verdict for c in report.checks}["Ã − HC̃ stable"] == "holds"
+    assert report.diverged is not None or np.abs(errors(run)[-1]).max() > 1.0
+
+
+def test_blocks_of_other_sizes():
+    """Vector relative degree (3, 2), time-varying, with definitions and a parameter, against DOP853."""
+    run = carts("reduced-order", {"H": [12.0, 36.0, 6.0]})
+    exact = reduced_order.dop853(
+        reduced_order.CARTS, reduced_order.carts_scenario(), ((12.0, 36.0), (6.0,)), xhat0=_carts_start(run)
+    )
+    ours = np.stack([run.column(f"o.x.{s}") for s in STATES], axis=1)
+    assert ours == pytest.approx(exact["xhat"], abs=1e-7)
+    assert run.observers[0].facts["relative degree"] == [3, 2]
+    assert ours[-1] == pytest.approx(np.array([run.column(f"x.{s}")[-1] for s in STATES]), abs=1e-3)
+
+
+def _carts_start(run):
+    """The initial estimate that the run began with: measured states from y(0), the others as asked for."""
+    return tuple(float(run.column(f"o.x.{s}")[0]) for s in STATES)
+
+
+def test_the_initial_estimates_are_taken_over_in_the_users_coordinates():
+    """x̂2, x̂3 and x̂5 start where the user put them; the measured x1 and x4 start at y(0)."""
+    assert _carts_start(carts("reduced-order", {}, horizon=0.01)) == pytest.approx((0.5, 0.3, -0.5, -0.3, 0.4))
+
+
+def test_the_default_gain_is_stable_for_any_blocks():
+    """Without gains, Ã − HC̃ has all its eigenvalues at −5."""
+    run = carts("reduced-order", {}, horizon=1.0)
+    check = next(c for c in run.observers[0].checks if c.name == "Ã − HC̃ stable")
+    assert check.verdict == "holds" and check.value == pytest.approx(-5, rel=1e-3)
+
+
+def test_the_decoupling_matrix_is_followed_along_the_run():
+    """|det F| = (1 + .2 cos x̂2)(1 + .2 sin t): its smallest value along the run is the one reported."""
+    run = carts("reduced-order", {"H": [12.0, 36.0, 6.0]})
+    check = next(c for c in run.observers[0].checks if c.name == "decoupling matrix nonsingular")
+    expected = ((1 + 0.2 * np.cos(run.column("o.x.x2"))) * (1 + 0.2 * np.sin(run.column("t")))).min()
+    assert check.verdict == "holds" and check.value == pytest.approx(expected, rel=1e-9)
+
+
+# ---- finding the normal form -----------------------------------------------------------------------------------------
+
+
+def model(states, dynamics, outputs, inputs=("u",), **more):
+    """A model from short forms."""
+    plant = {
+        "id": "small",
+        "states": [s if isinstance(s, dict) else {"name": s} for s in states],
+        "inputs": [{"name": u} for u in inputs],
+        "outputs": [{"name": f"y{i + 1}", "expression": e} for i, e in enumerate(outputs)],
+        "dynamics": dict(zip((s["name"] if isinstance(s, dict) else s for s in states), dynamics, strict=True)),
+    }
+    return Model(Plant.model_validate(plant | more).model_dump(mode="json"))
+
+
+def inverse_is_right(form, point):
+    """T(T⁻¹(z)) = z at a point."""
+    at = form.T.subs(point)
+    back = [e.subs(dict(zip(form.z, at, strict=True))).subs(point) for e in form.inverse.values()]
+    assert [float(b) for b in back] == pytest.approx([float(point[x]) for x in form.inverse])
+
+
+def test_two_tanks_are_inverted_through_their_square_roots():
+    """z2 is affine in √h1: h1 is found by squaring."""
+    tank = [
+        {"name": "h1", "initial": 4.0, "domain": [0.0, None]},
+        {"name": "h2", "initial": 2.0, "domain": [0.0, None]},
+    ]
+    m = model(tank, ["u - 0.5*sqrt(h1)", "0.5*sqrt(h1) - 0.4*sqrt(h2)"], ["h2"])
+    form = normal_form(m)
+    assert form.blocks == (2,)
+    inverse_is_right(form, {m.x[0]: 3.0, m.x[1]: 1.5})
+
+
+def test_outputs_that_mix_states_are_solved_together():
+    """y1 = x1 + x2, y2 = x1 − x2 and their derivatives are affine in the states together."""
+    m = model(
+        ["x1", "x2", "x3", "x4"], ["x3", "x4", "u1 - x1^3", "u2 + t*x3"], ["x1 + x2", "x1 - 2*x2"], inputs=("u1", "u2")
+    )
+    form = normal_form(m)
+    assert form.blocks == (2, 2)
+    inverse_is_right(form, dict(zip(m.x, (0.3, -0.7, 1.1, 0.4), strict=True)))
+
+
+def test_odd_powers_exponentials_and_logarithms_are_inverted():
+    """x2³ + exp(x1) and log are undone one operation at a time."""
+    m = model(["x1", "x2", "x3"], ["spow(x2, 3)", "2*exp(x3) - x1", "u"], ["x1"])
+    form = normal_form(m)
+    assert form.blocks == (3,)
+    inverse_is_right(form, dict(zip(m.x, (0.3, 0.7, -0.2), strict=True)))
+
+
+def test_a_plant_without_inputs_has_as_many_derivatives_as_states():
+    """Where no input ever enters, the chain ends when a derivative brings nothing new (van der Pol)."""
+    assert normal_form(model(["x1", "x2"], ["x2", "(1 - x1^2)*x2 - x1"], ["x1"], inputs=())).blocks == (2,)
+
+
+def test_states_called_like_coordinates_do_not_collide():
+    """A plant may call its own states z1 and z2."""
+    m = model(["z1", "z2"], ["2*z2 + z1", "u"], ["z1"])
+    inverse_is_right(normal_form(m), dict(zip(m.x, (0.3, 0.8), strict=True)))
+
+
+@pytest.mark.parametrize(
+    ("plant", "says"),
+    [
+        (
+            {"states": ["x1", "x2"], "dynamics": ["u - x1", "x1 - x2"], "outputs": ["x1"]},
+            r"relative degree \(1\) sums to 1",
+        ),
+        ({"states": ["x1", "x2"], "dynamics": ["x2", "u"], "outputs": ["x1 + u"]}, "enters its output y1 directly"),
+        ({"states": ["x1", "x2"], "dynamics": ["x2^2", "u"], "outputs": ["x1"]}, "leaves its sign open"),
+        (
+            {"states": ["x1", "x2"], "dynamics": ["x2 + sin(x2)", "u"], "outputs": ["x1"]},
+            "could not be solved for x: .* x2 stands in several places",
+        ),
+        (
+            {
+                "states": ["x1", "x2"],
+                "dynamics": ["u", "x1"],
+                "outputs": ["x2"],
+                "time": {"kind": "discrete", "period": 0.1},
+            },
+            "discrete-time",
+        ),
+    ],
+)
+def test_where_there_is_no_normal_form_the_reason_is_given(plant, says):
+    """SpecError with the reason and a remedy."""
+    with pytest.raises(SpecError, match=says) as caught:
+        normal_form(model(**plant))
+    assert "adaptive-kalman" in caught.value.remedy
+
+
+def test_an_output_for_every_state_leaves_nothing_to_estimate():
+    """With all states measured ω is empty and x̂ is the measurement."""
+    spec = {
+        "plant": {
+            "id": "measured",
+            "states": [{"name": "x1", "initial": 1.0}],
+            "inputs": [{"name": "u"}],
+            "outputs": [{"name": "y", "expression": "2*x1"}],
+            "dynamics": {"x1": "u - x1"},
+        },
+        "horizon": 1.0,
+        "step": 0.01,
+        "observers": [{"label": "o", "kind": "reduced-order"}],
+    }
+    run = prepare(Experiment.model_validate(spec)).run()
+    assert run.column("o.x.x1") == pytest.approx(run.column("x.x1"), abs=1e-12)

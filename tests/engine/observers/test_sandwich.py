@@ -1,0 +1,193 @@
+"""The observers of sandwich systems (Zhou & Tan 2012): the paper's plant, one with unequal slopes, wrong texts."""
+
+import copy
+
+import numpy as np
+import pytest
+
+from backend import library
+from backend.assembly import prepare
+from backend.engine.errors import SpecError
+from backend.engine.observers.hysteresis import memory_names
+from shared import Experiment
+from tests.reference import zhou_tan
+
+LINEAR = ("x11", "x12", "x21", "x22")
+K = np.array([0.0, 0.0, 0.1, 0.1])
+START = np.array([5.0, 0.2, 0.5, 0.02])
+
+OTHER = {
+    "id": "other",
+    "time": {"kind": "discrete", "period": 0.01},
+    # memory first and L2 before L1: the parts are found by what feeds what, not by their order
+    "states": [{"name": n} for n in ("before", "q1", "q2", "q3", "x21", "x22", "x11", "x12")],
+    "inputs": [{"name": "u"}],
+    "parameters": [{"name": "gap", "value": 0.03}, {"name": "b", "value": 0.4}],
+    "definitions": [
+        {"name": "rate", "expression": "x12 - before"},
+        {"name": "r1", "expression": "backlash(x12, rate, q1, 1.2, 1.0, gap, 0.02)"},
+        {"name": "r2", "expression": "backlash(x12, rate, q2, 1.0, 1.1, 0.02, 0.025)"},
+    ],
+    "outputs": [{"name": "y", "expression": "x22"}],
+    "dynamics": {
+        "before": "x12",
+        "q1": "r1",
+        "q2": "r2",
+        "q3": "backlash(x12, rate, q3, 0.9, 0.9, 0.01, 0.01)",
+        "x11": "0.7*x11 + 0.05*x12 + 0.3*u",
+        "x12": "0.04*x11 + 0.5*x12",
+        "x21": "0.75*x21 - 0.02*x22 + b*(0.5*r1 + 0.8*r2 + 0.3*backlash(x12, rate, q3, 0.9, 0.9, 0.01, 0.01))",
+        "x22": "0.05*x21 + 0.85*x22",
+    },
+}
+
+
+def wave(amplitude, steps=1000):
+    """u(k) as the reference takes it."""
+    return amplitude * np.sin(2 * np.pi * 0.01 * np.arange(steps))
+
+
+def paper(id="zhou-tan-2012", **changes):
+    return prepare(Experiment.model_validate(library.experiment(id).model_dump() | changes)).run()
+
+
+def linear_states(run, label):
+    prefix = f"{label}." if label else ""
+    return np.stack([run.column(f"{prefix}x.{s}") for s in LINEAR], axis=1)
+
+
+def other(plant=OTHER, kind="sandwich-nonsmooth", amplitude=2.0, **observer):
+    config = {"label": "o", "kind": kind, "gains": {"K": [0.1, 0.1, 0.0, 0.0]},
+              "initial": {"x11": 1.0, "x12": 0.2, "x21": 0.5, "x22": 0.1}} | observer  # fmt: skip
+    spec = {"plant": plant, "horizon": 10.0, "step": 0.01, "observers": [config],
+            "inputs": {"u": {"kind": "sine", "amplitude": amplitude, "frequency": 1.0}}}  # fmt: skip
+    return prepare(Experiment.model_validate(spec))
+
+
+def check(run, name, i=0):
+    return next(c for c in run.observers[i].checks if c.name == name)
+
+
+def test_the_papers_numbers():
+    """u = 5 sin: RMSE of x21, x22 for k > 200 below 1e-5, conventional .2888 and .01382; settled from k = 29 and 31."""
+    run = paper()
+    error = linear_states(run, "") - linear_states(run, "nonsmooth")
+    usual = linear_states(run, "") - linear_states(run, "conventional")
+    assert np.sqrt((error[201:, 2:] ** 2).mean(axis=0)).max() < 1e-5
+    assert np.sqrt((usual[201:, 2:] ** 2).mean(axis=0)) == pytest.approx([0.2888, 0.01382], rel=1e-3)
+    last = [np.flatnonzero(np.abs(error[:, i]) >= within)[-1] for i, within in ((2, 0.01), (3, 0.001))]
+    assert last == [28, 30]
+
+
+@pytest.mark.parametrize("amplitude", [1.0, 5.0, 8.0])
+def test_plant_and_both_observers_are_those_of_the_reference(amplitude):
+    """Every row of x, x̂, ẑ and of the zones, for inputs below and above the threshold."""
+    run = paper(inputs={"u": {"kind": "sine", "amplitude": amplitude, "frequency": 1.0}})
+    exact = zhou_tan.nonsmooth(zhou_tan.PAPER, wave(amplitude), K, START)
+    usual = zhou_tan.conventional(zhou_tan.PAPER, wave(amplitude), exact["y"], K, START, 7.0)
+    assert linear_states(run, "") == pytest.approx(exact["x"], abs=1e-12)
+    assert linear_states(run, "nonsmooth") == pytest.approx(exact["xhat"], abs=1e-12)
+    assert linear_states(run, "conventional") == pytest.approx(usual, abs=1e-12)
+    zones = np.stack([run.column(f"nonsmooth.zone.{i}") for i in range(1, 8)], axis=1)
+    assert np.array_equal(zones, exact["zonehat"])
+    assert run.column("nonsmooth.v") == pytest.approx(exact["zhat"].sum(axis=1), abs=1e-12)
+    assert run.column("nonsmooth.x.z3m")[1:] == pytest.approx(exact["zhat"][:-1, 2], abs=1e-12)
+
+
+def test_with_noise_the_observer_is_the_reference_on_the_same_measurement():
+    """The noise of our run, handed to the reference, gives our estimates."""
+    run = paper(noise={"y": {"std": 0.01, "sample_time": 0.01}}, seed=4)
+    noise = run.column("y.y") - run.column("x.x22")
+    assert noise.std() == pytest.approx(0.01, rel=0.1)
+    exact = zhou_tan.nonsmooth(zhou_tan.PAPER, wave(5), K, START, y_noise=noise)
+    assert linear_states(run, "nonsmooth") == pytest.approx(exact["xhat"], abs=1e-12)
+
+
+def test_an_undriven_plant_keeps_what_the_initial_error_wrote():
+    """u = sin and x̂12(−1) = 0: the error of x21 is permanent, and the check tells which operators are to blame."""
+    run = paper("zhou-tan-2012-undriven")
+    exact = zhou_tan.nonsmooth(zhou_tan.PAPER, wave(1), K, START, before_hat=0.0)
+    assert linear_states(run, "nonsmooth") == pytest.approx(exact["xhat"], abs=1e-12)
+    assert np.abs(run.column("x.x21") - run.column("nonsmooth.x.x21"))[500:].min() > 0.05
+    found = check(run, "every operator reaches its linear zones")
+    assert found.verdict == "fails" and found.value == 3 and "1, 2, 3, 4 did not" in found.text
+
+
+def test_as_printed_the_hysteresis_puts_out_nothing():
+    """B = 0.004107: no operator of the plant leaves its memory zone."""
+    run = paper("zhou-tan-2012-as-printed")
+    assert np.abs(run.column("x.x12")).max() < 0.01 and not run.column("y.y").any()
+
+
+def test_theorem_1_on_the_papers_plant():
+    """A11, K1 = 0, A22 − K2 C22 (the paper's eigenvalues .8 ± .0316i), all operators driven, rank 4 and 2."""
+    run = paper()
+    assert {c.verdict for c in run.observers[0].checks} == {"holds"}
+    assert check(run, "A22 − K2 C22 inside the unit circle").value == pytest.approx(abs(0.8 + 0.0316228j), rel=1e-6)
+    rank = check(run, "observable with an operator active")
+    assert rank.value == 4 and "2 with none" in rank.text
+    assert check(run, "no hysteresis", 1).verdict == "fails"
+
+
+def test_a_gain_on_the_front_part_fails_theorem_1():
+    """K1 ≠ 0 is not covered by the proof; the run goes on."""
+    spec = library.experiment("zhou-tan-2012")
+    first = spec.observers[0].model_copy(update={"gains": {"K": [0.5, 0.0, 0.1, 0.1]}})
+    run = prepare(spec.model_copy(update={"observers": (first,), "figures": ()})).run()
+    assert check(run, "K1 = 0").verdict == "fails" and check(run, "K1 = 0").value == 0.5
+
+
+@pytest.mark.parametrize("kind", ["sandwich-nonsmooth", "sandwich-conventional"])
+def test_unequal_slopes_and_another_order_of_states(kind):
+    """Three operators with m1 ≠ m2, D1 ≠ D2, written as definitions and inline, states shuffled."""
+    run = other(kind=kind).run()
+    gain, start = np.array([0.0, 0.0, 0.1, 0.1]), np.array([1.0, 0.2, 0.5, 0.1])
+    exact = zhou_tan.nonsmooth(zhou_tan.OTHER, wave(2), gain, start)
+    expected = exact["xhat"]
+    if kind == "sandwich-conventional":
+        slope = 0.5 * 1.1 + 0.8 * 1.05 + 0.3 * 0.9
+        expected = zhou_tan.conventional(zhou_tan.OTHER, wave(2), exact["y"], gain, start, slope)
+    assert linear_states(run, "") == pytest.approx(exact["x"], abs=1e-12)
+    assert linear_states(run, "o") == pytest.approx(expected, abs=1e-12)
+    facts = run.observers[0].facts
+    assert (facts["L1"], facts["L2"]) == (["x11", "x12"], ["x21", "x22"])
+    assert facts["memory"] == ["before", "q1", "q2", "q3"]
+
+
+def test_the_default_gain_follows_the_parts():
+    """0 on L1 and 0.1 on L2, in the plant's order of states."""
+    given = other().run()
+    assert np.array_equal(other(gains={}).run().data, given.data)
+
+
+def test_the_memory_is_found_without_sympy():
+    """The size of K comes from the text alone."""
+    assert memory_names(OTHER | {"signals": []}) == ("before", "q1", "q2", "q3")
+
+
+def spoiled(**dynamics):
+    plant = copy.deepcopy(OTHER)
+    plant["dynamics"] |= dynamics
+    return plant
+
+
+@pytest.mark.parametrize(
+    ("plant", "says"),
+    [
+        (spoiled(q1="r2"), "q1, is not a state whose next value is that operator"),
+        (spoiled(before="x11"), "is not x12 less a state whose next value is x12"),
+        (spoiled(x21="0.75*x21 + q1 + r1"), "q1, by which an operator remembers, also enters the equation of x21"),
+        (spoiled(q1="q1", q2="q2", q3="q3", x21="0.5*x21 + x12"), "no backlash operator"),
+    ],
+)
+def test_a_text_that_is_no_sandwich_is_refused_with_the_reason(plant, says):
+    """The pattern of memory states is verified, and the error says what is wrong and how to write it."""
+    with pytest.raises(SpecError, match=says) as caught:
+        other(plant=plant)
+    assert "backlash(x, x - x_before" in caught.value.remedy
+
+
+def test_a_gain_of_the_wrong_length_is_refused():
+    """K is for the states of L1 and L2, not for the memory."""
+    with pytest.raises(SpecError, match="needs 4"):
+        other(gains={"K": [0.1] * 8})

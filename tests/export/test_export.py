@@ -1,0 +1,121 @@
+"""Files written from a result read back to the very same numbers."""
+
+import base64
+import csv
+import io
+
+import numpy as np
+import orjson
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+from scipy.io import loadmat
+
+from backend.engine.errors import SpecError
+from backend.engine.result import Result
+from backend.export import Table, csv_chunks, json_bytes, matlab_bytes, matlab_names, select
+
+FLOATS = st.floats(allow_nan=True, allow_infinity=True, width=64)
+
+
+def result(rows: int = 101) -> Result:
+    """t = 0, 0.1, … with a state, a fault and an observer's estimate of each."""
+    names = ("t", "x.x1", "theta.f", "a.x.x1", "a.theta.f")
+    data = np.vstack([np.arange(rows) * 0.1, np.random.default_rng(1).standard_normal((4, rows))])
+    return Result(names, data, (), None, 0.1, 1, (), {})
+
+
+def read_csv(content: bytes) -> tuple[list[str], np.ndarray]:
+    """Python's own reader, in place of ours."""
+    head, *rows = csv.reader(io.StringIO(content.decode()))
+    return head, np.array([[float(text) for text in row] for row in rows]).reshape(-1, len(head))
+
+
+@given(arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(0, 6)), elements=FLOATS))
+def test_csv_reads_back_to_the_same_floats(data):
+    """Every float64 there is, with nan and infinities: the same bits (nan as a nan)."""
+    table = Table(tuple(f"c{i}" for i in range(len(data))), data)
+    head, found = read_csv(b"".join(csv_chunks(table)))
+    assert tuple(head) == table.names
+    assert np.array_equal(found, data.T, equal_nan=True)
+    assert np.array_equal(np.signbit(found), np.signbit(data.T) & ~np.isnan(data.T))
+
+
+def test_csv_in_blocks_is_the_same_as_in_one_and_numbers_have_at_most_17_digits():
+    """10 000 rows are several blocks; no row is lost or doubled at their borders."""
+    whole = select(result(10_001))
+    content = b"".join(csv_chunks(whole))
+    assert np.array_equal(read_csv(content)[1], whole.data.T)
+    digits = [text.lstrip("-").replace(".", "").split("e")[0].lstrip("0") for text in content.decode().split(",")[6:]]
+    assert max(len(text.split("\n")[0]) for text in digits) <= 17
+
+
+def test_json_has_columns_with_null_for_missing_values():
+    """NaN is no JSON."""
+    table = Table(("t", "x"), np.array([[0.0, 1.0], [np.nan, 0.1]]))
+    assert orjson.loads(json_bytes(table)) == {"rows": 2, "columns": {"t": [0.0, 1.0], "x": [None, 0.1]}}
+
+
+def test_json_bdata_is_little_endian_float64_even_of_every_third_row():
+    """A view with gaps is packed before it is sent."""
+    table = select(result(), every=3)
+    found = orjson.loads(json_bytes(table, "bdata"))["columns"]
+    for name, column in zip(table.names, table.data, strict=True):
+        assert np.array_equal(np.frombuffer(base64.b64decode(found[name]["bdata"]), "<f8"), column)
+
+
+def test_mat_holds_each_column_under_a_valid_name_and_the_true_names_in_a_cell_array():
+    """Dots become underscores; `columns` and `variables` tell which is which."""
+    table = select(result())
+    found = loadmat(io.BytesIO(matlab_bytes(table)))
+    names = [str(cell[0]) for cell in found["columns"].ravel()]
+    variables = [str(cell[0]) for cell in found["variables"].ravel()]
+    assert names == list(table.names)
+    assert variables == ["t", "x_x1", "theta_f", "a_x_x1", "a_theta_f"]
+    for variable, column in zip(variables, table.data, strict=True):
+        assert np.array_equal(found[variable], column[:, None])
+
+
+@given(st.lists(st.text(st.characters(codec="utf-8"), min_size=1, max_size=90), unique=True, max_size=12))
+def test_matlab_names_are_valid_and_distinct_for_any_names(names):
+    """MATLAB wants a letter first, then letters, digits, underscores, at most 63 in all."""
+    made = matlab_names(names)
+    assert len(set(made)) == len(names)
+    assert all(name.isascii() and name.isidentifier() and name[0].isalpha() and len(name) <= 63 for name in made)
+
+
+def test_a_range_includes_both_ends_despite_rounding():
+    """0.1·3 is not 0.3, and the row is meant all the same."""
+    assert select(result(), start=0.3, end=0.7).data[0] == pytest.approx([0.3, 0.4, 0.5, 0.6, 0.7])
+
+
+def test_points_bounds_the_rows_and_keeps_the_first():
+    """Decimation is even and never gives more than asked for."""
+    for points in (1, 2, 7, 50, 100, 101, 500):
+        table = select(result(), points=points)
+        assert 1 <= table.rows <= points
+        assert table.data[0, 0] == 0
+    assert select(result(), points=500).rows == 101
+
+
+def test_columns_are_chosen_by_name_and_pattern_in_the_order_asked():
+    """Once each, even when two patterns name them."""
+    table = select(result(), ["theta.*", "t", "a.theta.f", "*.f"])
+    assert table.names == ("theta.f", "t", "a.theta.f")
+    assert np.array_equal(table.data[1], result().data[0])
+
+
+def test_an_unknown_column_is_named_with_the_nearest():
+    """The remedy helps."""
+    with pytest.raises(SpecError, match=r"'a\.theta\.g'.*did you mean a\.theta\.f"):
+        select(result(), ["t", "a.theta.g"])
+
+
+def test_a_range_without_rows_gives_an_empty_table_in_every_format():
+    """Not an error: there is nothing between."""
+    table = select(result(), start=200.0)
+    assert table.rows == 0
+    assert b"".join(csv_chunks(table)).count(b"\n") == 1
+    assert orjson.loads(json_bytes(table))["rows"] == 0
+    assert loadmat(io.BytesIO(matlab_bytes(table)))["t"].size == 0

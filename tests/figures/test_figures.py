@@ -1,0 +1,156 @@
+"""Figures of a run: what they show, in which colours, and that they are cheap."""
+
+import json
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+
+from backend.figures import UnknownFigure, figure, figure_names, style
+from tests.figures.test_thin import decoded
+
+GENERAL = ["faults", "states", "outputs", "residuals", "errors", "inputs", "excitation"]
+PANELS = [{"title": "growth", "traces": [{"column": "x.x1"}, {"column": "adaptive.x.x1"}]},
+          {"log": True, "traces": [{"column": "x.x1", "minus": "slow.x.x1", "absolute": True}]}]
+LOOP = {"name": "loop", "panels": [{"x": "x.x1", "traces": [{"column": "x.x2"}, {"column": "adaptive.x.x2"}]}]}
+
+
+@pytest.fixture
+def run(experiment, result):
+    spec = experiment(figures=[{"name": "fig-2", "title": "Figure 2", "panels": PANELS}, LOOP])
+    return result(spec), spec
+
+
+def named(drawn: dict, start: str) -> list[dict]:
+    return [trace for trace in drawn["data"] if trace["name"].startswith(start)]
+
+
+def test_own_figures_come_first_then_the_general_ones(run):
+    """A run offers the experiment's own figures, then those that every run has."""
+    outcome, spec = run
+    assert [entry["name"] for entry in figure_names(spec, outcome.names)] == ["fig-2", "loop", *GENERAL]
+
+
+def test_only_figures_with_something_to_draw_are_offered(experiment, result):
+    """Without observers there are no residuals, errors or excitation to show."""
+    spec = experiment(observers=[])
+    assert [entry["name"] for entry in figure_names(spec, result(spec).names)] == ["faults", "states", "outputs", "inputs"]
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_plotly_accepts_every_figure(run, plant, theme):
+    """plotly.py's own validation knows every property of every figure, and all of it is plain JSON."""
+    from plotly.graph_objects import Figure
+
+    outcome, spec = run
+    for entry in figure_names(spec, outcome.names):
+        drawn = figure(outcome, spec, plant, entry["name"], theme)
+        json.dumps(drawn, allow_nan=False)
+        Figure(drawn)
+
+
+def test_curves_are_samples_of_the_run(run, plant):
+    """Every drawn point of θ̂ is a row of the run."""
+    outcome, spec = run
+    trace = figure(outcome, spec, plant, "faults")["data"][0]
+    x, y = decoded(trace["x"]), decoded(trace["y"])
+    column = outcome.column("slow.theta.theta1")
+    rows = np.rint(x * 100).astype(int)
+    np.testing.assert_allclose(y, column[rows], rtol=1e-6, atol=1e-12)
+    assert x.size <= 4004
+
+
+def test_colour_means_observer(run, plant):
+    """An observer has its own colour in every figure; the truth is dashed ink."""
+    outcome, spec = run
+    theme = style.THEMES["light"]
+    for name in ("fig-2", "faults", "states", "outputs", "errors"):
+        drawn = figure(outcome, spec, plant, name)
+        for place, label in enumerate(("adaptive", "slow")):
+            assert {trace["line"]["color"] for trace in named(drawn, label)} <= {theme.observers[place]}
+        for trace in named(drawn, "truth"):
+            assert trace["line"]["color"] == theme.ink and trace["line"]["dash"] != "solid"
+    assert named(figure(outcome, spec, plant, "fig-2"), "slow")[0]["line"]["color"] == theme.observers[1]
+
+
+def test_amber_marks_a_fault_while_it_acts(experiment, result, plant):
+    """The strip of a channel is tinted from onset to end; a fault of a measurement tints its output."""
+    spec = experiment(faults=[{"channel": "theta1", "shape": "step", "onset": 40, "end": 60, "size": 0.01},
+                              {"output": "y", "shape": "stuck", "onset": 80, "value": 0}])
+    outcome = result(spec)
+
+    def tinted(name):
+        return [(s["x0"], s["x1"], s["yref"]) for s in figure(outcome, spec, plant, name)["layout"]["shapes"] if s["type"] == "rect"]
+
+    assert tinted("faults") == [(40, 60, "y domain")]
+    assert tinted("outputs") == [(80, 100, "y domain")]
+
+
+def test_each_name_stands_once_in_the_legend(run, plant):
+    """However many strips, the legend names truth and observers once."""
+    outcome, spec = run
+    shown = [trace["name"] for trace in figure(outcome, spec, plant, "states")["data"] if trace["showlegend"]]
+    assert sorted(shown) == ["adaptive", "slow", "truth"]
+
+
+def test_units_come_from_the_plant(run, plant):
+    """Beside each strip stands the unit that the plant gives the quantity."""
+    outcome, spec = run
+    text = " ".join(a["text"] for a in figure(outcome, spec, plant, "states")["layout"]["annotations"])
+    assert "1/h2" in text and "specific" in text
+
+
+def test_rare_peaks_do_not_flatten_a_strip(run, plant):
+    """The range of an axis follows the truth and the bulk of the estimates, not one spike."""
+    outcome, spec = run
+    outcome.data[outcome.names.index("adaptive.theta.theta1"), 500:510] = 1e3
+    low, high = figure(outcome, spec, plant, "faults")["layout"]["yaxis"]["range"]
+    assert -0.02 < low < 0 and 0.01 < high < 0.03
+
+
+def test_divergence_is_said_and_does_not_set_the_scale(experiment, result, plant):
+    """A diverged observer bears the time in the legend, a dash as its last value, and leaves the axis to the others."""
+    spec = experiment()
+    outcome = result(spec, lost={"slow": 50.0})
+    outcome.data[outcome.names.index("slow.x.x1"), 4000:5000] = 1e9
+    drawn = figure(outcome, spec, plant, "states")
+    assert named(drawn, "slow")[0]["name"] == "slow (diverged at 50 s)"
+    assert drawn["layout"]["yaxis"]["range"][1] < 1
+    assert "—" in [a["text"] for a in drawn["layout"]["annotations"]]
+
+
+def test_unknown_names_are_refused_with_what_there_is(run, plant):
+    """A figure or theme that does not exist is refused with the list of those that do."""
+    outcome, spec = run
+    with pytest.raises(UnknownFigure, match="fig-2, loop, faults"):
+        figure(outcome, spec, plant, "nope")
+    with pytest.raises(ValueError, match="light, dark"):
+        figure(outcome, spec, plant, "faults", "sepia")
+
+
+def test_panels_with_their_own_abscissa_have_their_own_axis(experiment, result, plant):
+    """A loop beside a panel over time: two horizontal axes, the loop's titled with its quantity and unit."""
+    spec = experiment(figures=[{"name": "both", "panels": [LOOP["panels"][0], PANELS[0]]}])
+    layout = figure(result(spec), spec, plant, "both")["layout"]
+    assert layout["xaxis"]["title"]["text"] == "<i>x</i><sub>1</sub> (1/h)"
+    assert layout["xaxis2"]["title"]["text"] == "time (s)"
+
+
+def test_five_figures_take_less_than_20_ms(run, plant):
+    """All figures of a run of 10 001 rows are built in under 20 ms (the best of five tries)."""
+    outcome, spec = run
+    best = np.inf
+    for _ in range(5):
+        start = time.perf_counter()
+        for name in GENERAL[:5]:
+            figure(outcome, spec, plant, name)
+        best = min(best, time.perf_counter() - start)
+    assert best < 0.020
+
+
+def test_plotly_is_not_imported():
+    """Drawing costs no import of plotly."""
+    code = "import sys, backend.figures; print([m for m in sys.modules if m.split('.')[0] in ('plotly', 'sympy')])"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"

@@ -1,0 +1,26 @@
+"""A run manager over a store in the test's own folder; called again, it is the next start of the service."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from backend.api.services import Services
+from backend.runs.manager import RunManager
+from backend.settings import load
+
+
+@pytest.fixture
+def start(tmp_path: Path) -> Iterator[Callable[..., RunManager]]:
+    """Start a manager with changed settings; the one before is stopped first."""
+    running: list[Services] = []
+
+    def start_one(**changes: object) -> RunManager:
+        if running:
+            running.pop().close()
+        running.append(Services.start(load({}, data=tmp_path, **changes)))
+        return running[0].runs
+
+    yield start_one
+    for services in running:
+        services.close()

@@ -1,0 +1,206 @@
+"""Runs are functions of their specs: found again, computed again, cancelled, refused."""
+
+import time
+
+import numpy as np
+import pytest
+
+from backend.runs.errors import Busy, InvalidSpec, NotReady, Unknown
+from backend.runs.job import Job, Snapshot
+from backend.runs.manager import RunManager
+from shared.experiment import Experiment
+from tests.runs.samples import PLANT, long_spec, spec
+
+SECONDS = 30
+ONE = 150_000  # bytes: room for one result of the small experiment (1001 rows of 10 columns), not for two
+
+
+def completed(runs: RunManager, experiment: Experiment) -> Snapshot:
+    """The end of a run that is not known yet."""
+    job = runs.submit(experiment)
+    assert isinstance(job, Job)
+    return job.done.result(SECONDS)
+
+
+def numbers(runs: RunManager, id: str) -> np.ndarray:
+    """The run's data, computed again if need be."""
+    found = runs.finished(id)
+    if isinstance(found, Job):
+        found.done.result(SECONDS)
+        found = runs.finished(id)
+    return found.result.data
+
+
+def until(condition) -> None:
+    """Wait for what another thread does."""
+    deadline = time.monotonic() + SECONDS
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.005)
+
+
+def test_the_same_spec_is_answered_from_memory_and_after_a_restart_from_the_store(start):
+    """Bit for bit, with the same summary, and without computing."""
+    runs = start()
+    first = completed(runs, spec())
+    data = numbers(runs, first.id).copy()
+    again = runs.submit(spec())
+    assert isinstance(again, Snapshot) and again == first
+    runs = start()
+    stored = runs.submit(spec())
+    assert isinstance(stored, Snapshot)
+    assert (stored.id, stored.status, stored.summary) == (first.id, "done", first.summary)
+    assert numbers(runs, first.id).tobytes() == data.tobytes()
+
+
+def test_a_result_that_was_let_go_is_computed_again_with_the_same_numbers(start):
+    """The store has room for one result; the spec of the other is kept, and that is enough."""
+    runs = start(store_limit=ONE, memory=1)
+    first = completed(runs, spec())
+    data = numbers(runs, first.id).copy()
+    for seed in range(1, 4):
+        completed(runs, spec(seed=seed))
+    runs = start(store_limit=ONE, memory=1)
+    assert runs.get(first.id).status == "done"
+    assert isinstance(runs.finished(first.id), Job)
+    assert numbers(runs, first.id).tobytes() == data.tobytes()
+
+
+def test_a_pin_survives_recomputation_and_restart(start):
+    """The user's mark is not lost with the result."""
+    runs = start(store_limit=1)
+    id = completed(runs, spec()).id
+    assert runs.pin(id, True).pinned
+    runs = start(store_limit=1)
+    assert runs.get(id).pinned
+    numbers(runs, id)
+    assert runs.get(id).pinned
+    assert not runs.pin(id, False).pinned
+
+
+def test_titles_and_figures_are_no_part_of_the_id_and_the_newest_ones_count(start):
+    """Renaming an experiment recomputes nothing."""
+    runs = start()
+    id = completed(runs, spec(title="Old")).id
+    renamed = runs.submit(spec(title="New"))
+    assert isinstance(renamed, Snapshot) and renamed.id == id
+    assert runs.get(id).spec.title == "New"
+    assert start().get(id).spec.title == "New"
+
+
+def test_other_numbers_are_another_run(start):
+    """Seed, a gain, the plant's text: each changes the id."""
+    runs = start()
+    faster = {**PLANT, "dynamics": {"x": "-2*a*x + u"}}
+    variants = [spec(), spec(seed=1), spec(plant=faster), spec(noise={})]
+    ids = {completed(runs, variant).id for variant in variants}
+    assert len(ids) == len(variants)
+
+
+def test_a_spec_that_is_under_way_is_joined_and_not_started_twice(start):
+    """Two clients, one computation."""
+    runs = start()
+    first, second = runs.submit(long_spec()), runs.submit(long_spec())
+    assert first is second
+    runs.cancel(first.id)
+
+
+def test_progress_rises_and_cancelling_stops_the_run_soon(start):
+    """Within a second, though the run would take many; then it can be started anew."""
+    runs = start()
+    job = runs.submit(long_spec())
+    until(lambda: job.progress > 0.01)
+    assert runs.get(job.id).status == "running"
+    runs.cancel(job.id)
+    begin = time.monotonic()
+    assert job.done.result(SECONDS).status == "cancelled"
+    assert time.monotonic() - begin < 1
+    with pytest.raises(NotReady, match="cancelled"):
+        runs.finished(job.id)
+    assert isinstance(runs.submit(long_spec()), Job)
+
+
+def test_a_run_that_waits_for_a_worker_is_cancelled_at_once(start):
+    """It does not have to reach the head of the queue."""
+    runs = start(workers=1)
+    runs.submit(long_spec(seed=1))
+    waiting = runs.submit(long_spec(seed=2))
+    assert runs.cancel(waiting.id).status == "cancelled"
+    assert waiting.done.result(0).status == "cancelled"
+
+
+def test_a_full_queue_refuses_and_accepts_again_when_there_is_room(start):
+    """Room for one at work and one waiting."""
+    runs = start(workers=1, queue=1)
+    jobs = [runs.submit(long_spec(seed=seed)) for seed in (1, 2)]
+    with pytest.raises(Busy, match="2 runs"):
+        runs.submit(spec())
+    for job in jobs:
+        runs.cancel(job.id)
+        job.done.result(SECONDS)
+    assert completed(runs, spec()).status == "done"
+
+
+@pytest.mark.parametrize(
+    ("limits", "field", "words"),
+    [
+        ({"max_steps": 500}, "horizon", r"1,000 steps, and 500 are allowed.*THETASCOPE_MAX_STEPS"),
+        ({"max_result": 5000}, "record", r"1,001 rows.*5,000 are allowed.*THETASCOPE_MAX_RESULT"),
+    ],
+)
+def test_more_than_the_limits_allow_is_refused_in_numbers_before_it_runs(start, limits, field, words):
+    """The message has what was asked, what is allowed, and what to do."""
+    job = start(**limits).submit(spec())
+    with pytest.raises(InvalidSpec, match=words) as refusal:
+        job.done.result(SECONDS)
+    assert refusal.value.errors[0].field == field
+    assert job.status == "queued"
+
+
+def test_a_run_that_takes_too_long_is_stopped_and_says_so(start):
+    """The limit on time holds where steps alone did not tell."""
+    end = completed(start(max_seconds=0.2), long_spec())
+    assert end.status == "failed"
+    assert "longer than 0.2 s" in end.problem.detail and "THETASCOPE_MAX_SECONDS" in end.problem.detail
+
+
+def test_text_that_is_no_expression_is_refused_with_its_field_in_the_experiment(start):
+    """The plant is inline, so its fields are below `plant`."""
+    wrong = {**PLANT, "dynamics": {"x": "-a*x + q"}}
+    job = start().submit(spec(plant=wrong))
+    with pytest.raises(InvalidSpec) as refusal:
+        job.done.result(SECONDS)
+    assert refusal.value.errors[0].field == "plant.dynamics.x"
+    assert "column 8" in refusal.value.errors[0].problem
+
+
+def test_a_run_announced_and_cut_off_by_the_end_of_the_service_is_known_as_such(start):
+    """Its client comes back to a plain word instead of waiting for ever."""
+    runs = start()
+    job = runs.submit(long_spec())
+    until(lambda: job.status == "running")
+    runs.announce(job)
+    runs = start()
+    assert runs.get(job.id).status == "cancelled"
+
+
+def test_a_removed_run_is_gone_from_memory_and_store(start):
+    """And an id like it is offered to whoever mistypes."""
+    runs = start()
+    kept, removed = completed(runs, spec()).id, completed(runs, spec(seed=1)).id
+    runs.remove(removed)
+    with pytest.raises(Unknown):
+        runs.get(removed)
+    with pytest.raises(Unknown, match=kept):
+        runs.get(kept[:8] + "0000")
+
+
+def test_memory_holds_the_latest_results_up_to_its_limit(start):
+    """One result fits: the older one is read from the store."""
+    runs = start(memory=ONE)
+    first = completed(runs, spec())
+    second = completed(runs, spec(seed=1))
+    assert runs._memory.get(first.id) is None
+    assert runs._memory.get(second.id) is not None
+    runs.submit(spec(seed=2)).done.result(SECONDS)
+    assert numbers(runs, first.id).shape[1] == 1001

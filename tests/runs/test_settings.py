@@ -1,0 +1,37 @@
+"""Settings from the environment."""
+
+from pathlib import Path
+
+import pytest
+
+from backend.settings import SettingsError, load
+
+
+def test_every_field_is_read_from_its_variable_and_arguments_win():
+    """Sizes take suffixes; an empty variable counts as unset."""
+    found = load(
+        {"THETASCOPE_DATA": "/srv/data", "THETASCOPE_PORT": "9000", "THETASCOPE_MAX_BODY": "64k",
+         "THETASCOPE_STORE_LIMIT": "3G", "THETASCOPE_WAIT": "0.5", "THETASCOPE_HOST": ""},
+        port=9001,
+    )  # fmt: skip
+    assert found.database == Path("/srv/data/runs.sqlite")
+    assert (found.port, found.max_body, found.store_limit, found.wait) == (9001, 65536, 3 * 1024**3, 0.5)
+    assert found.host == "127.0.0.1"
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [("PORT", "many"), ("PORT", "-1"), ("MAX_BODY", "2T"), ("MAX_BODY", "1.5M"), ("WAIT", "nan"), ("WAIT", "-1")],
+)
+def test_a_value_that_is_none_names_the_variable_and_shows_a_right_one(name, value):
+    """Instead of a traceback at start."""
+    with pytest.raises(SettingsError, match=rf"THETASCOPE_{name} is '{value}'.*such as"):
+        load({f"THETASCOPE_{name}": value})
+
+
+def test_without_variables_the_store_is_in_the_users_data_folder(monkeypatch):
+    """On Linux by the XDG convention."""
+    monkeypatch.setattr("sys.platform", "linux")
+    assert load({"XDG_DATA_HOME": "/home/me/data"}).data == Path("/home/me/data/thetascope")
+    monkeypatch.setenv("HOME", "/home/me")
+    assert load({}).data == Path("/home/me/.local/share/thetascope")

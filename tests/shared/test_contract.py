@@ -1,0 +1,105 @@
+"""Claims about all schemas together."""
+
+import json
+
+import pytest
+from pydantic import TypeAdapter, ValidationError
+
+import shared
+from backend.engine.expressions import FUNCTIONS, MAX_LENGTH
+from shared import base, run
+from shared.base import Strict, field_errors
+from shared.faults import Fault
+from shared.signals import Signal
+
+
+def every_schema(parent: type[Strict] = Strict) -> list[type[Strict]]:
+    found = []
+    for child in parent.__subclasses__():
+        found += [child, *every_schema(child)]
+    return found
+
+
+# bases of the fault shapes, which never stand alone
+ABSTRACT = {"TimedFault", "ChannelFault", "MeasurementFault"}
+SCHEMAS = [s for s in every_schema() if s.__module__.startswith("shared") and s.__name__ not in ABSTRACT]
+
+
+@pytest.mark.parametrize("schema", SCHEMAS, ids=lambda schema: schema.__name__)
+def test_every_schema_shows_a_valid_example(schema: type[Strict]) -> None:
+    """Each schema has an example, it is valid, and it survives the way to JSON and back."""
+    (example,) = schema.model_json_schema()["examples"]
+    model = schema.model_validate_json(json.dumps(example))
+    assert schema.model_validate_json(model.model_dump_json()) == model
+
+
+@pytest.mark.parametrize("schema", SCHEMAS, ids=lambda schema: schema.__name__)
+def test_every_schema_refuses_unknown_fields(schema: type[Strict]) -> None:
+    """A misspelt field is never ignored: it is named, and the nearest field is offered."""
+    data = dict(schema.model_json_schema()["examples"][0])
+    field = next(iter(schema.model_fields))
+    data[field + "s_"] = 1
+    with pytest.raises(ValidationError) as caught:
+        schema.model_validate(data)
+    (error,) = field_errors(caught.value.errors(), data)
+    assert error.field == field + "s_"
+    assert error.problem == "unknown field"
+    assert field in error.remedy
+
+
+def test_examples_cover_every_kind_of_signal_and_fault() -> None:
+    """The nine signals and fifteen fault shapes of the design are told apart by one word."""
+    signals = {s.model_fields["kind"].default for s in SCHEMAS if s.__module__ == "shared.signals"}
+    faults = {s.model_fields["shape"].default for s in SCHEMAS if s.__module__ == "shared.faults"}
+    assert signals == {"constant", "steps", "pulse", "sine", "ramp", "chirp", "prbs", "table", "expression"}
+    inside = "step ramp drift exponential sine pulse-train random-walk table"
+    outside = "stuck freeze dropout outliers noise-burst quantisation delay"
+    assert faults == set(f"{inside} {outside}".split())
+    for adapter, tag, names in ((TypeAdapter(Signal), "kind", signals), (TypeAdapter(Fault), "shape", faults)):
+        for schema in SCHEMAS:
+            field = schema.model_fields.get(tag)
+            if field and field.default in names and schema.__module__ in ("shared.signals", "shared.faults"):
+                example = schema.model_json_schema()["examples"][0]
+                assert type(adapter.validate_python(example)) is schema
+
+
+def test_schemas_and_engine_agree_on_the_language() -> None:
+    """A plant may not name a quantity like a function, so both sides must know the same functions and limit."""
+    assert set(FUNCTIONS) == set(base.FUNCTIONS)
+    assert MAX_LENGTH == base.MAX_EXPRESSION
+
+
+def test_every_field_is_described_or_speaks_for_itself() -> None:
+    """Numbers in the OpenAPI page say what they are and in which unit."""
+    for schema in SCHEMAS:
+        for name, field in schema.model_json_schema()["properties"].items():
+            if field.get("type") == "number":
+                assert field.get("description"), f"{schema.__name__}.{name}"
+
+
+def test_instances_do_not_change() -> None:
+    """A spec that was hashed stays what it was."""
+    noise = shared.Noise(std=0.1)
+    with pytest.raises(ValidationError):
+        noise.std = 0.2  # type: ignore[misc]
+
+
+@pytest.mark.parametrize("value", ["0.1", True, None, float("nan"), float("inf"), 10**400, [1], {}])
+def test_only_finite_numbers_are_numbers(value: object) -> None:
+    """Text, truth values, infinities and integers beyond double precision are refused, naming the field."""
+    with pytest.raises(ValidationError) as caught:
+        shared.Noise.model_validate({"std": value})
+    (error,) = field_errors(caught.value.errors(), {"std": value})
+    assert error.field == "std"
+    assert error.remedy
+    json.dumps(error.model_dump(), allow_nan=False)  # an error can always be sent
+
+
+def test_problem_is_rfc_9457() -> None:
+    """A problem has type, title, status and detail, and lists each field with value and remedy."""
+    problem = run.Problem(
+        title="Refused", status=422, errors=[{"field": "a", "value": 1, "problem": "too large", "remedy": "a < 1"}]
+    )
+    sent = json.loads(problem.model_dump_json())
+    assert sent["type"] == "about:blank"
+    assert sent["errors"] == [{"field": "a", "value": 1, "problem": "too large", "remedy": "a < 1"}]

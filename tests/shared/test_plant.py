@@ -1,0 +1,110 @@
+"""What the plant schema refuses without knowing any mathematics."""
+
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from pydantic import ValidationError
+
+from shared import Plant, field_errors
+from shared.base import MAX_EXPRESSION, RESERVED
+
+
+def refusal(data: dict[str, Any]) -> tuple[str, str, str]:
+    """Field, problem and remedy of the one error in `data`."""
+    with pytest.raises(ValidationError) as caught:
+        Plant.model_validate(data)
+    (error,) = field_errors(caught.value.errors(), data)
+    return error.field, error.problem, error.remedy
+
+
+def test_plant_is_read(plant: dict[str, Any]) -> None:
+    """Defaults are filled in, a number stands for its text, and names are listed by group."""
+    model = Plant.model_validate(plant)
+    assert model.time.kind == "continuous"
+    assert model.channels[0].enters == {"x1": "phi", "x2": "1"}
+    assert model.names("states", "channels") == ("x1", "x2", "theta1", "theta2")
+
+
+@pytest.mark.parametrize("name", sorted(RESERVED) + ["lambda", "if", "None"])
+def test_reserved_names_are_refused(plant: dict[str, Any], name: str) -> None:
+    """Time, pi, functions and words of the language cannot be names."""
+    plant["inputs"][0]["name"] = name
+    field, problem, remedy = refusal(plant)
+    assert field == "inputs[0].name"
+    assert "reserved" in problem
+    assert name + "_1" in remedy
+
+
+@pytest.mark.parametrize("name", ["", "1x", "x-y", "x.y", "x\n", "é", "_x", "x" * 33, "x y"])
+def test_names_are_plain(plant: dict[str, Any], name: str) -> None:
+    """A name is a letter and up to 31 letters, digits or underscores."""
+    plant["inputs"][0]["name"] = name
+    assert refusal(plant)[0] == "inputs[0].name"
+
+
+Change = Callable[[dict[str, Any]], object]
+CASES: list[tuple[str, str, Change]] = [
+    ("dynamics.x3", "x1", lambda p: p["dynamics"].update(x3="1")),
+    ("dynamics", "add dynamics.x2", lambda p: p["dynamics"].pop("x2")),
+    ("parameters[0].name", "rename", lambda p: p["parameters"][0].update(name="x1")),
+    ("channels[0].name", "rename", lambda p: p["channels"][0].update(name="u")),
+    ("channels[0].enters.y", "use one of: x1, x2", lambda p: p["channels"][0].update(enters={"y": "1"})),
+    ("channels[1].enters.x1", "y", lambda p: p["channels"][1].update(enters={"x1": "1"})),
+    ("channels[0].enters", "at least 1", lambda p: p["channels"][0].update(enters={})),
+    ("channels[0].kind", "'actuator', 'process' or 'sensor'", lambda p: p["channels"][0].update(kind="plant")),
+    ("definitions[0].domain.b", "a", lambda p: p["definitions"][0].update(domain=[0, "b"])),
+    ("definitions[0].domain", "[low, high]", lambda p: p["definitions"][0].update(domain=[2, 1])),
+    ("states[0].domain", "[low, high]", lambda p: p["states"][0].update(domain=[1, 1])),
+    ("parameters[0].value", "[0, 10]", lambda p: p["parameters"][0].update(value=11)),
+    ("signals[0].default.width", "width ≤ 1", lambda p: p["signals"][0]["default"].update(width=2)),
+    ("signals[0].default", "did you mean pulse", lambda p: p["signals"][0]["default"].update(kind="puls")),
+    ("time.period", "give this field", lambda p: p.update(time={"kind": "discrete"})),
+    ("states", "at least 1", lambda p: p.update(states=[], dynamics={}, channels=[])),
+    ("id", "match", lambda p: p.update(id="Not An Id")),
+]
+
+
+@pytest.mark.parametrize(("field", "remedy", "change"), CASES, ids=[case[0] for case in CASES])
+def test_inconsistent_plants_are_refused(plant: dict[str, Any], field: str, remedy: str, change: Change) -> None:
+    """Each contradiction names its field and what to do."""
+    change(plant)
+    found = refusal(plant)
+    assert found[0] == field
+    assert remedy in found[2]
+
+
+@pytest.mark.parametrize(
+    ("group", "count", "item"),
+    [
+        ("states", 61, {"name": "s{}"}),
+        ("inputs", 21, {"name": "s{}"}),
+        ("outputs", 21, {"name": "s{}", "expression": "x1"}),
+        ("channels", 41, {"name": "s{}", "kind": "sensor", "enters": {"y": "1"}}),
+    ],
+)
+def test_sizes_are_limited(plant: dict[str, Any], group: str, count: int, item: dict[str, Any]) -> None:
+    """One more than the limit is refused, naming the group."""
+    plant[group] = [item | {"name": f"s{index}"} for index in range(count)]
+    field, _, remedy = refusal(plant)
+    assert field == group
+    assert str(count - 1) in remedy
+
+
+def test_sixty_states_are_accepted(plant: dict[str, Any]) -> None:
+    """The limit itself is allowed."""
+    names = ["x1"] + [f"s{index}" for index in range(59)]
+    plant |= {"states": [{"name": name} for name in names], "dynamics": dict.fromkeys(names, "0")}
+    plant |= {"outputs": [{"name": "y", "expression": "x1"}], "definitions": []}
+    plant["channels"][0]["enters"] = {"x1": "1"}
+    assert len(Plant.model_validate(plant).states) == 60
+
+
+def test_a_long_expression_is_refused_at_its_column(plant: dict[str, Any]) -> None:
+    """2000 characters pass, the next one is pointed at."""
+    plant["dynamics"]["x1"] = "x1" + " " * (MAX_EXPRESSION - 2)
+    Plant.model_validate(plant)
+    plant["dynamics"]["x1"] += " "
+    field, problem, _ = refusal(plant)
+    assert field == "dynamics.x1"
+    assert "column 2001" in problem

@@ -1,0 +1,22 @@
+"""A result with everything that is hard to keep, and a record."""
+
+import numpy as np
+
+from backend.engine.result import Check, Diverged, ObserverReport, Result
+from backend.store import Record
+
+
+def made_result(rows: int = 50, seed: int = 0) -> Result:
+    """Columns t, x.x and L.x.x; the last with what floats can be."""
+    data = np.random.default_rng(seed).standard_normal((3, rows))
+    data[0] = np.arange(rows) * 0.1
+    data[2, :5] = [np.nan, np.inf, -0.0, 5e-324, 0.1 + 0.2]
+    checks = (Check("rank", "holds", "rank of the matrix", 2.0, 2.0, "eq. (3)"), Check("pe", "cannot tell", "why"))
+    report = ObserverReport("L", "kind", "Title", checks, Diverged(2.5, "escape"), {"K": np.array([1.0, 2.0]), "n": 2})
+    return Result(("t", "x.x", "L.x.x"), data, (report,), None, 0.01, 2, ("a note",), {"run": 0.5})
+
+
+def made_record(id: str, created: float = 1.0, **changes: object) -> Record:
+    """A record of a run that is done."""
+    values = {"spec": '{"seed": 1}', "title": "A run", "status": "done", "engine": "e", "summary": {"rows": 50}}
+    return Record(id=id, created=created, **(values | changes))

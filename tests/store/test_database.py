@@ -1,0 +1,89 @@
+"""Opening the store's file: new, older, newer, damaged, locked."""
+
+import sqlite3
+
+import pytest
+
+from backend.store import Database, StoreError, schema
+from tests.store.samples import made_record
+
+
+def test_a_file_of_an_older_version_is_brought_up_and_keeps_its_runs(open_store, monkeypatch):
+    """A migration is applied once, to what is there."""
+    open_store().put(made_record("a"))
+    later = (*schema.MIGRATIONS, ("ALTER TABLE runs ADD COLUMN note TEXT DEFAULT 'none'",))
+    monkeypatch.setattr("backend.store.database.MIGRATIONS", later)
+    for _ in range(2):
+        store = open_store()
+        with store._database.reading() as connection:
+            assert connection.execute("SELECT note FROM runs WHERE id = 'a'").fetchone()[0] == "none"
+
+
+def test_a_file_of_a_newer_version_is_refused_and_left_alone(tmp_path):
+    """An old program must not spoil a newer one's store."""
+    path = tmp_path / "runs.sqlite"
+    Database(path).close()
+    with sqlite3.connect(path) as connection:
+        connection.execute("PRAGMA user_version = 999")
+    with pytest.raises(StoreError, match=r"newer version.*THETASCOPE_DATA"):
+        Database(path)
+    with sqlite3.connect(path) as connection:
+        assert connection.execute("PRAGMA user_version").fetchone()[0] == 999
+
+
+def test_a_file_that_is_no_database_gets_a_message_that_names_it_and_the_remedy(tmp_path):
+    """And it is not overwritten."""
+    path = tmp_path / "runs.sqlite"
+    path.write_bytes(b"this is no database, but it is somebody's file " * 50)
+    with pytest.raises(StoreError, match=r"runs\.sqlite is damaged or no database.*Move the file away"):
+        Database(path)
+    assert path.read_bytes().startswith(b"this is no database")
+
+
+def test_a_damaged_page_is_reported_when_it_is_read(tmp_path):
+    """Not every damage shows on opening."""
+    path = tmp_path / "runs.sqlite"
+    database = Database(path)
+    with database.writing() as connection:
+        for i in range(200):
+            connection.execute(
+                "INSERT INTO runs VALUES (?, ?, 't', 'done', NULL, NULL, 'e', 1, 0)", (f"{i}", "x" * 900)
+            )
+    database.close()
+    content = bytearray(path.read_bytes())
+    content[8192 * 2 :] = b"\xff" * (len(content) - 8192 * 2)
+    path.write_bytes(content)
+    database = Database(path)
+    with pytest.raises(StoreError, match="damaged"), database.reading() as connection:
+        connection.execute("SELECT * FROM runs").fetchall()
+    database.close()
+
+
+def test_a_store_held_by_another_program_is_waited_for_and_then_named(open_store, tmp_path):
+    """The wait ends; the message says what to close."""
+    store = open_store(timeout=0.05)
+    other = sqlite3.connect(store._database.path, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    with pytest.raises(StoreError, match="held by another process"):
+        store.put(made_record("a"))
+    other.execute("ROLLBACK")
+    store.put(made_record("a"))
+    other.close()
+    assert store.get("a") is not None
+
+
+def test_a_folder_that_cannot_be_made_names_the_setting(tmp_path):
+    """The usual mistake in containers."""
+    (tmp_path / "file").write_text("in the way")
+    with pytest.raises(StoreError, match="THETASCOPE_DATA"):
+        Database(tmp_path / "file" / "runs.sqlite")
+
+
+def test_a_failed_transaction_leaves_nothing_behind(open_store):
+    """Half a deletion would leave results without runs."""
+    store = open_store()
+    store.put(made_record("a"))
+    with pytest.raises(RuntimeError), store._database.writing() as connection:
+        connection.execute("DELETE FROM runs")
+        raise RuntimeError
+    assert store.get("a") is not None

@@ -1,0 +1,124 @@
+"""What the store keeps, and what it lets go."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+
+from tests.store.samples import made_record, made_result
+
+SIZE = made_result().data.nbytes
+
+
+def test_a_result_comes_back_bit_for_bit_from_a_store_opened_anew(open_store):
+    """Numbers, reports, checks and divergence survive the file; arrays among the facts become lists."""
+    kept = made_result()
+    open_store().put_result("a", "e", kept)
+    found = open_store().get_result("a", "e")
+    assert found.data.tobytes() == kept.data.tobytes()
+    assert (found.names, found.step, found.substeps, found.notes) == (kept.names, 0.01, 2, ("a note",))
+    assert found.observers[0].checks == kept.observers[0].checks
+    assert found.observers[0].diverged == kept.observers[0].diverged
+    assert found.observers[0].facts == {"K": [1.0, 2.0], "n": 2}
+
+
+def test_a_result_belongs_to_the_engine_that_computed_it(open_store):
+    """Another version of the engine gets no answer, rather than numbers that it would not compute."""
+    store = open_store()
+    store.put_result("a", "old", made_result())
+    assert store.get_result("a", "new") is None
+    assert not store.has_result("a", "new")
+    assert store.has_result("a", "old")
+
+
+def test_beyond_the_limit_the_least_recently_used_unpinned_result_goes_and_its_spec_stays(open_store):
+    """Four results where three fit: of the two oldest, one is pinned, so the other goes."""
+    store = open_store(limit=3 * (SIZE + 1000))
+    for id in ("pinned", "oldest", "middle"):
+        store.put(made_record(id))
+        store.put_result(id, "e", made_result())
+        if id == "pinned":
+            assert store.pin(id, True)
+    store.put(made_record("newest"))
+    store.put_result("newest", "e", made_result())
+    assert [id for id in ("pinned", "oldest", "middle", "newest") if store.has_result(id, "e")] == [
+        "pinned", "middle", "newest",
+    ]  # fmt: skip
+    assert store.get("oldest").spec == '{"seed": 1}'
+    assert store.usage()["bytes"] <= 3 * (SIZE + 1000)
+
+
+def test_reading_a_result_makes_it_recently_used(open_store, monkeypatch):
+    """The older of two survives when it was read since (time of use is written once a minute, so time is moved on)."""
+    store = open_store(limit=2 * (SIZE + 1000))
+    now = [1000.0]
+    monkeypatch.setattr("backend.store.runs.time.time", lambda: now[0])
+    for id in ("a", "b", "c"):
+        if id == "c":
+            now[0] += 3600
+            assert store.get_result("a", "e") is not None
+        store.put(made_record(id))
+        now[0] += 1
+        store.put_result(id, "e", made_result())
+    assert [id for id in ("a", "b", "c") if store.has_result(id, "e")] == ["a", "c"]
+
+
+def test_a_result_larger_than_the_limit_is_not_kept_and_drives_out_nothing(open_store):
+    """It would empty the store and still not fit."""
+    store = open_store(limit=SIZE + 1000)
+    store.put_result("small", "e", made_result())
+    assert not store.put_result("large", "e", made_result(rows=5000))
+    assert store.has_result("small", "e")
+
+
+def test_a_run_put_again_keeps_its_pin_and_time_of_creation(open_store):
+    """A recomputed run is the same run."""
+    store = open_store()
+    store.put(made_record("a", created=5.0))
+    store.pin("a", True)
+    store.put(made_record("a", created=9.0, title="Renamed"))
+    found = store.get("a")
+    assert (found.created, found.pinned, found.title) == (5.0, True, "Renamed")
+
+
+def test_runs_are_listed_newest_first_in_pages_without_specs(open_store):
+    """A list of thousands stays small."""
+    store = open_store()
+    for i in range(5):
+        store.put(made_record(f"r{i}", created=float(i)))
+    assert [run.id for run in store.page(limit=2, offset=1)] == ["r3", "r2"]
+    assert store.page()[0].spec == ""
+
+
+def test_a_deleted_run_takes_its_result_along(open_store):
+    """Nothing is left behind, and deleting it twice says so."""
+    store = open_store()
+    store.put(made_record("a"))
+    store.put_result("a", "e", made_result())
+    assert store.delete("a")
+    assert store.get("a") is None and store.usage()["results"] == 0
+    assert not store.delete("a")
+
+
+def test_runs_under_way_when_a_server_died_are_marked_as_failed(open_store):
+    """Nobody waits for a run that nothing computes."""
+    store = open_store()
+    store.put(made_record("lost", status="running", summary=None))
+    store.put(made_record("done"))
+    store.interrupted({"title": "interrupted"})
+    assert (store.get("lost").status, store.get("lost").error) == ("failed", {"title": "interrupted"})
+    assert store.get("done").status == "done"
+
+
+def test_threads_and_other_openers_of_the_file_write_and_read_at_the_same_time(open_store):
+    """Six threads on two openings of the file: every result is there and whole."""
+    stores = [open_store(), open_store()]
+
+    def work(i: int) -> bool:
+        id = f"r{i}"
+        stores[i % 2].put(made_record(id))
+        stores[i % 2].put_result(id, "e", made_result(seed=i))
+        return np.array_equal(stores[(i + 1) % 2].get_result(id, "e").data, made_result(seed=i).data, equal_nan=True)
+
+    with ThreadPoolExecutor(6) as pool:
+        assert all(pool.map(work, range(24)))
+    assert stores[0].usage()["runs"] == 24

@@ -1,0 +1,107 @@
+"""The rules of ARCHITECTURE.md that a machine can check."""
+
+import ast
+import subprocess
+import sys
+from pathlib import Path
+
+import grimp
+import pytest
+
+ROOT = Path(__file__).parents[1]
+CODE = sorted(path for folder in ("backend", "shared", "tools") for path in (ROOT / folder).rglob("*.py"))
+TESTS = sorted((ROOT / "tests").rglob("*.py"))
+PAGE = sorted(path for path in (ROOT / "frontend").rglob("*") if path.suffix in (".js", ".css", ".html"))
+
+# "about" 300 and 40 in ARCHITECTURE.md, with a little room
+LINES_OF_A_FILE = 320
+LINES_OF_A_FUNCTION = 44
+
+
+@pytest.fixture(scope="module")
+def imports() -> grimp.ImportGraph:
+    """Who imports whom, packages from elsewhere included."""
+    return grimp.build_graph("backend", "shared", include_external_packages=True, cache_dir=None)
+
+
+def imported_from_elsewhere(imports: grimp.ImportGraph, package: str) -> set[str]:
+    """Top-level packages, not of this project, that the package's modules import."""
+    modules = {m for m in imports.modules if m == package or m.startswith(f"{package}.")}
+    found = {i for m in modules for i in imports.find_modules_directly_imported_by(m)}
+    return {i.split(".")[0] for i in found} - {"backend", "shared"} - set(sys.stdlib_module_names)
+
+
+def test_imports_go_one_way():
+    """The contracts in pyproject.toml hold: rooms import downwards, observers see only t, u and y."""
+    program = Path(sys.executable).parent / "lint-imports"
+    answer = subprocess.run([program, "--no-logo", "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+    assert "0 broken" in answer.stdout
+
+
+@pytest.mark.parametrize(
+    ("package", "allowed"),
+    [
+        ("shared", {"pydantic", "pydantic_core"}),
+        ("backend.engine", {"numpy", "scipy", "sympy", "llvmlite"}),
+        ("backend.diagnosis", {"numpy", "scipy"}),
+        ("backend.client", {"numpy"}),
+        ("backend.settings", set()),
+    ],
+)
+def test_what_a_package_needs_from_elsewhere(imports: grimp.ImportGraph, package: str, allowed: set[str]):
+    """A room at the bottom needs no more than its job does."""
+    assert imported_from_elsewhere(imports, package) <= allowed
+
+
+def test_every_package_from_elsewhere_is_declared(imports: grimp.ImportGraph):
+    """What the program imports is listed in pyproject.toml, so that a new machine gets it."""
+    declared = (ROOT / "pyproject.toml").read_text().split("dependencies = [")[1].split("]")[0]
+    spelt = {"yaml": "pyyaml", "pydantic_core": "pydantic", "starlette": "fastapi"}
+    used = imported_from_elsewhere(imports, "backend") | imported_from_elsewhere(imports, "shared")
+    assert {spelt.get(name, name) for name in used if spelt.get(name, name) not in declared} == set()
+
+
+def test_files_are_short():
+    """No file is longer than a reader holds in the head."""
+    lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in [*CODE, *TESTS, *PAGE]}
+    assert {path: n for path, n in lengths.items() if n > LINES_OF_A_FILE} == {}
+
+
+def test_functions_are_short():
+    """No function is longer than a screen, its docstring not counted."""
+    long = {}
+    for path in [*CODE, *TESTS]:
+        for node in ast.walk(ast.parse(path.read_text())):
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
+                count = node.end_lineno - node.lineno + 1 - len((ast.get_docstring(node, clean=False) or "").splitlines())
+                if count > LINES_OF_A_FUNCTION:
+                    long[f"{path.relative_to(ROOT)}: {node.name}"] = count
+    assert long == {}
+
+
+def test_text_is_never_evaluated():
+    """No call in the program can turn a user's text into code."""
+    by_name = {"eval", "exec", "compile", "__import__"}
+    by_any_name = {"sympify", "parse_expr", "parse_latex", "lambdify", "literal_eval"}
+    allowed = {  # there sympify makes SymPy's numbers of Python's; texts do not get that far
+        ("backend/engine/observers/draft.py", "sympify"),
+        ("backend/engine/lowering.py", "sympify"),
+    }
+    found = set()
+    for path in CODE:
+        for call in (node for node in ast.walk(ast.parse(path.read_text())) if isinstance(node, ast.Call)):
+            plain, dotted = getattr(call.func, "id", ""), getattr(call.func, "attr", "")
+            if plain in by_name or plain in by_any_name or dotted in by_any_name:
+                found.add((path.relative_to(ROOT).as_posix(), plain or dotted))
+    assert found <= allowed
+
+
+def test_modules_say_what_they_are():
+    """Every module of the program begins with a docstring."""
+    empty = [
+        str(path.relative_to(ROOT))
+        for path in CODE
+        if path.stat().st_size and not ast.get_docstring(ast.parse(path.read_text()))
+    ]
+    assert empty == []

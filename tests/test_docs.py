@@ -1,0 +1,145 @@
+"""The documentation says what is so."""
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from urllib.request import Request, urlopen
+
+import pytest
+import yaml
+
+from backend import library
+from backend.assembly import check_plant
+from backend.engine.language import FUNCTIONS
+from backend.engine.observers.registry import kinds
+from backend.settings import PREFIX, Settings
+from shared import Plant
+from tools.document_observers import FILE, page
+
+ROOT = Path(__file__).parents[1]
+PAGES = [ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CHANGELOG.md")] + sorted((ROOT / "docs").glob("*.md"))
+LINK = re.compile(r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)")
+
+
+def blocks(path: Path, language: str) -> list[str]:
+    """The fenced blocks of a language."""
+    return re.findall(rf"```{language}\n(.*?)```", path.read_text(), flags=re.DOTALL)
+
+
+def anchors(path: Path) -> set[str]:
+    """The places in a page that a link can name, as code hosts spell them."""
+    text = path.read_text()
+    heads = re.findall(r"^#+ (.*)$", text, flags=re.MULTILINE)
+    spelt = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
+    return spelt | set(re.findall(r'<a id="([^"]+)"', text))
+
+
+@pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
+def test_links_lead_somewhere(path: Path):
+    """Every link to a file of the project, and to a heading in it, is good."""
+    for file, anchor in LINK.findall(path.read_text()):
+        target = (path.parent / file).resolve() if file else path
+        assert target.exists(), f"{path.name}: {file}"
+        assert not anchor or anchor in anchors(target), f"{path.name}: {file}#{anchor}"
+
+
+def test_the_page_on_observers_is_what_the_observers_say():
+    """docs/observers.md is up to date; `make docs` writes it."""
+    assert FILE.read_text(encoding="utf-8") == page()
+
+
+def test_the_example_of_a_plant_is_one():
+    """The YAML in docs/plant-format.md is valid, and the observers that the page would offer can be built for it."""
+    plant = Plant.model_validate(yaml.safe_load(blocks(ROOT / "docs" / "plant-format.md", "yaml")[0]))
+    report = check_plant(plant)
+    assert plant.id == "leaky-tank"
+    assert "adaptive-kalman" in str(report)
+
+
+def test_every_function_of_the_language_is_described():
+    """docs/plant-format.md names all functions, each in code."""
+    text = re.sub(r"```.*?```", "", (ROOT / "docs" / "plant-format.md").read_text(), flags=re.DOTALL)
+    coded = " ".join(re.findall(r"`([^`]+)`", text))
+    assert {name for name in FUNCTIONS if not re.search(rf"\b{name}\b", coded)} == set()
+
+
+def test_every_setting_is_described():
+    """docs/api.md names each environment variable of the service."""
+    text = (ROOT / "docs" / "api.md").read_text()
+    assert {name for name in Settings.__dataclass_fields__ if f"`{PREFIX}{name.upper()}`" not in text} == set()
+
+
+def test_the_readme_counts_right():
+    """Numbers of observers and plants, and the experiments by name."""
+    text = (ROOT / "README.md").read_text()
+    words = {8: "eight", 9: "nine", 10: "ten", 11: "eleven", 12: "twelve", 13: "thirteen", 14: "fourteen"}
+    assert f"{words[len(kinds())]} observers" in text.lower()
+    assert f"{words[len(library.plants())]} plants" in text.lower()
+    for line in text.splitlines():
+        if line.startswith("| `"):
+            first, *more = re.findall(r"`([^`]+)`", line.split("|")[1])
+            assert {first, *(first + suffix for suffix in more)} <= set(library.experiments())
+
+
+def own(folder: Path) -> dict[str, str]:
+    """An environment that reads and writes nothing of the user's."""
+    return {"THETASCOPE_DATA": str(folder / "data"), "PATH": "/usr/bin:/bin", "HOME": str(folder), "LANG": "C.UTF-8"}
+
+
+PROGRAM = Path(sys.executable).parent / "thetascope"
+
+
+def test_the_commands_of_the_readme_work(tmp_path: Path):
+    """Each `thetascope` line of the tour runs and writes the files it names; the table is what the first prints."""
+    printed = []
+    (tmp_path / "backend").symlink_to(ROOT / "backend")
+    for line in blocks(ROOT / "README.md", "sh")[0].splitlines():
+        command = [str(PROGRAM), *shlex.split(line)[1:]]
+        answer = subprocess.run(command, cwd=tmp_path, env=own(tmp_path), capture_output=True, text=True, check=False)
+        assert answer.returncode == 0, f"{line}\n{answer.stdout}{answer.stderr}"
+        printed.append(answer.stdout)
+    assert (tmp_path / "zhao.csv").stat().st_size > 1e5
+    assert "<html" in (tmp_path / "zhao.html").read_text()[:200]
+    assert blocks(ROOT / "README.md", "text")[0] in printed[1]
+
+
+@pytest.fixture
+def address(tmp_path: Path) -> Iterator[str]:
+    """A server of its own, on a free port."""
+    command = [PROGRAM, "serve", "--port", "0"]
+    with subprocess.Popen(command, cwd=ROOT, env=own(tmp_path), stdout=subprocess.PIPE, text=True) as server:
+        try:
+            yield re.search(r"http://[^/]+", server.stdout.readline())[0]
+        finally:
+            server.terminate()
+
+
+def test_the_requests_of_the_readme_work(address: str):
+    """Each `curl` line of the tour is answered with what it asks for."""
+    run, got = "RUN", []
+    for line in blocks(ROOT / "README.md", "sh")[1].replace("http://127.0.0.1:8000", address).splitlines():
+        words = shlex.split(line)
+        given = dict(pairwise(words))
+        url = next(word for word in words if word.startswith("http")).replace("RUN", run)
+        body = given["-d"].encode() if "-d" in given else None
+        headers = dict([given["-H"].split(": ")]) if "-H" in given else {}
+        with urlopen(Request(url, body, headers)) as answer:
+            got.append(answer.read().decode())
+        run = json.loads(got[0])["id"]
+    assert json.loads(got[0])["spec"]["seed"] == 3
+    assert got[1].startswith("t,theta.theta1,theta.theta2,theta.theta3,adaptive.theta.theta1,")
+    assert "<html" in got[2][:200]
+
+
+def test_the_python_of_the_readme_works(address: str):
+    """The client's example prints the estimate that its comment promises."""
+    code = blocks(ROOT / "README.md", "python")[0]
+    promised = float(re.search(r"print.*# ([\d.]+)", code)[1])
+    code = code.replace("http://127.0.0.1:8000", address)
+    answer = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
+    assert float(answer.stdout) == pytest.approx(promised, abs=1e-6)

@@ -1,0 +1,109 @@
+"""Set-up: what is installed is pinned, and what decides about it works."""
+
+import os
+import re
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+
+from tools import browser, environment
+
+ROOT = Path(__file__).parents[1]
+PIN = re.compile(r"^([a-z0-9-]+)==([^ ;]+)( ; .+)? \\$")
+
+
+def pins(file: str) -> dict[str, str]:
+    """Package → version in a requirements file; any line that is neither a pin, a hash nor a comment fails."""
+    found = {}
+    for line in (ROOT / file).read_text().splitlines():
+        if line.startswith(("    --hash=sha256:", "    #", "#")):
+            continue
+        match = PIN.match(line)
+        assert match, f"{file}: {line}"
+        found[match[1]] = match[2]
+    return found
+
+
+@pytest.mark.parametrize("file", environment.LEVELS.values())
+def test_requirements_are_versions_with_hashes_and_nothing_else(file: str):
+    """Each package has one exact version and hashes; no line names an index."""
+    blocks = re.split(r"^(?=[a-z])", (ROOT / file).read_text(), flags=re.MULTILINE)[1:]
+    assert len(pins(file)) == len(blocks) > 20
+    assert all("--hash=sha256:" in block for block in blocks)
+
+
+def test_each_level_holds_the_one_before_it_at_the_same_versions():
+    """Developers and benchmarks run what users run."""
+    run, dev, bench = (pins(file) for file in environment.LEVELS.values())
+    assert run.items() <= dev.items() <= bench.items()
+
+
+def test_what_the_project_asks_for_is_pinned():
+    """Every dependency that pyproject.toml lists is in the requirements of its level."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text())
+    groups = project["dependency-groups"]
+    asked = {"run": project["project"]["dependencies"] + groups["build"], "dev": groups["dev"], "bench": groups["bench"]}
+    for level, texts in asked.items():
+        names = {re.match(r"[\w-]+", text)[0] for text in texts}
+        assert names <= set(pins(environment.LEVELS[level])), level
+
+
+def test_an_environment_counts_as_made_only_for_the_requirements_it_was_made_for(tmp_path, monkeypatch):
+    """A second set-up has nothing to do; a changed pin, another folder or a lost Python sets up again."""
+    for name in ("pyproject.toml", *environment.LEVELS.values()):
+        (tmp_path / name).write_text((ROOT / name).read_text())
+    python, note = tmp_path / "python", tmp_path / "installed"
+    for name, value in {"ROOT": tmp_path, "PYTHON": python, "NOTE": note}.items():
+        monkeypatch.setattr(environment, name, value)
+    assert not environment.installed("run")
+    python.symlink_to(sys.executable)
+    note.write_text(environment.digest("run"))
+    assert environment.installed("run")
+    assert not environment.installed("dev")
+    (tmp_path / "requirements.txt").write_text("numpy==1.0 \\\n    --hash=sha256:0\n")
+    assert not environment.installed("run")
+    note.write_text(environment.digest("run"))
+    python.unlink()
+    python.symlink_to(tmp_path / "gone")
+    assert not environment.installed("run")
+
+
+def test_a_python_that_cannot_make_environments_is_told_what_to_install(tmp_path, monkeypatch, capsys):
+    """Debian's Python without python3-venv: the remedy is named, not a traceback."""
+    bare = tmp_path / "bare"  # a real environment without pip, as `python -m venv` leaves it there
+    subprocess.run([sys.executable, "-m", "venv", "--without-pip", bare], check=True)
+    found = environment.importlib.util.find_spec
+    monkeypatch.setattr(environment.importlib.util, "find_spec", lambda name: None if name == "ensurepip" else found(name))
+    monkeypatch.setattr(environment.sys, "executable", str(bare / "bin" / "python"))
+    monkeypatch.setattr(environment, "VENV", tmp_path / "venv")
+    monkeypatch.setattr(environment, "PYTHON", tmp_path / "venv" / "bin" / "python")
+    monkeypatch.setattr(environment, "NOTE", tmp_path / "venv" / "installed")
+    assert environment.main(["run"]) == 1
+    assert "apt install python3-venv" in capsys.readouterr().err
+
+
+def script(path: Path, code: int) -> str:
+    path.write_text(f"#!/bin/sh\nexit {code}\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+def test_a_browser_that_does_not_start_is_passed_over(tmp_path, monkeypatch):
+    """Of two on the path the one that runs is taken; one that is named must run."""
+    broken, working = script(tmp_path / "chromium", 1), script(tmp_path / "google-chrome", 0)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    monkeypatch.delenv(browser.VARIABLE, raising=False)
+    assert browser.find() == working
+    monkeypatch.setenv(browser.VARIABLE, broken)
+    assert browser.find() is None
+    assert browser.fetch() is None
+
+
+def test_the_command_is_installed():
+    """`thetascope` is in the environment and knows its commands."""
+    program = Path(sys.executable).parent / "thetascope"
+    answer = subprocess.run([program, "--help"], capture_output=True, text=True, check=True, env=dict(os.environ))
+    assert {"serve", "run", "list", "check"} <= set(re.findall(r"[a-z]+", answer.stdout))

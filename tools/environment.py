@@ -1,0 +1,106 @@
+"""Make the virtual environment that `make` works in: `python tools/environment.py run | dev | bench`.
+
+Standard library only: this runs before anything is installed. It installs the pinned requirements of a level and the
+checkout itself, notes what it installed, and does nothing when the same is asked for again.
+"""
+
+import hashlib
+import importlib.util
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+VENV = ROOT / ".venv"
+PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+NOTE = VENV / "installed"
+OLDEST = (3, 11)
+
+#: Each level holds the ones before it; the file lists everything of its level, pinned and with hashes.
+LEVELS = {"run": "requirements.txt", "dev": "requirements-dev.txt", "bench": "requirements-bench.txt"}
+
+
+class SetupError(Exception):
+    """The environment cannot be made; the text says what to do."""
+
+
+def main(arguments: list[str]) -> int:
+    """Make the environment of the level named, and say so only when there is something to do."""
+    level = arguments[0] if arguments else "run"
+    try:
+        if sys.version_info < OLDEST:
+            raise SetupError(f"this is Python {sys.version.split()[0]}; install Python 3.11 or newer")
+        if level not in LEVELS:
+            raise SetupError(f"{level!r} is no level; choose from {', '.join(LEVELS)}")
+        if not installed(level):
+            install(level)
+    except SetupError as error:
+        print(f"set-up: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+def installed(level: str) -> bool:
+    """Whether the environment holds this level of this checkout, made by this Python."""
+    return PYTHON.exists() and NOTE.is_file() and digest(level) in NOTE.read_text().split()
+
+
+def digest(level: str) -> str:
+    """Hash of all that decides what is installed."""
+    parts = [sys.version.encode(), str(ROOT).encode()]
+    parts += [(ROOT / name).read_bytes() for name in (LEVELS[level], "pyproject.toml")]
+    return hashlib.sha256(b"\0".join(parts)).hexdigest()
+
+
+def install(level: str) -> None:
+    """Install the level, then note it and what it holds."""
+    pip = create()
+    print(f"set-up: installing {LEVELS[level]} into .venv (once; a minute or so)", flush=True)
+    call(*pip, "install", "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
+    call(*pip, "install", "--no-deps", "--no-build-isolation", "--config-settings", "editable_mode=compat",
+         "--editable", str(ROOT))  # fmt: skip
+    names = list(LEVELS)
+    NOTE.write_text("\n".join(digest(name) for name in names[: names.index(level) + 1]) + "\n")
+
+
+def create() -> list[str]:
+    """Make .venv, or keep it if this Python made it; return the command that is its pip."""
+    quiet = ["--quiet", "--disable-pip-version-check", "--no-input"]
+    own = importlib.util.find_spec("ensurepip") is not None
+    if not usable():
+        shutil.rmtree(VENV, ignore_errors=True)
+        call(sys.executable, "-m", "venv", *([] if own else ["--without-pip"]), str(VENV))
+    if has_pip(PYTHON):
+        return [str(PYTHON), "-m", "pip", *quiet]
+    if has_pip(Path(sys.executable)):  # a system's pip can install into an environment that has none
+        return [sys.executable, "-m", "pip", "--python", str(PYTHON), *quiet]
+    raise SetupError(
+        f"{sys.executable} has neither ensurepip nor pip, so it cannot fill a virtual environment. "
+        "On Debian and Ubuntu: apt install python3-venv"
+    )
+
+
+def usable() -> bool:
+    """Whether .venv runs, with this very Python and in this place."""
+    if not PYTHON.exists():
+        return False
+    code = "import sys; print(sys.version); print(sys.prefix)"
+    answer = subprocess.run([PYTHON, "-c", code], capture_output=True, text=True, check=False)
+    return answer.stdout.strip() == f"{sys.version}\n{VENV}".strip()
+
+
+def has_pip(python: Path) -> bool:
+    """Whether this Python has pip."""
+    return subprocess.run([python, "-m", "pip", "--version"], capture_output=True, check=False).returncode == 0
+
+
+def call(*command: str) -> None:
+    """Run a command whose output the user sees. Raises SetupError when it fails."""
+    if subprocess.run(command, cwd=ROOT, check=False).returncode != 0:
+        raise SetupError(f"this failed: {' '.join(command)}\nIts message is above; `make clean` starts anew.")
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
