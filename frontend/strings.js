@@ -68,7 +68,7 @@ const english = {
   atEnd: 'at the end',
   atEndHint: (truth) => `the true value is ${truth}`,
   truth: 'true',
-  settled: 'within 10 % after',
+  settled: 'within 10 % after, in s',
   settledHint: 'Seconds from the step of the fault until the estimate stays within 10 % of it; in brackets: is there for the first time, but noise throws it out again',
   never: 'never',
   diverged: (time) => `diverged at ${time} s`,

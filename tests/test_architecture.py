@@ -31,10 +31,21 @@ def imported_from_elsewhere(imports: grimp.ImportGraph, package: str) -> set[str
     return {i.split(".")[0] for i in found} - {"backend", "shared"} - set(sys.stdlib_module_names)
 
 
+def run_tool(name: str, *arguments: str) -> subprocess.CompletedProcess:
+    """A command of this environment, run in the project's folder."""
+    program = Path(sys.executable).parent / name
+    return subprocess.run([program, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def test_style():
+    """ruff has nothing to say; `make lint` shows what."""
+    answer = run_tool("ruff", "check", "--no-cache", "--output-format", "concise", ".")
+    assert answer.returncode == 0, answer.stdout + answer.stderr
+
+
 def test_imports_go_one_way():
     """The contracts in pyproject.toml hold: rooms import downwards, observers see only t, u and y."""
-    program = Path(sys.executable).parent / "lint-imports"
-    answer = subprocess.run([program, "--no-logo", "--no-cache"], cwd=ROOT, capture_output=True, text=True, check=False)
+    answer = run_tool("lint-imports", "--no-logo", "--no-cache")
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert "0 broken" in answer.stdout
 

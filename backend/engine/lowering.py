@@ -1,10 +1,11 @@
 """SymPy expressions → expression graph. The only module that knows both."""
 
+from __future__ import annotations
+
 from functools import reduce
 
-import sympy
-
 from backend.engine.graph import UNARY_FUNCTIONS, Graph
+from backend.engine.lazy import sympy
 
 _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
     "Abs": "abs",

@@ -6,23 +6,32 @@
 The engine takes plants as plain data (the dictionary that shared.Plant dumps); it knows no schema classes.
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-
-import sympy
-from sympy import Expr, ImmutableMatrix, Matrix, Symbol
+from typing import TYPE_CHECKING
 
 from backend.engine.errors import SpecError
 from backend.engine.expressions import parse
+from backend.engine.lazy import sympy
 from backend.engine.system import CONTINUOUS, DISCRETE, System
 
-T = Symbol("t", real=True)
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Matrix, Symbol
+
+_MOST_PARTS = 20_000  # of a definition written out
+
+
+def clock() -> Symbol:
+    """The symbol of time, t."""
+    return sympy.Symbol("t", real=True)
 
 
 def symbols(prefix: str, names: Sequence[str]) -> tuple[Symbol, ...]:
     """Real symbols ``prefix.name``."""
-    return tuple(Symbol(f"{prefix}.{name}", real=True) for name in names)
+    return tuple(sympy.Symbol(f"{prefix}.{name}", real=True) for name in names)
 
 
 @dataclass(frozen=True)
@@ -60,15 +69,15 @@ class Model:
         self.signal_names = tuple(s["name"] for s in data["signals"])
         self.parameter_names = tuple(s["name"] for s in data["parameters"])
         self._symbols = {
-            n: Symbol(n, real=True) for n in (*self.states, *self.inputs, *self.signal_names, *self.parameter_names)
-        } | {"t": T}
+            n: sympy.Symbol(n, real=True) for n in (*self.states, *self.inputs, *self.signal_names, *self.parameter_names)
+        } | {"t": clock()}
         self.x, self.u, self.signals, self.parameters = (
             tuple(self._symbols[n] for n in names)
             for names in (self.states, self.inputs, self.signal_names, self.parameter_names)
         )
         self.definitions = tuple(self._definition(i, d) for i, d in enumerate(data["definitions"]))
-        self.f = Matrix([self._text(data["dynamics"][s], f"dynamics.{s}") for s in self.states])
-        self.h = Matrix([self._text(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])])
+        self.f = sympy.Matrix([self._text(data["dynamics"][s], f"dynamics.{s}") for s in self.states])
+        self.h = sympy.Matrix([self._text(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])])
         self.channels = tuple(self._channel(i, c) for i, c in enumerate(data["channels"]))
 
     # ---- reading the text ----------------------------------------------------------------------------------------
@@ -79,7 +88,7 @@ class Model:
     def _definition(self, i: int, data: Mapping) -> Definition:
         expression = self._text(data["expression"], f"definitions.{i}.expression")
         low, high = (self._bound(b, f"definitions.{i}.domain.{k}") for k, b in enumerate(data.get("domain") or (None, None)))
-        symbol = self._symbols[data["name"]] = Symbol(data["name"], real=True)
+        symbol = self._symbols[data["name"]] = sympy.Symbol(data["name"], real=True)
         return Definition(symbol, expression, low, high)
 
     def _bound(self, bound: float | str | None, field: str) -> Expr | None:
@@ -111,18 +120,25 @@ class Model:
     def Phi(self, channels: Sequence[str]) -> ImmutableMatrix:
         """n × p: what each channel adds to the state equations."""
         found = [self.channel(c) for c in channels]
-        return ImmutableMatrix(self.n, len(found), lambda i, j: found[j].enters.get(self.states[i], 0))
+        return sympy.ImmutableMatrix(self.n, len(found), lambda i, j: found[j].enters.get(self.states[i], 0))
 
     def Psi(self, channels: Sequence[str]) -> ImmutableMatrix:
         """m × p: what each channel adds to the outputs."""
         found = [self.channel(c) for c in channels]
-        return ImmutableMatrix(self.m, len(found), lambda i, j: found[j].enters.get(self.outputs[i], 0))
+        return sympy.ImmutableMatrix(self.m, len(found), lambda i, j: found[j].enters.get(self.outputs[i], 0))
 
     @cached_property
     def expansion(self) -> dict[Symbol, Expr]:
-        """Definitions written out in states, inputs, parameters and signals."""
+        """Definitions written out in states, inputs, parameters and signals. Raises SpecError where they grow too large."""
         written: dict[Symbol, Expr] = {}
-        for d in self.definitions:
+        sizes: dict[Symbol, int] = {}
+        for i, d in enumerate(self.definitions):
+            # counted before it is written: each definition may double the last, and thirty doublings are a thousand million
+            sizes[d.symbol] = sum(sizes.get(part, 1) for part in sympy.preorder_traversal(d.expression))
+            if sizes[d.symbol] > _MOST_PARTS:
+                name = d.symbol.name
+                raise SpecError(f"definitions.{i}.expression", name, f"written out in states it has over {_MOST_PARTS} parts",
+                                "use fewer nested definitions")  # fmt: skip
             written[d.symbol] = d.expression.xreplace(written)
         return written
 
@@ -142,7 +158,7 @@ class Model:
 
     def jacobian(self, vector: Matrix) -> ImmutableMatrix:
         """∂vector/∂x, definitions included and kept as symbols (so that a saturated value can be put in)."""
-        return ImmutableMatrix(len(vector), self.n, lambda i, j: self._total(vector[i], self.x[j], self._slopes))
+        return sympy.ImmutableMatrix(len(vector), self.n, lambda i, j: self._total(vector[i], self.x[j], self._slopes))
 
     @cached_property
     def is_affine(self) -> tuple[bool, ...]:
@@ -163,13 +179,13 @@ class Model:
         """The plant with all its faults: states ``x.*``, inputs ``u.* signal.* theta.*``, parameters ``p.*``, outputs ``y.*``."""
         channels = [c.name for c in self.channels]
         theta = symbols("theta", channels)
-        swap = {s: Symbol(f"{prefix}.{s.name}", real=True) for prefix, group in
+        swap = {s: sympy.Symbol(f"{prefix}.{s.name}", real=True) for prefix, group in
                 (("x", self.x), ("u", self.u), ("signal", self.signals), ("p", self.parameters)) for s in group}  # fmt: skip
-        rename = lambda e: e.xreplace(swap)  # noqa: E731
+        rename = lambda e: e.xreplace(swap)
         f, h = self.f, self.h
         if channels:
-            f = f + self.Phi(channels) * Matrix(theta)
-            h = h + self.Psi(channels) * Matrix(theta)
+            f = f + self.Phi(channels) * sympy.Matrix(theta)
+            h = h + self.Psi(channels) * sympy.Matrix(theta)
         return System(
             name=self.id,
             time=self.time,

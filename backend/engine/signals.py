@@ -140,10 +140,10 @@ def expression(text: str) -> Signal:
     from backend.engine.expressions import parse
     from backend.engine.graph import Graph, evaluate
     from backend.engine.lowering import Lowering
-    from backend.engine.model import T
+    from backend.engine.model import clock
 
     graph = Graph()
-    root = Lowering(graph, {"t"})(parse(text, ["t"], "text").sympy({"t": T}))
+    root = Lowering(graph, {"t"})(parse(text, ["t"], "text").sympy({"t": clock()}))
     return Signal(
         lambda t, anchor: np.broadcast_to(evaluate(graph, [root], {"t": t})[0], t.shape).astype(float), _no_breaks, False
     )

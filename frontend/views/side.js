@@ -29,6 +29,7 @@ function troubles({diverged, notes}) {
 
 /** One column an observer, one row a measure: RMSE of each state, θ̂ at the end, settling after each step of a fault. */
 function comparison(observers, plant) {
+  const many = observers.length > 3;
   const head = h('tr', {}, h('td'), observers.map((one, place) => h('th', {scope: 'col'}, chip(place), one.label,
     one.diverged && h('small', {class: 'alarm', title: one.diverged.cause}, text.diverged(number(one.diverged.time))))));
   const units = new Map([...(plant?.states ?? []), ...(plant?.channels ?? [])].map((item) => [item.name, item.unit]));
@@ -40,18 +41,18 @@ function comparison(observers, plant) {
   const rmse = named((one) => one.rmse).map((state) => row(state, text.rmseHint, null, observers.map((one) => number(one.rmse[state], 3))));
   const final = named((one) => one.theta).map((channel) => {
     const truth = number(observers.find((one) => one.theta?.[channel])?.theta[channel].truth);
-    return row(channel, text.atEndHint(truth), `${text.truth} ${truth}`, observers.map((one) => number(one.theta?.[channel]?.estimate, observers.length > 3 ? 3 : 4)));
+    return row(channel, text.atEndHint(truth), many ? truth : `${text.truth} ${truth}`, observers.map((one) => number(one.theta?.[channel]?.estimate, many ? 3 : 4)));
   });
   const steps = (observers.find((one) => one.settling?.length)?.settling ?? []).map(({channel, at}) => row(channel, text.settledHint, `${at} s`,
     observers.map((one) => settled(one.settling?.find((entry) => entry.channel === channel && entry.at === at)))));
-  return h('div', {class: 'wide', tabindex: 0}, h('table', {class: observers.length > 3 ? 'many' : null}, h('thead', {}, head), group(text.rmse, text.rmseHint, rmse),
+  return h('div', {class: 'wide', tabindex: 0}, h('table', {class: many ? 'many' : null}, h('thead', {}, head), group(text.rmse, text.rmseHint, rmse),
     group([h('span', {class: 'math'}, h('i', {class: 'hat'}, 'θ')), ` ${text.atEnd}`], null, final), group(text.settled, text.settledHint, steps)));
 }
 
 function settled(entry) {
   if (!entry) return '–';
-  if (entry.time !== null) return `${number(entry.time, 3)} s`;
-  return entry.reached === null ? text.never : `(${number(entry.reached, 3)} s)`;
+  if (entry.time !== null) return number(entry.time, 3);
+  return entry.reached === null ? text.never : `(${number(entry.reached, 3)})`;
 }
 
 /** The lights of an observer, each opening to what was checked. */

@@ -11,9 +11,11 @@ About Γ: were the innovation white with intensity R, the estimate of a constant
 diagonal. It counts measurement noise only: not the lag behind a θ that moves, nor an error of the model.
 """
 
-import numpy as np
-import sympy
+from __future__ import annotations
 
+import numpy as np
+
+from backend.engine.lazy import sympy
 from backend.engine.observers.assumptions import positive_definite, sigma_of_theta
 from backend.engine.observers.base import Observed, Observer
 from backend.engine.observers.draft import Draft

@@ -11,10 +11,13 @@ About S: its inverse sums Ωᵀ Σ⁻¹ Ω with weights μ^age, while the covari
 weights μ^(2·age); where Ω changes slowly that is S/(1 + μ), of which ``sigma.<channel>`` is the root of the diagonal.
 """
 
-import numpy as np
-import sympy
-from sympy import Matrix
+from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from backend.engine.lazy import sympy
 from backend.engine.observers.assumptions import positive_definite, sigma_of_theta
 from backend.engine.observers.base import Observed, Observer
 from backend.engine.observers.draft import NOW, Draft
@@ -29,6 +32,9 @@ from backend.engine.observers.observability import (
 )
 from backend.engine.observers.weights import DELTA, GAMMA0, LAMBDA, P0, R_VARIANCE, WINDOW, Q
 from backend.engine.result import Check
+
+if TYPE_CHECKING:
+    from sympy import Matrix
 
 SOURCE = "Zhang 2018, Automatica 93"
 

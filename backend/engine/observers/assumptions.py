@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from backend.engine.result import CANNOT_TELL, FAILS, HOLDS, Check
 from backend.engine.observers.base import Observed
+from backend.engine.result import CANNOT_TELL, FAILS, HOLDS, Check
 
 
 def verdict(condition: bool | None) -> str:

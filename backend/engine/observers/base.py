@@ -6,9 +6,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from backend.engine.model import Model
+from backend.engine.observers.draft import Draft
 from backend.engine.result import Check
 from backend.engine.system import Program
-from backend.engine.observers.draft import Draft
 
 
 @dataclass(frozen=True)

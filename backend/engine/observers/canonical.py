@@ -5,17 +5,20 @@ is ẑ' = F(ẑ) + G r in the canonical coordinates is x̂' = f(x̂) + (∂T/∂
 triangular form (3)–(5) as it is written keeps its coordinates.
 """
 
+from __future__ import annotations
+
 import random
 from dataclasses import dataclass
-
-import sympy
-from sympy import ImmutableMatrix, Matrix
+from typing import TYPE_CHECKING
 
 from backend.engine.errors import SpecError
-from backend.engine.graph import evaluate
+from backend.engine.graph import Graph, evaluate
+from backend.engine.lazy import sympy
 from backend.engine.lowering import Lowering
-from backend.engine.graph import Graph
-from backend.engine.model import Model, T
+from backend.engine.model import Model
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix, Matrix
 
 
 @dataclass(frozen=True)
@@ -34,15 +37,15 @@ def canonical_form(model: Model) -> CanonicalForm:
         raise _refused(model, f"it has {model.m} outputs and the form is for one")
     if model.time != "continuous":
         raise _refused(model, "it is a discrete-time plant")
-    x = Matrix(model.x)
+    x = sympy.Matrix(model.x)
     f = model.f.xreplace(model.expansion)
     if _is_chain(model, f):
-        return CanonicalForm(ImmutableMatrix(x), ImmutableMatrix(sympy.eye(model.n)), True, True)
+        return CanonicalForm(sympy.ImmutableMatrix(x), sympy.ImmutableMatrix(sympy.eye(model.n)), True, True)
     drift = f.subs({u: 0 for u in model.u})
     lie = [model.h.xreplace(model.expansion)[0]]
     for _ in range(model.n - 1):
-        lie.append(tidy((Matrix([lie[-1]]).jacobian(x) * drift)[0]))
-    map_ = Matrix(lie)
+        lie.append(tidy((sympy.Matrix([lie[-1]]).jacobian(x) * drift)[0]))
+    map_ = sympy.Matrix(lie)
     outside = map_.free_symbols - set(model.x) - set(model.parameters)
     if outside:
         raise _refused(model, f"the Lie derivatives depend on {', '.join(sorted(s.name for s in outside))}, "
@@ -54,7 +57,7 @@ def canonical_form(model: Model) -> CanonicalForm:
         raise _refused(model, f"the Lie derivatives of the output have rank {rank}, less than its {model.n} states: "
                               "some states cannot be told from the output")  # fmt: skip
     return CanonicalForm(
-        ImmutableMatrix(map_), ImmutableMatrix(J), J == sympy.eye(model.n), _triangular(model, f, J, lie, points)
+        sympy.ImmutableMatrix(map_), sympy.ImmutableMatrix(J), J == sympy.eye(model.n), _triangular(model, f, J, lie, points)
     )
 
 
@@ -86,7 +89,7 @@ def sample(model: Model, seed: int) -> dict[str, float]:
         point[s["name"]] = min(max(value, low), high)
     for name in (*model.inputs, *model.signal_names):
         point[name] = draw.uniform(-1, 1)
-    return point | {T.name: draw.uniform(0, 10)}
+    return point | {"t": draw.uniform(0, 10)}
 
 
 def _numbers(M: Matrix, point: dict[str, float]):
@@ -107,19 +110,19 @@ def rank_at(M: Matrix, point: dict[str, float]) -> int:
 
 def _triangular(model: Model, f: Matrix, J: Matrix, lie: list, points: list[dict[str, float]]) -> bool | None:
     """(5): in canonical coordinates the i-th input term may depend on z1 … zi only; checked at several points."""
-    x = Matrix(model.x)
+    x = sympy.Matrix(model.x)
     undecided = False
     for u in model.u:
         g = f.diff(u)
         for i in range(model.n - 1):
-            term = (Matrix([lie[i]]).jacobian(x) * g)[0]
-            gradient = Matrix([term]).jacobian(x)
+            term = (sympy.Matrix([lie[i]]).jacobian(x) * g)[0]
+            gradient = sympy.Matrix([term]).jacobian(x)
             if not any(gradient):
                 continue
             for point in points:
                 above = J[: i + 1, :]
                 with_it = above.col_join(gradient)
-                if not (rank_at(above, point) == i + 1):
+                if rank_at(above, point) != i + 1:
                     undecided = True
                 elif rank_at(with_it, point) > i + 1:
                     return False

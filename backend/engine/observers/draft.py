@@ -3,15 +3,19 @@
 The plant's state and the true θ have no symbol here, so an observer cannot see them.
 """
 
+from __future__ import annotations
+
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import TYPE_CHECKING
 
-import sympy
-from sympy import Expr, ImmutableMatrix, Matrix, Symbol
-
-from backend.engine.model import Definition, Model, T, symbols
+from backend.engine.lazy import sympy
+from backend.engine.model import Definition, Model, clock, symbols
 from backend.engine.system import CONTINUOUS, System
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 
 # Over a sample interval: just after its start, in the middle, just before its end; and at the instant of its end, when
 # y is taken, just after any jump there.
@@ -83,52 +87,52 @@ class Draft:
         """A gain as a symbol, or as a column of symbols; its number is given at run time."""
         size = self.gains[name]
         if size is None:
-            return Symbol(f"g.{name}", real=True)
-        return ImmutableMatrix(size, 1, symbols("g", [f"{name}.{i}" for i in range(size)]))
+            return sympy.Symbol(f"g.{name}", real=True)
+        return sympy.ImmutableMatrix(size, 1, symbols("g", [f"{name}.{i}" for i in range(size)]))
 
     @property
     def period(self) -> Symbol:
         """The sample period in seconds (discrete observers)."""
-        return Symbol("g.period", real=True, positive=True)
+        return sympy.Symbol("g.period", real=True, positive=True)
 
     def measured(self, when: str = START) -> ImmutableMatrix:
         """y as measured (m×1). Discrete observers see it at the START of the sample interval, and NOW, at its end."""
-        return ImmutableMatrix(self.m, 1, symbols(f"{when}y", self.model.outputs))
+        return sympy.ImmutableMatrix(self.m, 1, symbols(f"{when}y", self.model.outputs))
 
     @property
     def x0(self) -> ImmutableMatrix:
         """The initial estimate of the state, given at run time (n×1)."""
-        return ImmutableMatrix(self.n, 1, symbols("x0", self.model.states))
+        return sympy.ImmutableMatrix(self.n, 1, symbols("x0", self.model.states))
 
     @property
     def theta0(self) -> ImmutableMatrix:
         """The initial estimate of θ, given at run time (p×1)."""
-        return ImmutableMatrix(self.p, 1, symbols("theta0", self.channels))
+        return sympy.ImmutableMatrix(self.p, 1, symbols("theta0", self.channels))
 
     # ---- writing down ----------------------------------------------------------------------------------------------
 
     def states(self, name: str, rows: int, cols: int = 1, initial: Matrix | Expr | float = 0) -> ImmutableMatrix:
         """Declare rows × cols states. ``initial`` is a matrix, or one value for all."""
-        made = ImmutableMatrix(rows, cols, lambda i, j: Symbol(f"{name}.{i}.{j}", real=True))
+        made = sympy.ImmutableMatrix(rows, cols, lambda i, j: sympy.Symbol(f"{name}.{i}.{j}", real=True))
         self._declare(list(made), [initial[i] for i in range(rows * cols)] if isinstance(initial, sympy.MatrixBase) else initial)
         return made
 
     def symmetric(self, name: str, size: int, initial: Matrix) -> ImmutableMatrix:
         """Declare a symmetric matrix of states; only its upper triangle is kept."""
-        made = ImmutableMatrix(size, size, lambda i, j: Symbol(f"{name}.{min(i, j)}.{max(i, j)}", real=True))
+        made = sympy.ImmutableMatrix(size, size, lambda i, j: sympy.Symbol(f"{name}.{min(i, j)}.{max(i, j)}", real=True))
         upper = [(i, j) for i in range(size) for j in range(i, size)]
         self._declare([made[i, j] for i, j in upper], [initial[i, j] for i, j in upper])
         return made
 
     def estimate_of_state(self, initial: Matrix | None = None) -> ImmutableMatrix:
         """Declare x̂ (n×1), starting from x0 unless said otherwise."""
-        made = ImmutableMatrix(self.n, 1, symbols("xh", self.model.states))
+        made = sympy.ImmutableMatrix(self.n, 1, symbols("xh", self.model.states))
         self._declare(list(made), list(self.x0 if initial is None else initial))
         return made
 
     def estimate_of_theta(self) -> ImmutableMatrix:
         """Declare θ̂ (p×1), starting from theta0."""
-        made = ImmutableMatrix(self.p, 1, symbols("thetah", self.channels))
+        made = sympy.ImmutableMatrix(self.p, 1, symbols("thetah", self.channels))
         self._declare(list(made), list(self.theta0))
         return made
 
@@ -144,24 +148,24 @@ class Draft:
         """Name an intermediate scalar or matrix and return its symbols: keeps expressions small. Zeros stay zeros."""
         if not isinstance(value, sympy.MatrixBase):
             return self._let(name, sympy.sympify(value))
-        return ImmutableMatrix(*value.shape, lambda i, j: self._let(f"{name}.{i}.{j}", value[i, j]))
+        return sympy.ImmutableMatrix(*value.shape, lambda i, j: self._let(f"{name}.{i}.{j}", value[i, j]))
 
     def let_symmetric(self, name: str, value: Matrix) -> ImmutableMatrix:
         """As ``let`` for a matrix known to be symmetric: computed once above the diagonal."""
         size = value.shape[0]
         upper = {(i, j): self._let(f"{name}.{i}.{j}", value[i, j]) for i in range(size) for j in range(i, size)}
-        return ImmutableMatrix(size, size, lambda i, j: upper[min(i, j), max(i, j)])
+        return sympy.ImmutableMatrix(size, size, lambda i, j: upper[min(i, j), max(i, j)])
 
     def _let(self, name: str, value: Expr) -> Expr:
         if value.is_Number or value.is_Symbol:
             return value
-        symbol = Symbol(f"let.{name}", real=True)
+        symbol = sympy.Symbol(f"let.{name}", real=True)
         self._definitions.append((symbol, value))
         return symbol
 
     def set(self, states: Symbol | ImmutableMatrix, value: Matrix | Expr) -> None:
         """Give the derivative (continuous) or next value (discrete) of states declared before."""
-        if isinstance(states, Symbol):
+        if isinstance(states, sympy.Symbol):
             self._update[states] = sympy.sympify(value)
             return
         for i in range(states.shape[0]):
@@ -213,11 +217,11 @@ class Draft:
         for d in model.definitions:
             inside[d.symbol] = self._let(f"{mark}.{d.symbol.name}", self._clipped(d, inside, saturate))
         plain |= {d.symbol: inside[d.symbol] for d in model.definitions}
-        put = lambda e: e.xreplace(inside)  # noqa: E731
-        f = Matrix([e.xreplace(plain if affine else inside) for e, affine in zip(model.f, model.is_affine)])
-        flat_h = [not (model.jacobian(Matrix([e])).free_symbols & set(model.x)) for e in model.h]
-        h = Matrix([e.xreplace(plain if flat else inside) for e, flat in zip(model.h, flat_h)])
-        Phi, Psi = (ImmutableMatrix(M.applyfunc(put)) for M in (model.Phi(self.channels), model.Psi(self.channels)))
+        put = lambda e: e.xreplace(inside)
+        f = sympy.Matrix([e.xreplace(plain if affine else inside) for e, affine in zip(model.f, model.is_affine)])
+        flat_h = [not (model.jacobian(sympy.Matrix([e])).free_symbols & set(model.x)) for e in model.h]
+        h = sympy.Matrix([e.xreplace(plain if flat else inside) for e, flat in zip(model.h, flat_h)])
+        Phi, Psi = (sympy.ImmutableMatrix(M.applyfunc(put)) for M in (model.Phi(self.channels), model.Psi(self.channels)))
         return ModelAt(f, h, Phi, Psi, lambda: self._jacobians(theta, put), put)
 
     def _outside(self, when: str | sympy.Rational) -> dict[Symbol, Expr]:
@@ -229,7 +233,7 @@ class Draft:
             swap |= dict(zip(known, here))
         swap |= dict(zip(model.parameters, symbols("m", model.parameter_names)))
         if fraction:
-            swap[T] = T + fraction * self.period
+            swap[clock()] = clock() + fraction * self.period
         return swap
 
     def _between(self, prefix: str, names: Sequence[str], fraction: sympy.Rational) -> Sequence[Expr]:
@@ -255,11 +259,11 @@ class Draft:
         if theta is not None and self.p:
             Phi, Psi = model.Phi(self.channels), model.Psi(self.channels)
             for j in range(self.p):  # ∂(Φθ)/∂x, one channel at a time
-                A = A + model.jacobian(Phi[:, j]) * Symbol(f"theta#{j}")
-                C = C + model.jacobian(Psi[:, j]) * Symbol(f"theta#{j}")
-            swap = {Symbol(f"theta#{j}"): theta[j] for j in range(self.p)}
+                A = A + model.jacobian(Phi[:, j]) * sympy.Symbol(f"theta#{j}")
+                C = C + model.jacobian(Psi[:, j]) * sympy.Symbol(f"theta#{j}")
+            swap = {sympy.Symbol(f"theta#{j}"): theta[j] for j in range(self.p)}
             A, C = A.xreplace(swap), C.xreplace(swap)
-        return ImmutableMatrix(A.applyfunc(put)), ImmutableMatrix(C.applyfunc(put))
+        return sympy.ImmutableMatrix(A.applyfunc(put)), sympy.ImmutableMatrix(C.applyfunc(put))
 
     # ---- the finished System ------------------------------------------------------------------------------------------
 

@@ -6,15 +6,19 @@ those of the Runge–Kutta map itself: every stage is differentiated, so they be
 and Φ are taken at the saturated point. Discrete-time plants: the plant's own map.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
-import sympy
-from sympy import ImmutableMatrix, Matrix
-
+from backend.engine.lazy import sympy
 from backend.engine.observers.base import Context, Option
 from backend.engine.observers.draft import START, Draft
 from backend.engine.observers.linear import product
 from backend.engine.system import DISCRETE
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix, Matrix
 
 MOST = 20  # substeps
 
@@ -54,7 +58,7 @@ def flow(d: Draft, name: str, x: Matrix, theta: Matrix, derivatives: bool = True
         )
     substeps = int(d.options.get("substeps", 1))
     S = sympy.eye(n).row_join(sympy.zeros(n, p)) if derivatives else None
-    x = ImmutableMatrix(x)
+    x = sympy.ImmutableMatrix(x)
     for i in range(substeps):
         x, S = _step(d, f"{name}.{i}", x, S, theta, sympy.Rational(i, substeps), sympy.Rational(1, substeps))
     return Flow(x, S[:, :n], S[:, n:]) if derivatives else Flow(x, None, None)

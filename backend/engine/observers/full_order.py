@@ -5,10 +5,11 @@
 L is block diagonal with one column an output, like H of the reduced-order observer; A − LC must be stable.
 """
 
+from __future__ import annotations
+
 from math import comb
 
-from sympy import ImmutableMatrix
-
+from backend.engine.lazy import sympy
 from backend.engine.model import Model
 from backend.engine.observers.base import Context, Gain, Observed, Observer
 from backend.engine.observers.draft import Draft
@@ -42,7 +43,7 @@ def write(d: Draft) -> None:
     start = form.T.xreplace(dict(zip(d.model.x, d.x0, strict=True))).xreplace(parameters(d))
     z = d.states("z", d.n, initial=start)
     x, at = at_coordinates(d, form, z)
-    top = d.let("top", ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
+    top = d.let("top", sympy.ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
     r = d.let("r", d.measured() - C * z)
 
     d.set(z, A * z + B * top + L * r)

@@ -5,44 +5,50 @@
 It knows of no faults: its error shows what they do to a plain observer.
 """
 
-import numpy as np
-import sympy
-from sympy import ImmutableMatrix
+from __future__ import annotations
 
-from backend.engine.result import Check
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from backend.engine.lazy import sympy
 from backend.engine.observers.assumptions import gain_at_least, stable, verdict
 from backend.engine.observers.base import Gain, Observed, Observer
 from backend.engine.observers.canonical import CanonicalForm, canonical_form
 from backend.engine.observers.draft import Draft
 from backend.engine.observers.linear import solve
+from backend.engine.result import Check
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix
 
 RHO = Gain("rho", "high gain: the error decays faster and noise grows with its powers", 4.0, 1e-3, 1e3, symbol="ρ")
 
 
 def k0(n: int) -> ImmutableMatrix:
     """k0 = ½ S⁻¹ c0ᵀ (8), where S solves A0ᵀS + S A0 + S = c0ᵀc0 (7): half the binomial coefficients C(n, i)."""
-    return ImmutableMatrix([sympy.Rational(sympy.binomial(n, i), 2) for i in range(1, n + 1)])
+    return sympy.ImmutableMatrix([sympy.Rational(sympy.binomial(n, i), 2) for i in range(1, n + 1)])
 
 
 def S(n: int) -> ImmutableMatrix:
     """The solution of (7): S_ij = (−1)^(i+j) C(i+j−2, j−1), i, j = 1…n."""
-    return ImmutableMatrix(n, n, lambda i, j: (-1) ** (i + j) * sympy.binomial(i + j, j))
+    return sympy.ImmutableMatrix(n, n, lambda i, j: (-1) ** (i + j) * sympy.binomial(i + j, j))
 
 
 def A0(n: int) -> ImmutableMatrix:
     """The shift matrix of (4)."""
-    return ImmutableMatrix(n, n, lambda i, j: int(j == i + 1))
+    return sympy.ImmutableMatrix(n, n, lambda i, j: int(j == i + 1))
 
 
 def c0(n: int) -> ImmutableMatrix:
-    return ImmutableMatrix(1, n, lambda i, j: int(j == 0))
+    return sympy.ImmutableMatrix(1, n, lambda i, j: int(j == 0))
 
 
 def to_user(d: Draft, at, form: CanonicalForm, correction: ImmutableMatrix) -> ImmutableMatrix:
     """J⁻¹ · correction: a correction given in canonical coordinates, in the user's."""
     if form.identity:
         return correction
-    return solve(d, "J", d.let("dT", ImmutableMatrix(form.J.applyfunc(at.put))), correction)
+    return solve(d, "J", d.let("dT", sympy.ImmutableMatrix(form.J.applyfunc(at.put))), correction)
 
 
 def write(d: Draft) -> None:
@@ -53,7 +59,7 @@ def write(d: Draft) -> None:
     y_hat = d.let("y_hat", at.h)
     r = d.let("r", (d.measured() - y_hat)[0])
     Delta = sympy.diag(*[rho**i for i in range(1, n + 1)])
-    d.set(x, at.f + to_user(d, at, form, ImmutableMatrix(Delta * k0(n) * r)))  # (9)
+    d.set(x, at.f + to_user(d, at, form, sympy.ImmutableMatrix(Delta * k0(n) * r)))  # (9)
     d.estimates(x, None, y_hat)
     describe(d, form)
 

@@ -5,17 +5,22 @@ measured. An operator ``backlash(x, x - x_before, z_before, m1, m2, D1, D2)`` ne
 previous x, and its own previous z. All others are states of L1 (those that x depends on) or of L2.
 """
 
+from __future__ import annotations
+
 import copy
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
-
-import sympy
-from sympy import Dummy, Expr, ImmutableMatrix, Matrix
+from typing import TYPE_CHECKING
 
 from backend.engine.errors import SpecError
 from backend.engine.expressions import Node, parse
-from backend.engine.functions import Backlash
+from backend.engine.lazy import functions, sympy
 from backend.engine.model import Model
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Matrix
+
+    from backend.engine.functions import Backlash
 
 
 @dataclass(frozen=True)
@@ -79,7 +84,7 @@ def sandwich(model: Model) -> Sandwich:
     if model.time != "discrete":
         raise refused(model, "it is a continuous-time plant, and the operators remember from sample to sample")
     f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
-    operators = tuple(sorted(f.atoms(Backlash) | h.atoms(Backlash), key=lambda o: [f.has(o) and _first(f, o), str(o)]))
+    operators = tuple(sorted(f.atoms(functions.Backlash) | h.atoms(functions.Backlash), key=lambda o: [f.has(o) and _first(f, o), str(o)]))
     if not operators:
         raise refused(model, "its text has no backlash operator")
     names = memory_names(model.data)
@@ -117,7 +122,7 @@ def _check_memory(model: Model, f: Matrix, h: Matrix, operators: tuple[Backlash,
             )
     for o in operators:
         x, dx, z = o.args[:3]
-        if x.has(Backlash):
+        if x.has(functions.Backlash):
             raise refused(model, "an operator is driven by another operator, and they should be in parallel")
         if remembered.get(z) != o:
             raise refused(model, f"an operator's third argument, {z}, is not a state whose next value is that operator")
@@ -151,7 +156,7 @@ def smooth(model: Model) -> Model:
     """The plant without hysteresis: each operator replaced by its slope times x."""
 
     def straight(e: Expr) -> Expr:
-        return e.replace(lambda part: isinstance(part, Backlash), lambda o: slope(o) * o.args[0])
+        return e.replace(lambda part: isinstance(part, functions.Backlash), lambda o: slope(o) * o.args[0])
 
     believed = copy.copy(model)
     for name in ("expansion", "_slopes", "is_affine"):  # cached for the model with operators
@@ -164,12 +169,12 @@ def smooth(model: Model) -> Model:
 def blocks(model: Model, parts: Sandwich) -> dict[str, ImmutableMatrix]:
     """A11, A22, C11, C22 of (11), and A21 = W·diag(active)·X: W is how the operators drive L2, X what drives them."""
     f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
-    outputs = [Dummy() for _ in parts.operators]
+    outputs = [sympy.Dummy() for _ in parts.operators]
     cut = dict(zip(parts.operators, outputs, strict=True))
     f, h = f.xreplace(cut), h.xreplace(cut)
     front, back = ([model.x[i] for i in group] for group in (parts.front, parts.back))
-    f1, f2 = (Matrix([f[i] for i in group]) for group in (parts.front, parts.back))
-    drives = Matrix([slope(o) * o.args[0] for o in parts.operators])
+    f1, f2 = (sympy.Matrix([f[i] for i in group]) for group in (parts.front, parts.back))
+    drives = sympy.Matrix([slope(o) * o.args[0] for o in parts.operators])
     found = {
         "A11": _jacobian(f1, front),
         "A22": _jacobian(f2, back),
@@ -179,8 +184,8 @@ def blocks(model: Model, parts: Sandwich) -> dict[str, ImmutableMatrix]:
         "X": _jacobian(drives, front),
     }
     still = dict.fromkeys(outputs, sympy.S.Zero)
-    return {name: ImmutableMatrix(m.xreplace(still)) for name, m in found.items()}
+    return {name: sympy.ImmutableMatrix(m.xreplace(still)) for name, m in found.items()}
 
 
 def _jacobian(vector: Matrix, symbols: list) -> ImmutableMatrix:
-    return ImmutableMatrix(len(vector), len(symbols), lambda i, j: vector[i].diff(symbols[j]))
+    return sympy.ImmutableMatrix(len(vector), len(symbols), lambda i, j: vector[i].diff(symbols[j]))

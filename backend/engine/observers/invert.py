@@ -1,19 +1,21 @@
 """Solving z = T(x, t) for x, one state at a time: slow general solvers are never let loose on a user's text."""
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-import sympy
-from sympy import Expr, Pow, Symbol
-
-from backend.engine.functions import SignedPower
+from backend.engine.lazy import functions, sympy
 from backend.engine.model import Model
 
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+    Rest = list[tuple[Symbol, Expr]]  # equations not used yet
+    Known = dict[Symbol, Expr]  # states solved for already
+    Solved = tuple[set[Symbol], dict[Symbol, Expr]]  # the equations used, and the states they give
+
 MAX_JOINT = 4  # states that are solved for together, where no equation has a single unknown left
-
-
-Rest = list[tuple[Symbol, Expr]]  # equations not used yet
-Known = dict[Symbol, Expr]  # states solved for already
-Solved = tuple[set[Symbol], dict[Symbol, Expr]]  # the equations used, and the states they give
 
 
 class NoInverse(Exception):
@@ -109,8 +111,8 @@ def _undone(e: Expr, inside: Expr, outside: list[Expr], z: Expr, x: Symbol, mode
         return z / sympy.Mul(*outside)
     if isinstance(e, sympy.exp) or (e.is_Pow and e.base == sympy.E):
         return sympy.log(z)
-    if isinstance(e, SignedPower) and outside and outside[0].is_number:
-        return SignedPower(z, 1 / outside[0])
+    if isinstance(e, functions.SignedPower) and outside and outside[0].is_number:
+        return functions.SignedPower(z, 1 / outside[0])
     if e.is_Pow and e.base == inside and e.exp.is_Rational:
         return _root(inside, e.exp, z, x, model)
     inverses = {
@@ -130,7 +132,7 @@ def _root(inside: Expr, exponent: sympy.Rational, z: Expr, x: Symbol, model: Mod
         low, _ = model.domain(x.name)
         if inside != x or low is None or low < 0:
             raise NoInverse(f"an even power of {x} leaves its sign open (give {x} a domain from 0 up)")
-        return Pow(z, 1 / exponent)
+        return sympy.Pow(z, 1 / exponent)
     if exponent.q % 2 == 0:  # a root: its base is not negative, and neither is z
-        return Pow(z, 1 / exponent)
-    return SignedPower(z, 1 / exponent)
+        return sympy.Pow(z, 1 / exponent)
+    return functions.SignedPower(z, 1 / exponent)

@@ -6,10 +6,13 @@ What one would try first; the baseline of the adaptive observers. Jazwinski, Sto
 1970, ch. 8 (the extended filter); Ljung, IEEE TAC 24(1), 1979, on joint estimation and its convergence.
 """
 
-import numpy as np
-import sympy
-from sympy import Matrix
+from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from backend.engine.lazy import sympy
 from backend.engine.observers.adaptive_kalman_discrete import joseph
 from backend.engine.observers.assumptions import positive_definite, verdict
 from backend.engine.observers.base import Observed, Observer
@@ -19,6 +22,9 @@ from backend.engine.observers.linear import congruence, product, solve
 from backend.engine.observers.observability import joint_observability, offer_linearisation
 from backend.engine.observers.weights import DELTA, GAMMA0, P0, Q_THETA, R_VARIANCE, WINDOW, Q
 from backend.engine.result import CANNOT_TELL, Check
+
+if TYPE_CHECKING:
+    from sympy import Matrix
 
 GAINS = (Q, R_VARIANCE, Q_THETA, P0, GAMMA0, WINDOW, DELTA)
 

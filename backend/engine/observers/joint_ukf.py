@@ -4,15 +4,20 @@ As the joint extended filter, z = (x, θ), but mean and covariance go through th
 Jacobians. Noise is additive; the points are drawn anew from the predicted covariance, so that it holds Q as well.
 """
 
-import sympy
-from sympy import ImmutableMatrix
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
 
 from backend.engine.errors import SpecError
+from backend.engine.lazy import sympy
 from backend.engine.observers.base import Gain, Observer
 from backend.engine.observers.draft import NOW, Draft
 from backend.engine.observers.flow import SUBSTEPS, flow
 from backend.engine.observers.joint_ekf import GAINS, augmented, checks, diagnostics, report
 from backend.engine.observers.linear import cholesky, product, solve, symmetric
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix
 
 LARGEST = 24  # N = n + p: beyond it 2N + 1 copies of the model are too much to compile
 
@@ -34,7 +39,7 @@ def write(d: Draft) -> None:
         )
     x, theta, P, Q = augmented(d)
     spread, mean, cov = weights(d, N)
-    z = ImmutableMatrix(x).col_join(theta)
+    z = sympy.ImmutableMatrix(x).col_join(theta)
 
     points = sigma_points(d, "draw", z, P, spread)
     moved = [
@@ -51,7 +56,7 @@ def write(d: Draft) -> None:
     off, away = [s - z_minus for s in points], [d.let(f"away{i}", s - y_hat) for i, s in enumerate(seen)]
     Pyy = symmetric(m, lambda i, j: weighted(cov, [a[i] * a[j] for a in away]) + d.gain("r")[i] * int(i == j))
     Pyy = d.let_symmetric("Pyy", Pyy)
-    Pzy = d.let("Pzy", ImmutableMatrix(N, m, lambda i, j: weighted(cov, [o[i] * a[j] for o, a in zip(off, away)])))
+    Pzy = d.let("Pzy", sympy.ImmutableMatrix(N, m, lambda i, j: weighted(cov, [o[i] * a[j] for o, a in zip(off, away)])))
     K = solve(d, "K", Pyy, Pzy.T).T  # Pzy Pyy⁻¹
     innovation = d.let("innovation", d.measured(NOW) - y_hat)
     z_plus = z_minus + product(K, innovation)
@@ -85,7 +90,7 @@ def sigma_points(d: Draft, name: str, z: sympy.Matrix, P: sympy.Matrix, spread: 
 def weighted(weights: list[sympy.Expr], values: list):
     """Σ Wᵢ vᵢ, where all but the first weight are one: the sum of the others is multiplied once."""
     if isinstance(values[0], sympy.MatrixBase):
-        return ImmutableMatrix([weighted(weights, list(entries)) for entries in zip(*values)])
+        return sympy.ImmutableMatrix([weighted(weights, list(entries)) for entries in zip(*values)])
     return weights[0] * values[0] + weights[1] * sympy.Add(*values[1:])
 
 

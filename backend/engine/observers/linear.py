@@ -1,11 +1,15 @@
 """Small linear algebra written into a Draft: every intermediate is named, so expressions stay small for any size."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
-import sympy
-from sympy import ImmutableMatrix, Matrix
-
+from backend.engine.lazy import sympy
 from backend.engine.observers.draft import Draft
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix, Matrix
 
 
 def product(*factors: Matrix) -> ImmutableMatrix:
@@ -13,19 +17,19 @@ def product(*factors: Matrix) -> ImmutableMatrix:
     result = factors[0]
     for factor in factors[1:]:
         result = _times(result, factor)
-    return ImmutableMatrix(result)
+    return sympy.ImmutableMatrix(result)
 
 
 def _times(X: Matrix, Y: Matrix) -> ImmutableMatrix:
     rows = [[(k, X[i, k]) for k in range(X.shape[1]) if X[i, k] != 0] for i in range(X.shape[0])]
     entry = lambda i, j: sympy.Add(*[a * Y[k, j] for k, a in rows[i] if Y[k, j] != 0])
-    return ImmutableMatrix(X.shape[0], Y.shape[1], entry)
+    return sympy.ImmutableMatrix(X.shape[0], Y.shape[1], entry)
 
 
 def symmetric(size: int, entry: Callable[[int, int], sympy.Expr]) -> ImmutableMatrix:
     """A symmetric matrix from its entries on and above the diagonal."""
     upper = {(i, j): entry(i, j) for i in range(size) for j in range(i, size)}
-    return ImmutableMatrix(size, size, lambda i, j: upper[min(i, j), max(i, j)])
+    return sympy.ImmutableMatrix(size, size, lambda i, j: upper[min(i, j), max(i, j)])
 
 
 def congruence(draft: Draft, name: str, X: Matrix, S: Matrix) -> ImmutableMatrix:
@@ -60,7 +64,7 @@ def solve(draft: Draft, name: str, M: Matrix, b: Matrix) -> ImmutableMatrix:
         for c in range(width):
             rest = sum((rows[i][j] * solution[j][c] for j in range(i + 1, size)), sympy.S.Zero)
             solution[i][c] = draft.let(f"{name}.x{i}.{c}", (rows[i][size + c] - rest) / rows[i][i])
-    return ImmutableMatrix(solution)
+    return sympy.ImmutableMatrix(solution)
 
 
 def cholesky(draft: Draft, name: str, M: Matrix) -> ImmutableMatrix:
@@ -77,4 +81,4 @@ def cholesky(draft: Draft, name: str, M: Matrix) -> ImmutableMatrix:
         for i in range(j + 1, size):
             rest = sympy.Add(*[L[i, k] * L[j, k] for k in range(j)])
             L[i, j] = draft.let(f"{name}.{i}.{j}", (M[i, j] - rest) / L[j, j])
-    return ImmutableMatrix(L)
+    return sympy.ImmutableMatrix(L)

@@ -8,17 +8,23 @@ integrators. The paper's f is the plant's Φ here; g and P come from the matchin
 What the nonsmooth observer (nonsmooth_adaptive.py) shares with it is written here.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-import sympy
-from sympy import Expr, ImmutableMatrix
 
 from backend.engine.errors import SpecError
+from backend.engine.lazy import sympy
 from backend.engine.model import Model
 from backend.engine.observers.assumptions import stable, verdict
 from backend.engine.observers.base import Context, Gain, Observed, Observer
 from backend.engine.observers.draft import Draft, ModelAt
 from backend.engine.observers.matching import closed, direction, find_P, lyapunov_margin
 from backend.engine.result import CANNOT_TELL, FAILS, HOLDS, Check
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix
 
 SOURCE = "Shen & Hu 2015"
 
@@ -56,7 +62,7 @@ def begin(d: Draft) -> tuple[ImmutableMatrix, ImmutableMatrix, ModelAt, Expr]:
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     at = d.at(x, theta)
     e1 = d.let("e1", d.measured()[0] - x[0])
-    d.estimates(x, theta, ImmutableMatrix([x[0]]))
+    d.estimates(x, theta, sympy.ImmutableMatrix([x[0]]))
     describe(d, at)
     return x, theta, at, e1
 
@@ -75,10 +81,10 @@ def describe(d: Draft, at: ModelAt) -> None:
     d.facts["matching"] = reason or "Φ = d·(CΦ), g = (CΦ)ᵀ"
     if vector is not None:
         d.facts["direction"] = [str(e) for e in vector]
-        d.outputs("direction", ImmutableMatrix([at.put(e) for e in vector]))
+        d.outputs("direction", sympy.ImmutableMatrix([at.put(e) for e in vector]))
     d.outputs("Phi", at.Phi)
     gamma = sympy.Matrix(model.f) - sympy.Matrix([*model.x[1:], 0])
-    d.outputs("Dgamma", ImmutableMatrix(model.jacobian(gamma).applyfunc(at.put)))
+    d.outputs("Dgamma", sympy.ImmutableMatrix(model.jacobian(gamma).applyfunc(at.put)))
     d.facts["affine"] = all(model.is_affine)
     flat = model.f.xreplace(model.expansion)
     d.facts["chain"] = all(flat[i].expand().coeff(model.x[i + 1]) == 1 for i in range(model.n - 1))

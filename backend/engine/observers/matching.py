@@ -8,15 +8,20 @@ In the coordinates ξ = (x1, x2 − d2 x1, …, xn − dn x1) such a P is diag(1
 inequality (A − KC)ᵀP + P(A − KC) < 0 is a Riccati inequality for P2, solved through its Hamiltonian matrix.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.linalg
-import sympy
-from sympy import Expr
 
 from backend.engine.errors import SpecError
+from backend.engine.lazy import sympy
 from backend.engine.model import Model
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 
 def shift(n: int) -> np.ndarray:

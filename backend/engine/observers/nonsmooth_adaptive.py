@@ -10,10 +10,13 @@ exponents are positive. The option form "paper-example" writes the observer of t
 there: without γ, with the exponent 2α − 1 in both lines and ρ² for ρ k2. It is no case of (11).
 """
 
-import numpy as np
-from sympy import Expr, ImmutableMatrix
+from __future__ import annotations
 
-from backend.engine.functions import SignedPower
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from backend.engine.lazy import functions, sympy
 from backend.engine.observers.assumptions import verdict
 from backend.engine.observers.base import Gain, Observed, Observer, Option
 from backend.engine.observers.draft import Draft
@@ -21,6 +24,9 @@ from backend.engine.observers.linear_adaptive import LAMBDA, SOURCE, K, begin, g
 from backend.engine.observers.linear_adaptive import checks as shared_checks
 from backend.engine.observers.matching import closed
 from backend.engine.result import FAILS, Check
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix
 
 GENERAL, PAPER_EXAMPLE = "general", "paper-example"
 
@@ -38,7 +44,7 @@ FORM = Option(
 
 def F(k: ImmutableMatrix, alpha: Expr, e1: Expr) -> ImmutableMatrix:
     """The homogeneous injection, below (12)."""
-    return ImmutableMatrix([k[i - 1] * SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)])
+    return sympy.ImmutableMatrix([k[i - 1] * functions.SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)])
 
 
 def write(d: Draft) -> None:
@@ -62,10 +68,10 @@ def paper_example(d: Draft, x: ImmutableMatrix, w_theta: ImmutableMatrix, e1: Ex
         d.n == 2, d.model, f"the example of section 3 has two states, this plant {d.n}; choose the form {GENERAL!r}"
     )
     K, rho = d.gain("K"), d.gain("rho")
-    power = SignedPower(e1, 2 * d.gain("alpha") - 1)
+    power = functions.SignedPower(e1, 2 * d.gain("alpha") - 1)
     dx1 = x[1] + K[0] * e1 + K[0] * rho * power + w_theta[0]
     dx2 = w_theta[1] + K[1] * e1 + rho**2 * power
-    return ImmutableMatrix([dx1, dx2])
+    return sympy.ImmutableMatrix([dx1, dx2])
 
 
 # ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------

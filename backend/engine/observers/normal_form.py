@@ -9,16 +9,21 @@ sum must be n. Observers compute α + F u as L^{ρi} hi at x̂, so T is needed a
 The inverse is found symbolically, one state at a time (invert).
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-
-from sympy import Expr, ImmutableMatrix, Matrix, Symbol
+from typing import TYPE_CHECKING
 
 from backend.engine.errors import SpecError
-from backend.engine.model import Model, T
+from backend.engine.lazy import sympy
+from backend.engine.model import Model, clock
 from backend.engine.observers.canonical import rank_at, sample, tidy
 from backend.engine.observers.invert import NoInverse, invert
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Symbol
 
 PAPER = "Reduced-order observer for MIMO nonlinear time-varying systems, Control Theory & Applications 17, 2000"
 
@@ -47,7 +52,7 @@ class NormalForm:
     def from_z(self, z: Sequence[Expr]) -> ImmutableMatrix:
         """x (n×1) at a given z."""
         swap = dict(zip(self.z, z, strict=True))
-        return ImmutableMatrix([e.xreplace(swap) for e in self.inverse.values()])
+        return sympy.ImmutableMatrix([e.xreplace(swap) for e in self.inverse.values()])
 
     @property
     def from_outputs(self) -> dict[Symbol, Expr]:
@@ -60,16 +65,16 @@ def brunovsky(blocks: Sequence[int]) -> tuple[ImmutableMatrix, ImmutableMatrix, 
     """A, B and C of (7) for chains of integrators of the given lengths, which may be 0 (then Ã, B̃, C̃ of (11))."""
     n, m = sum(blocks), len(blocks)
     start = [sum(blocks[:i]) for i in range(m)]
-    A = ImmutableMatrix(n, n, lambda i, j: int(j == i + 1 and j not in start))
-    B = ImmutableMatrix(n, m, lambda i, j: int(blocks[j] > 0 and i == start[j] + blocks[j] - 1))
-    C = ImmutableMatrix(m, n, lambda i, j: int(blocks[i] > 0 and j == start[i]))
+    A = sympy.ImmutableMatrix(n, n, lambda i, j: int(j == i + 1 and j not in start))
+    B = sympy.ImmutableMatrix(n, m, lambda i, j: int(blocks[j] > 0 and i == start[j] + blocks[j] - 1))
+    C = sympy.ImmutableMatrix(m, n, lambda i, j: int(blocks[i] > 0 and j == start[i]))
     return A, B, C
 
 
 def block_column(gain: Sequence, blocks: Sequence[int]) -> ImmutableMatrix:
     """A gain given as one column, block after block, as the block diagonal matrix of its columns."""
     ends = [sum(blocks[: j + 1]) for j in range(len(blocks))]
-    return ImmutableMatrix(sum(blocks), len(blocks), lambda i, j: gain[i] if ends[j] - blocks[j] <= i < ends[j] else 0)
+    return sympy.ImmutableMatrix(sum(blocks), len(blocks), lambda i, j: gain[i] if ends[j] - blocks[j] <= i < ends[j] else 0)
 
 
 def normal_form(model: Model) -> NormalForm:
@@ -101,18 +106,18 @@ def _cached(key: _Key) -> NormalForm:
         degrees = ", ".join(map(str, blocks))
         raise _refused(model, f"its vector relative degree ({degrees}) sums to {sum(blocks)}, not to its {model.n} "
                               "states (Assumption 1)")  # fmt: skip
-    map_ = ImmutableMatrix([e for chain in chains for e in chain[:-1]])
-    top = ImmutableMatrix([chain[-1] for chain in chains])
-    jacobian = map_.jacobian(Matrix(model.x))
+    map_ = sympy.ImmutableMatrix([e for chain in chains for e in chain[:-1]])
+    top = sympy.ImmutableMatrix([chain[-1] for chain in chains])
+    jacobian = map_.jacobian(sympy.Matrix(model.x))
     if max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) < model.n:
         raise _refused(model, "its outputs and their derivatives depend on each other, so T has no inverse")
-    z = tuple(Symbol(f"z[{k + 1}]", real=True) for k in range(model.n))  # no name that a plant can have
+    z = tuple(sympy.Symbol(f"z[{k + 1}]", real=True) for k in range(model.n))  # no name that a plant can have
     try:
         inverse = invert(list(zip(z, map_, strict=True)), model)
     except NoInverse as why:
         raise _refused(model, f"the coordinates z = T(x, t) could not be solved for x: {why}") from None
-    F = top.jacobian(Matrix(model.u)) if model.u else ImmutableMatrix(model.m, 0, [])
-    return NormalForm(blocks, map_, top, ImmutableMatrix(F), z, {x: inverse[x] for x in model.x})
+    F = top.jacobian(sympy.Matrix(model.u)) if model.u else sympy.ImmutableMatrix(model.m, 0, [])
+    return NormalForm(blocks, map_, top, sympy.ImmutableMatrix(F), z, {x: inverse[x] for x in model.x})
 
 
 def _chain(model: Model, i: int) -> list[Expr]:
@@ -120,14 +125,14 @@ def _chain(model: Model, i: int) -> list[Expr]:
 
     Where none ever enters, up to the first that brings no new coordinate.
     """
-    x = Matrix(model.x)
+    x = sympy.Matrix(model.x)
     f = model.f.xreplace(model.expansion)
     outside = set(model.u) | set(model.signals)
     chain = [model.h.xreplace(model.expansion)[i]]
     if chain[0].free_symbols & outside:
         raise _refused(model, f"an input or known signal enters its output {model.outputs[i]} directly")
     while True:
-        derivative = tidy(chain[-1].diff(T) + (Matrix([chain[-1]]).jacobian(x) * f)[0])  # (3)
+        derivative = tidy(chain[-1].diff(clock()) + (sympy.Matrix([chain[-1]]).jacobian(x) * f)[0])  # (3)
         stop = derivative.free_symbols & outside or not _is_new(model, chain, derivative)
         chain.append(derivative)
         if stop:
@@ -137,7 +142,7 @@ def _chain(model: Model, i: int) -> list[Expr]:
 
 
 def _is_new(model: Model, chain: list[Expr], derivative: Expr) -> bool:
-    jacobian = Matrix([*chain, derivative]).jacobian(Matrix(model.x))
+    jacobian = sympy.Matrix([*chain, derivative]).jacobian(sympy.Matrix(model.x))
     return max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) == len(chain) + 1
 
 

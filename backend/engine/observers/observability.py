@@ -4,14 +4,20 @@ States are scaled to their size, faults to their typical size and outputs by R, 
 excitation of 1 means that in one window a fault of typical size stands out by one standard deviation.
 """
 
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
 import numpy as np
-from sympy import Matrix
 
 from backend.engine.observers.assumptions import smallest_eigenvalue, verdict, windowed_gramian
 from backend.engine.observers.base import Observed
 from backend.engine.observers.draft import Draft
 from backend.engine.observers.weights import output_scales, state_scales, typical_sizes
 from backend.engine.result import CANNOT_TELL, Check
+
+if TYPE_CHECKING:
+    from sympy import Matrix
 
 LARGEST = 12  # states, up to which Jacobians are recorded
 RANK = 1e-9  # relative size of a singular value that counts as zero

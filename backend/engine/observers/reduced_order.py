@@ -7,19 +7,24 @@ all. Ã, B̃, C̃ are the chains of integrators shortened by one, H is block dia
 is the highest derivative of the outputs at x̂, so the observer is written down for the plant's own states.
 """
 
+from __future__ import annotations
+
 from collections.abc import Sequence
 from math import comb
+from typing import TYPE_CHECKING
 
 import numpy as np
-import sympy
-from sympy import Expr, ImmutableMatrix, Symbol
 
+from backend.engine.lazy import sympy
 from backend.engine.model import Model, symbols
 from backend.engine.observers.assumptions import stable, verdict
 from backend.engine.observers.base import Context, Gain, Observed, Observer
 from backend.engine.observers.draft import Draft, ModelAt
 from backend.engine.observers.normal_form import PAPER, NormalForm, block_column, brunovsky, normal_form
 from backend.engine.result import CANNOT_TELL, Check
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Symbol
 
 
 def default_H(context: Context) -> list[float]:
@@ -41,7 +46,7 @@ def write(d: Draft) -> None:
     hidden = d.let("hidden", omega + H * y)  # (14)
     z = dict(zip((*form.firsts, *form.unmeasured), (*y, *hidden), strict=True))
     x, at = at_coordinates(d, form, [z[k] for k in range(d.n)])
-    top = d.let("top", ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
+    top = d.let("top", sympy.ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
 
     d.set(omega, (A - H * C) * hidden + B * top)  # (17)
     d.estimates(x, None, at.h)
@@ -61,7 +66,7 @@ def initial(d: Draft, form: NormalForm) -> ImmutableMatrix:
     start = dict(zip(d.model.x, d.x0, strict=True))
     start |= {x: e.xreplace(outputs) for x, e in form.from_outputs.items()}
     z = form.T.xreplace(start).xreplace(parameters(d))
-    return ImmutableMatrix(len(form.unmeasured), 1, [z[k] for k in form.unmeasured])
+    return sympy.ImmutableMatrix(len(form.unmeasured), 1, [z[k] for k in form.unmeasured])
 
 
 def parameters(d: Draft) -> dict[Symbol, Symbol]:
@@ -77,7 +82,7 @@ def describe(d: Draft, form: NormalForm, at: ModelAt) -> None:
     d.facts["affine"] = not (form.top.jacobian(sympy.Matrix(d.model.x)).free_symbols & set(d.model.x))
     d.facts["inputs"] = len(d.model.inputs)
     if form.F.shape[1]:
-        d.outputs("F", ImmutableMatrix(form.F.applyfunc(at.put)))
+        d.outputs("F", sympy.ImmutableMatrix(form.F.applyfunc(at.put)))
 
 
 # ---- the assumptions of Theorem 2 ------------------------------------------------------------------------------------

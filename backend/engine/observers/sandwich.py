@@ -1,16 +1,22 @@
 """What the observers of sandwich systems share: the gain K, the facts, the checks of Zhou & Tan 2012, Theorem 1."""
 
+from __future__ import annotations
+
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
-from sympy import Expr, ImmutableMatrix
 
+from backend.engine.lazy import sympy
 from backend.engine.model import Model
 from backend.engine.observers.assumptions import stable, verdict
 from backend.engine.observers.base import Context, Gain, Observed
 from backend.engine.observers.draft import Draft
 from backend.engine.observers.hysteresis import Sandwich, blocks, memory_names, refused, sandwich
 from backend.engine.result import Check
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix
 
 SOURCE = "Zhou & Tan 2012"
 
@@ -44,7 +50,7 @@ def begin(d: Draft) -> Sandwich:
 def injection(d: Draft, parts: Sandwich) -> ImmutableMatrix:
     """K with a 0 for each state of the memory (n×1)."""
     gain = dict(zip(parts.linear_states, d.gain("K"), strict=True))
-    return ImmutableMatrix([gain.get(i, 0) for i in range(d.n)])
+    return sympy.ImmutableMatrix([gain.get(i, 0) for i in range(d.n)])
 
 
 def describe(d: Draft, parts: Sandwich, put: Callable[[Expr], Expr]) -> None:
@@ -52,7 +58,7 @@ def describe(d: Draft, parts: Sandwich, put: Callable[[Expr], Expr]) -> None:
     moving = False
     for name, matrix in blocks(d.model, parts).items():
         moving |= bool(matrix.free_symbols & set(d.model.x))
-        d.outputs(name, ImmutableMatrix(matrix.applyfunc(put)))
+        d.outputs(name, sympy.ImmutableMatrix(matrix.applyfunc(put)))
     d.facts["linear"] = not moving
     order = parts.linear_states
     d.facts["K1"] = [order.index(i) for i in parts.front]

@@ -5,9 +5,9 @@
 The plant's text with each operator replaced by its mean slope times x. It estimates the states of L1 and L2 only.
 """
 
-import sympy
-from sympy import ImmutableMatrix
+from __future__ import annotations
 
+from backend.engine.lazy import sympy
 from backend.engine.observers.base import Observed, Observer
 from backend.engine.observers.draft import Draft
 from backend.engine.observers.hysteresis import smooth
@@ -18,12 +18,12 @@ from backend.engine.result import FAILS, Check
 def write(d: Draft) -> None:
     parts = begin(d)
     plant, d.model = d.model, smooth(d.model)
-    made = d.states("xh", len(parts.linear_states), initial=ImmutableMatrix([d.x0[i] for i in parts.linear_states]))
+    made = d.states("xh", len(parts.linear_states), initial=sympy.ImmutableMatrix([d.x0[i] for i in parts.linear_states]))
     x = dict(zip(parts.linear_states, made, strict=True))
     at = d.at([x.get(i, sympy.S.Zero) for i in range(d.n)])
     r = d.let("r", (d.measured() - at.h)[0])
     following = at.f + injection(d, parts) * r
-    d.set(made, ImmutableMatrix([following[i] for i in parts.linear_states]))  # (22)
+    d.set(made, sympy.ImmutableMatrix([following[i] for i in parts.linear_states]))  # (22)
     for i in parts.linear_states:
         d.output(f"x.{plant.states[i]}", x[i])
     d.output(f"y.{plant.outputs[0]}", at.h[0])

@@ -7,16 +7,22 @@ states of L1 and L2; what the operators remember by follows the estimates. The p
 not to have moved before k = 0 (Δx̂(0) = 0, all operators hold), unless the option says otherwise.
 """
 
-import numpy as np
-from sympy import ImmutableMatrix, Symbol
+from __future__ import annotations
 
-from backend.engine.functions import Backlash
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from backend.engine.lazy import functions, sympy
 from backend.engine.observers.assumptions import verdict
 from backend.engine.observers.base import Observed, Observer, Option
 from backend.engine.observers.draft import Draft
 from backend.engine.observers.hysteresis import Sandwich, before
 from backend.engine.observers.sandwich import SOURCE, K, begin, describe, injection, linear_checks, rank_check
 from backend.engine.result import CANNOT_TELL, Check
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix, Symbol
 
 RISING, FALLING = 1, -1
 
@@ -47,13 +53,13 @@ def start(d: Draft, parts: Sandwich) -> ImmutableMatrix:
     if d.options.get("before", "hold") == "hold":
         put = d.at(d.x0, saturate=False).put
         initial |= {before(o): put(o.args[0]) for o in parts.operators}
-    return ImmutableMatrix([initial[s] for s in d.model.x])
+    return sympy.ImmutableMatrix([initial[s] for s in d.model.x])
 
 
 def hysteresis_outputs(d: Draft) -> list[Symbol]:
     """Definitions made of several operators: the output v of the hysteresis (5)."""
     expansion = d.model.expansion
-    return [s for s, e in expansion.items() if e.has(Backlash) and not isinstance(e, Backlash)]
+    return [s for s, e in expansion.items() if e.has(functions.Backlash) and not isinstance(e, functions.Backlash)]
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:

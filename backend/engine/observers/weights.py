@@ -45,12 +45,12 @@ def noise_std(c: Context) -> list[float]:
 
 
 def _process_noise(c: Context) -> list[float]:
-    return [pace(c.model) * (DOUBT * s) ** 2 for s in state_scales(c)]
+    return [pace(c.model) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
 
 
 def _noise_intensity(c: Context) -> list[float]:
     holds = c.noise_hold or (HOLD,) * c.m
-    return [std**2 * (hold or HOLD) for std, hold in zip(noise_std(c), holds, strict=True)]
+    return [std * std * (hold or HOLD) for std, hold in zip(noise_std(c), holds, strict=True)]
 
 
 def _quiet_start(c: Context) -> list[float]:

@@ -6,16 +6,17 @@ printed it is not globally Lipschitz and x̂(0) = 0 divides zero by zero. In oth
 J Φ and the correction J⁻¹ Δ[…]: the chain rule, no approximation (canonical.py).
 """
 
-import numpy as np
-import sympy
-from sympy import ImmutableMatrix
+from __future__ import annotations
 
-from backend.engine.result import Check
+import numpy as np
+
+from backend.engine.lazy import sympy
 from backend.engine.observers.assumptions import excitation, persistent_excitation, positive_definite
 from backend.engine.observers.base import Gain, Observed, Observer
 from backend.engine.observers.canonical import canonical_form
 from backend.engine.observers.draft import Draft
-from backend.engine.observers.high_gain import RHO, A0, c0, describe, form_checks, k0, to_user
+from backend.engine.observers.high_gain import A0, RHO, c0, describe, form_checks, k0, to_user
+from backend.engine.result import Check
 
 GAINS = (
     RHO,
@@ -33,7 +34,7 @@ def write(d: Draft) -> None:
     Gamma = d.symmetric("Gamma", p, initial=d.gain("gamma0") * sympy.eye(p))
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     at = d.at(x, theta)
-    Phi = at.Phi if form.identity else d.let("JPhi", ImmutableMatrix(form.J.applyfunc(at.put)) * at.Phi)
+    Phi = at.Phi if form.identity else d.let("JPhi", sympy.ImmutableMatrix(form.J.applyfunc(at.put)) * at.Phi)
     Psi = at.Psi
     Delta = sympy.diag(*[rho**i for i in range(1, n + 1)])
 
