@@ -63,5 +63,5 @@ class ObserverConfig(Strict):
     initial: dict[Reference, Number] = Field(
         default_factory=dict,
         max_length=200,
-        description="Estimates at t = 0 by state or channel, in their units; 0 where none is given.",
+        description="Estimates at t = 0 by state or channel, in their units. Where none is given, a state starts from the plant's own initial value and a channel from 0.",
     )

@@ -89,6 +89,32 @@ class AssumptionCheck(Strict):
     source: str = Field("", description="Paper and equation.")
 
 
+class FinalValue(Strict):
+    """An estimate over the last tenth of the run, in the channel's unit."""
+
+    model_config = example(truth=0.02, estimate=0.0201, error=0.0001, mean_error=0.00002, std=0.0003)
+
+    truth: Number | None = Field(description="The true value at the end.")
+    estimate: Number | None = Field(description="The estimate at the end.")
+    error: Number | None = Field(description="Estimate less truth at the end.")
+    mean_error: Number | None = Field(description="Mean of estimate less truth.")
+    std: Number | None = Field(description="Standard deviation of estimate less truth.")
+
+
+class Settling(Strict):
+    """How an estimate followed one step of a fault."""
+
+    model_config = example(channel="theta3", at=20, size=0.02, within=0.1, reached=0.7, time=0.75, until=40)
+
+    channel: str
+    at: Number = Field(description="Time of the step in s.")
+    size: Number = Field(description="Size of the step.")
+    within: Number = Field(description="Width of the band around the new value, as a fraction of the size.")
+    reached: Number | None = Field(description="Time in s after the step at which the band is first reached.")
+    time: Number | None = Field(description="Time in s after the step from which the estimate stays in the band.")
+    until: Number = Field(description="Time in s up to which was looked: the next event, or the end.")
+
+
 class ObserverSummary(Strict):
     """What came out for one observer."""
 
@@ -101,6 +127,11 @@ class ObserverSummary(Strict):
     rmse: dict[str, Number | None] = Field(
         default_factory=dict, description="Root mean square error per state over the run, null where undefined."
     )
+    rmse_end: dict[str, Number | None] = Field(
+        default_factory=dict, description="The same over the last tenth of the run."
+    )
+    theta: dict[str, FinalValue] = Field(default_factory=dict, description="Estimate of each channel at the end.")
+    settling: tuple[Settling, ...] = Field((), description="How soon each step of a fault was followed.")
     checks: tuple[AssumptionCheck, ...] = ()
     facts: dict[str, JsonValue] = Field(default_factory=dict, description="What the observer reports about itself.")
 

@@ -82,7 +82,9 @@ def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plan
     period = config.options.get("period")
     if period is not None:
         if isinstance(period, bool) or not isinstance(period, int | float) or period <= 0:
-            raise SpecError("options.period", period, "a sample period is a positive number of seconds", "give a number")
+            raise SpecError(
+                "options.period", period, "a sample period is a positive number of seconds", "give a number"
+            )
         return multiple(float(period), step, "options.period")
     if spec.measurement.mode == "sampled":
         return multiple(spec.measurement.period, step, "options.period")
@@ -90,7 +92,9 @@ def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plan
     return multiple(max([n.sample_time for n in spec.noise.values()] or [10 * step]), step, "options.period")
 
 
-def _context(plant: Plant, spec: Experiment, data: dict, channels: tuple[str, ...], step: float, every: int | None) -> Context:
+def _context(
+    plant: Plant, spec: Experiment, data: dict, channels: tuple[str, ...], step: float, every: int | None
+) -> Context:
     noise = [spec.noise.get(o.name) for o in plant.outputs]
     return Context(
         n=len(plant.states),
@@ -172,7 +176,9 @@ def _option(option: Option, given, context: Context):
     return given
 
 
-def _numbers(gains: dict, config: ObserverConfig, spec: Experiment, plant: Plant, channels: tuple[str, ...]) -> dict[str, float]:
+def _numbers(
+    gains: dict, config: ObserverConfig, spec: Experiment, plant: Plant, channels: tuple[str, ...]
+) -> dict[str, float]:
     numbers: dict[str, float] = {}
     for name, value in gains.items():
         if isinstance(value, float):

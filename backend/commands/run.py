@@ -58,8 +58,8 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
     job = Job(complete.spec_hash(), spec)
     result = store and store.get_result(job.id, engine_version())
     if result is not None:
-        return completed(job.snapshot(), result)
-    finished = completed(job.snapshot(), compute(job, complete, settings, progress))
+        return completed(job.snapshot(), result, complete)
+    finished = completed(job.snapshot(), compute(job, complete, settings, progress), complete)
     if store is not None:
         _keep(store, finished)
     return finished

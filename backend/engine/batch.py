@@ -86,7 +86,9 @@ class _Lanes:
         self.values = [e.parameters | e.estimators[i].parameters for e in experiments]
         plants = np.stack([e.x0 for e in experiments], axis=1)
         self.state = np.concatenate([plants, observer_states(experiments, i)])  # states × runs
-        self.differing_signals = [n for n in self.signals[0] if any(s[n] is not self.signals[0][n] for s in self.signals)]
+        self.differing_signals = [
+            n for n in self.signals[0] if any(s[n] is not self.signals[0][n] for s in self.signals)
+        ]
         differing = set(self.differing_signals)
         self.differing_parameters = {p for p in self.program.parameters if len({v[p] for v in self.values}) > 1}
         differing |= self.differing_parameters
@@ -112,7 +114,9 @@ class _Lanes:
         result[:, 0, :] = self.state.T
         padded = -(-runs // self.width) * self.width
         lane_state = np.ascontiguousarray(self.state[mine][:, np.minimum(np.arange(padded), runs - 1)])
-        lane_state = np.ascontiguousarray(lane_state.reshape(len(mine), -1, self.width).transpose(1, 0, 2))  # block, state, lane
+        lane_state = np.ascontiguousarray(
+            lane_state.reshape(len(mine), -1, self.width).transpose(1, 0, 2)
+        )  # block, state, lane
         shared_state = np.ascontiguousarray(self.state[common, 0])
         noise = _Noise(self)
         for begin in range(0, self.first.steps, CHUNK):
@@ -175,7 +179,9 @@ class _Lanes:
         layout = Layout(held=held, staged=self.parts.names + staged, lane_held=lane_held, lane_staged=lane_staged,
                         lane_params=differ, lanes=self.width)  # fmt: skip
         if staged:
-            handed = np.concatenate([handed[:, :, : len(self.parts.names)], _staged(grid, staged, one, self.stages)], axis=2)
+            handed = np.concatenate(
+                [handed[:, :, : len(self.parts.names)], _staged(grid, staged, one, self.stages)], axis=2
+            )
             handed = np.ascontiguousarray(handed)
         params = np.array([self.values[0][p] for p in layout.shared_params(lanes)] or [0.0])
         held_table = _held(grid, held, one)

@@ -14,15 +14,13 @@ The numbers do not depend on how steps are dealt out over calls and segments, no
 fast-math flag is set, and the multiply-adds are those of the graph.
 """
 
-import struct
 from dataclasses import dataclass
 
 from backend.engine.graph import topological
+from backend.engine.instructions import LIBM, Writer
 from backend.engine.system import DISCRETE, Program
 
 INLINE_LIMIT = 6000  # nodes times stages; above it the right-hand side is a function of its own, called once a stage
-_LIBM = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "pow", "atan2")
-_COMPARE = {"lt": "olt", "le": "ole"}
 
 
 @dataclass(frozen=True)
@@ -39,112 +37,6 @@ class Layout:
 
     def shared_params(self, program: Program) -> tuple[str, ...]:
         return tuple(p for p in program.parameters if p not in self.lane_params)
-
-
-class _Writer:
-    """Appends instructions of one function; every method that computes returns the name of its value."""
-
-    def __init__(self, lanes: int):
-        self.lanes = lanes
-        self.type = "double" if lanes == 1 else f"<{lanes} x double>"
-        self.bool = "i1" if lanes == 1 else f"<{lanes} x i1>"
-        self.suffix = "f64" if lanes == 1 else f"v{lanes}f64"
-        self.lines: list[str] = []
-        self.count = 0
-
-    def put(self, text: str) -> None:
-        self.lines.append("  " + text)
-
-    def let(self, text: str) -> str:
-        self.count += 1
-        name = f"%v{self.count}"
-        self.put(f"{name} = {text}")
-        return name
-
-    def const(self, value: float) -> str:
-        text = "0x" + struct.pack(">d", value).hex().upper()
-        return text if self.lanes == 1 else "<" + ", ".join([f"double {text}"] * self.lanes) + ">"
-
-    def splat(self, scalar: str) -> str:
-        if self.lanes == 1:
-            return scalar
-        one = self.let(f"insertelement {self.type} poison, double {scalar}, i32 0")
-        return self.let(f"shufflevector {self.type} {one}, {self.type} poison, <{self.lanes} x i32> zeroinitializer")
-
-    def fma(self, a: str, b: str, c: str) -> str:
-        t = self.type
-        return self.let(f"call {t} @llvm.fma.{self.suffix}({t} {a}, {t} {b}, {t} {c})")
-
-    def address(self, base: str, index: str | int, kind: str = "double") -> str:
-        return self.let(f"getelementptr {kind}, ptr {base}, i64 {index}")
-
-    def load_shared(self, base: str, index: int) -> str:
-        return self.splat(self.let(f"load double, ptr {self.address(base, index)}"))
-
-    def load_lanes(self, base: str, index: int) -> str:
-        return self.let(f"load {self.type}, ptr {self.address(base, index * self.lanes)}, align 8")
-
-    def store(self, value: str, base: str, index: int) -> None:
-        self.put(f"store {self.type} {value}, ptr {self.address(base, index * self.lanes)}, align 8")
-
-    def libm(self, name: str, *args: str) -> str:
-        """Call the C library, lane by lane, so that every lane gets the scalar run's bits."""
-        if self.lanes == 1:
-            return self.let(f"call double @{name}(" + ", ".join(f"double {a}" for a in args) + ") #1")
-        result = "poison"
-        for lane in range(self.lanes):
-            picked = [self.let(f"extractelement {self.type} {a}, i32 {lane}") for a in args]
-            value = self.let(f"call double @{name}(" + ", ".join(f"double {a}" for a in picked) + ") #1")
-            result = self.let(f"insertelement {self.type} {result}, double {value}, i32 {lane}")
-        return result
-
-    def flag(self, comparison: str) -> str:
-        return self.let(f"select {self.bool} {comparison}, {self.type} {self.const(1.0)}, {self.type} {self.const(0.0)}")
-
-    def compare(self, kind: str, a: str, b: str) -> str:
-        return self.let(f"fcmp {kind} {self.type} {a}, {b}")
-
-    def select(self, condition: str, a: str, b: str) -> str:
-        return self.let(f"select {self.bool} {condition}, {self.type} {a}, {self.type} {b}")
-
-    def intrinsic(self, name: str, *args: str) -> str:
-        t = self.type
-        return self.let(f"call {t} @llvm.{name}.{self.suffix}(" + ", ".join(f"{t} {a}" for a in args) + ")")
-
-    def operation(self, op: str, args: list[str]) -> str:
-        """One graph node; the counterpart of graph.NUMPY."""
-        t = self.type
-        if op in ("add", "sub", "mul", "div"):
-            return self.let(f"f{op} {t} {args[0]}, {args[1]}")
-        if op == "neg":
-            return self.let(f"fneg {t} {args[0]}")
-        if op == "fma":
-            return self.fma(*args)
-        if op in ("sqrt", "floor", "abs"):
-            return self.intrinsic("fabs" if op == "abs" else op, args[0])
-        if op in _LIBM:
-            return self.libm(op, *args)
-        return self._logic(op, args)
-
-    def _logic(self, op: str, args: list[str]) -> str:
-        zero = self.const(0.0)
-        if op in _COMPARE:
-            return self.flag(self.compare(_COMPARE[op], args[0], args[1]))
-        if op in ("min", "max"):
-            a, b = args
-            return self.select(self.compare("olt" if op == "min" else "ogt", b, a), b, a)
-        if op in ("and", "or"):
-            x, y = (self.compare("une", a, zero) for a in args)
-            return self.flag(self.let(f"{op} {self.bool} {x}, {y}"))
-        if op == "where":
-            return self.select(self.compare("une", args[0], zero), args[1], args[2])
-        if op == "sign":
-            a = args[0]
-            rest = self.select(self.compare("olt", a, zero), self.const(-1.0), self.let(f"fmul {self.type} {a}, {zero}"))
-            return self.select(self.compare("ogt", a, zero), self.const(1.0), rest)
-        if op == "spow":
-            return self.intrinsic("copysign", self.libm("pow", self.intrinsic("fabs", args[0]), args[1]), args[0])
-        raise ValueError(f"no instruction for {op!r}")
 
 
 def fits_inline(program: Program, layout: Layout) -> bool:
@@ -168,10 +60,12 @@ class _Module:
         self.params = layout.shared_params(program)
 
     def text(self) -> str:
-        w = _Writer(self.layout.lanes)
+        w = Writer(self.layout.lanes)
         body = self._main(w)
         suffix, t = w.suffix, w.type
-        declared = [f"declare double @{f}({', '.join(['double'] * (2 if f in ('pow', 'atan2') else 1))}) #0" for f in _LIBM]
+        declared = [
+            f"declare double @{f}({', '.join(['double'] * (2 if f in ('pow', 'atan2') else 1))}) #0" for f in LIBM
+        ]
         declared += [f"declare {t} @llvm.{f}.{suffix}({t})" for f in ("sqrt", "floor", "fabs")]
         declared += [f"declare {t} @llvm.copysign.{suffix}({t}, {t})", f"declare {t} @llvm.fma.{suffix}({t}, {t}, {t})"]
         attributes = [
@@ -185,7 +79,7 @@ class _Module:
 
     # ---- the values of one stage -------------------------------------------------------------------------------
 
-    def _leaf(self, w: _Writer, name: str, where: dict) -> str:
+    def _leaf(self, w: Writer, name: str, where: dict) -> str:
         """Load a variable. ``where`` holds the base pointers: params, held rows and staged rows."""
         lay = self.layout
         for group, base, load in (
@@ -200,7 +94,7 @@ class _Module:
                 return load(where[base], group.index(name))
         raise ValueError(f"kernel of {self.program.name}: nothing supplies {name!r}")
 
-    def _values(self, w: _Writer, leaves: dict[str, str], where: dict, memo: dict[int, str]) -> list[str]:
+    def _values(self, w: Writer, leaves: dict[str, str], where: dict, memo: dict[int, str]) -> list[str]:
         """Emit all roots; ``leaves`` maps states and t to values, ``memo`` keeps what is already computed."""
         graph = self.program.graph
         for i in self.order:
@@ -221,7 +115,7 @@ class _Module:
 
     # ---- the loop ----------------------------------------------------------------------------------------------
 
-    def _main(self, w: _Writer) -> list[str]:
+    def _main(self, w: Writer) -> list[str]:
         n = len(self.program.states)
         head = [
             "define void @run(i64 %segments, ptr noalias %seg_steps, ptr noalias %seg_first, ptr noalias %seg_t, "
@@ -255,13 +149,17 @@ class _Module:
         new = self._step(w, phi1, per_segment, scratch)
         self._record(w, new)
         t = w.type
-        w.lines[place1] = "\n".join(f"  {p} = phi {t} [{a}, %segment], [{v}, %cont]" for p, a, v in zip(phi1, phi0, new))
+        w.lines[place1] = "\n".join(
+            f"  {p} = phi {t} [{a}, %segment], [{v}, %cont]" for p, a, v in zip(phi1, phi0, new)
+        )
         w.lines.append("next:")
         w.put("%row2 = phi i64 [%row0, %segment], [%row1, %cont]")
         w.put("%at1 = phi i64 [%at0, %segment], [%atn, %cont]")
         for i in range(n):
             w.put(f"%c{i} = phi {t} [%a{i}, %segment], [{new[i]}, %cont]")
-        w.lines[place0] = "\n".join(f"  {p} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, (p, v) in enumerate(zip(phi0, start)))
+        w.lines[place0] = "\n".join(
+            f"  {p} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, (p, v) in enumerate(zip(phi0, start))
+        )
         w.put("%s1 = add i64 %s, 1")
         w.put("%more = icmp slt i64 %s1, %segments")
         w.put("br i1 %more, label %segment, label %save")
@@ -273,18 +171,18 @@ class _Module:
         w.put("ret void")
         return [*head, *w.lines, "}"]
 
-    def _mark(self, w: _Writer) -> int:
+    def _mark(self, w: Writer) -> int:
         w.lines.append("")
         return len(w.lines) - 1
 
-    def _preload(self, w: _Writer, memo: dict[int, str], names: tuple[str, ...], base: str, load) -> None:
+    def _preload(self, w: Writer, memo: dict[int, str], names: tuple[str, ...], base: str, load) -> None:
         graph = self.program.graph
         for j, name in enumerate(names):
             i = graph.index.get(("var", name))
             if i is not None:
                 memo[i] = load(base, j)
 
-    def _segment_head(self, w: _Writer, constants: dict[int, str]) -> dict:
+    def _segment_head(self, w: Writer, constants: dict[int, str]) -> dict:
         lay, lanes = self.layout, self.layout.lanes
         w.put(f"%steps = load i64, ptr {w.address('%seg_steps', '%s', 'i64')}")
         w.put(f"%first = load i64, ptr {w.address('%seg_first', '%s', 'i64')}")
@@ -301,17 +199,18 @@ class _Module:
             self._preload(w, memo, lay.lane_held, lane_held, w.load_lanes)
         h = w.splat("%h")
         sizes = {"h": h} | {
-            name: w.let(f"fmul {w.type} {h}, {w.const(c)}") for name, c in (("half", 0.5), ("third", 1 / 3), ("sixth", 1 / 6))
+            name: w.let(f"fmul {w.type} {h}, {w.const(c)}")
+            for name, c in (("half", 0.5), ("third", 1 / 3), ("sixth", 1 / 6))
         }
         return {"memo": memo, "held": held, "lane_held": lane_held, **sizes}
 
-    def _scratch(self, w: _Writer) -> dict:
+    def _scratch(self, w: Writer) -> dict:
         if self.inline:
             return {}
         n, m = len(self.program.states), max(1, len(self.layout.emitted))
         return {k: w.let(f"alloca [{size} x {w.type}], align 64") for k, size in (("z", n), ("d", n), ("e", m))}
 
-    def _record(self, w: _Writer, new: list[str]) -> None:
+    def _record(self, w: Writer, new: list[str]) -> None:
         n = len(new)
         w.put("%left1 = sub i64 %left, 1")
         w.put("%due = icmp eq i64 %left1, 0")
@@ -332,14 +231,14 @@ class _Module:
 
     # ---- one step ----------------------------------------------------------------------------------------------
 
-    def _step(self, w: _Writer, state: list[str], segment: dict, scratch: dict) -> list[str]:
+    def _step(self, w: Writer, state: list[str], segment: dict, scratch: dict) -> list[str]:
         kd = w.let("sitofp i64 %k to double")
         count = w.let(f"fadd double %i0, {kd}")
         t = w.let(f"fadd double %t0, {w.let(f'fmul double {count}, %h')}")
         if self.stages == 1:
             return self._stage(w, 0, state, t, segment, scratch)
         half, third, sixth, h = (segment[k] for k in ("half", "third", "sixth", "h"))
-        middle = w.let(f"fadd double {t}, {w.let(f'fmul double %h, {_Writer(1).const(0.5)}')}")
+        middle = w.let(f"fadd double {t}, {w.let(f'fmul double %h, {Writer(1).const(0.5)}')}")
         end = w.let(f"fadd double {t}, %h")
         k1 = self._stage(w, 0, state, t, segment, scratch)
         z = [w.fma(half, k, s) for k, s in zip(k1, state)]
@@ -353,14 +252,19 @@ class _Module:
         k4 = self._stage(w, 3, z, end, segment, scratch)
         return [w.fma(sixth, k, s) for k, s in zip(k4, total)]
 
-    def _stage(self, w: _Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
+    def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
         lay, lanes = self.layout, self.layout.lanes
 
         def row(base: str, width: int) -> str:
             at = w.let(f"add i64 {w.let(f'mul i64 %at, {self.stages}')}, {stage}")
             return w.address(base, w.let(f"mul i64 {at}, {width}"))
 
-        where = {"params": "%params", "lane_params": "%lane_params", "held": segment["held"], "lane_held": segment["lane_held"]}
+        where = {
+            "params": "%params",
+            "lane_params": "%lane_params",
+            "held": segment["held"],
+            "lane_held": segment["lane_held"],
+        }
         where["staged"] = row("%staged", len(lay.staged)) if lay.staged else "%staged"
         where["lane_staged"] = row("%lane_staged", len(lay.lane_staged) * lanes) if lay.lane_staged else "%lane_staged"
         if self.inline:
@@ -376,7 +280,7 @@ class _Module:
 
     # ---- large programs ----------------------------------------------------------------------------------------
 
-    def _called(self, w: _Writer, z: list[str], t: str, where: dict, scratch: dict) -> tuple[list[str], list[str]]:
+    def _called(self, w: Writer, z: list[str], t: str, where: dict, scratch: dict) -> tuple[list[str], list[str]]:
         for i, value in enumerate(z):
             w.store(value, scratch["z"], i)
         names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
@@ -386,7 +290,7 @@ class _Module:
         return values, [w.load_lanes(scratch["e"], j) for j in range(len(self.layout.emitted))]
 
     def _right_hand_side(self) -> list[str]:
-        w = _Writer(self.layout.lanes)
+        w = Writer(self.layout.lanes)
         names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
         where = {k: f"%{k}" for k in names}
         leaves = {s: w.load_lanes("%z", i) for i, s in enumerate(self.program.states)} | {"t": w.splat("%t")}

@@ -11,7 +11,22 @@ from collections.abc import Iterable, Mapping
 
 import numpy as np
 
-UNARY_FUNCTIONS = ("sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "floor", "abs")
+UNARY_FUNCTIONS = (
+    "sqrt",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "sinh",
+    "cosh",
+    "tanh",
+    "exp",
+    "log",
+    "floor",
+    "abs",
+)
 LEAVES = ("const", "var")
 
 

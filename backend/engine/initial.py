@@ -58,4 +58,6 @@ def _first_measurement(experiments: Sequence["Experiment"]) -> dict[str, np.ndar
     clean = evaluate(first.plant.graph, list(first.plant.outputs.values()), values)
     anchor = np.array([1e-4 * first.step])
     noise = np.array([e.measurement.noise_at(anchor)[0] for e in experiments])
-    return {name: np.asarray(c) + noise[:, j] for j, (name, c) in enumerate(zip(first.plant.outputs, clean, strict=True))}
+    return {
+        name: np.asarray(c) + noise[:, j] for j, (name, c) in enumerate(zip(first.plant.outputs, clean, strict=True))
+    }

@@ -170,5 +170,7 @@ def _delayed(f: Mapping, grid: Grid, y: np.ndarray, history):
     fractions = np.array([0.0, 0.5, 0.5, 1.0]) if stages == 4 else np.zeros(stages)
     at = grid.start[:, None] + fractions * (grid.end - grid.start)[:, None] - f["delay"]
     late = np.interp(at, all_times, all_values)
-    keep = all_times >= grid.end[-1] - f["delay"] - 2 * (grid.end[-1] - grid.start[-1]) if len(y) else all_times > -np.inf
+    keep = (
+        all_times >= grid.end[-1] - f["delay"] - 2 * (grid.end[-1] - grid.start[-1]) if len(y) else all_times > -np.inf
+    )
     return np.where(on[:, None], late, y), (all_times[keep], all_values[keep])

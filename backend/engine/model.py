@@ -69,7 +69,8 @@ class Model:
         self.signal_names = tuple(s["name"] for s in data["signals"])
         self.parameter_names = tuple(s["name"] for s in data["parameters"])
         self._symbols = {
-            n: sympy.Symbol(n, real=True) for n in (*self.states, *self.inputs, *self.signal_names, *self.parameter_names)
+            n: sympy.Symbol(n, real=True)
+            for n in (*self.states, *self.inputs, *self.signal_names, *self.parameter_names)
         } | {"t": clock()}
         self.x, self.u, self.signals, self.parameters = (
             tuple(self._symbols[n] for n in names)
@@ -77,7 +78,9 @@ class Model:
         )
         self.definitions = tuple(self._definition(i, d) for i, d in enumerate(data["definitions"]))
         self.f = sympy.Matrix([self._text(data["dynamics"][s], f"dynamics.{s}") for s in self.states])
-        self.h = sympy.Matrix([self._text(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])])
+        self.h = sympy.Matrix(
+            [self._text(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])]
+        )
         self.channels = tuple(self._channel(i, c) for i, c in enumerate(data["channels"]))
 
     # ---- reading the text ----------------------------------------------------------------------------------------
@@ -87,7 +90,9 @@ class Model:
 
     def _definition(self, i: int, data: Mapping) -> Definition:
         expression = self._text(data["expression"], f"definitions.{i}.expression")
-        low, high = (self._bound(b, f"definitions.{i}.domain.{k}") for k, b in enumerate(data.get("domain") or (None, None)))
+        low, high = (
+            self._bound(b, f"definitions.{i}.domain.{k}") for k, b in enumerate(data.get("domain") or (None, None))
+        )
         symbol = self._symbols[data["name"]] = sympy.Symbol(data["name"], real=True)
         return Definition(symbol, expression, low, high)
 
@@ -154,7 +159,9 @@ class Model:
     def _total(e: Expr, state: Symbol, slopes: Mapping[Symbol, Mapping[Symbol, Expr]]) -> Expr:
         free = e.free_symbols
         direct = e.diff(state) if state in free else sympy.S.Zero
-        return direct + sum((e.diff(d) * s[state] for d, s in slopes.items() if d in free and s[state] != 0), sympy.S.Zero)
+        return direct + sum(
+            (e.diff(d) * s[state] for d, s in slopes.items() if d in free and s[state] != 0), sympy.S.Zero
+        )
 
     def jacobian(self, vector: Matrix) -> ImmutableMatrix:
         """∂vector/∂x, definitions included and kept as symbols (so that a saturated value can be put in)."""

@@ -33,7 +33,9 @@ def mathematics(plant: Mapping) -> dict:
     """A plant's data without what no equation depends on: prose, units, initial values, parameter values, signals."""
     kept = {k: v for k, v in plant.items() if k not in (*_PROSE, "id")}
     for part in ("states", "inputs", "outputs", "definitions", "channels"):
-        kept[part] = [{k: v for k, v in item.items() if k not in (*_PROSE, "default", "bounds")} for item in plant[part]]
+        kept[part] = [
+            {k: v for k, v in item.items() if k not in (*_PROSE, "default", "bounds")} for item in plant[part]
+        ]
     kept["parameters"] = [{"name": p["name"], "value": p["value"]} for p in plant["parameters"]]
     kept["signals"] = [s["name"] for s in plant["signals"]]
     return kept

@@ -132,7 +132,9 @@ def _joined_rows(parts: list[Rows]) -> Record:
     )
 
 
-def observed_values(experiment: Experiment, estimator: Estimator, values: dict, y: np.ndarray, states: np.ndarray) -> dict:
+def observed_values(
+    experiment: Experiment, estimator: Estimator, values: dict, y: np.ndarray, states: np.ndarray
+) -> dict:
     """What an observer may know, along the rows: its states and parameters, t, u.*, signal.*, y.*; no x, no θ."""
     seen = {n: v for n, v in values.items() if n == "t" or n.startswith(("u.", "signal."))}
     seen |= {name: y[:, i] for i, name in enumerate(experiment.plant.outputs)}
@@ -169,11 +171,15 @@ def _gather(experiment: Experiment, record: Record, substeps: int, seconds: dict
         row[:] = column
     notes = experiment.notes
     if substeps > 1:
-        notes += (f"Each step was taken in {substeps} substeps: an observer's eigenvalues are beyond RK4's stability bound.",)
+        notes += (
+            f"Each step was taken in {substeps} substeps: an observer's eigenvalues are beyond RK4's stability bound.",
+        )
     return Result(tuple(columns), data, tuple(reports), plant_end, experiment.step, substeps, notes, seconds)
 
 
-def _observer(experiment: Experiment, estimator: Estimator, values: dict, y: np.ndarray, states: np.ndarray, ended: int):
+def _observer(
+    experiment: Experiment, estimator: Estimator, values: dict, y: np.ndarray, states: np.ndarray, ended: int
+):
     diverged = None
     finite = _finite(states)
     if finite < min(ended, len(states)):

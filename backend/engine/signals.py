@@ -145,7 +145,9 @@ def expression(text: str) -> Signal:
     graph = Graph()
     root = Lowering(graph, {"t"})(parse(text, ["t"], "text").sympy({"t": clock()}))
     return Signal(
-        lambda t, anchor: np.broadcast_to(evaluate(graph, [root], {"t": t})[0], t.shape).astype(float), _no_breaks, False
+        lambda t, anchor: np.broadcast_to(evaluate(graph, [root], {"t": t})[0], t.shape).astype(float),
+        _no_breaks,
+        False,
     )
 
 

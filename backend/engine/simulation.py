@@ -227,7 +227,9 @@ class Simulation:
         after = np.vstack([start[None, :], out])
         return new, after[np.searchsorted(j * q, index, side="right")]
 
-    def _sample_table(self, program: Program, k: np.ndarray, q: int, now_y: np.ndarray) -> tuple[tuple[str, ...], np.ndarray]:
+    def _sample_table(
+        self, program: Program, k: np.ndarray, q: int, now_y: np.ndarray
+    ) -> tuple[tuple[str, ...], np.ndarray]:
         """Inputs over each sample interval: at its start, middle, end (left limit) and at the instant now (right limit)."""
         e, h, tiny = self.experiment, self.experiment.step, 1e-4
         begin, end = (k - q) * h, k * h
@@ -238,7 +240,7 @@ class Simulation:
         outputs = list(e.plant.outputs)
         table = np.empty((len(k), 1, max(1, len(names))))
         for c, name in enumerate(names):
-            when, bare = next((w, name[len(w):]) for w in ("mid.", "end.", "now.", "") if name.startswith(w))
+            when, bare = next((w, name[len(w) :]) for w in ("mid.", "end.", "now.", "") if name.startswith(w))
             if bare in outputs:
                 table[:, 0, c] = now_y[:, outputs.index(bare)]
             else:

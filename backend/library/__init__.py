@@ -10,6 +10,7 @@ from backend.engine.errors import SpecError
 from shared import Experiment, Plant
 
 _HERE = Path(__file__).parent
+_FIRST = ("zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dc-motor", "dts200", "quadruple-tank")
 
 
 def _load(folder: str, schema):
@@ -33,8 +34,9 @@ def plants() -> dict[str, Plant]:
 
 @lru_cache(maxsize=1)
 def experiments() -> dict[str, Experiment]:
-    """All library experiments by id."""
-    return _load("experiments", Experiment)
+    """All library experiments by id: the four papers first, then the other stories, then variants."""
+    found = _load("experiments", Experiment)
+    return {id: found[id] for id in (*_FIRST, *(id for id in found if id not in _FIRST))}
 
 
 def plant(id: str) -> Plant:

@@ -76,7 +76,7 @@ class Execution:
             raise Cancelled
         job.begin(self._settings.max_seconds)
         result = prepared.run(job.report, job.stopped)
-        self._end(job, completed(job.snapshot(), result))
+        self._end(job, completed(job.snapshot(), result, job.spec))
 
     def _guarded(self, job: Job, stage: Callable[[], None]) -> None:
         """Run a stage; whatever it raises becomes the job's end, so that nobody waits for ever."""
@@ -102,9 +102,9 @@ class Execution:
         return failed(job, detail, "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_SECONDS")
 
 
-def completed(snapshot: Snapshot, result: Result) -> Finished:
+def completed(snapshot: Snapshot, result: Result, spec: Experiment) -> Finished:
     """The end of a run that has a result."""
-    return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result)), result)
+    return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result, spec)), result)
 
 
 def failed(job: Job, detail: str, remedy: str) -> Finished:

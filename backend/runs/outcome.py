@@ -6,32 +6,37 @@ from typing import Any
 
 import numpy as np
 
-from backend.diagnosis.metrics import state_rmse
+from backend.diagnosis.metrics import LAST, event_times, final_values, settling, state_rmse, step_changes
 from backend.engine.result import Check, Diverged, ObserverReport, Result
+from shared import Experiment
 from shared.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
 
 
-def summarise(result: Result) -> RunSummary:
-    """The run's summary: divergence, errors and assumption checks of every observer."""
+def summarise(result: Result, spec: Experiment) -> RunSummary:
+    """The run's summary: divergence, errors, estimates, settling and assumption checks of every observer."""
     return RunSummary(
         columns=len(result.names),
         rows=result.data.shape[1],
         step=result.step,
         substeps=result.substeps,
         diverged=_divergence(result.diverged),
-        observers=tuple(_observer(result, report) for report in result.observers),
+        observers=tuple(_observer(result, report, spec) for report in result.observers),
         notes=tuple(result.notes),
         seconds=result.seconds,
     )
 
 
-def _observer(result: Result, report: ObserverReport) -> ObserverSummary:
+def _observer(result: Result, report: ObserverReport, spec: Experiment) -> ObserverSummary:
+    steps, events = step_changes(spec.faults, spec.horizon), event_times(spec.faults)
     return ObserverSummary(
         label=report.label,
         kind=report.kind,
         title=report.title,
         diverged=_divergence(report.diverged),
         rmse=state_rmse(result, report.label),
+        rmse_end=state_rmse(result, report.label, LAST),
+        theta=jsonable(final_values(result, report.label)),
+        settling=tuple(jsonable(vars(s)) for s in settling(result, report.label, steps, events)),
         checks=tuple(_check(check) for check in report.checks),
         facts={name: jsonable(value) for name, value in report.facts.items()},
     )

@@ -15,7 +15,7 @@ def stable(name: str, matrix: np.ndarray, source: str, discrete: bool = False) -
     eigenvalues = np.linalg.eigvals(matrix)
     value = float(np.abs(eigenvalues).max() if discrete else eigenvalues.real.max())
     limit = 1.0 if discrete else 0.0
-    listed = ", ".join(f"{e:.4g}" for e in np.sort_complex(eigenvalues)[:8])
+    listed = ", ".join(f"{e.real:.4g}" if e.imag == 0 else f"{e:.4g}" for e in np.sort_complex(eigenvalues)[:8])
     what = "largest modulus" if discrete else "largest real part"
     return Check(name, verdict(value < limit), f"eigenvalues {listed}; {what} {value:.4g}", value, limit, source)
 

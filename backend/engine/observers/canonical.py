@@ -57,7 +57,10 @@ def canonical_form(model: Model) -> CanonicalForm:
         raise _refused(model, f"the Lie derivatives of the output have rank {rank}, less than its {model.n} states: "
                               "some states cannot be told from the output")  # fmt: skip
     return CanonicalForm(
-        sympy.ImmutableMatrix(map_), sympy.ImmutableMatrix(J), J == sympy.eye(model.n), _triangular(model, f, J, lie, points)
+        sympy.ImmutableMatrix(map_),
+        sympy.ImmutableMatrix(J),
+        J == sympy.eye(model.n),
+        _triangular(model, f, J, lie, points),
     )
 
 
@@ -105,7 +108,11 @@ def rank_at(M: Matrix, point: dict[str, float]) -> int:
     import numpy as np
 
     values = _numbers(M, point)
-    return int(np.linalg.matrix_rank(values, tol=1e-9 * max(1.0, np.abs(values).max()))) if np.isfinite(values).all() else 0
+    return (
+        int(np.linalg.matrix_rank(values, tol=1e-9 * max(1.0, np.abs(values).max())))
+        if np.isfinite(values).all()
+        else 0
+    )
 
 
 def _triangular(model: Model, f: Matrix, J: Matrix, lie: list, points: list[dict[str, float]]) -> bool | None:

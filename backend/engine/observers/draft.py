@@ -114,12 +114,16 @@ class Draft:
     def states(self, name: str, rows: int, cols: int = 1, initial: Matrix | Expr | float = 0) -> ImmutableMatrix:
         """Declare rows × cols states. ``initial`` is a matrix, or one value for all."""
         made = sympy.ImmutableMatrix(rows, cols, lambda i, j: sympy.Symbol(f"{name}.{i}.{j}", real=True))
-        self._declare(list(made), [initial[i] for i in range(rows * cols)] if isinstance(initial, sympy.MatrixBase) else initial)
+        self._declare(
+            list(made), [initial[i] for i in range(rows * cols)] if isinstance(initial, sympy.MatrixBase) else initial
+        )
         return made
 
     def symmetric(self, name: str, size: int, initial: Matrix) -> ImmutableMatrix:
         """Declare a symmetric matrix of states; only its upper triangle is kept."""
-        made = sympy.ImmutableMatrix(size, size, lambda i, j: sympy.Symbol(f"{name}.{min(i, j)}.{max(i, j)}", real=True))
+        made = sympy.ImmutableMatrix(
+            size, size, lambda i, j: sympy.Symbol(f"{name}.{min(i, j)}.{max(i, j)}", real=True)
+        )
         upper = [(i, j) for i in range(size) for j in range(i, size)]
         self._declare([made[i, j] for i, j in upper], [initial[i, j] for i, j in upper])
         return made
@@ -195,7 +199,11 @@ class Draft:
     # ---- the model at an estimate ------------------------------------------------------------------------------------
 
     def at(
-        self, x: Sequence | Matrix, theta: Matrix | None = None, when: str | sympy.Rational = START, saturate: bool = True
+        self,
+        x: Sequence | Matrix,
+        theta: Matrix | None = None,
+        when: str | sympy.Rational = START,
+        saturate: bool = True,
     ) -> ModelAt:
         """The plant's model at the estimate x (n×1) with inputs and signals at ``when``.
 
@@ -221,7 +229,9 @@ class Draft:
         f = sympy.Matrix([e.xreplace(plain if affine else inside) for e, affine in zip(model.f, model.is_affine)])
         flat_h = [not (model.jacobian(sympy.Matrix([e])).free_symbols & set(model.x)) for e in model.h]
         h = sympy.Matrix([e.xreplace(plain if flat else inside) for e, flat in zip(model.h, flat_h)])
-        Phi, Psi = (sympy.ImmutableMatrix(M.applyfunc(put)) for M in (model.Phi(self.channels), model.Psi(self.channels)))
+        Phi, Psi = (
+            sympy.ImmutableMatrix(M.applyfunc(put)) for M in (model.Phi(self.channels), model.Psi(self.channels))
+        )
         return ModelAt(f, h, Phi, Psi, lambda: self._jacobians(theta, put), put)
 
     def _outside(self, when: str | sympy.Rational) -> dict[Symbol, Expr]:
@@ -229,7 +239,9 @@ class Draft:
         fraction = {START: sympy.S.Zero, MIDDLE: sympy.S.Half, END: sympy.S.One, NOW: sympy.S.One}.get(when, when)
         swap: dict[Symbol, Expr] = {}
         for known, prefix, names in ((model.u, "u", model.inputs), (model.signals, "signal", model.signal_names)):
-            here = symbols(f"{when}{prefix}", names) if isinstance(when, str) else self._between(prefix, names, fraction)
+            here = (
+                symbols(f"{when}{prefix}", names) if isinstance(when, str) else self._between(prefix, names, fraction)
+            )
             swap |= dict(zip(known, here))
         swap |= dict(zip(model.parameters, symbols("m", model.parameter_names)))
         if fraction:

@@ -31,5 +31,7 @@ def kinds() -> tuple[str, ...]:
 def observer(kind: str) -> Observer:
     """The observer of a kind. Raises SpecError with the nearest kinds."""
     if kind not in _MODULES:
-        raise SpecError("observers.kind", kind, "there is no observer of that kind", f"choose from {', '.join(_MODULES)}")
+        raise SpecError(
+            "observers.kind", kind, "there is no observer of that kind", f"choose from {', '.join(_MODULES)}"
+        )
     return import_module(f"backend.engine.observers.{_MODULES[kind]}").OBSERVER

@@ -20,7 +20,15 @@ from backend.engine.result import Check
 
 GAINS = (
     RHO,
-    Gain("lambda", "forgetting factor of Γ: θ̂ follows faster and carries more noise", 4.0, 0.0, 1e3, symbol="λ", unit="1/s"),
+    Gain(
+        "lambda",
+        "forgetting factor of Γ: θ̂ follows faster and carries more noise",
+        4.0,
+        0.0,
+        1e3,
+        symbol="λ",
+        unit="1/s",
+    ),
     Gain("gamma0", "initial Γ, times the unit matrix", 1.0, 1e-9, 1e9, symbol="Γ(0)"),
     Gain("window", "window T of the excitation level (36)", 2.0, 1e-3, 1e4, symbol="T", unit="s"),
     Gain("delta", "level δ that the excitation (36) is asked to keep", 0.002, 0.0, 1e9, symbol="δ"),

@@ -1,0 +1,116 @@
+"""LLVM instructions, one method each, for scalars or SIMD lanes: every graph operation has its counterpart here."""
+
+import struct
+
+LIBM = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "pow", "atan2")
+_COMPARE = {"lt": "olt", "le": "ole"}
+
+
+class Writer:
+    """Appends instructions of one function; every method that computes returns the name of its value."""
+
+    def __init__(self, lanes: int):
+        self.lanes = lanes
+        self.type = "double" if lanes == 1 else f"<{lanes} x double>"
+        self.bool = "i1" if lanes == 1 else f"<{lanes} x i1>"
+        self.suffix = "f64" if lanes == 1 else f"v{lanes}f64"
+        self.lines: list[str] = []
+        self.count = 0
+
+    def put(self, text: str) -> None:
+        self.lines.append("  " + text)
+
+    def let(self, text: str) -> str:
+        self.count += 1
+        name = f"%v{self.count}"
+        self.put(f"{name} = {text}")
+        return name
+
+    def const(self, value: float) -> str:
+        text = "0x" + struct.pack(">d", value).hex().upper()
+        return text if self.lanes == 1 else "<" + ", ".join([f"double {text}"] * self.lanes) + ">"
+
+    def splat(self, scalar: str) -> str:
+        if self.lanes == 1:
+            return scalar
+        one = self.let(f"insertelement {self.type} poison, double {scalar}, i32 0")
+        return self.let(f"shufflevector {self.type} {one}, {self.type} poison, <{self.lanes} x i32> zeroinitializer")
+
+    def fma(self, a: str, b: str, c: str) -> str:
+        t = self.type
+        return self.let(f"call {t} @llvm.fma.{self.suffix}({t} {a}, {t} {b}, {t} {c})")
+
+    def address(self, base: str, index: str | int, kind: str = "double") -> str:
+        return self.let(f"getelementptr {kind}, ptr {base}, i64 {index}")
+
+    def load_shared(self, base: str, index: int) -> str:
+        return self.splat(self.let(f"load double, ptr {self.address(base, index)}"))
+
+    def load_lanes(self, base: str, index: int) -> str:
+        return self.let(f"load {self.type}, ptr {self.address(base, index * self.lanes)}, align 8")
+
+    def store(self, value: str, base: str, index: int) -> None:
+        self.put(f"store {self.type} {value}, ptr {self.address(base, index * self.lanes)}, align 8")
+
+    def libm(self, name: str, *args: str) -> str:
+        """Call the C library, lane by lane, so that every lane gets the scalar run's bits."""
+        if self.lanes == 1:
+            return self.let(f"call double @{name}(" + ", ".join(f"double {a}" for a in args) + ") #1")
+        result = "poison"
+        for lane in range(self.lanes):
+            picked = [self.let(f"extractelement {self.type} {a}, i32 {lane}") for a in args]
+            value = self.let(f"call double @{name}(" + ", ".join(f"double {a}" for a in picked) + ") #1")
+            result = self.let(f"insertelement {self.type} {result}, double {value}, i32 {lane}")
+        return result
+
+    def flag(self, comparison: str) -> str:
+        return self.let(
+            f"select {self.bool} {comparison}, {self.type} {self.const(1.0)}, {self.type} {self.const(0.0)}"
+        )
+
+    def compare(self, kind: str, a: str, b: str) -> str:
+        return self.let(f"fcmp {kind} {self.type} {a}, {b}")
+
+    def select(self, condition: str, a: str, b: str) -> str:
+        return self.let(f"select {self.bool} {condition}, {self.type} {a}, {self.type} {b}")
+
+    def intrinsic(self, name: str, *args: str) -> str:
+        t = self.type
+        return self.let(f"call {t} @llvm.{name}.{self.suffix}(" + ", ".join(f"{t} {a}" for a in args) + ")")
+
+    def operation(self, op: str, args: list[str]) -> str:
+        """One graph node; the counterpart of graph.NUMPY."""
+        t = self.type
+        if op in ("add", "sub", "mul", "div"):
+            return self.let(f"f{op} {t} {args[0]}, {args[1]}")
+        if op == "neg":
+            return self.let(f"fneg {t} {args[0]}")
+        if op == "fma":
+            return self.fma(*args)
+        if op in ("sqrt", "floor", "abs"):
+            return self.intrinsic("fabs" if op == "abs" else op, args[0])
+        if op in LIBM:
+            return self.libm(op, *args)
+        return self._logic(op, args)
+
+    def _logic(self, op: str, args: list[str]) -> str:
+        zero = self.const(0.0)
+        if op in _COMPARE:
+            return self.flag(self.compare(_COMPARE[op], args[0], args[1]))
+        if op in ("min", "max"):
+            a, b = args
+            return self.select(self.compare("olt" if op == "min" else "ogt", b, a), b, a)
+        if op in ("and", "or"):
+            x, y = (self.compare("une", a, zero) for a in args)
+            return self.flag(self.let(f"{op} {self.bool} {x}, {y}"))
+        if op == "where":
+            return self.select(self.compare("une", args[0], zero), args[1], args[2])
+        if op == "sign":
+            a = args[0]
+            rest = self.select(
+                self.compare("olt", a, zero), self.const(-1.0), self.let(f"fmul {self.type} {a}, {zero}")
+            )
+            return self.select(self.compare("ogt", a, zero), self.const(1.0), rest)
+        if op == "spow":
+            return self.intrinsic("copysign", self.libm("pow", self.intrinsic("fabs", args[0]), args[1]), args[0])
+        raise ValueError(f"no instruction for {op!r}")
