@@ -27,6 +27,7 @@ from shared.base import (
     refuse,
     suggest,
 )
+from shared.commands import MAX_COMMANDS, TimedCommand
 from shared.faults import ChannelFault, Fault
 from shared.figures import Figure
 from shared.observers import ObserverConfig
@@ -120,6 +121,9 @@ class Experiment(Strict):
         default_factory=ContinuousMeasurement, discriminator="mode"
     )
     observers: tuple[ObserverConfig, ...] = Field((), max_length=MAX_OBSERVERS)
+    commands: tuple[TimedCommand, ...] = Field(
+        (), max_length=MAX_COMMANDS, description="What is changed while it runs, in order of time; faults apart."
+    )
     figures: tuple[Figure, ...] = Field((), max_length=24)
 
     @property
@@ -174,6 +178,7 @@ class Experiment(Strict):
     def _consistent(self) -> "Experiment":
         self._check_times()
         self._check_labels()
+        self._check_commands()
         if isinstance(self.plant, Plant):
             self._check_plant(self.plant)
             for index, figure in enumerate(self.figures):
@@ -233,6 +238,26 @@ class Experiment(Strict):
             for index, name in enumerate(names):
                 if name in names[:index]:
                     raise refuse(f"{name!r} is used twice", "give each its own", field.format(index), name)
+
+    def _check_commands(self) -> None:
+        before = 0.0
+        for index, command in enumerate(self.commands):
+            steps = command.at / self.step
+            if not math.isclose(steps, round(steps), rel_tol=1e-9, abs_tol=1e-6):
+                raise refuse(
+                    f"{command.at:g} s is not a multiple of the step {self.step:g} s",
+                    f"for example {round(steps) * self.step:g}",
+                    f"commands[{index}].at",
+                    command.at,
+                )
+            if command.at < before:
+                raise refuse(
+                    f"{command.at:g} s is earlier than the command before it, at {before:g} s",
+                    "give the commands in order of time",
+                    f"commands[{index}].at",
+                    command.at,
+                )
+            before = command.at
 
     def _check_plant(self, plant: Plant) -> None:
         """Every name that the experiment mentions is one of the plant's."""
