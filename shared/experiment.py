@@ -117,6 +117,9 @@ class Experiment(Strict):
     record: Positive | None = Field(
         None, description="Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows."
     )
+    substeps: Annotated[int, Field(ge=1, le=64)] | None = Field(
+        None, description="Steps that are taken within each step; null: one, or as many as stiff gains need."
+    )
     measurement: ContinuousMeasurement | SampledMeasurement = Field(
         default_factory=ContinuousMeasurement, discriminator="mode"
     )

@@ -41,6 +41,9 @@ Option = Annotated[
 ]
 
 
+Kind = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]{0,39}$")]
+
+
 class ObserverConfig(Strict):
     """One observer of an experiment. Gains, options and their defaults are listed per kind in the catalogue."""
 
@@ -53,7 +56,7 @@ class ObserverConfig(Strict):
     )
 
     label: Label = Field(description="Label, unique in the experiment; its columns start with it.")
-    kind: Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]{0,39}$")] = Field(description="Kind, from the catalogue.")
+    kind: Kind = Field(description="Kind, from the catalogue.")
     gains: dict[Reference, Gain] = Field(
         default_factory=dict, max_length=100, description="Gains that differ from their defaults: a number or a list."
     )

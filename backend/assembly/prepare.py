@@ -1,12 +1,13 @@
 """An Experiment as data → an experiment that can run."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from backend import library
 from backend.assembly.estimators import estimator
+from backend.assembly.timeline import changed
 from backend.engine import faults, signals
 from backend.engine.errors import SpecError
 from backend.engine.measurement import Measurement
@@ -14,7 +15,9 @@ from backend.engine.programs import plant_program
 from backend.engine.result import Result
 from backend.engine.run import run
 from backend.engine.simulation import Experiment as Engine
+from backend.engine.timeline import Stage
 from shared import Experiment, Plant
+from shared.commands import AddObserver
 
 _ON_GRID = 1e-6  # relative: how exactly one interval must be a multiple of another
 
@@ -36,7 +39,12 @@ class Prepared:
 
     spec: Experiment
     plant: Plant
-    engine: Engine
+    stages: tuple[Stage, ...]
+
+    @property
+    def engine(self) -> Engine:
+        """The experiment as it begins."""
+        return self.stages[0].experiment
 
     @property
     def cost(self) -> Cost:
@@ -51,7 +59,7 @@ class Prepared:
         self, progress: Callable[[float], None] | None = None, cancelled: Callable[[], bool] | None = None
     ) -> Result:
         """Simulate. Raises Cancelled, or SpecError where the step cannot be made to suit the gains."""
-        return run(self.engine, progress, cancelled)
+        return run(self.stages, progress, cancelled)
 
 
 def prepare(spec: Experiment) -> Prepared:
@@ -60,27 +68,53 @@ def prepare(spec: Experiment) -> Prepared:
     Raises SpecError (or ExpressionError, which points into a text) that names the field, the value and the remedy.
     """
     plant = library.plant(spec.plant) if isinstance(spec.plant, str) else spec.plant
+    complete = spec.with_plant(plant)  # every name that it uses must be the plant's
+    return Prepared(spec, plant, tuple(_stages(complete)))
+
+
+def _stages(spec: Experiment) -> Iterator[Stage]:
+    """The experiment as it begins, and as each timed command leaves it; commands of one moment make one stage."""
+    current = spec.model_copy(update={"commands": ()})
+    since: dict[str, int] = {}
+    k = 0
+    for i, command in enumerate(spec.commands):
+        at = round(command.at / spec.step)
+        if at > k or i == 0 and at > 0:
+            yield Stage(k, engine(current, since))
+        k = at
+        try:
+            current = changed(current, command)
+        except SpecError as error:
+            error.field = f"commands.{i}.{error.field}"
+            raise
+        if isinstance(command, AddObserver):
+            since[command.observer.label] = k
+    yield Stage(k, engine(current, since))
+
+
+def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
+    """The engine's experiment for a spec with its plant in full and no timed commands.
+
+    ``since``: base steps at which observers began to watch, by label, where that was not at the start.
+    """
+    plant = spec.plant
     data = plant.model_dump(mode="json")
-    _known(spec, plant)
     step, steps, every = _times(spec, plant)
-    measurement = _measurement(spec, plant, step)
-    engine = Engine(
+    estimators = [estimator(i, c, spec, plant, data, step) for i, c in enumerate(spec.observers)]
+    if since:
+        estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
+    return Engine(
         plant=plant_program(data).program,
         parameters={f"p.{n}": v for n, v in _parameters(spec, plant).items()},
         x0=np.array([spec.initial.get(s.name, s.initial) for s in plant.states], dtype=float),
         signals=_signals(spec, plant),
-        measurement=measurement,
-        estimators=tuple(estimator(i, c, spec, plant, data, step) for i, c in enumerate(spec.observers)),
+        measurement=_measurement(spec, plant, step),
+        estimators=tuple(estimators),
         step=step,
         steps=steps,
         every=every,
+        substeps=spec.substeps,
     )
-    return Prepared(spec, plant, engine)
-
-
-def _known(spec: Experiment, plant: Plant) -> None:
-    """Every name that the experiment uses must be the plant's."""
-    spec.with_plant(plant)
 
 
 def _parameters(spec: Experiment, plant: Plant) -> dict[str, float]:

@@ -4,7 +4,10 @@ So a run may be cut into chunks, rewound or forked without carrying a generator 
 A stream is a PCG64 sequence; its block b begins 2⁶⁴·b draws further on, so blocks never overlap.
 """
 
+import json
 import threading
+import zlib
+from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
@@ -51,6 +54,12 @@ def _draw(kind: str, key: tuple[int, ...], first: int, count: int) -> np.ndarray
             _fill(kind, key, block, joined[i * BLOCK : (i + 1) * BLOCK])
     start = first - blocks[0] * BLOCK
     return joined[start : start + count]
+
+
+def key_of(data: Mapping) -> int:
+    """A number for the stream of a fault: it follows what the fault is, not where it stands in a list or when it ends."""
+    told = {k: v for k, v in data.items() if k != "end"}
+    return zlib.crc32(json.dumps(told, sort_keys=True, separators=(",", ":"), default=float).encode())
 
 
 def normal(key: tuple[int, ...], first: int, count: int) -> np.ndarray:

@@ -68,11 +68,13 @@ class _Module:
         ]
         declared += [f"declare {t} @llvm.{f}.{suffix}({t})" for f in ("sqrt", "floor", "fabs")]
         declared += [f"declare {t} @llvm.copysign.{suffix}({t}, {t})", f"declare {t} @llvm.fma.{suffix}({t}, {t}, {t})"]
+        # alignstack: a vector that does not fit in the registers waits within one cache line
+        wide = 'nounwind alignstack=64 "prefer-vector-width"="512" "min-legal-vector-width"="512"'
         attributes = [
             "attributes #0 = { nounwind willreturn memory(none) nobuiltin }",
             "attributes #1 = { nounwind willreturn memory(none) nobuiltin }",
-            'attributes #2 = { nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }',
-            'attributes #3 = { noinline nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" }',
+            f"attributes #2 = {{ {wide} }}",
+            f"attributes #3 = {{ noinline {wide} }}",
         ]
         functions = [] if self.inline else self._right_hand_side()
         return "\n".join([*declared, *functions, *body, *attributes])
@@ -117,13 +119,13 @@ class _Module:
 
     def _main(self, w: Writer) -> list[str]:
         n = len(self.program.states)
-        head = [
+        signature = (
             "define void @run(i64 %segments, ptr noalias %seg_steps, ptr noalias %seg_first, ptr noalias %seg_t, "
             "ptr noalias %seg_index, ptr noalias %seg_h, ptr noalias %held, ptr noalias %lane_held, ptr noalias %staged, "
             "ptr noalias %lane_staged, ptr noalias %params, ptr noalias %lane_params, ptr noalias %state, "
-            "ptr noalias %out, ptr noalias %emitted, i64 %every) #2 {",
-            "entry:",
-        ]
+            "ptr noalias %out, ptr noalias %emitted, i64 %every) #2 {"
+        )
+        head = [signature, "entry:"]
         start = [w.load_lanes("%state", i) for i in range(n)]
         constants: dict[int, str] = {}
         if self.inline:
@@ -200,7 +202,7 @@ class _Module:
         h = w.splat("%h")
         sizes = {"h": h} | {
             name: w.let(f"fmul {w.type} {h}, {w.const(c)}")
-            for name, c in (("half", 0.5), ("third", 1 / 3), ("sixth", 1 / 6))
+            for name, c in (("half", 0.5), ("sixth", 1 / 6))
         }
         return {"memo": memo, "held": held, "lane_held": lane_held, **sizes}
 
@@ -237,20 +239,18 @@ class _Module:
         t = w.let(f"fadd double %t0, {w.let(f'fmul double {count}, %h')}")
         if self.stages == 1:
             return self._stage(w, 0, state, t, segment, scratch)
-        half, third, sixth, h = (segment[k] for k in ("half", "third", "sixth", "h"))
+        half, sixth, h = (segment[k] for k in ("half", "sixth", "h"))
         middle = w.let(f"fadd double {t}, {w.let(f'fmul double %h, {Writer(1).const(0.5)}')}")
         end = w.let(f"fadd double {t}, %h")
         k1 = self._stage(w, 0, state, t, segment, scratch)
-        z = [w.fma(half, k, s) for k, s in zip(k1, state)]
-        total = [w.fma(sixth, k, s) for k, s in zip(k1, state)]
-        k2 = self._stage(w, 1, z, middle, segment, scratch)
-        z = [w.fma(half, k, s) for k, s in zip(k2, state)]
-        total = [w.fma(third, k, s) for k, s in zip(k2, total)]
-        k3 = self._stage(w, 2, z, middle, segment, scratch)
+        k2 = self._stage(w, 1, [w.fma(half, k, s) for k, s in zip(k1, state)], middle, segment, scratch)
+        k3 = self._stage(w, 2, [w.fma(half, k, s) for k, s in zip(k2, state)], middle, segment, scratch)
         z = [w.fma(h, k, s) for k, s in zip(k3, state)]
-        total = [w.fma(third, k, s) for k, s in zip(k3, total)]
+        # k2 + k3 before the last stage, so that fewer values are waiting; sums are quicker than multiply-adds
+        inner = [w.add(a, b) for a, b in zip(k2, k3)]
         k4 = self._stage(w, 3, z, end, segment, scratch)
-        return [w.fma(sixth, k, s) for k, s in zip(k4, total)]
+        total = [w.fma(w.const(2.0), a, w.add(b, c)) for a, b, c in zip(inner, k1, k4)]
+        return [w.fma(sixth, k, s) for k, s in zip(total, state)]
 
     def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
         lay, lanes = self.layout, self.layout.lanes

@@ -69,6 +69,6 @@ def fault(data: Mapping, key: tuple[int, ...]) -> Signal:
 
 
 def theta(channel: str, faults: list[Mapping], seed: int) -> Signal:
-    """The true θ of a channel: the sum of its faults. ``faults`` is the whole list; the index seeds randomness."""
-    mine = [fault(f, (seed, 11, i)) for i, f in enumerate(faults) if f.get("channel") == channel]
+    """The true θ of a channel: the sum of its faults; ``faults`` is the whole list."""
+    mine = [fault(f, (seed, 11, draws.key_of(f))) for f in faults if f.get("channel") == channel]
     return signals.total(mine) if mine else signals.constant(0.0)

@@ -7,26 +7,13 @@ Comparisons give 1.0 or 0.0, so that every node is a real number.
 
 import math
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import numpy as np
 
 UNARY_FUNCTIONS = (
-    "sqrt",
-    "sin",
-    "cos",
-    "tan",
-    "asin",
-    "acos",
-    "atan",
-    "sinh",
-    "cosh",
-    "tanh",
-    "exp",
-    "log",
-    "floor",
-    "abs",
-)
+    "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "floor", "abs"
+)  # fmt: skip
 LEAVES = ("const", "var")
 
 
@@ -208,8 +195,8 @@ def dependent(graph: Graph, roots: Iterable[int], names: set[str]) -> set[int]:
     return found
 
 
-def contract(graph: Graph, roots: list[int]) -> tuple[Graph, list[int]]:
-    """Turn a·b + c into one fused multiply-add wherever the product is used once.
+def contract(graph: Graph, roots: list[int], rank: Callable[[int], int] = lambda i: 0) -> tuple[Graph, list[int]]:
+    """Turn a·b + c into one fused multiply-add wherever the product is used once; of two products that of higher rank.
 
     It is done here, once and for good, rather than by the compiler: so a lane, a single run and a joined program
     all round in the same places and agree bit for bit.
@@ -225,23 +212,23 @@ def contract(graph: Graph, roots: list[int]) -> tuple[Graph, list[int]]:
         elif op == "var":
             moved[i] = result.var(args[0])
         elif op in ("add", "sub"):
-            moved[i] = _fuse(graph, result, moved, uses, op, *args)
+            moved[i] = _fuse(graph, result, moved, uses, rank, op, *args)
         else:
             moved[i] = result.raw(op, *(moved[a] for a in args))
     return result, [moved[r] for r in roots]
 
 
-def _fuse(graph: Graph, result: Graph, moved: dict[int, int], uses: Counter, op: str, a: int, b: int) -> int:
-    def product(i: int) -> bool:
-        return graph.nodes[i][0] == "mul" and uses[i] == 1
-
-    if product(a):
-        x, y = (moved[k] for k in graph.nodes[a][1:])
+def _fuse(
+    graph: Graph, result: Graph, moved: dict[int, int], uses: Counter, rank: Callable, op: str, a: int, b: int
+) -> int:
+    products = [i for i in (a, b) if graph.nodes[i][0] == "mul" and uses[i] == 1]
+    if not products:
+        return result.raw(op, moved[a], moved[b])
+    picked = max(products, key=rank)
+    x, y = (moved[k] for k in graph.nodes[picked][1:])
+    if picked == a:
         return result.raw("fma", x, y, moved[b] if op == "add" else result.raw("neg", moved[b]))
-    if product(b):
-        x, y = (moved[k] for k in graph.nodes[b][1:])
-        return result.raw("fma", x if op == "add" else result.raw("neg", x), y, moved[a])
-    return result.raw(op, moved[a], moved[b])
+    return result.raw("fma", x if op == "add" else result.raw("neg", x), y, moved[a])
 
 
 def _spow(x, a):

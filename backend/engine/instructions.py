@@ -40,6 +40,9 @@ class Writer:
         t = self.type
         return self.let(f"call {t} @llvm.fma.{self.suffix}({t} {a}, {t} {b}, {t} {c})")
 
+    def add(self, a: str, b: str) -> str:
+        return self.let(f"fadd {self.type} {a}, {b}")
+
     def address(self, base: str, index: str | int, kind: str = "double") -> str:
         return self.let(f"getelementptr {kind}, ptr {base}, i64 {index}")
 

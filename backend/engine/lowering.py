@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import reduce
 
-from backend.engine.graph import UNARY_FUNCTIONS, Graph
+from backend.engine.graph import LEAVES, UNARY_FUNCTIONS, Graph
 from backend.engine.lazy import sympy
 
 _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
@@ -20,13 +21,41 @@ _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
 }
 
 
-class Lowering:
-    """Lowers expressions into one graph. Names that are neither known nor defined are refused."""
+class Ranks:
+    """The rank of each node: that of the highest of its variables; a constant has −1, a name without a rank 0."""
 
-    def __init__(self, graph: Graph, known: set[str], parameters: set[str] = frozenset()):
+    def __init__(self, graph: Graph, names: Mapping[str, int]):
+        self.graph, self.names = graph, names
+        self.found: list[int] = []
+
+    def __call__(self, i: int) -> int:
+        for op, *args in self.graph.nodes[len(self.found) :]:
+            if op in LEAVES:
+                self.found.append(-1 if op == "const" else self.names.get(args[0], 0))
+            else:
+                self.found.append(max(self.found[a] for a in args))
+        return self.found[i]
+
+
+class Lowering:
+    """Lowers expressions into one graph. Names that are neither known nor defined are refused.
+
+    Sums and products are formed from the lowest rank to the highest. With ranks by how widely a quantity is shared
+    (parameters, inputs, Υ and Γ, estimates, y) what is fixed is found once and not in every step, a batch finds once
+    what its runs have in common, and the innovation, which is known last, comes last.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        known: set[str],
+        parameters: set[str] = frozenset(),
+        ranks: Mapping[str, int] | None = None,
+    ):
         self.graph = graph
         self.known = known
         self.parameters = parameters
+        self.rank = Ranks(graph, ranks or {})
         self.memo: dict[sympy.Basic, int] = {}
 
     def define(self, symbol: sympy.Symbol, expression: sympy.Expr) -> None:
@@ -58,8 +87,11 @@ class Lowering:
 
     def _sum(self, e: sympy.Add) -> int:
         # a leading positive term lets later negative ones be subtractions
-        terms = sorted(e.args, key=lambda a: a.could_extract_minus_sign())
-        return reduce(self.graph.add, [self(a) for a in terms])
+        terms = [self(a) for a in sorted(e.args, key=lambda a: a.could_extract_minus_sign())]
+        return reduce(self.graph.add, sorted(terms, key=self.rank))
+
+    def _multiply(self, factors: list[int]) -> int:
+        return reduce(self.graph.mul, sorted(factors, key=self.rank), self.graph.const(1.0))
 
     def _product(self, e: sympy.Mul) -> int:
         above = [a for a in e.args if not _is_reciprocal(a)]
@@ -67,11 +99,11 @@ class Lowering:
         # 1/parameter is the same in every step: found once, and a product is much quicker than a division
         fixed = [b for b in below if b.free_symbols and {s.name for s in b.free_symbols} <= self.parameters]
         below = [b for b in below if b not in fixed]
-        top = reduce(self.graph.mul, [self(a) for a in above], self.graph.const(1.0))
+        factors = [self(a) for a in above]
         if fixed:
-            one = self.graph.const(1.0)
-            top = self.graph.mul(top, self.graph.div(one, reduce(self.graph.mul, [self(b) for b in fixed])))
-        return self.graph.div(top, reduce(self.graph.mul, [self(b) for b in below])) if below else top
+            factors.append(self.graph.div(self.graph.const(1.0), self._multiply([self(b) for b in fixed])))
+        top = self._multiply(factors)
+        return self.graph.div(top, self._multiply([self(b) for b in below])) if below else top
 
     def _power(self, e: sympy.Pow) -> int:
         if e.base == sympy.E:

@@ -78,12 +78,15 @@ class Measurement:
         made = []
         for i, name in enumerate(self.outputs):
             parts = [noise(self.std[i], self.sample_time[i], self.seed, i)] if self.std[i] > 0 else []
-            parts += [_additive(f, (self.seed, 5, j)) for j, f in self._mine(name) if f["shape"] in ADDITIVE]
+            parts += [_additive(f, (self.seed, 5, draws.key_of(f))) for f in self._mine(name) if f["shape"] in ADDITIVE]
             made.append(total(parts) if parts else constant(0.0))
         object.__setattr__(self, "noises", tuple(made))
 
-    def _mine(self, output: str) -> list[tuple[int, Mapping]]:
-        return [(j, f) for j, f in enumerate(self.faults) if f["output"] == output]
+    def _mine(self, output: str) -> list[Mapping]:
+        return [f for f in self.faults if f["output"] == output]
+
+    def _lost(self, f: Mapping) -> Signal:
+        return _lost(f, (self.seed, 5, draws.key_of(f)))
 
     @property
     def direct(self) -> bool:
@@ -92,9 +95,7 @@ class Measurement:
     def breaks(self, a: float, b: float) -> np.ndarray:
         """Where the measurement is discontinuous in (a, b)."""
         parts = [s.breaks(a, b) for s in self.noises]
-        for j, f in enumerate(self.faults):
-            if f["shape"] not in ADDITIVE:
-                parts.append(_lost(f, (self.seed, 5, j)).breaks(a, b))
+        parts += [self._lost(f).breaks(a, b) for f in self.faults if f["shape"] not in ADDITIVE]
         return np.concatenate(parts) if parts else np.empty(0)
 
     def start(self) -> Memory:
@@ -112,7 +113,7 @@ class Measurement:
         y = clean + self.noise_at(grid.anchor)[:, None, :]
         passed, sampled, history = memory.passed.copy(), memory.sampled.copy(), list(memory.history)
         for i, name in enumerate(self.outputs):
-            mine = [(j, f) for j, f in self._mine(name) if f["shape"] not in ADDITIVE]
+            mine = [f for f in self._mine(name) if f["shape"] not in ADDITIVE]
             if mine:
                 y[:, :, i], passed[i], history[i] = self._faulty(mine, grid, y[:, :, i], passed[i], history[i])
         if self.sample_every is not None:
@@ -121,14 +122,14 @@ class Measurement:
 
     def _faulty(self, mine, grid: Grid, y: np.ndarray, passed: float, history):
         """Delay, then loss (stuck, freeze, dropout), then quantisation: the order in which a signal meets them."""
-        for _, f in mine:
+        for f in mine:
             if f["shape"] == "delay":
                 y, history = _delayed(f, grid, y, history)
-        for j, f in mine:
+        for f in mine:
             if f["shape"] in ("stuck", "freeze", "dropout"):
-                lost = _lost(f, (self.seed, 5, j))(grid.anchor, grid.anchor) > 0
+                lost = self._lost(f)(grid.anchor, grid.anchor) > 0
                 y = np.where(lost[:, None], f["value"], y) if f["shape"] == "stuck" else _hold(lost, y, passed)
-        for _, f in mine:
+        for f in mine:
             if f["shape"] == "quantisation":
                 on = gated(constant(1.0), f["onset"], f.get("end"))(grid.anchor, grid.anchor) > 0
                 y = np.where(on[:, None], np.rint(y / f["resolution"]) * f["resolution"], y)

@@ -9,7 +9,7 @@ at t_k, the measured y included, is known when the step from t_k on begins.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -22,7 +22,7 @@ from backend.engine.measurement import Measurement, Memory
 from backend.engine.observers.base import Context, Observer
 from backend.engine.probe import probe
 from backend.engine.signals import Signal
-from backend.engine.system import CONTINUOUS, DISCRETE, Program, join
+from backend.engine.system import DISCRETE, Program, join
 
 CHUNK = 1 << 15  # base steps taken at once: tables of stages stay small
 
@@ -39,6 +39,7 @@ class Estimator:
     facts: dict
     context: Context
     every: int | None = None  # base steps in its sample period; None: runs in the plant's own time
+    since: int = 0  # base step at which it began to watch
 
 
 @dataclass(frozen=True)
@@ -54,7 +55,7 @@ class Experiment:
     step: float
     steps: int
     every: int  # base steps between recorded rows
-    model_data: dict = field(default_factory=dict)
+    substeps: int | None = None  # in each base step; None: one, or what stiff gains need
     notes: tuple[str, ...] = ()
 
 
@@ -212,7 +213,7 @@ class Simulation:
         e, estimator = self.experiment, self.experiment.estimators[i]
         program, q, first = estimator.program, estimator.every, state.k
         last = first + len(grid.base) - 1
-        j = np.arange(max(1, -(-first // q)), -(-last // q))
+        j = np.arange(max(estimator.since // q + 1, -(-first // q)), -(-last // q))
         start = state.observers[i]
         if not len(j):
             return start, np.repeat(start[None, :], len(index), axis=0)
@@ -263,7 +264,19 @@ def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict
     anchor = t + 1e-4 * e.step
     values: dict[str, np.ndarray | float] = {n: s(t, anchor) for n, s in e.signals.items()}
     values |= e.parameters | {"t": t}
+    m = e.measurement
+    values |= {f"intensity.{n}": std * std * hold for n, std, hold in zip(m.outputs, m.std, m.sample_time, strict=True)}
     return values | {s: plant_rows[:, j] for j, s in enumerate(e.plant.states)}
+
+
+def observed_values(e: Experiment, parameters: dict, values: dict, y: np.ndarray) -> dict:
+    """What an observer may know along the rows: its parameters, t, u.*, signal.*, y.*; no x, no θ."""
+    seen = {n: v for n, v in values.items() if n == "t" or n.startswith(("u.", "signal."))}
+    known = list(seen)
+    seen |= {n: v for n, v in values.items() if n.startswith("intensity.")}
+    seen |= {name: y[:, i] for i, name in enumerate(e.plant.outputs)}
+    seen |= {f"{when}{n}": seen[n] for when in ("mid.", "end.", "now.") for n in (*known, *e.plant.outputs) if n != "t"}
+    return seen | dict(parameters)
 
 
 class Tables:
@@ -297,6 +310,3 @@ class Tables:
                 table[:, 1, j] = table[:, 2, j] = signal(0.5 * (g.start + g.end), g.anchor)
                 table[:, 3, j] = signal(g.end, g.anchor)
         return table
-
-
-__all__ = ["CONTINUOUS", "Estimator", "Experiment", "Rows", "Simulation", "State", "replace", "row_values"]

@@ -42,11 +42,11 @@ class System:
         from backend.engine.lowering import Lowering
 
         known = {s.name for s in (*self.states, *self.inputs, *self.parameters)} | {"t"}
-        lowering = Lowering(Graph(), known, {s.name for s in self.parameters})
+        lowering = Lowering(Graph(), known, {s.name for s in self.parameters}, self._ranks())
         for symbol, expression in self.definitions:
             lowering.define(symbol, expression)
         roots = [lowering(e) for e in (*self.update, *self.outputs.values())]
-        graph, roots = graphs.contract(lowering.graph, roots)
+        graph, roots = graphs.contract(lowering.graph, roots, lowering.rank)
         n = len(self.states)
         return Program(
             name=self.name,
@@ -58,6 +58,13 @@ class System:
             update=tuple(roots[:n]),
             outputs=dict(zip(self.outputs, roots[n:], strict=True)),
         )
+
+    def _ranks(self) -> dict[str, int]:
+        """Who comes first in sums and products, see Lowering: parameters, inputs, t, states as declared, measured outputs."""
+        measured = [s.name for s in self.inputs if s.name.startswith("y.")]
+        given = [s.name for s in self.inputs if s.name not in measured]
+        order = [*given, "t", *(s.name for s in self.states), *measured]
+        return {name: i for i, name in enumerate(order, start=1)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,4 +1,4 @@
-"""The library: plants and experiments as data, read once and validated by the schemas."""
+"""The library: plants, experiments and lessons as data, read once and validated by the schemas."""
 
 from difflib import get_close_matches
 from functools import lru_cache
@@ -8,6 +8,7 @@ import yaml
 
 from backend.engine.errors import SpecError
 from shared import Experiment, Plant
+from shared.lesson import Lesson
 
 _HERE = Path(__file__).parent
 _FIRST = ("zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dc-motor", "dts200", "quadruple-tank")
@@ -37,6 +38,12 @@ def experiments() -> dict[str, Experiment]:
     """All library experiments by id: the four papers first, then the other stories, then variants."""
     found = _load("experiments", Experiment)
     return {id: found[id] for id in (*_FIRST, *(id for id in found if id not in _FIRST))}
+
+
+@lru_cache(maxsize=1)
+def lessons() -> dict[str, Lesson]:
+    """What to try, by the id of the experiment."""
+    return _load("lessons", Lesson)
 
 
 def plant(id: str) -> Plant:

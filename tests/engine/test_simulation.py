@@ -68,7 +68,7 @@ def test_columns_have_the_promised_order():
     """t, u, signal, x, theta, y, then each observer's x, theta, y and diagnostics."""
     result = run(engine(horizon=1.0))
     assert result.names == ("t", "u.u", "x.x1", "x.x2", "theta.force", "theta.bias", "y.y", "adaptive.x.x1",
-                            "adaptive.x.x2", "adaptive.theta.force", "adaptive.y.y", "adaptive.pe")  # fmt: skip
+                            "adaptive.x.x2", "adaptive.theta.force", "adaptive.y.y", "adaptive.pe", "adaptive.sigma.force")  # fmt: skip
     np.testing.assert_array_equal(result.column("t"), np.arange(21) * 10 * 0.005)
 
 

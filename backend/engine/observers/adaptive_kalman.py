@@ -87,4 +87,18 @@ OBSERVER = Observer(
     write=write,
     checks=checks,
     diagnostics=diagnostics,
+    equations=(
+        ("", "ẋ̂ = f(x̂, u) + Φθ̂ + [K + ΥΓΩᵀR⁻¹](y − ŷ)"),
+        ("", "θ̇̂ = ΓΩᵀR⁻¹(y − ŷ)"),
+        ("", "Ṗ = AP + PAᵀ + Q − PCᵀR⁻¹CP"),
+        ("", "K = PCᵀR⁻¹"),
+        ("", "Υ̇ = (A − KC)Υ + Φ − KΨ"),
+        ("", "Γ̇ = λΓ − ΓΩᵀR⁻¹ΩΓ"),
+        ("", "Ω = CΥ + Ψ"),
+    ),
+    where=(
+        ("P", "covariance of the state's estimate (Riccati equation)"),
+        ("Υ", "how θ moves the estimate of the state"),
+        ("Γ", "twice the covariance of θ̂ where Ω changes slowly"),
+    ),
 )

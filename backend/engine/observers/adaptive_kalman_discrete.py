@@ -94,7 +94,7 @@ def checks(run: Observed) -> list[Check]:
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
     """``pe``: λmin of Σ ΩᵀR⁻¹Ω over the window, in typical faults; ``sigma.<channel>``: √(S/(1 + μ)), see above."""
-    mu = np.exp(-run.gain("lambda") * run.context.period)
+    mu = np.exp(-run.values["g.lambda"] * run.context.period)
     return {"pe": excitation(run, 1 / run.context.period), **sigma_of_theta(run, "S", (1 + mu) ** -0.5)}
 
 
@@ -109,4 +109,21 @@ OBSERVER = Observer(
     checks=checks,
     diagnostics=diagnostics,
     time="discrete",
+    equations=(
+        ("", "P⁻ = FPFᵀ + Q"),
+        ("", "Σ = CP⁻Cᵀ + R"),
+        ("", "K = P⁻CᵀΣ⁻¹"),
+        ("", "Ω = C(FΥ + Φ) + Ψ"),
+        ("", "Λ = μΣ + ΩSΩᵀ"),
+        ("", "G = SΩᵀΛ⁻¹"),
+        ("", "θ̂⁺ = θ̂ + Gỹ"),
+        ("", "x̂⁺ = x̂⁻ + Kỹ + Υ⁺(θ̂⁺ − θ̂)"),
+        ("", "Υ⁺ = FΥ + Φ − KΩ"),
+        ("", "S⁺ = {1 / μ}(S − GΩS)"),
+    ),
+    where=(
+        ("ỹ", "what the measurement adds to the prediction"),
+        ("F", "derivative of the flow over one sample; Φ that with respect to θ"),
+        ("μ", "exp(−λ·period): what one sample forgets"),
+    ),
 )

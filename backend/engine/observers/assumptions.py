@@ -20,37 +20,52 @@ def stable(name: str, matrix: np.ndarray, source: str, discrete: bool = False) -
     return Check(name, verdict(value < limit), f"eigenvalues {listed}; {what} {value:.4g}", value, limit, source)
 
 
-def windowed_gramian(omega: np.ndarray, spacing: float, window: float) -> np.ndarray:
-    """∫ ΩᵀΩ over the last ``window`` seconds, at every row: Ω has shape (time, m, p); the answer (time, p, p).
+def windowed_gramian(omega: np.ndarray, run: Observed) -> np.ndarray:
+    """∫ ΩᵀΩ over the last window (gain ``window``, s) at every row: Ω has shape (time, m, p), the answer (time, p, p).
 
-    Zhao, Li & Li 2012, eq. (36). Before a whole window has passed the rows are NaN.
+    Zhao, Li & Li 2012, eq. (36). Until a whole window has passed the rows are NaN. Sums are taken within stretches of
+    one window each, counted from t = 0: what stands in a row depends on the last two stretches only, bit for bit.
     """
-    products = np.einsum("tki,tkj->tij", omega, omega) * spacing
-    total = np.concatenate([np.zeros((1, *products.shape[1:])), np.cumsum(products, axis=0)])
-    length = max(1, round(window / spacing))
+    products = np.einsum("tki,tkj->tij", omega, omega) * run.record
+    length = window_rows(run)
+    rows = run.first_row + np.arange(len(products))
+    prefix = np.empty_like(products)
+    for begin in np.unique(np.concatenate([rows[:1], rows[rows % length == 0]])) - run.first_row:
+        end = (begin + run.first_row) // length * length + length - run.first_row
+        prefix[begin:end] = np.cumsum(products[begin:end], axis=0)
     gramian = np.full_like(products, np.nan)
-    if len(products) > length:
-        gramian[length:] = total[length:-1] - total[: -1 - length]
+    whole = np.flatnonzero(rows - max(run.born, run.first_row) >= length)
+    last = rows[whole] // length * length - 1 - run.first_row  # the end of the stretch before
+    gramian[whole] = prefix[whole] + (prefix[last] - prefix[whole - length])
     return gramian
 
 
-def smallest_eigenvalue(gramian: np.ndarray, most: int = 2000) -> np.ndarray:
-    """λmin at every row; on long records at ``most`` of them, interpolated between."""
-    rows = np.flatnonzero(np.isfinite(gramian).all(axis=(1, 2)))
+def window_rows(run: Observed) -> int:
+    """Rows in the window of the excitation level."""
+    return max(1, round(run.gain("window") / run.record))
+
+
+def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
+    """λmin at about a hundred rows a window, held in between."""
     values = np.full(len(gramian), np.nan)
-    if not len(rows) or not gramian.shape[-1]:
+    rows = run.first_row + np.arange(len(gramian))
+    stride = max(1, window_rows(run) // 100)
+    picked = np.flatnonzero((rows % stride == 0) & np.isfinite(gramian).all(axis=(1, 2)))
+    if not len(picked):
         return values
-    picked = rows[np.unique(np.linspace(0, len(rows) - 1, min(most, len(rows))).astype(int))]
-    small = np.linalg.eigvalsh(gramian[picked])[:, 0]
-    values[rows] = np.interp(rows, picked, small)
+    small = np.linalg.eigvalsh(gramian[picked])[:, 0] if gramian.shape[1] > 1 else gramian[picked, 0, 0]
+    latest = np.searchsorted(picked, np.arange(len(gramian)), side="right") - 1
+    values[latest >= 0] = small[latest[latest >= 0]]
+    values[~np.isfinite(gramian).all(axis=(1, 2))] = np.nan
     return values
 
 
 def excitation(run: Observed) -> np.ndarray:
     """λmin of the windowed Gramian of Ω along the run (rows of the record)."""
-    p = len(run.channels)
-    omega = run.matrix("Omega", run.context.m, p)
-    return smallest_eigenvalue(windowed_gramian(omega, run.record, run.gain("window")))
+    if not run.channels:
+        return np.full(len(run.values["t"]), np.nan)
+    omega = run.matrix("Omega", run.context.m, len(run.channels))
+    return smallest_eigenvalue(windowed_gramian(omega, run), run)
 
 
 def persistent_excitation(run: Observed, level: np.ndarray, source: str) -> Check:
@@ -85,7 +100,7 @@ def gain_at_least(run: Observed, name: str, least: float, source: str, why: str)
     return Check(f"{name} ≥ {least:g}", verdict(value >= least), f"{name} = {value:g}; {why}", value, least, source)
 
 
-def sigma_of_theta(run: Observed, name: str, scale: float = 1.0) -> dict[str, np.ndarray]:
+def sigma_of_theta(run: Observed, name: str, scale: float | np.ndarray = 1.0) -> dict[str, np.ndarray]:
     """Columns ``sigma.<channel>``: square roots of the diagonal of a recorded covariance, times ``scale``."""
     return {
         f"sigma.{channel}": scale * np.sqrt(np.maximum(run.values[f"{name}.{j}.{j}"], 0.0))

@@ -42,6 +42,7 @@ class Gain:
     size: str | Callable[[Context], int] | None = None
     symbol: str = ""
     unit: str = ""
+    live: bool = True  # False: it acts at the start only, or on diagnostics only, so moving it later means nothing
 
 
 @dataclass(frozen=True)
@@ -65,7 +66,8 @@ class Observed:
     """One observer's run, as its checks and diagnostics see it.
 
     ``values`` holds every recorded quantity as an array over the recorded rows: the observer's states, its outputs,
-    its inputs (``u.* signal.* y.*``), ``t``; its parameters (``g.* m.* x0.* theta0.*``) as numbers.
+    its inputs (``u.* signal.* y.*``), ``t``; its parameters (``g.* m.* x0.* theta0.*``) as numbers, or as arrays over
+    the rows where they were changed during the run.
     """
 
     model: Model | None
@@ -75,15 +77,23 @@ class Observed:
     values: dict[str, np.ndarray]
     record: float  # spacing of the rows, s
     context: Context
+    first_row: int = 0  # number of the first of these rows, counted from t = 0
+    born: int = 0  # row at which the observer began to watch
+
+    @property
+    def noisy(self) -> tuple[str, ...]:
+        """Names of the measured outputs, ``y.*``; ``intensity.y.*`` in the values is their noise's std² · sample time."""
+        return tuple(n.removeprefix("intensity.") for n in self.values if n.startswith("intensity."))
 
     def gain(self, name: str) -> float:
-        return float(self.values[f"g.{name}"])
+        """A scalar gain, as it was last."""
+        return _last(self.values[f"g.{name}"])
 
     def gains(self, name: str) -> np.ndarray:
         """A column gain as an array."""
         found = []
         while f"g.{name}.{len(found)}" in self.values:
-            found.append(float(self.values[f"g.{name}.{len(found)}"]))
+            found.append(_last(self.values[f"g.{name}.{len(found)}"]))
         return np.array(found)
 
     def matrix(self, name: str, rows: int, cols: int, symmetric: bool = False) -> np.ndarray:
@@ -97,9 +107,17 @@ class Observed:
         return made
 
 
+def _last(value: np.ndarray | float) -> float:
+    return float(value if np.ndim(value) == 0 else value[-1])
+
+
 @dataclass(frozen=True)
 class Observer:
-    """One kind of observer. ``write`` puts its equations into a Draft; it raises SpecError where it cannot be built."""
+    """One kind of observer. ``write`` puts its equations into a Draft; it raises SpecError where it cannot be built.
+
+    ``equations``: (number in the paper, formula) for a reader, in the notation of engine/export/notation.py;
+    ``where``: (symbol, what it is).
+    """
 
     id: str
     title: str
@@ -112,3 +130,5 @@ class Observer:
     time: str = "continuous"  # "discrete": works at a sample period; "plant": in the plant's own time
     estimates_theta: bool = True
     diagnostics: Callable[[Observed], dict[str, np.ndarray]] = lambda run: {}
+    equations: tuple[tuple[str, str], ...] = ()
+    where: tuple[tuple[str, str], ...] = ()

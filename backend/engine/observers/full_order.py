@@ -70,4 +70,12 @@ OBSERVER = Observer(
     write=write,
     checks=checks,
     estimates_theta=False,
+    equations=(
+        ("(6)", "ż̂ = Aẑ + B[α(ẑ, t) + F(ẑ, t)u] + L(y − Cẑ)"),
+        ("", "x̂ = T⁻¹(ẑ, t)"),
+    ),
+    where=(
+        ("T", "coordinates of the normal form, by time-varying Lie derivatives"),
+        ("L", "output injection, one column an output"),
+    ),
 )

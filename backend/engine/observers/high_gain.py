@@ -102,4 +102,15 @@ OBSERVER = Observer(
     write=write,
     checks=form_checks,
     estimates_theta=False,
+    equations=(
+        ("(9)", "ẋ̂ = f(x̂, u) + J⁻¹Δk₀(y − ŷ)"),
+        ("", "ŷ = h(x̂)"),
+        ("(8)", "k₀ = {1 / 2}S⁻¹c₀ᵀ"),
+        ("(7)", "A₀ᵀS + SA₀ + S = c₀ᵀc₀"),
+        ("", "Δ = diag(ρ, ρ², …, ρⁿ)"),
+    ),
+    where=(
+        ("J", "derivative of the canonical coordinates z = T(x); the unit matrix where the plant is in them already"),
+        ("ρ", "the high gain"),
+    ),
 )

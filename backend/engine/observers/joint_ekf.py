@@ -109,4 +109,18 @@ OBSERVER = Observer(
     checks=checks,
     diagnostics=diagnostics,
     time="discrete",
+    equations=(
+        ("", "z = (x, θ)"),
+        ("", "P⁻ = FPFᵀ + Q"),
+        ("", "Σ = HP⁻Hᵀ + R"),
+        ("", "K = P⁻HᵀΣ⁻¹"),
+        ("", "ẑ⁺ = ẑ⁻ + Kỹ"),
+        ("", "P⁺ = (I − KH)P⁻(I − KH)ᵀ + KRKᵀ"),
+        ("", "F = {∂ẑ⁻ / ∂z}"),
+        ("", "H = [C, Ψ]"),
+    ),
+    where=(
+        ("θ", "taken to be a random walk"),
+        ("ỹ", "what the measurement adds to the prediction"),
+    ),
 )

@@ -112,4 +112,16 @@ OBSERVER = Observer(
     checks=checks,
     diagnostics=diagnostics,
     time="discrete",
+    equations=(
+        ("", "ẑ⁻ = ∑ᵢ Wᵢζᵢ"),
+        ("", "P⁻ = ∑ᵢ Wᵢ(ζᵢ − ẑ⁻)(ζᵢ − ẑ⁻)ᵀ + Q"),
+        ("", "P_{zy} = ∑ᵢ Wᵢ(ζᵢ − ẑ⁻)(ηᵢ − ŷ)ᵀ"),
+        ("", "K = P_{zy}P_{yy}⁻¹"),
+        ("", "ẑ⁺ = ẑ⁻ + K(y − ŷ)"),
+        ("", "P⁺ = P⁻ − KP_{yy}Kᵀ"),
+    ),
+    where=(
+        ("ζᵢ", "the sigma points z ± √((N + κ)P) after one sample; ηᵢ what they would measure"),
+        ("Wᵢ", "their weights, from α, β and κ"),
+    ),
 )

@@ -186,4 +186,14 @@ OBSERVER = Observer(
     gains=(K, LAMBDA),
     write=write,
     checks=checks,
+    equations=(
+        ("(11)", "ẋ̂ = Ax̂ + γ(x̂, u) + Φθ̂ + Ke₁"),
+        ("(12)", "θ̇̂ = λ g e₁"),
+        ("", "e₁ = y − ŷ"),
+        ("(8)", "PΦ = Cᵀgᵀ"),
+    ),
+    where=(
+        ("A", "chain of integrators; γ is what else the plant's equations hold"),
+        ("g", "(CΦ)ᵀ, from the matching condition (8)"),
+    ),
 )

@@ -118,4 +118,17 @@ OBSERVER = Observer(
     write=write,
     checks=checks,
     options=(FORM,),
+    equations=(
+        ("(11)", "ẋ̂ = Ax̂ + γ(x̂, u) + Φθ̂ + Ke₁ + ρF(e₁)"),
+        ("(12)", "θ̇̂ = λ g e₁"),
+        ("", "Fᵢ(e₁) = kᵢ|e₁|^{αᵢ} sgn(e₁)"),
+        ("", "αᵢ = iα − (i − 1)"),
+        ("", "e₁ = y − ŷ"),
+        ("(8)", "PΦ = Cᵀgᵀ"),
+    ),
+    where=(
+        ("F", "the nonsmooth injection: strong near zero error"),
+        ("A", "chain of integrators; γ is what else the plant's equations hold"),
+        ("g", "(CΦ)ᵀ, from the matching condition (8)"),
+    ),
 )

@@ -147,8 +147,9 @@ def excitation(run: Observed, samples: float = 1.0) -> np.ndarray:
     """λmin of ∫ ΩᵀR⁻¹Ω dt over the last window, in typical faults, at every row; ``samples``: measurements per second
     where R is the variance of one measurement, 1 where it is an intensity."""
     omega = run.matrix("Omega", run.context.m, len(run.channels))
-    scaled = omega * typical_sizes(run.context) / np.sqrt(run.gains("r"))[:, None]
-    return smallest_eigenvalue(windowed_gramian(scaled * samples**0.5, run.record, run.gain("window")))
+    r = np.stack([np.broadcast_to(run.values[f"g.r.{i}"], len(omega)) for i in range(run.context.m)], axis=1)
+    scaled = omega * typical_sizes(run.context) / np.sqrt(r)[:, :, None]
+    return smallest_eigenvalue(windowed_gramian(scaled * samples**0.5, run), run)
 
 
 def excitation_check(run: Observed, level: np.ndarray, source: str) -> Check:

@@ -150,4 +150,15 @@ OBSERVER = Observer(
     write=write,
     checks=checks,
     estimates_theta=False,
+    equations=(
+        ("(17)", "ω̇ = (Ã − HC̃)(ω + Hy) + B̃[α(ẑ, t) + F(ẑ, t)u]"),
+        ("(14)", "ẑ = (y, ω + Hy)"),
+        ("", "x̂ = T⁻¹(ẑ, t)"),
+        ("(3)", "T(x, t) = (h, Lh, …)"),
+        ("", "Lφ = {∂φ / ∂t} + {∂φ / ∂x}f"),
+    ),
+    where=(
+        ("ω", "the part of the normal form that is not measured, shifted by Hy"),
+        ("T", "coordinates of the normal form, by time-varying Lie derivatives"),
+    ),
 )

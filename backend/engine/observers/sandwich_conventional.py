@@ -56,4 +56,11 @@ OBSERVER = Observer(
     checks=checks,
     time="plant",
     estimates_theta=False,
+    equations=(
+        ("(22)", "x̂(k + 1) = Ax̂(k) + Bu(k) + K(y(k) − ŷ(k))"),
+        ("", "v = ∑ᵢ mᵢx"),
+    ),
+    where=(
+        ("v", "the hysteresis taken for a constant slope"),
+    ),
 )

@@ -104,4 +104,14 @@ OBSERVER = Observer(
     options=(BEFORE,),
     time="plant",
     estimates_theta=False,
+    equations=(
+        ("(13)", "x̂(k + 1) = Â(k)x̂(k) + Bu(k) + η̂(k) + K(y(k) − ŷ(k))"),
+        ("(5)", "v(k) = ∑ᵢ zᵢ(k)"),
+        ("(6)", "zᵢ(k) = g₁mᵢ(x(k) − Dᵢ) + g₂mᵢ(x(k) + Dᵢ) + g₃zᵢ(k − 1)"),
+    ),
+    where=(
+        ("Â", "switches with the zone in which each operator is at x̂: rising, falling or memory"),
+        ("g₁", "1 while rising in the linear zone; g₂ while falling, g₃ in the memory zone"),
+        ("K", "corrects L1 and L2; the operators follow"),
+    ),
 )

@@ -86,7 +86,7 @@ R_INTENSITY = Gain(
 R_VARIANCE = Gain(
     "r",
     "measurement noise of each output: its variance in one sample",
-    lambda c: [s**2 for s in noise_std(c)],
+    lambda c: [s * s for s in noise_std(c)],
     1e-30,
     1e15,
     size="m",
@@ -102,16 +102,18 @@ P0_QUIET = Gain(
     size="n",
     symbol="P(0)",
     unit="state²",
+    live=False,
 )
 P0 = Gain(
     "p0",
     "initial P, on the diagonal: how far the first estimate may be off, squared",
-    lambda c: [s**2 for s in state_scales(c)],
+    lambda c: [s * s for s in state_scales(c)],
     0.0,
     1e15,
     size="n",
     symbol="P(0)",
     unit="state²",
+    live=False,
 )
 LAMBDA = Gain(
     "lambda",
@@ -125,22 +127,24 @@ LAMBDA = Gain(
 GAMMA0_QUIET = Gain(
     "gamma0",
     "initial Γ, on the diagonal; a large value makes a stiff transient",
-    lambda c: [(0.01 * s) ** 2 for s in typical_sizes(c)],
+    lambda c: [1e-4 * s * s for s in typical_sizes(c)],
     1e-30,
     1e15,
     size="p",
     symbol="Γ(0)",
     unit="fault²",
+    live=False,
 )
 GAMMA0 = Gain(
     "gamma0",
     "initial covariance of θ̂, on the diagonal: the size of faults to be expected, squared",
-    lambda c: [s**2 for s in typical_sizes(c)],
+    lambda c: [s * s for s in typical_sizes(c)],
     1e-30,
     1e15,
     size="p",
     symbol="Γ(0)",
     unit="fault²",
+    live=False,
 )
 Q_THETA = Gain(
     "q_theta",
@@ -153,7 +157,7 @@ Q_THETA = Gain(
     unit="fault/√s",
 )
 WINDOW = Gain(
-    "window", "window T over which excitation is judged", lambda c: 3 / pace(c.model), 1e-3, 1e6, symbol="T", unit="s"
+    "window", "window T over which excitation is judged", lambda c: 3 / pace(c.model), 1e-3, 1e6, symbol="T", unit="s", live=False
 )
 DELTA = Gain(
     "delta",
@@ -162,4 +166,5 @@ DELTA = Gain(
     0.0,
     1e15,
     symbol="δ",
+    live=False,
 )

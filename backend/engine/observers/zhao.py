@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from backend.engine.lazy import sympy
-from backend.engine.observers.assumptions import excitation, persistent_excitation, positive_definite
+from backend.engine.observers.assumptions import excitation, persistent_excitation, positive_definite, sigma_of_theta
 from backend.engine.observers.base import Gain, Observed, Observer
 from backend.engine.observers.canonical import canonical_form
 from backend.engine.observers.draft import Draft
@@ -29,9 +29,9 @@ GAINS = (
         symbol="λ",
         unit="1/s",
     ),
-    Gain("gamma0", "initial Γ, times the unit matrix", 1.0, 1e-9, 1e9, symbol="Γ(0)"),
-    Gain("window", "window T of the excitation level (36)", 2.0, 1e-3, 1e4, symbol="T", unit="s"),
-    Gain("delta", "level δ that the excitation (36) is asked to keep", 0.002, 0.0, 1e9, symbol="δ"),
+    Gain("gamma0", "initial Γ, times the unit matrix", 1.0, 1e-9, 1e9, symbol="Γ(0)", live=False),
+    Gain("window", "window T of the excitation level (36)", 2.0, 1e-3, 1e4, symbol="T", unit="s", live=False),
+    Gain("delta", "level δ that the excitation (36) is asked to keep", 0.002, 0.0, 1e9, symbol="δ", live=False),
 )
 
 
@@ -77,8 +77,13 @@ def checks(run: Observed) -> list[Check]:
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
-    """``pe``: λmin of the windowed Gramian of Ω (36), the paper's Fig. 5."""
-    return {"pe": excitation(run)}
+    """``pe``: λmin of the windowed Gramian of Ω (36), the paper's Fig. 5; ``sigma.<channel>``: standard deviations of θ̂.
+
+    Γ⁻¹ sums ΩᵀΩ with weights e^(−λ age), the covariance of θ̂ under white noise of intensity r sums it with their
+    squares: r Γ/2 where Ω is about stationary. What noise does through x̂ is left out.
+    """
+    r = run.values[f"intensity.{run.noisy[0]}"]
+    return {"pe": excitation(run), **sigma_of_theta(run, "Gamma", np.sqrt(r / 2))}
 
 
 OBSERVER = Observer(
@@ -90,4 +95,18 @@ OBSERVER = Observer(
     write=write,
     checks=checks,
     diagnostics=diagnostics,
+    equations=(
+        ("(34a)", "Υ̇ = ρ(A₀ − k₀c₀)Υ + ρΔ⁻¹Φ − ρk₀Ψ"),
+        ("(34b)", "Γ̇ = λΓ − ΓΩᵀΩΓ"),
+        ("(34c)", "ẋ̂ = f(x̂, u) + Φθ̂ + Δ[k₀ + {1 / ρ}ΥΓΩᵀ](y − ŷ)"),
+        ("(34d)", "θ̇̂ = ΓΩᵀ(y − ŷ)"),
+        ("(35)", "Ω = c₀Υ + Ψ"),
+        ("(27)", "ŷ = h(x̂) + Ψθ̂"),
+    ),
+    where=(
+        ("Υ", "how θ moves the estimate of the state"),
+        ("Γ", "gain of the estimate of θ; λ makes it forget"),
+        ("Ω", "how θ moves the output: the excitation"),
+        ("Δ", "diag(ρ, …, ρⁿ), the high gain ρ"),
+    ),
 )

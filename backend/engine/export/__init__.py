@@ -1,0 +1,1 @@
+"""The mathematics in other forms: MathML for reading."""

@@ -1,0 +1,44 @@
+"""Names as MathML symbols: theta1 → θ with index 1, h_max → h with index max; a word stays a word."""
+
+import re
+from html import escape
+
+GREEK = dict(
+    pair.split(":")
+    for pair in ["alpha:α", "beta:β", "gamma:γ", "delta:δ", "epsilon:ε", "zeta:ζ", "eta:η", "theta:θ", "iota:ι", "kappa:κ", "lambda:λ", "mu:μ", "nu:ν", "xi:ξ", "pi:π", "rho:ρ", "sigma:σ", "tau:τ", "upsilon:υ", "phi:φ", "chi:χ", "psi:ψ", "omega:ω", "Gamma:Γ", "Delta:Δ", "Theta:Θ", "Lambda:Λ", "Xi:Ξ", "Pi:Π", "Sigma:Σ", "Upsilon:Υ", "Phi:Φ", "Psi:Ψ", "Omega:Ω"]
+)
+HAT, DOT, TILDE, BAR = "^", "˙", "~", "¯"
+_INDEXED = re.compile(r"([A-Za-z]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?|_[A-Za-z0-9]+)\Z")
+_UNDERSCORED = re.compile(r"([A-Za-z]+)_([A-Za-z0-9]+)\Z")
+
+
+def parts(name: str) -> tuple[str, str]:
+    """Letter (or word) and index of a name."""
+    match = _INDEXED.match(name) or _UNDERSCORED.match(name)
+    base, index = match.groups() if match and (len(match[1]) == 1 or match[1] in GREEK) else (name, "")
+    return GREEK.get(base, base.replace("_", " ")), index.lstrip("_")
+
+
+def identifier(letter: str) -> str:
+    """A letter, in italics as MathML does it, or a word."""
+    return f"<mi>{escape(letter)}</mi>" if len(letter) == 1 else f'<mi class="word">{escape(letter)}</mi>'
+
+
+def accented(inner: str, accent: str) -> str:
+    """A letter with a hat, dot, tilde or bar over it."""
+    return f'<mover accent="true">{inner}<mo stretchy="false">{accent}</mo></mover>'
+
+
+def symbol(name: str, accent: str = "") -> str:
+    """One quantity by its name; the accent stands over its letter."""
+    letter, index = parts(name)
+    made = identifier(letter)
+    made = accented(made, accent) if accent else made
+    if not index:
+        return made
+    return f"<msub>{made}{f'<mn>{index}</mn>' if index.isdigit() else f'<mi>{escape(index)}</mi>'}</msub>"
+
+
+def is_word(name: str) -> bool:
+    """Whether a name is written out, so that it wants room beside it."""
+    return len(parts(name)[0]) > 1
