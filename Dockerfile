@@ -12,7 +12,8 @@ COPY frontend frontend
 RUN /opt/thetascope/bin/pip install --no-deps --no-build-isolation .
 
 FROM python:3.11-slim
-RUN useradd --system --uid 10001 --no-create-home --shell /usr/sbin/nologin thetascope \
+RUN groupadd --gid 10001 thetascope \
+ && useradd --uid 10001 --gid thetascope --no-create-home --shell /usr/sbin/nologin thetascope \
  && install -d -o thetascope -g thetascope /data /cache
 COPY --from=build /opt/thetascope /opt/thetascope
 # /data holds the runs, /cache compiled kernels: both are written, nothing else is.

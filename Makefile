@@ -18,13 +18,14 @@ run: ## Serve the page; the address is printed
 	$(HERE)@$(PYTHON) tools/environment.py run
 	@exec $(BIN)/thetascope serve $(SERVE)
 
-test: lint ## Check everything, in a browser too
+test: ## Check everything, in a browser too
+	$(HERE)@$(PYTHON) tools/environment.py dev
 	@browser=$$($(BIN)/python tools/browser.py) || exit 1; \
 	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(ARGS)
 
 lint: ## Check style
 	$(HERE)@$(PYTHON) tools/environment.py dev
-	@$(BIN)/ruff check --quiet .
+	@$(BIN)/ruff check --output-format concise .
 
 bench: ## Measure speed
 	$(HERE)@$(PYTHON) tools/environment.py bench

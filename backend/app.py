@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from backend import library
-from backend.api import catalogue, equations, lessons, openapi, pages, plants, problems, results, runs
+from backend.api import catalogue, equations, gains, lessons, openapi, pages, plants, problems, results, runs
 from backend.api.answers import json_response
 from backend.api.security import Security
 from backend.api.services import Services, Use
@@ -67,7 +67,7 @@ def _api() -> APIRouter:
             {"status": "ok", "schema": SCHEMA_VERSION, "engine": engine_version(), "runs": services.runs.usage()}
         )
 
-    for router in (catalogue.router, plants.router, equations.router, lessons.router, runs.router, results.router):
+    for router in (catalogue.router, plants.router, equations.router, gains.router, lessons.router, runs.router, results.router):
         api.include_router(router)
 
     return api

@@ -19,7 +19,7 @@ export function write({experiment, changes = {}, run = null}) {
   for (const [path, to] of Object.entries(changes)) query.append('set', `${path}=${spell(to)}`);
   if (run) query.set('run', run);
   const text = query.toString();
-  return text ? `?${text}` : '/';
+  return text ? `?${text}` : '/runs/';
 }
 
 /** A typed value: JSON where it is JSON, else text; the server says what is wrong with it. */

@@ -9,8 +9,11 @@ samples: a header of HEADER (little endian) and then, column after column, `coun
     count     uint32   rows in this frame
     columns   uint32   columns in this frame
 
-A client that lost its connection asks for `?after=<sequence>` and gets what it missed, or the whole past where that is
-too long ago.
+A slow viewer gets fewer, larger frames: `sequence` is then that of the last frame they cover (0: of none that the server
+still knows). One that is too far behind jumps (see Jump).
+
+A client that lost its connection asks for `?after=<sequence>`. If the epoch in Hello is still the one it knew, it gets what
+it missed; else, or where that is too long ago, the whole past again.
 """
 
 from typing import Annotated, Literal
@@ -32,7 +35,8 @@ HEADER = "<IIQII"
 CLOSE_NO_SESSION = 4404  # there is no such session (any more)
 CLOSE_ORIGIN = 4403  # the page comes from another origin
 CLOSE_TOKEN = 4401  # the control token is not this session's
-CLOSE_FULL = 4429  # too many viewers, or messages too many or too large
+CLOSE_FULL = 4429  # too many viewers
+CLOSE_SLOW = 4408  # the viewer does not read what it is sent
 CLOSE_ENDED = 4410  # the session was closed or idle for too long
 
 
@@ -246,6 +250,15 @@ class Rewound(Strict):
     t: Number
 
 
+class Jump(Strict):
+    """Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; /data has them, thinned out if wanted."""
+
+    type: Literal["jump"] = "jump"
+    epoch: int
+    first: int
+    row: int
+
+
 class Spec(Strict):
     """The experiment with everything done so far (after every command that changes it)."""
 
@@ -262,5 +275,5 @@ class Assumptions(Strict):
 
 
 ServerMessage = Annotated[
-    Hello | Ack | Refused | Status | Event | Columns | Rewound | Spec | Assumptions, Field(discriminator="type")
+    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions, Field(discriminator="type")
 ]

@@ -50,6 +50,16 @@ def test_imports_go_one_way():
     assert "0 broken" in answer.stdout
 
 
+def test_observers_stand_on_the_mathematics_alone(imports: grimp.ImportGraph):
+    """Nothing that an observer's file imports, however indirectly, knows of simulations, faults, noise or kernels."""
+    observers = {m for m in imports.modules if m.startswith("backend.engine.observers")}
+    below = {m for o in observers for m in imports.find_upstream_modules(o)} - observers
+    mathematics = {"errors", "expressions", "functions", "graph", "language", "lazy", "lowering", "model", "result", "scan",
+                   "symbolic", "system", "tree"}  # fmt: skip
+    ours = {m.removeprefix("backend.engine.") for m in below if m.split(".")[0] in ("backend", "shared")}
+    assert ours <= mathematics
+
+
 @pytest.mark.parametrize(
     ("package", "allowed"),
     [

@@ -100,11 +100,12 @@ def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
     plant = spec.plant
     data = plant.model_dump(mode="json")
     step, steps, every = _times(spec, plant)
+    program = plant_program(data).program  # before the observers: an error in the plant's text is the plant's
     estimators = [estimator(i, c, spec, plant, data, step) for i, c in enumerate(spec.observers)]
     if since:
         estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
     return Engine(
-        plant=plant_program(data).program,
+        plant=program,
         parameters={f"p.{n}": v for n, v in _parameters(spec, plant).items()},
         x0=np.array([spec.initial.get(s.name, s.initial) for s in plant.states], dtype=float),
         signals=_signals(spec, plant),

@@ -6,23 +6,23 @@ parameters, gains, initial states, signals may differ. Result i has the bits of 
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 
-from backend.engine.draws import BLOCK, normal
 from backend.engine.errors import Cancelled
 from backend.engine.graph import variables
-from backend.engine.grid import Grid, cut
+from backend.engine.grid import Grid, cut, sort_out
 from backend.engine.initial import observer_states
 from backend.engine.kernel import Layout, kernel
+from backend.engine.lanes import Blocks, Column, Levels, Noise, Separate, table
 from backend.engine.partition import Partition, partition
 from backend.engine.signals import Signal
 from backend.engine.simulation import Experiment, Simulation, Tables, joined
 from backend.engine.system import DISCRETE, Program
 
 FEW_STATES = 8  # up to this many states two vectors a value hide latency; beyond, registers run out
-CHUNK = 4096  # base steps: what is handed from the shared part to the lanes stays in the cache
+HANDED = 1 << 19  # bytes that the shared part hands over at once: they stay in the cache while the lanes take turns
+FEWEST, MOST = 1024, 16384  # base steps taken at once
 
 
 @dataclass(frozen=True)
@@ -38,27 +38,52 @@ def run_batch(experiments: Sequence[Experiment], cancelled: Callable[[], bool] |
     """Run all experiments. Raises ValueError where their shapes differ, Cancelled when asked to stop.
 
     Where something cannot go in lanes (faults of the measurement itself, sampled measurement, observers at a sample
-    period), the runs are made one after the other.
+    period), the runs are made one after the other; runs that divide a step at different times go in separate groups.
+    Steps are divided as each experiment says (``substeps``), once if it does not say.
     """
     first = experiments[0]
-    for e in experiments:
+    groups: dict[tuple, list[int]] = {}
+    for i, e in enumerate(experiments):
         if _shape(e) != _shape(first):
             raise ValueError("the experiments of a batch must have the same programs, step, horizon and record")
-    if not first.estimators or not all(Simulation(e).joined and not Simulation(e).sampled for e in experiments):
+        groups.setdefault(_divisions(e, first), []).append(i)
+    lanes = all(_in_lanes(e) for e in experiments)
+    parts = [_group([experiments[i] for i in group], lanes, cancelled) for group in groups.values()]
+    if len(parts) == 1:
+        return parts[0]
+    back = np.argsort(np.concatenate(list(groups.values())))
+    observers = zip(*(p.observers for p in parts), strict=True)
+    return Batch(parts[0].index, np.concatenate([p.plant for p in parts])[back],
+                 tuple(np.concatenate(o)[back] for o in observers))  # fmt: skip
+
+
+def _group(experiments: list[Experiment], lanes: bool, cancelled: Callable[[], bool] | None) -> Batch:
+    """Run experiments whose steps all end at the same times."""
+    if not lanes or len(experiments) == 1:
         return _one_by_one(experiments, cancelled)
-    index = np.arange(0, first.steps + 1, first.every)
-    plant, observers = None, []
-    for i in range(len(first.estimators)):
-        lanes = _Lanes(experiments, i)
-        states = lanes.run(cancelled)
-        n = len(first.plant.states)
-        plant = states[:, :, :n] if plant is None else plant
-        observers.append(states[:, :, n:])
-    return Batch(index, plant, tuple(observers))
+    first = experiments[0]
+    states = [_Lanes(experiments, i).run(cancelled) for i in range(len(first.estimators))]
+    n = len(first.plant.states)
+    return Batch(np.arange(0, first.steps + 1, first.every), states[0][:, :, :n], tuple(s[:, :, n:] for s in states))
 
 
 def _shape(e: Experiment) -> tuple:
-    return (e.plant.digest, tuple(s.program.digest for s in e.estimators), e.step, e.steps, e.every, tuple(e.signals))
+    programs = (e.plant.digest, *(s.program.digest for s in e.estimators))
+    return (programs, e.step, e.steps, e.every, e.substeps, tuple(e.signals), tuple(s.every for s in e.estimators))
+
+
+def _divisions(e: Experiment, first: Experiment) -> tuple:
+    """What decides where base steps are divided, signals that are the first experiment's own apart."""
+    end = (e.steps + 1) * e.step
+    signals = [s for n, s in e.signals.items() if s is not first.signals[n]]
+    signals += e.measurement.noises if e.measurement.faults else ()
+    breaks = np.concatenate([s.breaks(0.0, end) for s in signals]) if signals else np.empty(0)
+    return (e.measurement.sample_time, *sort_out(breaks, e.step)[1])
+
+
+def _in_lanes(e: Experiment) -> bool:
+    simulation = Simulation(e)
+    return simulation.joined and not simulation.sampled
 
 
 def _one_by_one(experiments: Sequence[Experiment], cancelled: Callable[[], bool] | None) -> Batch:
@@ -66,7 +91,7 @@ def _one_by_one(experiments: Sequence[Experiment], cancelled: Callable[[], bool]
     for e in experiments:
         if cancelled is not None and cancelled():
             raise Cancelled("the batch was cancelled")
-        parts = [rows for _, rows in Simulation(e).spans(e.steps + 1)]
+        parts = [rows for _, rows in Simulation(e, e.substeps or 1).spans(e.steps + 1)]
         index = np.concatenate([p.index for p in parts])
         plants.append(np.concatenate([p.plant for p in parts]))
         observers.append([np.concatenate(o) for o in zip(*(p.observers for p in parts), strict=True)])
@@ -79,204 +104,149 @@ class _Lanes:
     def __init__(self, experiments: Sequence[Experiment], i: int):
         self.experiments = list(experiments)
         self.first = first = experiments[0]
-        self.i = i
         estimator = first.estimators[i]
         self.program: Program = joined(first.plant, estimator.program)
-        self.signals = [self._signals(e) for e in experiments]
+        self.stages = 1 if self.program.time == DISCRETE else 4
+        self.substeps = first.substeps or 1
+        self.signals = [_with_noise(e) for e in experiments]
         self.values = [e.parameters | e.estimators[i].parameters for e in experiments]
         plants = np.stack([e.x0 for e in experiments], axis=1)
         self.state = np.concatenate([plants, observer_states(experiments, i)])  # states × runs
-        self.differing_signals = [
-            n for n in self.signals[0] if any(s[n] is not self.signals[0][n] for s in self.signals)
-        ]
-        differing = set(self.differing_signals)
-        self.differing_parameters = {p for p in self.program.parameters if len({v[p] for v in self.values}) > 1}
-        differing |= self.differing_parameters
-        differing |= {s for s, row in zip(self.program.states, self.state, strict=True) if (row != row[0]).any()}
-        staged = frozenset(n for n in self.signals[0] if not all(s[n].held for s in self.signals))
-        self.parts: Partition = partition(self.program, frozenset(differing), staged)
-        self.width = 16 if len(self.parts.lanes.states) <= FEW_STATES else 8
-        self.staged = staged
-        self.stages = 1 if self.program.time == DISCRETE else 4
+        one = self.signals[0]
+        self.differing = [n for n in one if any(s[n] is not one[n] for s in self.signals)]
+        self.staged = frozenset(n for n in one if not all(s[n].held for s in self.signals))
+        parameters = {p for p in self.program.parameters if len({v[p] for v in self.values}) > 1}
+        starts = {s for s, row in zip(self.program.states, self.state, strict=True) if (row != row[0]).any()}
+        self.parts: Partition = partition(self.program, frozenset({*self.differing, *parameters, *starts}), self.staged)
+        lanes = self.parts.lanes
+        self.blocks = Blocks(len(experiments), 16 if len(lanes.states) <= FEW_STATES else 8)
+        self.layout = self._layout(parameters)
+        self.kernel = kernel(lanes, self.layout)
+        self.sources = {n: self._source(n) for n in self.differing if n not in self.staged}
 
-    def _signals(self, e: Experiment) -> dict[str, Signal]:
-        return e.signals | dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
+    def _layout(self, parameters: set[str]) -> Layout:
+        lanes = self.parts.lanes
+        held, staged = _divide(lanes, list(lanes.update), self.signals[0], self.staged)
+        mine = set(self.differing)
+        return Layout(
+            held=tuple(n for n in held if n not in mine),
+            staged=self.parts.names + tuple(n for n in staged if n not in mine),
+            lane_held=tuple(n for n in held if n in mine),
+            lane_staged=tuple(n for n in staged if n in mine),
+            lane_params=tuple(p for p in lanes.parameters if p in parameters),
+            lanes=self.blocks.width,
+        )
+
+    def _source(self, name: str) -> Noise | Levels | Separate:
+        """Where the columns of a held signal that differs come from."""
+        measurements = [e.measurement for e in self.experiments]
+        outputs = [f"noise.{n}" for n in self.first.plant.outputs]
+        if name in outputs:
+            i = outputs.index(name)
+            holds = {m.sample_time[i] for m in measurements}
+            if len(holds) == 1 and all(m.std[i] > 0 and not m.faults for m in measurements):
+                return Noise(self.blocks, i, [m.std[i] for m in measurements], [m.seed for m in measurements], *holds)
+        signals = [s[name] for s in self.signals]
+        return Levels.of(self.blocks, signals, (self.first.steps + 1) * self.first.step) or Separate(self.blocks, signals)
 
     # ---- running -----------------------------------------------------------------------------------------------------
 
     def run(self, cancelled: Callable[[], bool] | None) -> np.ndarray:
         """All states of all runs at the rows: runs × rows × states."""
-        runs, names = len(self.experiments), list(self.program.states)
-        mine = [names.index(s) for s in self.parts.lanes.states]
-        common = [names.index(s) for s in self.parts.shared.states] if self.parts.shared else []
-        rows = self.first.steps // self.first.every + 1
-        result = np.empty((runs, rows, len(names)))
+        first, runs, names = self.first, len(self.experiments), list(self.program.states)
+        mine = _consecutive([names.index(s) for s in self.parts.lanes.states])
+        common = _consecutive([names.index(s) for s in self.parts.shared.states] if self.parts.shared else [])
+        result = np.empty((runs, first.steps // first.every + 1, len(names)))
         result[:, 0, :] = self.state.T
-        padded = -(-runs // self.width) * self.width
-        lane_state = np.ascontiguousarray(self.state[mine][:, np.minimum(np.arange(padded), runs - 1)])
-        lane_state = np.ascontiguousarray(
-            lane_state.reshape(len(mine), -1, self.width).transpose(1, 0, 2)
-        )  # block, state, lane
+        lane_state = self._by_block(self.state[mine])
         shared_state = np.ascontiguousarray(self.state[common, 0])
-        noise = _Noise(self)
-        for begin in range(0, self.first.steps, CHUNK):
+        chunk = min(MOST, max(FEWEST, HANDED // (8 * self.stages * self.substeps * max(1, len(self.parts.handed)))))
+        for begin in range(0, first.steps, chunk):
             if cancelled is not None and cancelled():
                 raise Cancelled("the batch was cancelled")
-            grid = self._grid(begin, min(begin + CHUNK, self.first.steps))
-            shared_rows, handed = self._shared(grid, shared_state, begin)
-            lane_rows = self._lane_rows(grid, lane_state, handed, noise, begin)
-            a = begin // self.first.every + 1
-            result[:, a : a + lane_rows.shape[1], mine] = lane_rows[:runs]
-            result[:, a : a + len(shared_rows), common] = shared_rows[None]
+            end = min(begin + chunk, first.steps)
+            rows = slice(begin // first.every + 1, end // first.every + 1)
+            grid = self._grid(begin, end)
+            shared_rows, handed = self._shared(grid, shared_state, rows.stop - rows.start)
+            lane_rows = self._lane_rows(grid, lane_state, handed, rows.stop - rows.start)
+            result[:, rows, mine] = lane_rows[:runs]
+            result[:, rows, common] = shared_rows[None]
         return result
+
+    def _by_block(self, values: np.ndarray) -> np.ndarray:
+        """Quantities × runs → blocks × quantities × lanes."""
+        padded = values[:, self.blocks.padded].reshape(len(values), self.blocks.count, self.blocks.width)
+        return np.ascontiguousarray(padded.transpose(1, 0, 2))
 
     def _grid(self, first: int, last: int) -> Grid:
         a, b = (first - 0.5) * self.first.step, (last + 0.5) * self.first.step
         parts = [s.breaks(a, b) for s in self.signals[0].values()]
-        parts += [p.edges[(p.edges > a) & (p.edges < b)] for p in self.pieces.values()]
-        parts += [s[n].breaks(a, b) for s in self.signals[1:] for n in self.own if n not in self.pieces]
-        return cut(first, last, self.first.step, np.concatenate(parts), self.first.every, 1)
+        for name in self.differing:
+            source = self.sources.get(name)
+            if isinstance(source, Levels):
+                parts.append(source.edges[(source.edges > a) & (source.edges < b)])
+            elif not isinstance(source, Noise):  # noise switches at the same times in all runs
+                parts += [s[name].breaks(a, b) for s in self.signals[1:]]
+        return cut(first, last, self.first.step, np.concatenate(parts), self.first.every, self.substeps)
 
-    @cached_property
-    def own(self) -> list[str]:
-        """Differing signals that may switch at other times from run to run; noise of one sample time does not."""
-        times = {e.measurement.sample_time for e in self.experiments}
-        plain = len(times) == 1 and not any(e.measurement.faults for e in self.experiments)
-        return [n for n in self.differing_signals if not (plain and n.startswith("noise."))]
-
-    @cached_property
-    def pieces(self) -> dict[str, "_Pieces"]:
-        """Levels of the differing held signals over the whole horizon, where they are few enough to keep."""
-        end = (self.first.steps + 1) * self.first.step
-        made = {n: _Pieces.of([s[n] for s in self.signals], end) for n in self.own if n not in self.staged}
-        return {n: p for n, p in made.items() if p is not None}
-
-    def _rows_in(self, grid_first: int, grid_last: int) -> int:
-        return grid_last // self.first.every - grid_first // self.first.every
-
-    def _shared(self, grid: Grid, state: np.ndarray, begin: int) -> tuple[np.ndarray, np.ndarray]:
+    def _shared(self, grid: Grid, state: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
+        """Advance what the runs share; give its rows and the values it hands over at every stage."""
         shared, handed = self.parts.shared, self.parts.handed
-        end = begin + len(grid.base) - 1
-        out = np.empty((self._rows_in(begin, end), 0 if shared is None else len(shared.states)))
-        table = np.empty((len(grid.start), self.stages, max(1, len(handed))))
-        if shared is None:
-            return out, table
-        held, staged = _divide(shared, [*shared.update, *handed], self.signals[0], self.staged)
-        layout = Layout(held=held, staged=staged, emitted=handed)
-        params = np.array([self.values[0][p] for p in layout.shared_params(shared)] or [0.0])
-        kernel(shared, layout)(grid.segments, state, params, self.first.every, out, emitted=table,
-                               held=_held(grid, held, self.signals[0]),
-                               staged=_staged(grid, staged, self.signals[0], self.stages))  # fmt: skip
-        return out, table
+        out = np.empty((rows, 0 if shared is None else len(shared.states)))
+        emitted = np.empty((len(grid.start), self.stages, max(1, len(handed))))
+        if shared is not None:
+            held, staged = _divide(shared, [*shared.update, *handed], self.signals[0], self.staged)
+            tables = Tables(grid, self.signals[0], self.stages)
+            layout = Layout(held=held, staged=staged, emitted=handed)
+            kernel(shared, layout)(grid.segments, state, self._parameters(shared, layout), self.first.every * self.substeps,
+                                   out, emitted=emitted, held=tables.held(held), staged=tables.staged(staged))  # fmt: skip
+        return out, emitted[:, :, : len(handed)]
 
-    def _lane_rows(self, grid: Grid, state: np.ndarray, handed: np.ndarray, noise: "_Noise", begin: int) -> np.ndarray:
-        lanes, one = self.parts.lanes, self.signals[0]
-        held, staged = _divide(lanes, list(lanes.update), one, self.staged)
-        lane_held = tuple(n for n in held if n in self.differing_signals)
-        lane_staged = tuple(n for n in staged if n in self.differing_signals)
-        held, staged = (tuple(n for n in g if n not in self.differing_signals) for g in (held, staged))
-        differ = tuple(p for p in lanes.parameters if p in self.differing_parameters)
-        layout = Layout(held=held, staged=self.parts.names + staged, lane_held=lane_held, lane_staged=lane_staged,
-                        lane_params=differ, lanes=self.width)  # fmt: skip
-        if staged:
-            handed = np.concatenate(
-                [handed[:, :, : len(self.parts.names)], _staged(grid, staged, one, self.stages)], axis=2
-            )
-            handed = np.ascontiguousarray(handed)
-        params = np.array([self.values[0][p] for p in layout.shared_params(lanes)] or [0.0])
-        held_table = _held(grid, held, one)
-        rows = self._rows_in(begin, begin + len(grid.base) - 1)
-        result = np.empty((len(state), rows, len(lanes.states), self.width))
-        run = kernel(lanes, layout)
-        for b in range(len(state)):
-            who = [min(b * self.width + lane, len(self.experiments) - 1) for lane in range(self.width)]
-            run(grid.segments, state[b], params, self.first.every, result[b], held=held_table, staged=handed,
-                lane_held=noise.table(grid, lane_held, b, who), lane_staged=self._lane_staged(grid, lane_staged, who),
-                lane_params=np.array([[self.values[r][p] for r in who] for p in differ]) if differ else None)  # fmt: skip
+    def _parameters(self, program: Program, layout: Layout) -> np.ndarray:
+        return np.array([self.values[0][p] for p in layout.shared_params(program)] or [0.0])
+
+    def _lane_rows(self, grid: Grid, state: np.ndarray, handed: np.ndarray, rows: int) -> np.ndarray:
+        """Advance the lanes, block by block; give their rows: runs × rows × states."""
+        layout, lanes, blocks = self.layout, self.parts.lanes, self.blocks
+        tables = Tables(grid, self.signals[0], self.stages)
+        staged = layout.staged[len(self.parts.names) :]
+        if staged or not handed.flags.c_contiguous:
+            handed = np.concatenate([handed, tables.staged(staged)[:, :, : len(staged)]], axis=2)
+        held, params, every = tables.held(layout.held), self._parameters(lanes, layout), self.first.every * self.substeps
+        columns: list[Column] = [self.sources[n].over(grid.segment_anchor) for n in layout.lane_held]
+        own = self._by_block(np.array([[v[p] for v in self.values] for p in layout.lane_params]).reshape(-1, blocks.runs))
+        result = np.empty((blocks.count, rows, len(lanes.states), blocks.width))
+        for b in range(blocks.count):
+            self.kernel(
+                grid.segments, state[b], params, every, result[b], held=held, staged=handed,
+                lane_held=table(columns, len(grid.segments.steps), b, blocks.width),
+                lane_staged=self._lane_staged(grid, layout.lane_staged, b), lane_params=own[b],
+            )  # fmt: skip
         return result.transpose(0, 3, 1, 2).reshape(-1, rows, len(lanes.states))
 
-    def _lane_staged(self, grid: Grid, names: tuple[str, ...], who: list[int]) -> np.ndarray | None:
+    def _lane_staged(self, grid: Grid, names: tuple[str, ...], block: int) -> np.ndarray | None:
         if not names:
             return None
-        tables = [_staged(grid, names, self.signals[r], self.stages) for r in who]
+        runs = self.blocks.padded[self.blocks.slice(block)]
+        tables = [Tables(grid, self.signals[r], self.stages).staged(names) for r in runs]
         return np.ascontiguousarray(np.stack(tables, axis=3))
 
 
-@dataclass(frozen=True)
-class _Pieces:
-    """A held signal in all runs: ``levels[i]`` (one number a run) between edges i−1 and i."""
-
-    edges: np.ndarray
-    levels: np.ndarray
-
-    @classmethod
-    def of(cls, signals: list[Signal], end: float, most: int = 20_000_000) -> "_Pieces | None":
-        edges = np.unique(np.concatenate([s.breaks(0.0, end) for s in signals]))
-        if (len(edges) + 1) * len(signals) > most:
-            return None
-        bounds = np.concatenate([[0.0], edges, [end]])
-        inside = 0.5 * (bounds[:-1] + bounds[1:])
-        return cls(edges, np.stack([s(inside, inside) for s in signals], axis=1))
-
-    def at(self, times: np.ndarray, runs: list[int]) -> np.ndarray:
-        return self.levels[np.searchsorted(self.edges, times)[:, None], runs]
-
-
-class _Noise:
-    """Held inputs that differ from run to run, as tables segments × names × lanes; drawn for many steps at a time."""
-
-    def __init__(self, lanes: _Lanes):
-        self.lanes = lanes
-        self.kept: dict[tuple[int, int], tuple[int, np.ndarray]] = {}
-
-    def table(self, grid: Grid, names: tuple[str, ...], block: int, who: list[int]) -> np.ndarray | None:
-        if not names:
-            return None
-        at = grid.segment_anchor
-        if len(names) == 1 and names[0] not in self.lanes.own:
-            return self._drawn(names[0], at, block, who)
-        table = np.empty((len(at), len(names), self.lanes.width))
-        for j, name in enumerate(names):
-            if name not in self.lanes.own:
-                table[:, j, :] = self._drawn(name, at, block, who)
-            elif name in self.lanes.pieces:
-                table[:, j, :] = self.lanes.pieces[name].at(at, who)
-            else:
-                for lane, r in enumerate(who):
-                    table[:, j, lane] = self.lanes.signals[r][name](at, at)
-        return table
-
-    def _drawn(self, name: str, at: np.ndarray, block: int, who: list[int]) -> np.ndarray:
-        """Noise of one output for a block of runs: what signals[name] would give, gathered for all lanes at once."""
-        first = self.lanes.first
-        output = [f"noise.{n}" for n in first.plant.outputs].index(name)
-        index = np.floor(at / first.measurement.sample_time[output]).astype(np.int64)
-        low, high = int(index.min()), int(index.max())
-        kept = self.kept.get((block, output))
-        if kept is None or not kept[0] <= low <= high < kept[0] + len(kept[1]):
-            start = low // BLOCK * BLOCK  # whole blocks: what is drawn is used
-            count = (high // BLOCK + 1) * BLOCK - start
-            drawn = np.empty((self.lanes.width, count))
-            for lane, r in enumerate(who):
-                m = self.lanes.experiments[r].measurement
-                drawn[lane] = m.std[output] * normal((m.seed, 3, output), start, count)
-            kept = self.kept[block, output] = (start, np.ascontiguousarray(drawn.T))
-        if high - low + 1 == len(index) and (np.diff(index) == 1).all():
-            return kept[1][low - kept[0] : high - kept[0] + 1]
-        return kept[1][index - kept[0]]
+def _with_noise(e: Experiment) -> dict[str, Signal]:
+    return e.signals | dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
 
 
 def _divide(program: Program, roots: list[int], signals: dict[str, Signal], staged: frozenset[str]):
+    """Of the signals that a program uses, which are held and which staged."""
     used = sorted(variables(program.graph, roots) & set(signals))
     return tuple(n for n in used if n not in staged), tuple(n for n in used if n in staged)
 
 
-def _held(grid: Grid, names: tuple[str, ...], signals: dict[str, Signal]) -> np.ndarray:
-    return Tables(grid, signals, 4).held(names)
-
-
-def _staged(grid: Grid, names: tuple[str, ...], signals: dict[str, Signal], stages: int) -> np.ndarray:
-    return Tables(grid, signals, stages).staged(names)
+def _consecutive(places: list[int]) -> slice | list[int]:
+    """A slice where it can be one: quicker to assign to."""
+    if places and places == list(range(places[0], places[-1] + 1)):
+        return slice(places[0], places[-1] + 1)
+    return places
 
 
 def with_seed(experiment: Experiment, seed: int) -> Experiment:

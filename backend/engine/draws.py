@@ -1,59 +1,48 @@
 """Reproducible random numbers with random access: draw j of a stream is a function of (key, j) alone.
 
-So a run may be cut into chunks, rewound or forked without carrying a generator along, and the numbers stay the same.
-A stream is a PCG64 sequence; its block b begins 2⁶⁴·b draws further on, so blocks never overlap.
+So a run may be cut into chunks, rewound or forked without carrying a generator along, and the numbers stay the same, on
+every processor. The generator is compiled (threefry.py): noise for a thousand runs must not cost more than the runs.
 """
 
+import ctypes
+import hashlib
 import json
-import threading
 import zlib
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
 
 import numpy as np
 
-BLOCK = 2048
-_APART = 1 << 64
-_own = threading.local()  # one generator a thread, set to the state that is wanted: making one costs more than drawing
+from backend.engine import threefry
+from backend.engine.kernel import load, platform_key
+
+_WORD, _COUNT, _PLACE = ctypes.c_uint64, ctypes.c_int64, ctypes.c_void_p
+_ONE_STREAM = ctypes.CFUNCTYPE(None, _WORD, _WORD, _COUNT, _COUNT, _PLACE)
+_EIGHT_STREAMS = ctypes.CFUNCTYPE(None, _PLACE, _PLACE, _COUNT, _COUNT, _PLACE, _COUNT)
+
+
+@lru_cache(maxsize=1)
+def _functions() -> tuple[object, dict[str, Callable]]:
+    engine = load("draws-" + platform_key(), threefry.emit)
+    kinds = {"uniform": _ONE_STREAM, "normal": _ONE_STREAM, "normal_lanes": _EIGHT_STREAMS}
+    return engine, {name: kind(engine.get_function_address(name)) for name, kind in kinds.items()}
 
 
 @lru_cache(maxsize=8192)
-def _origin(key: tuple[int, ...]) -> dict:
-    """The state from which the stream of a key begins."""
-    return np.random.PCG64(np.random.SeedSequence(list(key))).state
-
-
-def _fill(kind: str, key: tuple[int, ...], block: int, out: np.ndarray) -> None:
-    if not hasattr(_own, "bits"):
-        _own.bits = np.random.PCG64(0)
-        _own.generator = np.random.Generator(_own.bits)
-    _own.bits.state = _origin(key)
-    if block:
-        _own.bits.advance(block * _APART)
-    draw = _own.generator.standard_normal if kind == "normal" else _own.generator.random
-    draw(out=out)
-
-
-@lru_cache(maxsize=256)
-def _block(kind: str, key: tuple[int, ...], block: int) -> np.ndarray:
-    values = np.empty(BLOCK)
-    _fill(kind, key, block, values)
-    values.setflags(write=False)
-    return values
+def _words(key: tuple[int, ...]) -> tuple[int, int]:
+    """The generator's key (128 bits) for a key of any length."""
+    digest = hashlib.blake2b(",".join(str(int(k)) for k in key).encode(), digest_size=16).digest()
+    return int.from_bytes(digest[:8], "little"), int.from_bytes(digest[8:], "little")
 
 
 def _draw(kind: str, key: tuple[int, ...], first: int, count: int) -> np.ndarray:
     if count <= 0:
         return np.empty(0)
-    blocks = range(first // BLOCK, (first + count - 1) // BLOCK + 1)
-    if len(blocks) == 1:  # the usual case of a live session: the same block again and again
-        joined = _block(kind, key, blocks[0])
-    else:
-        joined = np.empty(len(blocks) * BLOCK)
-        for i, block in enumerate(blocks):
-            _fill(kind, key, block, joined[i * BLOCK : (i + 1) * BLOCK])
-    start = first - blocks[0] * BLOCK
-    return joined[start : start + count]
+    pair = first // 2  # the generator gives two numbers at a time
+    blocks = -(-(first + count - 2 * pair) // threefry.BLOCK)
+    out = np.empty(blocks * threefry.BLOCK)
+    _functions()[1][kind](*_words(key), pair, blocks, out.ctypes.data)
+    return out[first - 2 * pair :][:count]
 
 
 def key_of(data: Mapping) -> int:
@@ -70,3 +59,20 @@ def normal(key: tuple[int, ...], first: int, count: int) -> np.ndarray:
 def uniform(key: tuple[int, ...], first: int, count: int) -> np.ndarray:
     """The same on [0, 1)."""
     return _draw("uniform", key, first, count)
+
+
+class Streams:
+    """Standard normal streams side by side, for runs in lanes. The number of keys must be a multiple of eight."""
+
+    def __init__(self, keys: Sequence[tuple[int, ...]]):
+        self._keys = np.array([_words(tuple(k)) for k in keys], dtype=np.uint64).T.copy()
+
+    def normal(self, first: int, count: int) -> np.ndarray:
+        """Draws first … first+count−1 of every stream: shape (count, streams), each column as ``normal`` gives it."""
+        pair, streams = first // 2, self._keys.shape[1]
+        pairs = -(-(first + count - 2 * pair) // 2)
+        out = np.empty((2 * pairs, streams))
+        low, high, to = self._keys[0].ctypes.data, self._keys[1].ctypes.data, out.ctypes.data
+        for offset in range(0, 8 * streams, 64):
+            _functions()[1]["normal_lanes"](low + offset, high + offset, pair, pairs, to + offset, streams)
+        return out[first - 2 * pair :][:count]

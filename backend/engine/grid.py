@@ -25,17 +25,21 @@ class Grid:
     base: np.ndarray
 
 
+def sort_out(breaks: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
+    """Of the given times: the grid points that are meant (whole numbers of steps), and the positions between them, sorted."""
+    position = np.asarray(breaks, dtype=float) / h
+    nearest = np.rint(position)
+    on_grid = np.abs(position - nearest) < _SNAP
+    return nearest[on_grid].astype(np.int64), np.unique(position[~on_grid])
+
+
 def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substeps: int) -> Grid:
     """The grid over base steps [first, last) of h seconds.
 
     ``breaks``: times of discontinuities (any order, repeats allowed). Every ``every``-th base step is recorded; each is
     taken in ``substeps`` steps.
     """
-    position = np.asarray(breaks, dtype=float) / h
-    nearest = np.rint(position)
-    on_grid = np.abs(position - nearest) < _SNAP
-    marks = nearest[on_grid].astype(np.int64)
-    off = np.unique(position[~on_grid])
+    marks, off = sort_out(breaks, h)
     broken = np.unique(np.floor(off).astype(np.int64))
     broken = broken[(broken >= first) & (broken < last)]
     bounds = np.unique(np.concatenate([np.array([first, last]), marks, broken, broken + 1]))

@@ -3,6 +3,7 @@
 import ctypes
 import hashlib
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -57,13 +58,9 @@ class Kernel:
     def __init__(self, program: Program, layout: Layout):
         self.program, self.layout = program, layout
         key = hashlib.sha256(repr((program.digest, layout, platform_key())).encode()).hexdigest()
-        with _lock:
-            code = cache.read("kernel", key)
-            if code is None:
-                code = _object_code(program, layout)
-                cache.write("kernel", key, code)
-            self._engine = _load(code)
-            self._run = _SIGNATURE(self._engine.get_function_address("run"))
+        # passes over a large straight-line function take long and find nothing
+        self._engine = load(key, lambda: emit(program, layout), optimised=fits_inline(program, layout))
+        self._run = _SIGNATURE(self._engine.get_function_address("run"))
 
     def __call__(
         self,
@@ -102,19 +99,25 @@ def kernel(program: Program, layout: Layout) -> Kernel:
     return Kernel(program, layout)
 
 
-def _object_code(program: Program, layout: Layout) -> bytes:
-    module = llvm.parse_assembly(emit(program, layout))
-    if fits_inline(program, layout):  # for a large straight-line function they take long and find nothing
+def load(key: str, text: Callable[[], str], optimised: bool = True) -> llvm.ExecutionEngine:
+    """A module ready to be called: its machine code from the object cache, else compiled from its IR text and kept."""
+    with _lock:
+        code = cache.read("kernel", key)
+        if code is None:
+            code = _object_code(text(), optimised)
+            cache.write("kernel", key, code)
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        engine.finalize_object()
+        return engine
+
+
+def _object_code(text: str, optimised: bool) -> bytes:
+    module = llvm.parse_assembly(text)
+    if optimised:
         builder = llvm.create_pass_builder(_machine(), llvm.create_pipeline_tuning_options(speed_level=2))
         builder.getModulePassManager().run(module, builder)
     return _machine().emit_object(module)
-
-
-def _load(code: bytes) -> llvm.ExecutionEngine:
-    engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
-    engine.add_object_file(llvm.ObjectFileRef.from_data(code))
-    engine.finalize_object()
-    return engine
 
 
 def _machine_for_engine() -> llvm.TargetMachine:

@@ -17,9 +17,15 @@ from backend.engine.signals import _random_held as random_held
 ADDITIVE = ("outliers", "noise-burst")
 
 
+def noise_key(seed: int, output: int) -> tuple[int, int, int]:
+    """The stream of an output's noise."""
+    return seed, 3, output
+
+
 def noise(std: float, sample_time: float, seed: int, output: int) -> Signal:
-    """Gaussian, held for ``sample_time`` seconds; stream (seed, output)."""
-    return random_held(sample_time, lambda first, count: std * draws.normal((seed, 3, output), first, count))
+    """Gaussian, held for ``sample_time`` seconds."""
+    key = noise_key(seed, output)
+    return random_held(sample_time, lambda first, count: std * draws.normal(key, first, count))
 
 
 def _additive(data: Mapping, key: tuple[int, ...]) -> Signal:
@@ -116,6 +122,8 @@ class Measurement:
             mine = [f for f in self._mine(name) if f["shape"] not in ADDITIVE]
             if mine:
                 y[:, :, i], passed[i], history[i] = self._faulty(mine, grid, y[:, :, i], passed[i], history[i])
+            elif len(y):
+                passed[i] = y[-1, -1, i]
         if self.sample_every is not None:
             y, sampled = self._sampled(grid, first, y, sampled)
         return y, replace(memory, passed=passed, sampled=sampled, history=tuple(history))
@@ -160,18 +168,20 @@ def _hold(lost: np.ndarray, y: np.ndarray, passed: float) -> np.ndarray:
 
 
 def _delayed(f: Mapping, grid: Grid, y: np.ndarray, history):
-    """y(t − delay) while the fault is on, from the values kept so far (linear between the ends of steps)."""
-    times = np.empty(2 * len(y))
-    times[0::2], times[1::2] = grid.start, grid.end
-    ends = np.empty_like(times)
-    ends[0::2], ends[1::2] = y[:, 0], y[:, -1]
-    all_times, all_values = np.concatenate([history[0], times]), np.concatenate([history[1], ends])
+    """y(t − delay) while the fault is on: the delay line fills from the onset on and shows the first value until then.
+
+    Linear between the ends of steps. Only what was measured since the onset is needed.
+    """
     on = gated(constant(1.0), f["onset"], f.get("end"))(grid.anchor, grid.anchor) > 0
-    stages = y.shape[1]
-    fractions = np.array([0.0, 0.5, 0.5, 1.0]) if stages == 4 else np.zeros(stages)
-    at = grid.start[:, None] + fractions * (grid.end - grid.start)[:, None] - f["delay"]
-    late = np.interp(at, all_times, all_values)
-    keep = (
-        all_times >= grid.end[-1] - f["delay"] - 2 * (grid.end[-1] - grid.start[-1]) if len(y) else all_times > -np.inf
-    )
-    return np.where(on[:, None], late, y), (all_times[keep], all_values[keep])
+    if not on.any():
+        return y, history
+    times, ends = np.empty(2 * int(on.sum())), np.empty(2 * int(on.sum()))
+    times[0::2], times[1::2] = grid.start[on], grid.end[on]
+    ends[0::2], ends[1::2] = y[on, 0], y[on, -1]
+    all_times, all_values = np.concatenate([history[0], times]), np.concatenate([history[1], ends])
+    fractions = np.array([0.0, 0.5, 0.5, 1.0]) if y.shape[1] == 4 else np.zeros(y.shape[1])
+    at = grid.start[on, None] + fractions * (grid.end - grid.start)[on, None] - f["delay"]
+    late = y.copy()
+    late[on] = np.interp(at, all_times, all_values)
+    first = max(0, int(np.searchsorted(all_times, grid.end[-1] - f["delay"])) - 2)
+    return late, (all_times[first:], all_values[first:])

@@ -9,7 +9,7 @@ at t_k, the measured y included, is known when the step from t_k on begins.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -86,10 +86,14 @@ def joined(plant: Program, observer: Program) -> Program:
 
 
 class Simulation:
-    """Advances an experiment. ``substeps`` divides every base step (for stiff observers)."""
+    """Advances an experiment. ``substeps`` divides every base step (for stiff observers).
 
-    def __init__(self, experiment: Experiment, substeps: int = 1):
-        self.experiment, self.substeps = experiment, substeps
+    ``remember``: keep what was measured last even where nothing needs it yet, because a fault that does (freeze,
+    dropout) may still be added.
+    """
+
+    def __init__(self, experiment: Experiment, substeps: int = 1, remember: bool = False):
+        self.experiment, self.substeps, self.remember = experiment, substeps, remember
         plant = experiment.plant
         self.stages = 1 if plant.time == DISCRETE else 4
         self.lockstep = [i for i, e in enumerate(experiment.estimators) if e.every is None]
@@ -178,7 +182,7 @@ class Simulation:
         e, i = self.experiment, self.lockstep[0]
         estimator = e.estimators[i]
         program = joined(e.plant, estimator.program)
-        wanted = len(e.estimators) > 1
+        wanted = len(e.estimators) > 1 or self.remember
         graph = program.graph
         roots = tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs
                       ) if wanted else ()  # fmt: skip
@@ -190,10 +194,11 @@ class Simulation:
         new, out = self._call(program, grid, Layout(held=held, staged=staged, emitted=roots), values,
                               np.concatenate([state.plant, state.observers[i]]),
                               held=tables.held(held), staged=tables.staged(staged), emitted=emitted)  # fmt: skip
+        memory = replace(state.memory, passed=emitted[-1, -1].copy()) if wanted else state.memory
         n = len(e.plant.states)
         observers[i] = new[n:]
         recorded[i] = self._rows(state.observers[i], out[:, n:], state.k, index)
-        return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if wanted else None, state.memory
+        return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if wanted else None, memory
 
     def _observer(self, i: int, state: State, grid: Grid, tables: "Tables", index: np.ndarray, y: np.ndarray):
         estimator = self.experiment.estimators[i]

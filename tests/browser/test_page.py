@@ -1,4 +1,4 @@
-"""The page at /: choose an experiment, run it, see its figures; on any screen, by keyboard, and when things go wrong."""
+"""The page at /runs/: choose an experiment, run it, see its figures; on any screen, by keyboard, and when things go wrong."""
 
 import json
 import re
@@ -24,7 +24,7 @@ def run(page) -> None:
 
 def test_zhao_2012_runs_and_shows_its_figures(page):
     """Open, run: figures with curves, the comparison and the assumptions appear; no error, no request to another host."""
-    opened = page("/?experiment=zhao-2012")
+    opened = page("/runs/?experiment=zhao-2012")
     opened.wait_for_selector("h1")
     run(opened)
     opened.wait_for_selector(".side .checks")
@@ -36,13 +36,13 @@ def test_zhao_2012_runs_and_shows_its_figures(page):
 
 def test_the_library_is_listed_and_a_choice_opens(page):
     """Every experiment of the library is a link; choosing one puts it into the address, and Back leads to the one before."""
-    opened = page("/")
+    opened = page("/runs/")
     links = opened.locator(".chooser li a")
     links.first.wait_for()
     listed = opened.evaluate("fetch('/api/experiments').then((answer) => answer.json()).then((all) => all.experiments.length)")
     assert links.count() == listed > 0
     opened.click(".chooser li a[href*='shen-hu-2015-noise-free']")
-    opened.wait_for_url("**/?experiment=shen-hu-2015-noise-free")
+    opened.wait_for_url("**/runs/?experiment=shen-hu-2015-noise-free")
     assert opened.locator("a[aria-current]").count() == 1
     opened.go_back()
     opened.wait_for_selector(".chooser li:first-child a[aria-current]")
@@ -51,7 +51,7 @@ def test_the_library_is_listed_and_a_choice_opens(page):
 
 def test_a_link_reopens_choice_changes_and_result(page, server):
     """Seed and noise are kept in the address, together with the run, and a new page shows the same without running."""
-    opened = page("/?experiment=zhao-2012")
+    opened = page("/runs/?experiment=zhao-2012")
     opened.fill("#field-seed", "5")
     opened.fill("#field-noise-y-std", "0.002")
     run(opened)
@@ -59,7 +59,7 @@ def test_a_link_reopens_choice_changes_and_result(page, server):
     address = opened.url.removeprefix(server)
     assert "set=seed%3D5" in address and "set=noise.y.std%3D0.002" in address
     posts = []
-    again = page("/")
+    again = page("/runs/")
     again.on("request", lambda request: posts.append(request.url) if request.method == "POST" else None)
     again.goto(server + address)
     again.wait_for_selector(DRAWN, state="attached")
@@ -70,7 +70,7 @@ def test_a_link_reopens_choice_changes_and_result(page, server):
 
 def test_a_refused_value_is_explained_at_its_field(page):
     """The server's problem and remedy stand under the field, which is marked and has the focus; mending it clears them."""
-    opened = page("/?experiment=zhao-2012")
+    opened = page("/runs/?experiment=zhao-2012")
     opened.fill("#field-noise-y-std", "-1")
     opened.click("button.run")
     opened.wait_for_selector("#field-noise-y-std[aria-invalid=true]")
@@ -83,7 +83,7 @@ def test_a_refused_value_is_explained_at_its_field(page):
 
 def test_a_value_that_has_no_field_is_refused_above_the_button(page):
     """A wrong path among the other values names itself and the nearest right one."""
-    opened = page("/?experiment=zhao-2012&set=noize.y.std%3D0")
+    opened = page("/runs/?experiment=zhao-2012&set=noize.y.std%3D0")
     opened.wait_for_selector("h1")
     opened.click("button.run")
     trouble = opened.wait_for_selector(".head .problem")
@@ -92,14 +92,14 @@ def test_a_value_that_has_no_field_is_refused_above_the_button(page):
 
 def test_an_unknown_experiment_is_an_answer_not_a_blank_page(page):
     """A link to an experiment that is not there says so, and the library stays at hand."""
-    opened = page("/?experiment=zhao-2021")
+    opened = page("/runs/?experiment=zhao-2021")
     assert "zhao-2012" in opened.wait_for_selector(".head .problem").inner_text()
     assert opened.locator(".chooser li a").count() > 0
 
 
 def test_a_long_run_shows_progress_and_can_be_cancelled(page):
     """A run of minutes shows how far it is; Cancel ends it, and the page says so."""
-    opened = page("/?experiment=zhao-2012&set=horizon%3D15000&set=record%3D1.5")
+    opened = page("/runs/?experiment=zhao-2012&set=horizon%3D15000&set=record%3D1.5")
     opened.wait_for_selector("h1")
     opened.click("button.run")
     until(opened, "/^[1-9]\\d* %$/.test(document.querySelector('.status').textContent)")
@@ -110,7 +110,7 @@ def test_a_long_run_shows_progress_and_can_be_cancelled(page):
 
 def test_a_lost_connection_is_told_and_survived(page):
     """While the server does not answer the page says so and waits; when it answers again the run appears by itself."""
-    opened = page("/?experiment=shen-hu-2015")
+    opened = page("/runs/?experiment=shen-hu-2015")
     opened.wait_for_selector("h1")
     opened.route("**/api/**", lambda route: route.abort("connectionrefused"))
     opened.click("button.run")
@@ -122,7 +122,7 @@ def test_a_lost_connection_is_told_and_survived(page):
 
 def test_everything_is_reached_by_keyboard(page):
     """From the top of the page, Tab and Enter alone choose nothing wrong and start the run."""
-    opened = page("/?experiment=shen-hu-2015")
+    opened = page("/runs/?experiment=shen-hu-2015")
     opened.wait_for_selector("h1")
     for _ in range(80):
         opened.keyboard.press("Tab")
@@ -139,7 +139,7 @@ def test_everything_is_reached_by_keyboard(page):
 @pytest.mark.parametrize("width", [390, 820, 1180, 1920])
 def test_nothing_is_wider_than_the_screen(page, width):
     """At every width the page scrolls down only, and the run button is on it."""
-    opened = page("/?experiment=shen-hu-2015", width=width, height=844)
+    opened = page("/runs/?experiment=shen-hu-2015", width=width, height=844)
     opened.wait_for_selector("h1")
     run(opened)
     assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
@@ -148,7 +148,7 @@ def test_nothing_is_wider_than_the_screen(page, width):
 
 def test_light_and_dark_follow_the_system_and_the_button(page):
     """A dark system gives a dark page and dark figures; the button turns both, and the choice is kept."""
-    opened = page("/?experiment=shen-hu-2015", theme="dark")
+    opened = page("/runs/?experiment=shen-hu-2015", theme="dark")
     opened.wait_for_selector("h1")
     run(opened)
     paper = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
@@ -163,7 +163,7 @@ def test_light_and_dark_follow_the_system_and_the_button(page):
 def test_hostile_words_stay_words(page, server):
     """A posted experiment whose texts are markup is shown as text: in the page, its figures and its report."""
     hostile = "<img src=x onerror='window.pwned=1'><script>window.pwned=1</script>"
-    opened = page("/")
+    opened = page("/runs/")
     spec = json.loads(opened.request.get(f"{server}/api/experiments/shen-hu-2015").text())
     for figure in spec["figures"]:
         figure |= {"title": hostile[:150], "caption": hostile}
@@ -172,7 +172,7 @@ def test_hostile_words_stay_words(page, server):
     spec |= {"title": hostile, "source": hostile, "description": hostile, "errata": [hostile]}
     answer = opened.request.post(f"{server}/api/runs", data=spec)
     assert answer.ok, answer.text()
-    opened.goto(f"{server}/?run={answer.json()['id']}")
+    opened.goto(f"{server}/runs/?run={answer.json()['id']}")
     opened.wait_for_selector(DRAWN, state="attached")
     assert opened.inner_text("h1") == hostile
     assert opened.evaluate("window.pwned") is None
@@ -183,7 +183,7 @@ def test_hostile_words_stay_words(page, server):
 
 def test_no_button_sends_a_figure_away(page):
     """Plotly's offer to upload a figure is not there, in the page."""
-    opened = page("/?experiment=shen-hu-2015")
+    opened = page("/runs/?experiment=shen-hu-2015")
     opened.wait_for_selector("h1")
     run(opened)
     opened.hover("figure .plot")
@@ -194,7 +194,7 @@ def test_no_button_sends_a_figure_away(page):
 
 def test_the_report_opens_offline_from_a_file(page, server, browser, tmp_path):
     """The saved report draws every figure with the network off, and asks for nothing."""
-    opened = page("/")
+    opened = page("/runs/")
     answer = opened.request.post(f"{server}/api/runs", data={"experiment": "shen-hu-2015"})
     report = opened.request.get(f"{server}{answer.json()['links']['report']}").text()
     (tmp_path / "report.html").write_text(report, encoding="utf-8")

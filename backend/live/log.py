@@ -1,0 +1,153 @@
+"""Commands of a live session → the spec they leave behind and the words for the log."""
+
+import math
+
+from backend.assembly.timeline import changed
+from backend.engine.errors import SpecError
+from shared import Experiment
+from shared.commands import AddObserver, RemoveObserver, SetGain, SetNoise, SetSignal, TimedCommand
+from shared.faults import Fault
+from shared.session import (
+    AddObserverNow,
+    Clear,
+    Event,
+    Inject,
+    RemoveObserverNow,
+    SetGainNow,
+    SetNoiseNow,
+    SetSignalNow,
+)
+
+
+def timed(command: object, at: float) -> TimedCommand | None:
+    """The timed command that a live one becomes at time ``at``; None for those that change faults."""
+    fields = command.model_dump(exclude={"id", "type"}) | {"at": at}
+    kinds = {
+        SetGainNow: SetGain,
+        SetSignalNow: SetSignal,
+        SetNoiseNow: SetNoise,
+        AddObserverNow: AddObserver,
+        RemoveObserverNow: RemoveObserver,
+    }
+    kind = kinds.get(type(command))
+    return None if kind is None else kind.model_validate(fields)
+
+
+def injected(spec: Experiment, command: Inject, at: float) -> Experiment:
+    """The spec with a fault whose onset (and end) were counted from ``at``. Raises SpecError for unknown names."""
+    fault = command.fault
+    end = None if fault.end is None else at + fault.end
+    fault = fault.model_copy(update={"onset": at + fault.onset, "end": end})
+    where, names = ("output", "outputs") if hasattr(fault, "output") else ("channel", "channels")
+    known = spec.plant.names(names)
+    if getattr(fault, where) not in known:
+        raise SpecError(
+            f"fault.{where}",
+            getattr(fault, where),
+            f"the plant has no {where} of that name",
+            f"choose from {', '.join(known) or 'none: it has none'}",
+        )
+    return spec.model_copy(update={"faults": (*spec.faults, fault)})
+
+
+def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
+    """The spec in which the named faults (all, if none is named) end at ``at``; those still to come are taken out."""
+    everything = command.channel is None and command.output is None
+    kept = []
+    for fault in spec.faults:
+        mine = everything or (
+            getattr(fault, "channel", None) == command.channel
+            if command.channel is not None
+            else getattr(fault, "output", None) == command.output
+        )
+        if not mine or (fault.end is not None and fault.end <= at):
+            kept.append(fault)
+        elif fault.onset < at:
+            kept.append(fault.model_copy(update={"end": at}))
+    return spec.model_copy(update={"faults": tuple(kept)})
+
+
+def changed_now(spec: Experiment, command: object, at: float, base: Experiment) -> Experiment:
+    """The spec with a timed command noted at its end. ``base``: the experiment as it is at ``at``, to check it against."""
+    note = timed(command, at)
+    changed(base, note)
+    rest = [c for c in spec.commands if c.at <= at]
+    if isinstance(note, SetGain):  # a slider that is dragged: within one row the last value counts
+        rest = [
+            c
+            for c in rest
+            if not (isinstance(c, SetGain) and c.at == at and (c.observer, c.gain) == (note.observer, note.gain))
+        ]
+    later = [c for c in spec.commands if c.at > at]
+    return spec.model_copy(update={"commands": (*rest, note, *later)})
+
+
+def given_up_from(spec: Experiment, start: Experiment, t: float) -> Experiment:
+    """The spec without what was done at ``t`` or later; what the session started with comes back."""
+    faults = []
+    for fault in spec.faults:
+        if fault.onset >= t and fault not in start.faults:
+            continue
+        if fault.end is not None and fault.end >= t and fault not in start.faults:
+            fault = fault.model_copy(update={"end": _original_end(fault, start.faults)})
+        faults.append(fault)
+    back = [f for f in start.faults if f.onset >= t and f not in faults]
+    commands = tuple(c for c in spec.commands if c.at < t or c in start.commands)
+    return spec.model_copy(update={"faults": (*faults, *back), "commands": commands})
+
+
+def _original_end(fault: Fault, originals: tuple[Fault, ...]) -> float | None:
+    """The end that a fault of the starting spec had before it was cleared."""
+    for original in originals:
+        if original.model_copy(update={"end": None}) == fault.model_copy(update={"end": None}):
+            return original.end
+    return None
+
+
+def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record: float) -> list[Event]:
+    """Faults of the spec that begin or end by themselves in rows first … last − 1; not those the log tells already."""
+    told = {(e.kind, e.subject, e.row) for e in log[-50:]}
+    found = []
+    for fault in spec.faults:
+        name = getattr(fault, "channel", None) or fault.output
+        for kind, when, by_hand in (("fault-begins", fault.onset, ("inject",)), ("fault-ends", fault.end, ("clear",))):
+            row = None if when is None else math.ceil(when / record - 1e-9)
+            if row is None or not first <= row < last:
+                continue
+            if not any((hand, subject, row) in told for hand in by_hand for subject in (name, "")):
+                word = "begins" if kind == "fault-begins" else "ends"
+                text = f"the fault {name} {word}"
+                found.append(Event(row=row, t=row * record, kind=kind, subject=name, text=text))
+    return found
+
+
+def event(command: object, row: int, t: float) -> Event:
+    """What the log says of a command."""
+    kind, subject, value, text = _told(command)
+    return Event(row=row, t=t, kind=kind, subject=subject, value=value, text=text)
+
+
+def _told(command: object) -> tuple[str, str, object, str]:
+    match command:
+        case Inject(fault=fault):
+            name = getattr(fault, "channel", None) or fault.output
+            size = getattr(fault, "size", None)
+            amount = "" if size is None else f" = {size:g}"
+            return "inject", name, fault.model_dump(mode="json"), f"you injected {name}{amount}, {fault.shape}"
+        case Clear():
+            name = command.channel or command.output or ""
+            return "clear", name, None, f"you cleared {name or 'all faults'}"
+        case SetGainNow():
+            value = list(command.value) if isinstance(command.value, tuple) else command.value
+            return "gain", command.observer, {"gain": command.gain, "value": value}, (
+                f"{command.observer}: {command.gain} = {value}"
+            )  # fmt: skip
+        case SetSignalNow():
+            return "signal", command.name, command.signal.model_dump(mode="json"), f"{command.name} changed"
+        case SetNoiseNow():
+            return "noise", command.output, command.std, f"noise of {command.output}: σ = {command.std:g}"
+        case AddObserverNow():
+            return "observer-added", command.observer.label, command.observer.kind, f"{command.observer.label} added"
+        case RemoveObserverNow():
+            return "observer-removed", command.label, None, f"{command.label} removed"
+    raise TypeError(type(command).__name__)

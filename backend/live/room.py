@@ -1,0 +1,281 @@
+"""A session with its viewers: time goes on, rows become frames, and viewers come and go.
+
+Everything here runs on the event loop, except the jobs on the session, which take turns (turns.py). Nothing here waits
+for a viewer. Commands are in control.py.
+"""
+
+import asyncio
+import logging
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from backend.live.control import Control
+from backend.live.lookahead import Computed, Lookahead, compute
+from backend.live.pacing import Pace, Rate
+from backend.live.screen import Screen
+from backend.live.turns import Background, Turns
+from backend.live.viewer import Viewer
+from shared import Experiment
+from shared.session import Assumptions, Hello, Status
+
+if TYPE_CHECKING:
+    from backend.live.session import Session
+
+log = logging.getLogger(__name__)
+
+STATUS = 1.0
+"""Seconds between two messages on how a session stands while it plays."""
+CHECKS = 3.0
+"""Seconds between two checks of the assumptions, at least."""
+
+
+class Full(Exception):
+    """There are as many viewers as there may be."""
+
+
+@dataclass(frozen=True)
+class House:
+    """What a room needs of the outside.
+
+    clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then.
+    viewers: how many there may be. backlog: bytes of samples that a viewer may be behind.
+    """
+
+    clock: Callable[[], float]
+    background: Background
+    workshop: Background
+    wake: Callable[["Room", float], None]
+    viewers: int
+    backlog: int
+
+
+class Room:
+    """One session. `token` gives the right to command."""
+
+    def __init__(self, id: str, token: str, session: "Session", house: House, parent: str | None = None) -> None:
+        self.id, self.token, self.parent = id, token, parent
+        self.session, self.house = session, house
+        self.screen = Screen(session.columns, session.row, session.record)
+        self.pace, self.rate, self.lookahead = Pace(session.record), Rate(), Lookahead()
+        self.turns = Turns(house.background)
+        self.control = Control(self)
+        self.frozen = False  # while a command that takes long is carried out
+        self.closed = False
+        self.empty_since: float | None = house.clock()
+        self._filling = False
+        self._told = self._checked = house.clock()
+        self._finished = session.ended  # the session has no more rows than those that are computed
+        session.take_events()  # of rows that are shown already: they are in the log
+
+    # ---- how it stands -------------------------------------------------------------------------------------------------
+
+    @property
+    def shown(self) -> int:
+        return self.screen.shown
+
+    @property
+    def t(self) -> float:
+        """Time of the last row that was shown, s."""
+        return max(0, self.shown - 1) * self.session.record
+
+    @property
+    def ended(self) -> bool:
+        """Whether there is nothing more to come."""
+        return self._finished and self.screen.left == 0 and not self.screen.blocked
+
+    def status(self) -> Status:
+        pace = self.pace
+        return Status(
+            row=self.shown, t=self.t, playing=pace.playing, speed=pace.speed,
+            rate=self.rate.value if pace.moving else None, viewers=len(self.screen.viewers), ended=self.ended,
+        )  # fmt: skip
+
+    def tell_status(self) -> None:
+        self._told = self.house.clock()
+        self.screen.tell(self.status(), "status")
+
+    # ---- viewers -------------------------------------------------------------------------------------------------------
+
+    def join(self, viewer: Viewer, after: int | None = None) -> None:
+        """Let a viewer watch; `after` is the last frame that it got before. Raises :class:`Full`."""
+        if len(self.screen.viewers) >= self.house.viewers:
+            raise Full
+        viewer.outbox.row = self.screen.rows_after(after)
+        unseen = {id(event) for event in self.screen.unseen}
+        hello = Hello(
+            session=self.id, role="control" if viewer.control else "view", spec=self.session.spec,
+            columns=self.screen.columns, epoch=self.screen.epoch, step=self.session.step, record=self.session.record,
+            row=self.shown, playing=self.pace.playing, speed=self.pace.speed, parent=self.parent,
+            log=tuple(event for event in self.session.log if id(event) not in unseen),
+        )  # fmt: skip
+        viewer.put(hello.model_dump_json())
+        self.screen.viewers.append(viewer)
+        self.empty_since = None
+        self.tell_status()
+        self._check(0.0)
+
+    def leave(self, viewer: Viewer) -> None:
+        """A viewer has gone."""
+        if viewer in self.screen.viewers:
+            self.screen.viewers.remove(viewer)
+            self.tell_status()
+        if not self.screen.viewers:
+            self.empty_since = self.house.clock()
+
+    async def samples(self, viewer: Viewer) -> bytes | None:
+        """The next frame of what a viewer has missed; None: it has everything."""
+        span = self.screen.next_span(viewer, self.house.backlog, self.oldest)
+        if span is None or not viewer.outbox.quiet:
+            return None
+        data = self.screen.encoded(span)
+        if data is None:
+            epoch, columns = self.screen.epoch, self.screen.columns
+            rows = await self.past(columns, span.first, span.last)
+            if self.screen.epoch != epoch or not viewer.outbox.quiet:
+                return None  # a rewind came between
+            data = self.screen.encode(span, rows)
+        viewer.outbox.row = span.last
+        return data
+
+    def close(self, code: int, reason: str) -> None:
+        """End the session and tell all viewers why."""
+        self.closed = True
+        self.pace.pause()
+        for viewer in list(self.screen.viewers):
+            viewer.close(code, reason)
+
+    # ---- the past, copies ----------------------------------------------------------------------------------------------
+
+    @property
+    def oldest(self) -> int:
+        """The first row that the session still has."""
+        pieces = self.session.past.pieces
+        return pieces[0].first if pieces else 0
+
+    async def past(self, columns: tuple[str, ...], first: int, last: int) -> np.ndarray:
+        """Rows first … last − 1 of the past in these columns: float32, columns × rows."""
+        return await self.alone(lambda: self.session.past.rows(columns, first, last))
+
+    async def alone(self, job: Callable[[], Any], long: bool = False) -> Any:
+        """What a job on the session gives, when its turn has come."""
+        answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
+
+        def then(value: Any, error: Exception | None) -> None:
+            if answer.cancelled():
+                return
+            if error is None:
+                answer.set_result(value)
+            else:
+                answer.set_exception(error)
+
+        self.turns.do(job, then, long)
+        return await answer
+
+    async def fork(self, t: float | None) -> "Session":
+        """A copy of the session at a time up to now."""
+        row = self.shown if t is None else min(self.shown, round(t / self.session.record) + 1)
+        return await self.alone(partial(self.session.fork, row), long=True)
+
+    async def spec(self) -> Experiment:
+        """The experiment with everything done so far, up to now: its run gives the same numbers."""
+        return self.session.spec.model_copy(update={"horizon": self.t, "record": self.session.record})
+
+    # ---- time ----------------------------------------------------------------------------------------------------------
+
+    def tick(self, at: float) -> float | None:
+        """Show what is due; `at` is when this was to be called. When to call again (None: when something happens)."""
+        now = self.house.clock()
+        if self.closed:
+            return None
+        if not self.frozen:
+            due = self.pace.due(now)
+            if due > self.shown + self.screen.left:
+                self.fill()
+            self.show(due, now)
+            self.fill()
+        if now - self._told >= STATUS:
+            self.rate.look(self.shown, now, self.session.record)
+            self.tell_status()
+            self._check(CHECKS)
+        return self.pace.next(self.shown, at, now)
+
+    def show(self, due: float, now: float) -> None:
+        """Show the rows that are due, as far as they are there; the clock waits for the others."""
+        self.screen.show(int(min(due, self.shown + self.screen.most)))
+        if due > self.shown and self.pace.playing:
+            self.pace.anchor(self.shown, now)
+        self.pace.reached(self.shown)
+        if self.ended and self.pace.moving:
+            self.pace.pause()
+            self.tell_status()
+
+    def fill(self) -> None:
+        """Compute ahead, if there is need to."""
+        if self._filling or self._finished or self.screen.blocked or self.frozen or not self.pace.moving:
+            return
+        wanted = self.lookahead.wanted(self.pace, self.screen.left, self.screen.most)
+        if wanted is None:
+            return
+        rows, long = wanted
+        if self.pace.target is not None:
+            rows = min(rows, self.pace.target - self.shown - self.screen.left)
+        if rows > 0:
+            self._filling = True
+            self.turns.do(partial(_timed, self.session, rows), self._filled, long)
+
+    def _filled(self, value: Any, error: Exception | None) -> None:
+        self._filling = False
+        if error is not None:
+            log.error("session %s cannot go on", self.id, exc_info=error)
+            self._finished = True
+            return
+        computed, seconds = value
+        self.lookahead.measured(computed.rows.shape[1], seconds)
+        self.take(computed)
+        hurried = self.pace.target is not None or self.pace.speed is None
+        if hurried and not self.frozen:
+            if self.pace.target is not None:
+                self.show(self.pace.target, self.house.clock())
+                if not self.pace.moving:
+                    self.tell_status()
+            self.fill()
+
+    def take(self, computed: Computed) -> None:
+        """Take over what was computed; it is shown when it is due."""
+        self._finished = computed.ended
+        if computed.rows.shape[1]:
+            self.screen.add(computed)
+
+    def moving(self) -> None:
+        """Time goes on from now on."""
+        now = self.house.clock()
+        self.rate.start(self.shown, now)
+        self._told = now
+        self.house.wake(self, now)
+
+    # ---- assumptions ---------------------------------------------------------------------------------------------------
+
+    def _check(self, spacing: float) -> None:
+        """Let the assumptions be checked, if somebody is there to see it."""
+        now = self.house.clock()
+        if self.screen.viewers and now - self._checked >= spacing and self.shown > 1:
+            self._checked = now + 3600  # not again before this one is done
+            self.turns.do(self.session.assumptions, self._tell_checks, long=True)
+
+    def _tell_checks(self, found: list[Assumptions] | None, error: Exception | None) -> None:
+        self._checked = self.house.clock()
+        if error is not None:
+            log.error("the assumptions of session %s cannot be checked", self.id, exc_info=error)
+        for one in found or []:
+            self.screen.tell(one, f"assumptions {one.observer}")
+
+
+def _timed(session: "Session", rows: int) -> tuple[Computed, float]:
+    begin = perf_counter()
+    computed = compute(session, rows)
+    return computed, perf_counter() - begin

@@ -1,0 +1,333 @@
+"""A live session without any input or output: commands in, rows and events out.
+
+It is the experiment that runs use, advanced a few rows at a time. Everything done to it stands in ``spec`` (faults with
+their times, timed commands), so that ``spec`` run as an ordinary run gives the same numbers bit for bit.
+"""
+
+from collections import deque
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from backend.assembly.prepare import engine, prepare
+from backend.engine.errors import SpecError
+from backend.engine.graph import variables
+from backend.engine.run import allowed, needed_substeps
+from backend.engine.simulation import Experiment as Engine
+from backend.engine.simulation import Simulation, State
+from backend.engine.stability import MOST_SUBSTEPS
+from backend.engine.timeline import Stage, carry
+from backend.live import log as words
+from backend.live.alarms import Alarms
+from backend.live.past import Past
+from backend.live.view import View
+from shared import Experiment
+from shared.commands import AddObserver, SetSubsteps
+from shared.session import Assumptions, Clear, Event, Inject, Reset, Seek, SetGainNow
+
+_RECENT = 6  # whole moments kept, for going back over rows that nobody has seen
+_KEPT = 400  # bare moments kept, for rewinding; when there are more, every second one goes
+
+
+@dataclass(frozen=True)
+class Moment:
+    """Where everything stands at a row: a value, so that going back is taking an older one."""
+
+    row: int
+    state: State
+    stage: int
+    view: View | None  # None in the thinned list: it is found again by advancing from an earlier row
+    alarms: Alarms
+    told: int  # events in the log
+
+
+class Session:
+    """One live experiment. ``horizon_rows`` limits how long it may become."""
+
+    def __init__(self, spec: Experiment, horizon_rows: int = 1_000_000):
+        prepared = prepare(spec)
+        self.spec = spec.with_plant(prepared.plant)
+        if self.spec.substeps is None:
+            self.spec = self.spec.model_copy(update={"substeps": 1})
+        self._start = self.spec
+        self._horizon = horizon_rows
+        self.epoch = 0
+        self._begin()
+
+    def _begin(self) -> None:
+        """Stand at t = 0 with the spec as it is."""
+        self._stages = list(prepare(self.spec).stages)
+        first = self._stages[0].experiment
+        self.step, self._every = first.step, first.every
+        self.record = first.every * first.step
+        self.past, self.log, self._new = Past(), [], []
+        self.ended = False
+        self._advances = 0  # since the last change
+        self._moments: list[Moment] = []
+        self._recent: deque[Moment] = deque(maxlen=_RECENT)
+        self._now = Moment(0, Simulation(first).initial(), 0, View.opening(first, 0), Alarms(), 0)
+        self.columns = self._now.view.columns
+
+    # ---- where it stands ---------------------------------------------------------------------------------------------
+
+    @property
+    def row(self) -> int:
+        """Rows produced so far: the number of the next one."""
+        return self._now.row
+
+    @property
+    def t(self) -> float:
+        return self._now.row * self.record
+
+    @property
+    def experiment(self) -> Engine:
+        """The engine's experiment as it is now."""
+        return self._stages[self._now.stage].experiment
+
+    def rows(self, first: int, last: int) -> np.ndarray:
+        """Recorded rows of the present past in the present columns: float32, columns × rows."""
+        return self.past.rows(self.columns, first, last)
+
+    def take_events(self) -> list[Event]:
+        """Events found by advancing since this was last asked."""
+        new, self._new = self._new, []
+        return new
+
+    def assumptions(self) -> list[Assumptions]:
+        """The checks of every observer's theorem over its last rows."""
+        return self._now.view.assumptions(self.experiment)
+
+    # ---- advancing ---------------------------------------------------------------------------------------------------
+
+    def advance(self, rows: int) -> np.ndarray:
+        """Advance by up to ``rows`` rows; what is recorded, float64, columns × rows (fewer at a change of columns, or at
+        the end of what a session may reach)."""
+        self._enter_stage()
+        target = min(self.row + rows, self._horizon)
+        following = self._stages[self._now.stage + 1 :]
+        boundary = min((s.k // self._every for s in following), default=target)
+        count = max(0, min(target, max(boundary, self.row + (0 if target == self.row else 1))) - self.row)
+        if self.ended or count == 0:
+            self.ended = self.ended or self.row >= self._horizon
+            return np.empty((len(self.columns), 0))
+        return self._advance(count)
+
+    def _advance(self, count: int) -> np.ndarray:
+        now, experiment = self._now, self.experiment
+        self._remember(now)
+        substeps = self._substeps
+        state, recorded = Simulation(experiment, substeps, remember=True).advance(now.state, count * self._every)
+        # it takes as long as the rest together: often after a change, now and then otherwise
+        self._advances += 1
+        if self._advances <= 4 or self._advances % 16 == 0:
+            needed = needed_substeps(experiment, recorded)
+            if needed > substeps:
+                self._take_substeps(min(MOST_SUBSTEPS, needed))
+                return self._advance(count)
+        view, data = now.view.extended(experiment, recorded)
+        alarms, found = view.watch(now.alarms, experiment, data, now.row, self.record, self.spec)
+        scheduled = words.scheduled(self.spec, self.log, now.row, now.row + count, self.record)
+        found = [*scheduled, *found, *view.lost_since(now.view, now.row, self.record)]
+        found.sort(key=lambda e: e.row)
+        self.past.append(self.columns, data)
+        self.log += found
+        self._new += found
+        self._now = Moment(now.row + count, state, now.stage, view, alarms, len(self.log))
+        self.ended = view.plant_lost or self.row >= self._horizon
+        return data
+
+    @property
+    def _substeps(self) -> int:
+        return self.experiment.substeps or 1
+
+    def _enter_stage(self) -> None:
+        """Pass to the stage that holds from this row on (its observers start here)."""
+        k = self._now.row * self._every
+        index = self._now.stage
+        while index + 1 < len(self._stages) and self._stages[index + 1].k <= k:
+            old, new = self._stages[index].experiment, self._stages[index + 1].experiment
+            index += 1
+            state = carry(self._now.state, old, new)
+            view = self._now.view.carried(new, self._now.row)
+            self._now = replace(self._now, state=state, stage=index, view=view)
+        if self._now.view.columns != self.columns:
+            self.columns = self._now.view.columns
+            self.epoch += 1
+
+    def _take_substeps(self, substeps: int) -> None:
+        """From this row on, take more substeps; noted as a timed command, so that a saved run does the same."""
+        note = SetSubsteps(at=self.t, substeps=substeps)
+        earlier = [c for c in self.spec.commands if c.at <= self.t]
+        later = [c for c in self.spec.commands if c.at > self.t]
+        self._adopt(self.spec.model_copy(update={"commands": (*earlier, note, *later)}))
+
+    # ---- commands ----------------------------------------------------------------------------------------------------
+
+    def handle(self, command: object) -> tuple[list[Event], bool]:
+        """Carry out a command of shared.session (all but play, pause, step and speed) at the present row.
+
+        Gives what happened, and whether the past or the columns changed (a new epoch). Raises SpecError, and then
+        nothing has changed.
+        """
+        if isinstance(command, Reset):
+            self.spec = self._start
+            self._begin()
+            self.epoch += 1
+            return [self._noted(Event(row=0, t=0.0, kind="reset", text="back to the start"))], True
+        if isinstance(command, Seek):
+            return self._seek(min(self.row, round(command.t / self.record))), True
+        before = dict(self.__dict__)
+        try:
+            self._change(command)
+        except SpecError:
+            self.__dict__.update(before)
+            raise
+        return [self._noted(words.event(command, self.row, self.t))], self.epoch != before["epoch"]
+
+    def _change(self, command: object) -> None:
+        """Take over what a command asks for. Raises SpecError, perhaps half way."""
+        self._enter_stage()
+        if isinstance(command, Inject):
+            spec = words.injected(self.spec, command, self.t)
+        elif isinstance(command, Clear):
+            spec = words.cleared(self.spec, command, self.t)
+        else:
+            self._check_gain(command)
+            spec = words.changed_now(self.spec, command, self.t, self._current_spec())
+        self._adopt(spec)
+        self._refuse_too_stiff(command)
+
+    def _noted(self, event: Event) -> Event:
+        self.log.append(event)
+        self._now = replace(self._now, told=len(self.log))
+        return event
+
+    def _current_spec(self) -> Experiment:
+        """The experiment as it is at this row, without timed commands."""
+        from backend.assembly.timeline import changed
+
+        current = self.spec.model_copy(update={"commands": ()})
+        for command in self.spec.commands:
+            if command.at <= self.t:
+                current = changed(current, command)
+        return current
+
+    def _check_gain(self, command: object) -> None:
+        if not isinstance(command, SetGainNow):
+            return
+        for estimator in self.experiment.estimators:
+            if estimator.label == command.observer:
+                program = estimator.program
+                moving = {n.split(".")[1] for n in variables(program.graph, program.update) if n.startswith("g.")}
+                known = {g.name for g in estimator.kind.gains}
+                if command.gain in known and command.gain not in moving:
+                    raise SpecError("gain", command.gain, "this gain acts at the start, or on what is shown, only",
+                                    "remove the observer and add it with the gain you want")  # fmt: skip
+
+    def _adopt(self, spec: Experiment) -> None:
+        """Take over a spec that differs from this row on: the stages before stay as they are."""
+        complete = spec.with_plant(spec.plant)
+        self._advances = 0
+        k = self._now.row * self._every
+        current = self._stages[self._now.stage]
+        since = {e.label: e.since for e in current.experiment.estimators}
+        later = [c for c in complete.commands if round(c.at / self.step) > k]
+        self.spec = complete
+        here = self._current_spec()
+        for command in complete.commands:
+            if isinstance(command, AddObserver) and round(command.at / self.step) == k:
+                since[command.observer.label] = k
+        changed = engine(here, since)
+        kept = self._stages[: self._now.stage + 1]
+        stage = Stage(k, changed)
+        self._stages = [*kept, stage]
+        if later:
+            self._stages += [s for s in prepare(complete).stages if s.k > k]
+        self._enter_stage()
+
+    def _refuse_too_stiff(self, command: object) -> None:
+        """A gain that no allowed substep could follow is refused before time goes on."""
+        if not isinstance(command, SetGainNow):
+            return
+        _, rows = Simulation(self.experiment, self._substeps).advance(self._now.state, 1)
+        needed = needed_substeps(self.experiment, rows) if len(rows.index) else 1
+        if needed > self._substeps:
+            allowed(self.experiment, needed)
+            self._take_substeps(needed)
+
+    # ---- going back --------------------------------------------------------------------------------------------------
+
+    def _remember(self, moment: Moment) -> None:
+        self._recent.append(moment)
+        if not self._moments or moment.row > self._moments[-1].row:
+            self._moments.append(replace(moment, view=None))
+            if len(self._moments) > _KEPT:
+                self._moments = self._moments[:1] + self._moments[1::2]
+
+    def rewind_unseen(self, row: int) -> None:
+        """Give up rows from ``row`` on that were computed ahead and shown to nobody: no new epoch."""
+        if row < self.row:
+            self._return_to(row)
+
+    def _return_to(self, row: int) -> None:
+        """Stand at an earlier row with the stages as they are."""
+        whole = [m for m in self._recent if m.row <= row]
+        if whole:
+            base = whole[-1]
+        else:
+            base = self._found(row)
+        spec, stages = self.spec, self._stages
+        log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
+        past = self.past.cut(row)
+        self._now, self.ended = base, False
+        self._recent = deque((m for m in self._recent if m.row < row), maxlen=_RECENT)
+        self._moments = [m for m in self._moments if m.row <= row]
+        self.past, self.log = self.past.cut(base.row), self.log[: base.told]
+        self.columns = base.view.columns
+        while self.row < row:
+            self.advance(row - self.row)
+        self.past, self.log = past, log
+        self._new = [e for e in self._new if e.row < row]
+        self.spec, self._stages = spec, stages
+        self._now = replace(self._now, told=len(log))
+
+    def _found(self, row: int) -> Moment:
+        """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""
+        bare = [m for m in self._moments if m.row <= row]
+        start = Moment(0, Simulation(self._stages[0].experiment).initial(), 0, None, Alarms(), 0)
+        for moment in [*reversed(bare), start]:
+            experiment = self._stages[moment.stage].experiment
+            begin = View.resumable(experiment, moment.row, row)
+            if begin is not None:
+                return replace(moment, view=begin)
+        return replace(start, view=View.opening(self._stages[0].experiment, 0))
+
+    def _seek(self, row: int) -> list[Event]:
+        """Back to a row; what was done from it on is given up."""
+        t = row * self.record
+        spec = words.given_up_from(self.spec, self._start, t)
+        if row < self.row:
+            self._return_to(row)
+        self.log = [e for e in self.log if e.row < row]
+        self._new = []
+        kept = [s for s in self._stages if s.k < row * self._every] or self._stages[:1]
+        self._stages = kept
+        self._now = replace(self._now, stage=min(self._now.stage, len(kept) - 1), told=len(self.log))
+        self._adopt(spec)
+        self.epoch += 1
+        return [self._noted(Event(row=row, t=t, kind="rewound", text=f"back to {t:g} s"))]
+
+    def fork(self, row: int | None = None) -> "Session":
+        """A second session that stands at a row of this one (its present one if not given) and goes its own way."""
+        other = object.__new__(Session)
+        other.__dict__.update(self.__dict__)
+        other.past, other.log, other._new = Past(self.past.pieces), list(self.log), []
+        other._stages, other._moments = list(self._stages), list(self._moments)
+        other._recent = deque(self._recent, maxlen=_RECENT)
+        if row is not None and row < self.row:
+            other._seek(row)
+            other._new = []
+        return other
+
+
+_COMMANDED = ("inject", "clear", "gain", "signal", "noise", "observer-added", "observer-removed", "rewound", "reset")

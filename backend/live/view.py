@@ -1,0 +1,225 @@
+"""From what the engine records to what is shown: columns of the newest rows, with a tail of older ones for windows.
+
+The columns are made by the very functions that a run uses, on the tail and the new rows together, so they are the run's.
+"""
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+
+from backend.engine.gather import finite_rows, observer_columns, plant_columns, plant_values
+from backend.engine.observers.base import Observed
+from backend.engine.simulation import Estimator, Rows
+from backend.engine.simulation import Experiment as Engine
+from backend.engine.timeline import Life, lives
+from backend.live.alarms import Alarms, Seen, watch
+from shared import Experiment
+from shared.run import AssumptionCheck
+from shared.session import Assumptions, Event
+
+Parts = tuple[tuple[Engine, Rows], ...]
+
+
+@dataclass(frozen=True)
+class View:
+    """``parts`` hold the rows from ``first`` on; ``lost`` the observers that have diverged, with the cause."""
+
+    columns: tuple[str, ...]
+    first: int
+    parts: Parts = ()
+    lost: dict[str, str] | None = None
+    plant_lost: bool = False
+
+    @classmethod
+    def opening(cls, experiment: Engine, row: int) -> "View":
+        """A view with no rows yet."""
+        return cls(columns_of(experiment), row, (), {})
+
+    @classmethod
+    def resumable(cls, experiment: Engine, row: int, until: int) -> "View | None":
+        """A view that begins at ``row`` and is right from ``until`` on; None if the windows need rows before that."""
+        if row > _tail_start(experiment, until):
+            return None
+        return cls.opening(experiment, row)
+
+    def carried(self, experiment: Engine, row: int) -> "View":
+        """The view when another experiment goes on from a row."""
+        present = {e.label for e in experiment.estimators if e.since // experiment.every < row}
+        lost = {label: why for label, why in (self.lost or {}).items() if label in present}
+        return replace(self, columns=columns_of(experiment), lost=lost)
+
+    def extended(self, experiment: Engine, rows: Rows) -> tuple["View", np.ndarray]:
+        """The view with the newest rows, and their columns (columns × rows)."""
+        rows = self._without_lost(experiment, rows)
+        parts = (*self.parts, (experiment, rows))
+        plant = np.concatenate([r.plant for _, r in parts])
+        y = np.concatenate([r.y for _, r in parts])
+        ended = 0 if self.plant_lost else finite_rows(plant)
+        plant[ended:], y[ended:] = np.nan, np.nan
+        values = plant_values(parts, plant)
+        count = len(rows.index)
+        columns = {n: c[-count:] for n, c in plant_columns(experiment, values, plant, y).items()}
+        lost = dict(self.lost or {})
+        for life in self._present(parts, experiment):
+            more, report = observer_columns(life, values, y, ended, check=False, first_row=self.first)
+            columns |= {f"{life.label}.{n}": c[-count:] for n, c in more.items()}
+            if report.diverged is not None and life.label not in lost:
+                lost[life.label] = report.diverged.cause
+        data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
+        plant_lost = self.plant_lost or ended < len(plant)
+        return replace(self, parts=parts, lost=lost, plant_lost=plant_lost)._trimmed(experiment), data
+
+    def _present(self, parts: Parts, experiment: Engine) -> list[Life]:
+        """The lives of the observers that watch now, in their order."""
+        latest = {life.label: life for life in lives(parts)}
+        return [latest[e.label] for e in experiment.estimators]
+
+    def _without_lost(self, experiment: Engine, rows: Rows) -> Rows:
+        """Rows of a diverged observer are void, whatever its numbers do later."""
+        states = tuple(
+            np.full_like(s, np.nan) if e.label in (self.lost or {}) else s
+            for e, s in zip(experiment.estimators, rows.observers, strict=True)
+        )
+        return replace(rows, observers=states)
+
+    def _trimmed(self, experiment: Engine) -> "View":
+        """Without the rows that no window needs any more."""
+        end = self.first + sum(len(r.index) for _, r in self.parts)
+        start = _tail_start(experiment, end)
+        parts, first = list(self.parts), self.first
+        while parts and first + len(parts[0][1].index) <= start:
+            first += len(parts.pop(0)[1].index)
+        if parts and first < start:
+            e, r = parts[0]
+            cut = start - first
+            parts[0] = (e, Rows(r.index[cut:], r.plant[cut:], r.y[cut:], tuple(o[cut:] for o in r.observers)))
+            first = start
+        return replace(self, parts=tuple(parts), first=first)
+
+    # ---- what is said about it ---------------------------------------------------------------------------------------
+
+    def watch(
+        self, state: Alarms, experiment: Engine, data: np.ndarray, row: int, record: float, spec: Experiment
+    ) -> tuple[Alarms, list[Event]]:
+        """The alarms after the newest rows, and those that went on or off."""
+        events: list[Event] = []
+        where = {n: i for i, n in enumerate(self.columns)}
+        typical = {c.name: abs(c.typical) for c in spec.plant.channels}
+        for estimator in experiment.estimators:
+            channels = tuple(c for c in estimator.channels if f"{estimator.label}.sigma.{c}" in where)
+            if not channels or estimator.label in (self.lost or {}):
+                continue
+            seen = Seen(
+                estimator.label,
+                channels,
+                data[[where[f"{estimator.label}.theta.{c}"] for c in channels]],
+                data[[where[f"{estimator.label}.sigma.{c}"] for c in channels]],
+                _residual(experiment, estimator, data, where),
+                np.array([typical[c] for c in channels]),
+            )
+            state, found = watch(state, seen, row, record)
+            events += found
+        return state, events
+
+    def lost_since(self, before: "View", row: int, record: float) -> list[Event]:
+        """Events for what has diverged in the newest rows."""
+        new = {k: v for k, v in (self.lost or {}).items() if k not in (before.lost or {})}
+        events = [
+            Event(row=row, t=row * record, kind="diverged", subject=label, text=f"{label} diverged: {why}")
+            for label, why in new.items()
+        ]
+        if self.plant_lost and not before.plant_lost:
+            text = "the plant's own state escapes to infinity"
+            events.append(Event(row=row, t=row * record, kind="diverged", subject="plant", text=text))
+        return events
+
+    def assumptions(self, experiment: Engine) -> list[Assumptions]:
+        """The checks of each observer over the rows of the tail."""
+        if not self.parts:
+            return []
+        plant = np.concatenate([r.plant for _, r in self.parts])
+        y = np.concatenate([r.y for _, r in self.parts])
+        values, ended = plant_values(self.parts, plant), finite_rows(plant)
+        found = []
+        for life in self._present(self.parts, experiment):
+            if life.label in (self.lost or {}):
+                continue
+            _, report = observer_columns(life, values, y, ended, first_row=self.first)
+            checks = tuple(AssumptionCheck(**{**vars(c), "value": _plain(c.value), "threshold": _plain(c.threshold)})
+                           for c in report.checks)  # fmt: skip
+            found.append(Assumptions(observer=life.label, checks=checks))
+        return found
+
+
+def _plain(value: float | None) -> float | None:
+    return None if value is None or not np.isfinite(value) else float(value)
+
+
+def _residual(experiment: Engine, estimator: Estimator, data: np.ndarray, where: dict[str, int]) -> np.ndarray:
+    """Largest |y − ŷ| over the outputs, in standard deviations of the noise (in hundredths of |y| where there is none)."""
+    largest = np.zeros(data.shape[1])
+    for name, std in zip(experiment.measurement.outputs, experiment.measurement.std, strict=True):
+        y, y_hat = data[where[name]], data[where[f"{estimator.label}.{name}"]]
+        scale = std if std > 0 else 0.01 * max(float(np.nanmax(np.abs(y), initial=0.0)), 1e-9)
+        largest = np.fmax(largest, np.abs(y - y_hat) / scale)
+    return largest
+
+
+def _tail_start(experiment: Engine, row: int) -> int:
+    """The row from which on rows must be kept for the rows from ``row`` on to be right: two whole windows before."""
+    start = row
+    for e in experiment.estimators:
+        window = e.parameters.get("g.window")
+        if window is not None:
+            length = max(1, round(window / (experiment.every * experiment.step)))
+            start = min(start, (row // length - 2) * length)
+    return max(0, start)
+
+
+def columns_of(experiment: Engine) -> tuple[str, ...]:
+    """The columns of an experiment's rows, in the order of every export."""
+    names = ["t"]
+    for prefix in ("u.", "signal."):
+        names += [n for n in experiment.signals if n.startswith(prefix)]
+    names += [*experiment.plant.states, *(n for n in experiment.signals if n.startswith("theta."))]
+    names += experiment.plant.outputs
+    for e in experiment.estimators:
+        names += [f"{e.label}.{n}" for n in _own_columns(e)]
+    return tuple(names)
+
+
+def _own_columns(e: Estimator) -> tuple[str, ...]:
+    return _named(_Kept(e))
+
+
+class _Kept:
+    """An estimator as a key: what decides the names of its columns."""
+
+    def __init__(self, e: Estimator):
+        self.e = e
+        self.key = (e.program.digest, e.kind.id, e.channels, e.context.noise_std)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Kept) and self.key == other.key
+
+    def __hash__(self) -> int:
+        return hash(self.key)
+
+
+@lru_cache(maxsize=256)
+def _named(kept: _Kept) -> tuple[str, ...]:
+    """Names of x̂, θ̂, ŷ and the diagnostics, found by asking for the diagnostics of a few rows of nothing."""
+    e = kept.e
+    rows = 4
+    outputs = [n for n in e.program.outputs if not n.startswith("init.")]
+    values = {n: np.zeros(rows) for n in (*e.program.states, *e.program.inputs, *outputs)}
+    values |= {"t": np.arange(rows) * 1.0} | dict(e.parameters)
+    measured = [n for n in e.program.inputs if n.startswith("y.")]
+    values |= {f"intensity.{n}": 0.0 for n in measured}
+    with np.errstate(all="ignore"):
+        run = Observed(None, e.program, e.channels, e.facts, values, 1.0, e.context)
+        more = e.kind.diagnostics(run)
+    return (*(n for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)), *more)
+
+

@@ -1,0 +1,90 @@
+"""One connection that watches a session: what it is sent, and when."""
+
+import asyncio
+from collections.abc import Awaitable, Callable, Coroutine
+from typing import Protocol
+
+from backend.live.outbox import Outbox, Overflow
+from backend.live.sending import Rest, begin
+from shared.session import CLOSE_SLOW
+
+
+class Source(Protocol):
+    """Where a viewer's samples come from."""
+
+    def samples(self, viewer: "Viewer") -> Awaitable[bytes | None]:
+        """The next frame of what the viewer has missed; None: it has everything."""
+        ...
+
+
+class Viewer:
+    """A connection. `text` and `samples` send; they wait while the connection's buffer is full.
+
+    Whoever publishes never waits for a viewer: what the connection takes at once is written at once, and all else waits
+    in the outbox for the viewer's own task, :meth:`run`.
+    """
+
+    def __init__(
+        self,
+        text: Callable[[str], Coroutine],
+        samples: Callable[[bytes], Coroutine],
+        control: bool,
+        loop: asyncio.AbstractEventLoop,
+    ) -> None:
+        self.control = control
+        self.outbox = Outbox()
+        self.closing: tuple[int, str] | None = None
+        self._text, self._samples, self._loop = text, samples, loop
+        self._parked: asyncio.Future[None] | None = None  # while the task waits for something to send
+        self._rest: Rest | None = None
+
+    def put(self, text: str, key: str | None = None) -> None:
+        """Send a text in its turn."""
+        try:
+            self.outbox.put(text, key)
+        except Overflow:
+            self.close(CLOSE_SLOW, "this viewer does not read what it is sent")
+        self.wake()
+
+    def frame(self, data: bytes, first: int, last: int) -> None:
+        """There is a new frame, of rows first … last − 1."""
+        if self._parked is None:
+            return
+        outbox = self.outbox
+        if outbox.row != first or not outbox.quiet:
+            self.wake()
+            return
+        outbox.row = last
+        try:
+            self._rest = begin(self._samples(data))
+        except Exception:  # the connection is gone, whatever it says of it
+            self.close(1006, "the connection is lost")
+        if self._rest is not None:
+            self.wake()
+
+    def close(self, code: int, reason: str) -> None:
+        """End the connection, as soon as its task sees it."""
+        self.closing = self.closing or (code, reason)
+        self.wake()
+
+    def wake(self) -> None:
+        if self._parked is not None:
+            self._parked.set_result(None)
+            self._parked = None
+
+    async def run(self, source: Source) -> None:
+        """Send what waits, until the connection is closed. Raises what the connection raises when it is lost."""
+        while self.closing is None:
+            if self._rest is not None:
+                rest, self._rest = self._rest, None
+                await rest
+            elif (text := self.outbox.text()) is not None:
+                await self._text(text)
+            elif (data := await source.samples(self)) is not None:
+                await self._samples(data)
+            elif self.outbox.quiet and self.closing is None:
+                self._parked = parked = self._loop.create_future()
+                try:
+                    await parked
+                finally:
+                    self._parked = None

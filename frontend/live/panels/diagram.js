@@ -1,0 +1,104 @@
+// From a plant's description to what its picture is made of: which blocks, which fault sites on them. No drawing here.
+
+/**
+ * @typedef {{name: string, title: string, subject: string, onChannel: boolean}} Site
+ * @typedef {{id: 'actuator'|'plant'|'l1'|'hysteresis'|'l2'|'sensor', states: string[], sites: Site[]}} Block
+ */
+
+const NAMES = /[A-Za-z_]\w*/g;
+const mentioned = (text) => new Set(String(text).match(NAMES) ?? []);
+
+/**
+ * The states before, in and after a hysteresis of backlash operators; null where the plant has none.
+ * @returns {{before: string[], memory: string[], after: string[]} | null}
+ */
+export function sandwich(plant) {
+  const operators = plant.definitions.filter((one) => /\bbacklash\s*\(/.test(one.expression));
+  if (operators.length === 0) return null;
+  const states = plant.states.map((one) => one.name);
+  const uses = Object.fromEntries(states.map((state) => [state, mentioned(plant.dynamics[state])]));
+  const within = new Set(operators.flatMap((one) => [...mentioned(one.expression)]));
+  const memory = states.filter((state) => within.has(state) && uses[state].size === 1 && !uses[state].has(state));
+  const carries = new Set(operators.map((one) => one.name)); // what follows the hysteresis: its operators, then all that use it
+  for (const one of plant.definitions) if ([...mentioned(one.expression)].some((name) => carries.has(name))) carries.add(one.name);
+  const after = [];
+  for (let found = true; found;) {
+    found = false;
+    for (const state of states) {
+      if (memory.includes(state) || after.includes(state) || ![...uses[state]].some((name) => carries.has(name))) continue;
+      after.push(state);
+      carries.add(state);
+      found = true;
+    }
+  }
+  return {before: states.filter((state) => !memory.includes(state) && !after.includes(state)), memory, after: states.filter((state) => after.includes(state))};
+}
+
+/** @returns {Block[]} from the input to the output */
+export function blocks(plant) {
+  const site = (channel) => ({name: channel.name, title: channel.title || channel.name, subject: channel.name, onChannel: true});
+  const of = (kind) => plant.channels.filter((channel) => channel.kind === kind);
+  const actuators = of('actuator').map(site);
+  const first = plant.inputs.length || actuators.length ? [{id: 'actuator', states: [], sites: actuators}] : [];
+  const outputs = plant.outputs.map((one) => ({name: one.name, title: one.description || one.name, subject: one.name, onChannel: false}));
+  return [...first, ...middle(plant, of('process'), site), {id: 'sensor', states: [], sites: [...of('sensor').map(site), ...outputs]}];
+}
+
+function middle(plant, faults, site) {
+  const parts = sandwich(plant);
+  if (!parts) return [{id: 'plant', states: plant.states.map((one) => one.name), sites: faults.map(site)}];
+  const behind = (channel) => Object.keys(channel.enters).every((state) => parts.after.includes(state));
+  return [
+    {id: 'l1', states: parts.before, sites: faults.filter((channel) => !behind(channel)).map(site)},
+    {id: 'hysteresis', states: [], sites: []},
+    {id: 'l2', states: parts.after, sites: faults.filter(behind).map(site)},
+  ];
+}
+
+export const WIDTH = 272;
+const R = 10; // of a site
+const PITCH = 23;
+const EDGE = 30; // room for u on the left
+const SHARE = {actuator: 0.8, plant: 1.25, l1: 0.8, hysteresis: 0.9, l2: 0.8, sensor: 0.8};
+
+/**
+ * Where everything stands in a picture 272 wide.
+ * @returns {{blocks: object[], axis: number, foot: number, height: number, left: number, right: number}}
+ */
+export function layout(plant) {
+  const row = blocks(plant);
+  const gap = row.length > 4 ? 11 : 20;
+  const left = row[0].id === 'actuator' ? EDGE : 6;
+  const room = WIDTH - left - 4 - gap * (row.length - 1);
+  const whole = row.reduce((sum, one) => sum + SHARE[one.id], 0);
+  let x = left;
+  const placed = row.map((one) => {
+    const width = (room * SHARE[one.id]) / whole;
+    const box = {...one, x, width, columns: Math.max(1, Math.floor((width + 4) / PITCH))};
+    x += width + gap;
+    return box;
+  });
+  const rows = Math.max(1, ...placed.map((one) => Math.ceil(one.sites.filter((site) => site.onChannel).length / one.columns)));
+  const half = 22;
+  const top = R + 1 + (rows - 1) * PITCH;
+  const axis = top + half + 2;
+  for (const one of placed) Object.assign(one, {y: axis - half, height: 2 * half, top, spots: spots(one, top)});
+  const lines = Math.max(plant.inputs.length, plant.outputs.length, 1);
+  const foot = axis + half + Math.max(46, 26 + 14 * lines);
+  return {blocks: placed, axis, foot, height: foot + 24, left, right: placed.at(-1).x + placed.at(-1).width / 2};
+}
+
+/** Channel sites in rows on the upper edge, upwards; output sites on the lower edge. */
+function spots(box, top) {
+  const spread = (sites, y, step) => sites.map((site, place) => {
+    const line = Math.floor(place / box.columns);
+    const count = Math.min(box.columns, sites.length - line * box.columns);
+    const pitch = Math.min(PITCH + 6, box.width / Math.max(count, 1));
+    return {...site, x: box.x + box.width / 2 + (place % box.columns - (count - 1) / 2) * Math.max(PITCH, pitch), y: y + line * step};
+  });
+  const channels = box.sites.filter((site) => site.onChannel);
+  const outputs = box.sites.filter((site) => !site.onChannel);
+  return [...spread(channels, top, -PITCH), ...outputs.map((site, place) => ({
+    ...site, x: box.x + box.width / 2 + (place - (outputs.length - 1) / 2) * 17, y: top + 2 + 44,
+  }))];
+}

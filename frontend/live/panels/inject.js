@@ -1,0 +1,115 @@
+// Inject a fault: a row for every channel, one for every output's measurement, and the noise.
+
+import {fill, h} from '../../dom.js';
+import {createRow} from './injectrow.js';
+import {badge, heading, link, slider, throttled} from './parts.js';
+import {logarithmic} from './scale.js';
+import {badges, split} from './symbols.js';
+
+export function mount(element, app) {
+  let rows = new Map();
+  let open = false; // the rows of measurement faults
+  const list = h('div', {class: 'scroll faults'});
+
+  const build = async () => {
+    const {plant} = app.state;
+    const {faults} = await app.catalogue;
+    if (plant !== app.state.plant) return;
+    rows = new Map();
+    if (!plant) return fill(element, heading(app.text.injectTitle));
+    const channels = channelRows(app, plant, faults, rows);
+    const outputs = outputRows(app, plant, faults, rows);
+    const toggle = link(app.text.moreFaults, () => show(!open), {'aria-expanded': 'false'});
+    const show = (now) => {
+      open = now;
+      toggle.setAttribute('aria-expanded', String(open));
+      toggle.textContent = open ? app.text.fewerFaults : app.text.moreFaults;
+      for (const {element: row, active} of outputs) row.hidden = !open && !active;
+    };
+    fill(list, channels.map((row) => row.element), plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
+      plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output)]));
+    fill(element, heading(app.text.injectTitle, toggle), list);
+    list.show = show;
+    show(open);
+    return update(app.state.faults);
+  };
+  const update = (faults) => {
+    const {role, spec} = app.state;
+    for (const [subject, row] of rows) row.show(faults.findLast((fault) => fault.active && fault.subject === subject), role, spec?.horizon);
+    list.show?.(open);
+  };
+  app.subscribe((state) => [state.plant, state.language, state.session], build);
+  app.subscribe((state) => [state.faults, state.role], () => update(app.state.faults));
+  app.subscribe((state) => state.site, (site) => choose(site));
+
+  const choose = (site) => {
+    const row = rows.get(site);
+    if (!row) return;
+    if (!app.state.plant.channels.some((channel) => channel.name === site)) list.show?.(true);
+    for (const {element: one} of rows.values()) one.classList.toggle('chosen', one === row.element);
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    row.element.scrollIntoView({block: 'nearest', behavior: still ? 'auto' : 'smooth'});
+    (row.main?.range ?? row.element.querySelector('select')).focus({preventScroll: true});
+  };
+}
+
+function channelRows(app, plant, shapes, rows) {
+  const short = badges(plant.channels);
+  const mine = shapes.filter((shape) => shape.on === 'channel');
+  return plant.channels.map((channel) => {
+    const subject = {name: channel.name, onChannel: true, typical: channel.typical, bounds: channel.bounds, unit: channel.unit, level: 0, ...times(app)};
+    const row = createRow(app, () => subject, {title: titled(channel.title || channel.name), description: channel.description, kind: app.text.kinds[channel.kind], badge: short.get(channel.name), shapes: mine});
+    rows.set(channel.name, row);
+    return row;
+  });
+}
+
+function outputRows(app, plant, shapes, rows) {
+  const mine = shapes.filter((shape) => shape.on === 'output');
+  return plant.outputs.map((output) => {
+    const subject = () => ({name: output.name, onChannel: false, bounds: [null, null], unit: output.unit, ...size(app, output.name), ...times(app)});
+    const row = createRow(app, subject, {title: app.text.measurementOf(titled(output.description || output.name)), description: '', kind: app.text.kinds.measurement, badge: split(output.name), shapes: mine});
+    rows.set(output.name, row);
+    return row;
+  });
+}
+
+const titled = (words) => words && words[0].toUpperCase() + words.slice(1);
+
+/** The times that first values go by. */
+function times(app) {
+  const {spec, step} = app.state;
+  const held = Object.values(spec.noise)[0]?.sample_time;
+  return {horizon: spec.horizon, sampleTime: spec.measurement?.period ?? held ?? 10 * step};
+}
+
+/** How large an output is, and a fault on it that one sees: a fifth of what it moved by, at least a tenth of itself. */
+function size(app, name) {
+  const {min, max} = app.range(`y.${name}`, Math.max(0, app.state.t - 60), app.state.t);
+  const now = app.latest(`y.${name}`);
+  const level = Number.isFinite(now) ? now : 0;
+  const swing = Number.isFinite(max - min) ? max - min : 0;
+  return {level, typical: Math.max(swing / 3, Math.abs(level) / 10) || 1};
+}
+
+/** The measurement noise of one output: its standard deviation, moved while time runs. */
+function noiseRow(app, output) {
+  const {text} = app;
+  const noise = () => app.state.spec.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
+  const begin = noise().std || size(app, output.name).typical / 30 || 0.01;
+  const send = throttled(async (std) => {
+    try {
+      await app.send({type: 'set-noise', output: output.name, std, sample_time: noise().sample_time});
+    } catch (error) {
+      app.act.tell(error.message, {kind: 'problem'});
+    }
+  });
+  const made = slider({name: text.noiseOf(output.name), scale: logarithmic(begin / 30, begin * 30, true), value: noise().std, low: 0, change: (std) => send(std)});
+  app.subscribe((state) => [state.spec?.noise[output.name]?.std ?? 0, state.role], ([std, role]) => {
+    if (!made.busy()) made.show(std);
+    made.disable(role === 'view');
+  });
+  return h('div', {class: 'fault noise', role: 'group', 'aria-label': text.noiseOf(output.name)}, badge(split(output.name), {square: true}),
+    h('div', {class: 'name'}, h('b', {}, text.noise), h('span', {class: 'sub'}, [text.noiseHeld(String(noise().sample_time)), output.unit].filter(Boolean).join(' · '))),
+    h('div', {class: 'control'}, h('i', {class: 'sigma'}, 'σ'), made.range, made.field));
+}

@@ -1,0 +1,124 @@
+// One row of the inject panel: a fault of one channel, or of one output's measurement.
+
+import {fill, h, number} from '../../dom.js';
+import {firstValues, limits, mainField, mainScale, ownFields, read, spell} from './faultform.js';
+import {badge, refusal, seconds, slider} from './parts.js';
+
+/**
+ * @param {object} app
+ * @param {() => import('./faultform.js').Subject} subjectOf    asked anew when a form is built, since outputs move
+ * @param {{title: string, kind: string, badge: [string, string], shapes: object[]}} about
+ */
+export function createRow(app, subjectOf, about) {
+  const {text} = app;
+  const subject = subjectOf();
+  const menu = h('select', {class: 'shape', 'aria-label': text.shapeOf(about.title)}, about.shapes.map((shape) => h('option', {value: shape.shape, title: shape.description}, text.shapes[shape.shape] ?? shape.shape)));
+  const control = h('div', {class: 'control'});
+  const more = h('div', {class: 'more-fields'});
+  const problem = h('p', {class: 'refused', role: 'alert'});
+  const sub = h('span', {class: 'sub'});
+  const press = h('button', {type: 'button', class: 'press'});
+  const change = h('button', {type: 'button', class: 'press quiet-press', hidden: true}, text.change);
+  const element = h('div', {class: 'fault', id: `fault-${subject.name}`, role: 'group', 'aria-label': about.title},
+    badge(about.badge, {square: !subject.onChannel}), h('div', {class: 'name'}, h('b', {title: about.description}, about.title), sub),
+    h('div', {class: 'presses'}, change, press), control, more, problem);
+  const row = {element, shape: null, values: {}, end: null, active: null, edited: false, main: null};
+
+  const touch = () => {
+    row.edited = row.active !== null;
+    change.hidden = !row.edited;
+    refusal(problem, null, text);
+  };
+  const build = (values = null, end = null) => {
+    row.shape = about.shapes.find((shape) => shape.shape === menu.value);
+    const now = subjectOf();
+    row.values = values ?? firstValues(row.shape, now);
+    row.end = end;
+    const field = mainField(row.shape);
+    row.main = field && mainSlider(field, row, now, about.title, touch, text);
+    fill(control, menu, row.main ? [row.main.range, row.main.field] : null);
+    fill(more, moreFields(row, field, touch, text, app));
+  };
+  menu.addEventListener('change', () => { build(); touch(); });
+
+  const ask = async (commands) => {
+    refusal(problem, null, text);
+    press.disabled = true;
+    try {
+      for (const command of commands) await app.send(command);
+      row.edited = false;
+      change.hidden = true;
+    } catch (error) {
+      refusal(problem, error, text);
+    } finally {
+      press.disabled = app.state.role === 'view';
+    }
+  };
+  const where = subject.onChannel ? {channel: subject.name} : {output: subject.name};
+  const inject = () => ({type: 'inject', fault: {...where, shape: row.shape.shape, onset: 0, ...(row.end === null ? {} : {end: row.end}), ...row.values}});
+  press.addEventListener('click', () => ask([row.active ? {type: 'clear', ...where} : inject()]));
+  change.addEventListener('click', () => ask([{type: 'clear', ...where}, inject()]));
+
+  row.show = (fault, role, horizon) => {
+    const other = fault?.fault !== row.active?.fault;
+    row.active = fault ?? null;
+    element.classList.toggle('on', Boolean(fault));
+    fill(press, fault ? text.clear : text.inject);
+    press.classList.toggle('clear', Boolean(fault));
+    press.setAttribute('aria-label', `${fault ? text.clear : text.inject}: ${about.title}`);
+    press.disabled = role === 'view';
+    sub.textContent = [about.kind, fault ? text.since(seconds(fault.onset, horizon)) : subject.unit].filter(Boolean).join(' · ');
+    if (fault && other) adopt(row, menu, fault, build);
+    if (other) { row.edited = false; change.hidden = true; }
+  };
+  build();
+  return row;
+}
+
+/** Show what acts: its shape and values. */
+function adopt(row, menu, {fault}, build) {
+  menu.value = fault.shape;
+  build();
+  const values = Object.fromEntries(ownFields(row.shape).map((field) => [field.name, fault[field.name] ?? row.values[field.name]]));
+  build(values, fault.end === null || fault.end === undefined ? null : fault.end - fault.onset);
+}
+
+function mainSlider(field, row, subject, title, touch, text) {
+  const first = firstValues(row.shape, subject)[field.name];
+  const made = slider({name: `${title}: ${text.fields[field.name] ?? field.name}`, scale: mainScale(field, subject, first), value: row.values[field.name],
+    ...limits(field, subject), change: (value) => { row.values[field.name] = value; touch(); }});
+  made.range.title = field.description;
+  made.field.title = `${text.fields[field.name] ?? field.name}${subject.unit ? `, ${subject.unit}` : ''}`;
+  return made;
+}
+
+/** The other fields, folded away: their values stand in the summary. */
+function moreFields(row, main, touch, text) {
+  const rest = ownFields(row.shape).filter((field) => field !== main);
+  const summary = h('summary', {});
+  const show = () => {
+    const values = rest.map((field) => `${text.fields[field.name] ?? field.name} ${short(row.values[field.name])}`);
+    summary.textContent = [...values, row.end === null ? text.stays : text.endsAfter(number(row.end, 3))].join(' · ');
+  };
+  const entry = (name, title, field, value, set) => {
+    const id = `field-${Math.random().toString(36).slice(2, 8)}`;
+    const input = field.type === 'choice'
+      ? h('select', {id}, field.choices.map((choice) => h('option', {selected: choice === value}, choice)))
+      : h('input', {id, type: 'text', value: spell(value), inputmode: field.type === 'array' ? 'text' : 'decimal', title: field.description, autocomplete: 'off', spellcheck: 'false'});
+    input.addEventListener('change', () => {
+      const typed = read(field, input.value);
+      if (typed === undefined) return input.setAttribute('aria-invalid', 'true');
+      input.removeAttribute('aria-invalid');
+      set(typed);
+      show();
+      return touch();
+    });
+    return [h('label', {for: id}, title), input];
+  };
+  const entries = rest.map((field) => entry(field.name, text.fields[field.name] ?? field.name, field, row.values[field.name], (value) => { row.values[field.name] = value; }));
+  entries.push(entry('end', text.fields.end, {type: 'number', nullable: true, above: 0, description: text.endHint}, row.end, (value) => { row.end = value; }));
+  show();
+  return h('details', {}, summary, h('div', {class: 'entries'}, entries));
+}
+
+const short = (value) => (Array.isArray(value) ? `${value.length}×` : typeof value === 'number' ? number(value, 3) : value);

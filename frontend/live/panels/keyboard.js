@@ -1,0 +1,51 @@
+// All keys of the page. Nothing is taken while one types, or from a control that uses the key itself.
+
+import {open} from './dialogs.js';
+
+/** What each key does; `does` names the words in app.text.keys. */
+export const KEYS = [
+  {keys: ['Space'], does: 'toggle', act: (app) => app.act.toggle()},
+  {keys: ['.', 'ArrowRight'], does: 'step', act: (app) => app.act.step(Math.max(1, Math.round(0.1 / (app.state.record || 0.1))))},
+  {keys: ['ArrowLeft'], does: 'back', act: (app) => app.act.seek(Math.max(0, app.state.t - (app.state.window ?? 50) / 10))},
+  {keys: ['Home'], does: 'reset', act: (app) => app.act.reset()},
+  {keys: ['+', '='], does: 'faster', act: (app) => app.act.speed(faster(app.state.speed, 1))},
+  {keys: ['-'], does: 'slower', act: (app) => app.act.speed(faster(app.state.speed, -1))},
+  {keys: ['F'], does: 'fork', act: (app) => app.act.fork()},
+  {keys: ['1', '…', '9'], does: 'site'},
+  {keys: ['C'], does: 'clear', act: (app) => app.send({type: 'clear'})},
+  {keys: ['E'], does: 'equations', act: () => open('equations')},
+  {keys: ['P'], does: 'present', act: (app) => app.act.present(!app.state.presentation)},
+  {keys: ['T'], does: 'theme', act: (app) => app.act.theme(app.state.theme === 'dark' ? 'light' : 'dark')},
+  {keys: ['L'], does: 'language', act: (app) => app.act.language(app.state.language === 'en' ? 'zh' : 'en')},
+  {keys: ['S'], does: 'share', act: () => open('share')},
+  {keys: ['?'], does: 'help', act: () => open('help')},
+];
+
+const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, null];
+
+/** The next speed up or down; null, as fast as possible, is the last. */
+export function faster(speed, by) {
+  const place = speed === null ? SPEEDS.length - 1 : SPEEDS.findIndex((one) => one === null || one >= speed);
+  return SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, place + by))];
+}
+
+/** Whether an element has its own use for a key. */
+function own(element, key) {
+  if (element.closest('dialog[open]')) return true;
+  if (element.matches('input:not([type=range]), textarea, select, [contenteditable]')) return true;
+  if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *')) return key.startsWith('Arrow') || key === 'Home';
+  return element.matches('button, a, summary, [role=button]') && (key === ' ' || key === 'Enter');
+}
+
+export function mount(element, app) {
+  element.addEventListener('keydown', (event) => {
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || own(event.target, event.key)) return;
+    const name = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toUpperCase() : event.key;
+    const channel = /^[1-9]$/.test(name) ? app.state.plant?.channels[Number(name) - 1] : null;
+    const found = KEYS.find((one) => one.act && one.keys.includes(name));
+    if (!channel && !found) return;
+    event.preventDefault();
+    if (channel) app.act.site(channel.name);
+    else Promise.resolve(found.act(app)).catch((error) => app.act.tell(error.message, {kind: 'problem'}));
+  });
+}

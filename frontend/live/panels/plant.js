@@ -1,0 +1,139 @@
+// The plant as a picture one can touch: what goes in, where faults act, what is measured, who watches.
+
+import {fill} from '../../dom.js';
+import {layout, WIDTH} from './diagram.js';
+import {open} from './dialogs.js';
+import {heading, link, steady} from './parts.js';
+import {letters, s} from './svg.js';
+import {badges} from './symbols.js';
+
+export function mount(element, app) {
+  let values = [];
+  let sites = new Map();
+  const draw = () => {
+    const {plant} = app.state;
+    fill(element, heading(app.text.plant, plant && link(app.text.equations, () => open('equations'))), plant && picture());
+    light(app.state.faults);
+  };
+  const picture = () => {
+    const made = drawPlant(app.state.plant, app);
+    ({values, sites} = made);
+    tick();
+    return made.svg;
+  };
+  const light = (faults) => {
+    const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
+    for (const [subject, {group, title}] of sites) {
+      group.classList.toggle('on', active.has(subject));
+      group.setAttribute('aria-label', `${title}${active.has(subject) ? `, ${app.text.activeNow}` : ''}`);
+    }
+  };
+  const tick = () => {
+    for (const {column, node, scale} of values) {
+      const now = app.latest(column);
+      node.textContent = Number.isFinite(now) ? steady(now, Math.max(Math.abs(now), scale), 3) : '';
+    }
+  };
+  app.subscribe((state) => [state.plant, state.language], draw);
+  app.subscribe((state) => state.observers.map((one) => one.colour).join(), draw);
+  app.subscribe((state) => state.faults, light);
+  app.subscribe((state) => state.site, (site) => {
+    for (const [subject, {group}] of sites) group.setAttribute('aria-pressed', String(subject === site));
+  });
+  app.onTick(tick);
+}
+
+function drawPlant(plant, app) {
+  const place = layout(plant);
+  const short = badges(plant.channels);
+  const sites = new Map();
+  const values = [];
+  const parts = place.blocks.map((box) => block(box, plant, app.text));
+  const buttons = place.blocks.flatMap((box) => box.spots.map((spot) => button(spot, short, app, sites)));
+  const svg = s('svg', {class: 'plant', viewBox: `0 0 ${WIDTH} ${place.height}`, role: 'group', 'aria-label': app.text.plantPicture(plant.title)},
+    s('defs', {}, s('marker', {id: 'tip', viewBox: '0 0 8 8', refX: 7, refY: 4, markerWidth: 6, markerHeight: 6, orient: 'auto'},
+      s('path', {d: 'M0 0L8 4L0 8z', fill: 'var(--ink)'}))),
+    wires(place, plant, values), parts, watchers(place, app), buttons);
+  return {svg, values, sites};
+}
+
+/** Signal lines: through the blocks, and down to the observers; with the present values of u and y beside these. */
+function wires({blocks, axis, foot, left, right}, plant, values) {
+  const wire = (d) => s('path', {class: 'wire', d, 'marker-end': 'url(#tip)'});
+  const between = blocks.slice(1).map((box, place) => wire(`M${blocks[place].x + blocks[place].width} ${axis}H${box.x - 1}`));
+  const out = wire(`M${right} ${axis + 22}V${foot}H${WIDTH / 2 + 56}`);
+  const parts = [...between, out, ...list(plant.outputs, 'y.', right - 7, axis, foot, 'end', values)];
+  if (blocks[0].id === 'actuator') {
+    const x = 13;
+    parts.push(wire(`M2 ${axis}H${left - 1}`), wire(`M${x} ${axis}V${foot}H${WIDTH / 2 - 56}`), s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}),
+      ...list(plant.inputs, 'u.', x + 7, axis, foot, 'start', values));
+    if (plant.inputs.length > 1) parts.push(s('path', {class: 'wire', d: `M5 ${axis + 5}l5 -10`}), s('text', {class: 'ts', x: 9, y: axis - 8}, String(plant.inputs.length)));
+  }
+  return parts;
+}
+
+/** Names and present values, one under the other beside a wire. */
+function list(ports, prefix, x, axis, foot, anchor, values) {
+  const top = (axis + 22 + foot) / 2 - (ports.length - 1) * 7 + (anchor === 'end' ? 8 : 4);
+  return ports.map((port, place) => {
+    const node = s('tspan', {class: 'num'});
+    values.push({column: prefix + port.name, node, scale: Math.abs(port.default ?? 0)});
+    return s('text', {class: 'port', x, y: top + place * 14, 'text-anchor': anchor}, s('title', {}, [port.description, port.unit].filter(Boolean).join(', ')),
+      letters(port.name, 13), ' ', node);
+  });
+}
+
+function block(box, plant, text) {
+  const x = box.x + box.width / 2;
+  const y = box.y + box.height / 2;
+  const frame = s('rect', {class: 'blk', x: box.x, y: box.y, width: box.width, height: box.height, rx: 6});
+  if (box.id === 'hysteresis') {
+    const loop = `M${x - 13} ${y + 14}h7c5 0 4 -26 13 -26h6M${x + 13} ${y - 12}h-7c-5 0 -4 26 -13 26`;
+    return [frame, s('path', {class: 'loop', d: loop}), s('title', {}, text.blocks.hysteresis)];
+  }
+  const discrete = plant.time.kind === 'discrete' && box.id === 'plant';
+  const states = box.states.length ? summary(box.states, box.width, text) : [];
+  const lift = (states.length ? 6 : -4) + (discrete ? 4 : 0);
+  return [frame, s('text', {class: 't', x, y: y - lift}, text.blocks[box.id]),
+    states.length && s('text', {class: 'ts', x, y: y - lift + 14}, states),
+    discrete && s('text', {class: 'ts', x, y: y - lift + 26}, text.every(plant.time.period))].filter(Boolean);
+}
+
+/** The states of a block, as many as fit. */
+function summary(names, width, text) {
+  const wide = names.reduce((sum, name) => sum + (name.length > 3 ? 6 * name.length : 15), 0);
+  if (wide > width - 6) return [text.manyStates(names.length)];
+  return names.flatMap((name) => [...letters(name, 12), ' ']);
+}
+
+/** The observers below: they see u and y only. One stroke of colour each. */
+function watchers({foot, axis}, app) {
+  const {observers, plant} = app.state;
+  const w = 112;
+  const x = (WIDTH - w) / 2;
+  const step = Math.min(16, (w - 16) / Math.max(observers.length, 1));
+  const begin = WIDTH / 2 - (step * observers.length) / 2;
+  const sees = plant.inputs.length ? app.text.fromInputs : app.text.fromOutputs;
+  return [s('rect', {class: 'blk eye', x, y: foot - 22, width: w, height: 44, rx: 6, style: observers[0] && `stroke:${observers[0].colour}`}),
+    s('text', {class: 't', x: WIDTH / 2, y: foot - 7}, app.text.observersBlock),
+    s('text', {class: 'ts', x: WIDTH / 2, y: foot + 6}, s('tspan', {class: 'letter'}, 'x̂, θ̂ '), sees, s('tspan', {class: 'letter'}, plant.inputs.length ? ' u, y' : ' y')),
+    ...observers.map((one, place) => s('rect', {x: begin + place * step + 1.5, y: foot + 12, width: step - 3, height: 3.5, rx: 1.5, style: `fill:${one.colour}`}))];
+}
+
+/** One fault site: round for a channel, a small square for what can happen to a measurement. */
+function button(spot, short, app, sites) {
+  const press = () => app.act.site(spot.subject);
+  const title = spot.onChannel ? app.text.siteOf(spot.title) : app.text.siteOfOutput(spot.name);
+  const key = (event) => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); press(); } };
+  const [base, index] = short.get(spot.name) ?? ['', ''];
+  const long = base.length + index.length > 2;
+  const group = s('g', {class: `site${spot.onChannel ? '' : ' output'}`, role: 'button', tabindex: 0, 'aria-label': title, 'aria-pressed': 'false',
+    transform: `translate(${spot.x.toFixed(1)} ${spot.y.toFixed(1)})`, onclick: press, onkeydown: key},
+  s('title', {}, title),
+  spot.onChannel ? [s('circle', {r: 14, class: 'hit'}), s('circle', {r: 10}), s('text', {y: 4, 'font-size': long ? 10 : 12}, s('tspan', {}, base),
+    index && s('tspan', {dy: 2.5, 'font-size': long ? 7 : 8.5}, index))]
+    : [s('circle', {r: 9, class: 'hit'}), s('rect', {x: -4.5, y: -4.5, width: 9, height: 9, rx: 1.5, transform: 'rotate(45)'})]);
+  sites.set(spot.subject, {group, title});
+  return group;
+}
+

@@ -1,0 +1,53 @@
+// Names as symbols, and the short badges of fault channels.
+
+const PAIRS = 'alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ '
+  + 'sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π Sigma Σ Phi Φ Psi Ψ Omega Ω';
+
+/** Greek letters by name. */
+export const GREEK = Object.fromEntries(PAIRS.split(' ').map((word, place, all) => [word, all[place + 1]]).filter((_, place) => place % 2 === 0));
+
+/** Letter (or word) and index of a name: theta1 → ['θ', '1'], gain_loss → ['gain loss', '']. */
+export function split(name) {
+  const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
+  const [base, index] = match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1])) ? [match[1], match[2]] : [name, ''];
+  return [Object.hasOwn(GREEK, base) ? GREEK[base] : base.replaceAll('_', ' '), index];
+}
+
+/** A name as plain text: theta3 → θ₃. */
+export function plain(name) {
+  const [base, index] = split(name);
+  return base + [...index].map((digit) => '₀₁₂₃₄₅₆₇₈₉'[digit] ?? digit).join('');
+}
+
+/**
+ * What stands in the badge of each channel, two or three characters that tell it from the others: θ₁, gl for gain_loss,
+ * lv₁ and lk₁ for level1 and leak1.
+ * @param {{name: string}[]} channels
+ * @returns {Map<string, [string, string]>} name → [letters, index]
+ */
+export function badges(channels) {
+  const found = new Map();
+  const words = new Map(); // the part before the number → its letters
+  for (const {name} of channels) {
+    const [base, index] = split(name);
+    if (base.length === 1) found.set(name, [base, index]);
+    else words.set(/^(.*?)_?(\d*)$/.exec(name)[1], '');
+  }
+  for (const word of words.keys()) words.set(word, shortened(word, [...words.keys()]));
+  for (const {name} of channels) {
+    if (found.has(name)) continue;
+    const [, word, index] = /^(.*?)_?(\d*)$/.exec(name);
+    found.set(name, [words.get(word), index]);
+  }
+  return found;
+}
+
+/** Initials of several words; of one word its first letter, and where others begin alike a consonant that they lack. */
+function shortened(word, all) {
+  if (word.includes('_')) return word.split('_').map((part) => part[0]).join('').slice(0, 3);
+  const rivals = all.filter((other) => other !== word && other[0] === word[0] && !other.includes('_'));
+  if (rivals.length === 0) return word[0];
+  const consonants = [...word.slice(1)].filter((letter) => !'aeiou'.includes(letter));
+  const own = consonants.find((letter) => rivals.every((other) => !other.slice(1).includes(letter)));
+  return word[0] + (own ?? consonants[0] ?? word[1] ?? '');
+}

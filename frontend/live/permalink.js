@@ -1,0 +1,67 @@
+// The address holds the session: the short form `?experiment=id` while nothing was changed, else everything that makes its numbers, compressed
+// into the fragment (which never leaves the browser). `t` is the time at which a copied link opens it.
+//
+//   /?experiment=zhao-2012&t=42
+//   /#s=<base64url of deflate of {experiment, changed: {spec fields that differ}, t}>
+//   /?session=<id>            watch this very session (no control)
+
+const PROSE = ['figures', 'errata', 'description', 'source'];
+
+const same = (a, b) => JSON.stringify(sorted(a)) === JSON.stringify(sorted(b));
+
+function sorted(value) {
+  if (Array.isArray(value)) return value.map(sorted);
+  if (value === null || typeof value !== 'object') return value;
+  return Object.fromEntries(Object.keys(value).sort().map((key) => [key, sorted(value[key])]));
+}
+
+/** The fields of a spec that the library's experiment does not have so. `base` has its plant in full. */
+export function changed(spec, base) {
+  return Object.fromEntries(Object.entries(spec).filter(([key, value]) => !PROSE.includes(key) && !same(value, base[key])));
+}
+
+/** The address of a spec at a time. `base`: the library's experiment it began with, plant in full, or null. */
+export async function write({spec, t, experiment, base}) {
+  const time = Number(t.toPrecision(12));
+  if (base) {
+    const differs = changed(spec, base);
+    if (Object.keys(differs).length === 0) return `?experiment=${encodeURIComponent(experiment)}${time > 0 ? `&t=${time}` : ''}`;
+    return `#s=${await pack({experiment, changed: differs, t: time})}`;
+  }
+  return `#s=${await pack({spec, t: time})}`;
+}
+
+/**
+ * What an address asks for: {experiment, changed?, spec?, t, session}. `from` is a Location or URL.
+ * @throws {Error} where the fragment is damaged
+ */
+export async function read(from) {
+  const query = new URLSearchParams(from.search);
+  const fragment = new URLSearchParams(from.hash.slice(1)).get('s');
+  const t = Number(query.get('t') ?? 0);
+  const asked = {session: query.get('session'), experiment: query.get('experiment'), t: Number.isFinite(t) && t > 0 ? t : 0};
+  return fragment ? {...asked, ...await unpack(fragment)} : asked;
+}
+
+/** The spec that an address with a fragment means; `load(id)` gives a library experiment with its plant in full. */
+export async function specOf(asked, load) {
+  if (asked.spec) return asked.spec;
+  if (!asked.changed) return null;
+  return {...await load(asked.experiment), ...asked.changed};
+}
+
+async function pipe(bytes, through) {
+  return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(through)).arrayBuffer());
+}
+
+export async function pack(value) {
+  const bytes = await pipe(new TextEncoder().encode(JSON.stringify(value)), new CompressionStream('deflate-raw'));
+  let text = '';
+  for (const byte of bytes) text += String.fromCharCode(byte);
+  return btoa(text).replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
+}
+
+export async function unpack(text) {
+  const bytes = Uint8Array.from(atob(text.replaceAll('-', '+').replaceAll('_', '/')), (letter) => letter.charCodeAt(0));
+  return JSON.parse(new TextDecoder().decode(await pipe(bytes, new DecompressionStream('deflate-raw'))));
+}

@@ -1,0 +1,107 @@
+// How events change the state of the live page. Pure: (state, event) → state. Events are the server's messages, as they come, and the page's own.
+
+const COLOURS = 6; // --o0 … --o5
+const MOST_EVENTS = 5000;
+
+/** Observers that watch at time t, from the spec's own and its timed commands, with the colours they had. */
+export function observersAt(spec, t, before = [], log = []) {
+  const watching = new Map(spec.observers.map((config) => [config.label, {config, gains: {...config.gains}, since: 0}]));
+  for (const command of spec.commands ?? []) {
+    if (command.at > t + 1e-9) break;
+    if (command.command === 'add-observer') {
+      watching.set(command.observer.label, {config: command.observer, gains: {...command.observer.gains}, since: command.at});
+    } else if (command.command === 'remove-observer') watching.delete(command.label);
+    else if (command.command === 'set-gain' && watching.has(command.observer)) watching.get(command.observer).gains[command.gain] = command.value;
+  }
+  const taken = new Map(before.filter(({label}) => watching.has(label)).map(({label, place}) => [label, place]));
+  return [...watching].map(([label, {config, gains, since}]) => {
+    if (!taken.has(label)) taken.set(label, free(new Set(taken.values())));
+    const place = taken.get(label);
+    const fallen = log.findLast((event) => event.kind === 'diverged' && event.subject === label && event.t >= since);
+    return {label, kind: config.kind, colour: `var(--o${place % COLOURS})`, place, gains, options: config.options ?? {}, since,
+      diverged: fallen ? {t: fallen.t, text: fallen.text} : null};
+  });
+}
+
+function free(taken) {
+  let place = 0;
+  while (taken.has(place)) place += 1;
+  return place;
+}
+
+/** The spec's faults and whether they act at time t. */
+export function faultsAt(spec, t) {
+  return spec.faults.map((fault) => ({
+    subject: fault.channel ?? fault.output, onChannel: 'channel' in fault, shape: fault.shape, fault, onset: fault.onset, end: fault.end ?? null,
+    active: fault.onset <= t + 1e-9 && (fault.end === null || fault.end === undefined || t < fault.end),
+  }));
+}
+
+/** Alarms of a log: each from its event until its alarm-over. */
+export function alarmsOf(log) {
+  const alarms = [];
+  for (const event of log) {
+    if (event.kind === 'alarm') {
+      alarms.push({subject: event.subject, observer: event.observer, t: event.t, over: null, value: event.value, text: event.text});
+    } else if (event.kind === 'alarm-over') {
+      const open = alarms.findLast((alarm) => alarm.over === null && alarm.subject === event.subject && alarm.observer === event.observer);
+      if (open) open.over = event.t;
+    }
+  }
+  return alarms;
+}
+
+/** Keep the old array where nothing in it has changed, so that nobody is told for nothing. */
+const steady = (before, now) => (JSON.stringify(before) === JSON.stringify(now) ? before : now);
+
+/** What follows from spec, time and log. */
+function derived(state) {
+  if (!state.spec) return state;
+  return {...state, observers: steady(state.observers, observersAt(state.spec, state.t, state.observers, state.log)),
+    faults: steady(state.faults, faultsAt(state.spec, state.t)), alarms: steady(state.alarms, alarmsOf(state.log))};
+}
+
+/** Whether a fault began or ended, or a command of the spec took effect, between two times. */
+function turned(spec, before, now) {
+  const between = (t) => t !== null && t !== undefined && ((t > before && t <= now + 1e-9) || (t > now && t <= before));
+  return spec !== null && (spec.faults.some((fault) => between(fault.onset) || between(fault.end))
+    || (spec.commands ?? []).some((command) => between(command.at)));
+}
+
+const messages = {
+  hello: (state, hello) => derived({
+    ...state, connection: hello.role === 'view' || hello.role === 'control' ? 'live' : state.connection, role: hello.role, session: hello.session,
+    spec: hello.spec, plant: hello.spec.plant, columns: hello.columns, epoch: hello.epoch, step: hello.step, record: hello.record,
+    row: hello.row, t: Math.max(0, hello.row - 1) * hello.record, playing: hello.playing, speed: hello.speed, log: hello.log.slice(-MOST_EVENTS),
+    parent: hello.parent ? {id: hello.parent, t: state.parent?.id === hello.parent ? state.parent.t : null} : null,
+    checks: state.session === hello.session ? state.checks : {}, problem: null,
+  }),
+  status: (state, status) => {
+    const {type: _, ...rest} = status;
+    const next = {...state, ...rest};
+    return turned(state.spec, state.t, status.t) ? derived(next) : next;
+  },
+  event: (state, event) => derived({...state, log: [...state.log, event].slice(-MOST_EVENTS)}),
+  columns: (state, {epoch, columns}) => ({...state, epoch, columns}),
+  rewound: (state, {epoch, row, t}) => derived({...state, epoch, row, t, ended: false, selection: null,
+    log: state.log.filter((event) => event.row <= row && !(row === 0 && event.kind !== 'reset'))}),
+  spec: (state, {spec}) => derived({...state, spec, plant: steady(state.plant, spec.plant)}),
+  assumptions: (state, {observer, checks}) => ({...state, checks: {...state.checks, [observer]: steady(state.checks[observer], checks)}}),
+};
+
+const own = {
+  connection: (state, {now}) => ({...state, connection: now}),
+  begin: (state, {session, role, experiment, parent}) => ({...state, connection: 'starting', session, role, experiment, parent: parent ?? null,
+    spec: null, plant: null, columns: [], observers: [], faults: [], alarms: [], log: [], checks: {}, strips: {}, selection: null, cursor: null,
+    site: null, problem: null, ended: false, row: 0, t: 0}),
+  failed: (state, {problem}) => ({...state, connection: 'failed', problem}),
+  set: (state, {type: _, ...values}) => ({...state, ...values}),
+  strip: (state, {name, shown}) => ({...state, strips: {...state.strips, [name]: shown}}),
+};
+
+/** @type {(state: import('./store.js').State, event: object) => import('./store.js').State} */
+export function reduce(state, event) {
+  const change = messages[event.type] ?? own[event.type];
+  if (!change) return state; // a newer server may say more
+  return change(state, event);
+}

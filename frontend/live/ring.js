@@ -1,0 +1,232 @@
+// The samples of a session in the browser: the newest rows at full rate, all of them as minima and maxima of 4, 16, 64 … rows.
+//
+// Memory is bounded: every array is a ring whose capacity is a power of two, so a row's place is `row & mask`. Minima and maxima belong to
+// absolute row numbers, not to the screen: a curve that scrolls does not shimmer.
+
+const BITS = 2; // each level gathers 4 of the one below
+const LEVELS = 9; // up to 4⁹ = 262 144 rows in one
+const BUCKETS = 16384; // per level: more than a screen has columns of pixels
+const SMALLEST = 4096;
+const MEMORY = 64e6; // bytes for the rows at full rate
+
+class Column {
+  constructor(capacity) {
+    this.values = new Float32Array(capacity).fill(NaN);
+    this.low = [];
+    this.high = [];
+    for (let level = 0; level < LEVELS; level += 1) {
+      this.low.push(new Float32Array(256).fill(NaN));
+      this.high.push(new Float32Array(256).fill(NaN));
+    }
+  }
+
+  /** Gather rows first … last − 1 into all levels; `rows` is where the known rows end. */
+  gather(first, last, rows) {
+    let {values: low, values: high} = this;
+    let from = first;
+    let to = last - 1;
+    let end = rows; // entries of the level below
+    for (let level = 0; level < LEVELS; level += 1) {
+      from >>= BITS;
+      to >>= BITS;
+      this.low[level] = grown(this.low[level], Math.min(to + 1, BUCKETS));
+      this.high[level] = grown(this.high[level], Math.min(to + 1, BUCKETS));
+      gatherLevel(low, high, this.low[level], this.high[level], from, to, end);
+      low = this.low[level];
+      high = this.high[level];
+      end = ((end - 1) >> BITS) + 1;
+    }
+  }
+}
+
+/** A ring of at least this size with the same entries; it must not have wrapped yet. */
+function grown(ring, size) {
+  if (ring.length >= size) return ring;
+  const larger = new Float32Array(2 ** Math.ceil(Math.log2(size))).fill(NaN);
+  larger.set(ring);
+  return larger;
+}
+
+function gatherLevel(low, high, lows, highs, from, to, end) {
+  const mask = low.length - 1;
+  const own = lows.length - 1;
+  for (let bucket = from; bucket <= to; bucket += 1) {
+    let least = NaN;
+    let most = NaN;
+    const stop = Math.min(end, (bucket + 1) << BITS);
+    for (let i = bucket << BITS; i < stop; i += 1) {
+      const a = low[i & mask];
+      const b = high[i & mask];
+      if (!(least <= a)) least = a === a ? a : least; // NaN counts for nothing
+      if (!(most >= b)) most = b === b ? b : most;
+    }
+    lows[bucket & own] = least;
+    highs[bucket & own] = most;
+  }
+}
+
+export class Samples {
+  /** @param {number} record  s between rows */
+  constructor(record, memory = MEMORY) {
+    this.record = record;
+    this.memory = memory;
+    this.columns = new Map();
+    this.sent = []; // names of the columns as they arrive
+    this.derived = []; // [name, fn(values of sent columns …), …]
+    this.rows = 0;
+    this.capacity = SMALLEST;
+    this.version = 0; // changes with everything that is to be drawn
+  }
+
+  /**
+   * The columns that arrive from now on, and those that are computed of them: [{name, of: [names], make: (a, b) => value}].
+   * What is there already under the same name is kept.
+   */
+  setColumns(names, derived = []) {
+    const known = new Set(names);
+    this.sent = [...names];
+    this.derived = derived.filter(({of}) => of.every((name) => known.has(name)));
+    const all = [...names, ...this.derived.map(({name}) => name)];
+    const most = Math.max(SMALLEST, 2 ** Math.floor(Math.log2(this.memory / 4 / Math.max(1, all.length))));
+    this.most = Math.max(most, this.capacity); // more columns never throw rows away
+    this.columns = new Map(all.map((name) => [name, this.columns.get(name) ?? new Column(this.capacity)]));
+    this.version += 1;
+  }
+
+  /** Rows from this one on are void. */
+  truncate(row) {
+    this.rows = Math.min(this.rows, row);
+    if (this.rows > 0) for (const column of this.columns.values()) column.gather(this.rows - 1, this.rows, this.rows);
+    this.version += 1;
+  }
+
+  /** Rows `first` … of all columns, one column after the other. Rows that are there already are replaced. */
+  push(first, count, data) {
+    if (count === 0) return;
+    const end = first + count;
+    while (end > this.capacity && this.capacity < this.most) this.grow();
+    const skip = Math.max(0, count - this.capacity); // of more than fit, the newest
+    const gap = Math.min(first - this.rows, this.capacity);
+    for (let place = 0; place < this.sent.length; place += 1) {
+      const {values} = this.columns.get(this.sent[place]);
+      if (gap > 0) for (let row = first - gap; row < first; row += 1) values[row & (this.capacity - 1)] = NaN;
+      write(values, first + skip, data.subarray(place * count + skip, (place + 1) * count));
+    }
+    for (const {name, of, make} of this.derived) this.derive(name, of, make, first + skip, end);
+    this.rows = end;
+    const from = gap > 0 ? first - gap : first + skip;
+    for (const column of this.columns.values()) column.gather(from, end, end);
+    this.version += 1;
+  }
+
+  derive(name, of, make, first, end) {
+    const mask = this.capacity - 1;
+    const {values} = this.columns.get(name);
+    const [a, b] = of.map((one) => this.columns.get(one).values);
+    for (let row = first; row < end; row += 1) values[row & mask] = make(a[row & mask], b?.[row & mask]);
+  }
+
+  grow() {
+    this.capacity *= 2;
+    for (const column of this.columns.values()) column.values = grown(column.values, this.capacity);
+  }
+
+  has(name) { return this.columns.has(name); }
+
+  /** First row that is kept at full rate. */
+  get oldest() { return Math.max(0, this.rows - this.capacity); }
+
+  /** Time of the newest row, s. */
+  get now() { return this.rows === 0 ? 0 : (this.rows - 1) * this.record; }
+
+  latest(name) { return this.value(name, this.rows - 1); }
+
+  /** Value of a row, NaN where there is none (any more). */
+  value(name, row) {
+    const column = this.columns.get(name);
+    if (!column || row < this.oldest || row >= this.rows || row < 0) return column && row >= 0 && row < this.rows ? this.coarse(column, row) : NaN;
+    return column.values[row & (this.capacity - 1)];
+  }
+
+  /** What the finest level that still has it knows of a row: the middle between its minimum and maximum. */
+  coarse(column, row) {
+    for (let level = 0; level < LEVELS; level += 1) {
+      const bucket = row >> (BITS * (level + 1));
+      const size = column.low[level].length;
+      if (bucket > ((this.rows - 1) >> (BITS * (level + 1))) - size) {
+        return (column.low[level][bucket & (size - 1)] + column.high[level][bucket & (size - 1)]) / 2;
+      }
+    }
+    return NaN;
+  }
+
+  at(name, t) { return this.value(name, Math.round(t / this.record)); }
+
+  /** Copies of what is kept at full rate between two times: {t, v}. */
+  window(name, t0, t1) {
+    const column = this.columns.get(name);
+    const first = Math.max(this.oldest, Math.ceil(t0 / this.record - 1e-6));
+    const last = Math.min(this.rows - 1, Math.floor(t1 / this.record + 1e-6));
+    const count = column ? Math.max(0, last - first + 1) : 0;
+    const t = new Float64Array(count);
+    const v = new Float32Array(count);
+    for (let i = 0; i < count; i += 1) {
+      t[i] = (first + i) * this.record;
+      v[i] = column.values[(first + i) & (this.capacity - 1)];
+    }
+    return {t, v};
+  }
+
+  /** {min, max, mean, count} between two times; the mean is of the full rate only. */
+  range(name, t0, t1) {
+    const {v} = this.window(name, t0, t1);
+    let min = Infinity;
+    let max = -Infinity;
+    let sum = 0;
+    let count = 0;
+    for (const value of v) {
+      if (value !== value) continue;
+      if (value < min) min = value;
+      if (value > max) max = value;
+      sum += value;
+      count += 1;
+    }
+    return count ? {min, max, mean: sum / count, count} : {min: NaN, max: NaN, mean: NaN, count: 0};
+  }
+
+  /**
+   * How to draw rows first … last on so many pixels: the number of rows that are put together, as a power of two. One bin is at least a
+   * pixel wide, and its level still reaches back to `first`.
+   */
+  power(first, last, pixels) {
+    let power = Math.max(0, Math.ceil(Math.log2(Math.max(1, (last - first) / Math.max(1, pixels)))));
+    while (power < BITS * LEVELS && first < this.reach(power)) power += 1;
+    return power;
+  }
+
+  /** The first row that is known in bins of 2^power rows. */
+  reach(power) {
+    const level = power >> 1;
+    if (level === 0) return this.oldest;
+    const newest = (this.rows - 1) >> (BITS * level);
+    return Math.max(0, (newest - BUCKETS + 1) << (BITS * level));
+  }
+
+  /** The arrays that hold bins of 2^power rows: entry i stands for rows i·rows … and is found at i & mask. */
+  source(name, power) {
+    const column = this.columns.get(name);
+    if (!column) return null;
+    const level = power >> 1;
+    const low = level === 0 ? column.values : column.low[level - 1];
+    const high = level === 0 ? column.values : column.high[level - 1];
+    return {low, high, mask: low.length - 1, rows: 1 << (BITS * level), pair: power % 2 === 1};
+  }
+}
+
+/** Write values into a ring from a row on. */
+function write(ring, row, values) {
+  const at = row & (ring.length - 1);
+  const straight = Math.min(values.length, ring.length - at);
+  ring.set(straight === values.length ? values : values.subarray(0, straight), at);
+  if (straight < values.length) ring.set(values.subarray(straight), 0);
+}

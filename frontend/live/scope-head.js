@@ -1,0 +1,63 @@
+// Above the strips: what the lines mean, how long the window is, which strips are shown.
+
+import {fill, h, symbol} from '../dom.js';
+import {seconds} from './format.js';
+
+const WINDOWS = [10, 30, 100, null];
+
+export function mountHead(root, app, scope) {
+  const legend = h('ul', {class: 'legend'});
+  const zoom = h('span', {class: 'zoom-state', hidden: true});
+  const windows = h('div', {class: 'segments', role: 'group'});
+  const menu = h('details', {class: 'menu strips-menu'});
+  fill(root, legend, h('span', {class: 'grow'}), zoom, windows, menu);
+
+  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns], () => fill(legend, legendOf(app, scope)));
+  app.subscribe((state) => [state.window, state.selection, state.language], ([window, selection]) => {
+    const {text} = app;
+    windows.setAttribute('aria-label', text.window);
+    windows.title = text.windowHint;
+    fill(windows, WINDOWS.map((length) => h('button', {type: 'button', 'aria-pressed': String(length === window && !selection),
+      onclick: () => app.act.window(length)}, length === null ? text.all : text.windowOf(length))));
+    zoom.hidden = !selection;
+    if (selection) {
+      const step = (selection[1] - selection[0]) / 50;
+      fill(zoom, text.zoomed(seconds(selection[0], step), seconds(selection[1], step)),
+        h('button', {type: 'button', class: 'link', onclick: () => app.act.select(null)}, text.follow));
+    }
+  });
+  app.subscribe((state) => [state.plant, state.columns, state.strips, state.language, state.faults, state.observers], () => fillMenu(menu, app));
+  document.addEventListener('click', (event) => {
+    if (menu.open && !menu.contains(event.target)) menu.open = false;
+  });
+}
+
+function legendOf(app, scope) {
+  const {state, text} = app;
+  const item = (mark, words, extra = {}) => h('li', extra, mark, words);
+  const key = (name, style = null) => h('span', {class: `key ${name}`, style, 'aria-hidden': 'true'});
+  return [
+    item(key('dash'), text.truth),
+    ...state.observers.map((observer) => item(key('solid', `--c:${observer.colour}`), observer.label, {
+      class: 'own', onpointerenter: () => scope.point(observer.label), onpointerleave: () => scope.point(null)})),
+    state.columns.some((column) => column.includes('.sigma.')) && item(key('band', `--c:${state.observers[0]?.colour ?? 'var(--o0)'}`), text.band),
+    item(key('tinted'), text.faultActive), item(key('triangle'), text.alarm),
+    state.parent && item(key('ghost'), text.parentCurves),
+  ];
+}
+
+const GROUPS = [['theta', 'channels'], ['state', 'states'], ['residual', 'residuals'], ['excitation', 'other']];
+
+function fillMenu(menu, app) {
+  const {text} = app;
+  const all = app.strips();
+  const box = (strip) => h('label', {}, h('input', {type: 'checkbox', checked: strip.shown, onchange: (event) => app.act.strip(strip.name, event.target.checked)}),
+    strip.kind === 'excitation' ? text.excitation : symbol(strip.symbol), h('small', {}, strip.kind === 'residual' ? text.residual : strip.title));
+  const groups = GROUPS.map(([kind, name]) => {
+    const own = all.filter((strip) => strip.kind === kind);
+    return own.length ? h('fieldset', {}, h('legend', {}, text[name]), own.map(box)) : null;
+  });
+  const changed = Object.keys(app.state.strips).length > 0;
+  fill(menu, h('summary', {title: text.stripsHint}, text.strips), h('div', {class: 'menu-body'}, groups,
+    changed && h('button', {type: 'button', class: 'link', onclick: () => app.act.strip(null)}, text.stripsUsual)));
+}

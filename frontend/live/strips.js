@@ -1,0 +1,120 @@
+// Which strips a session has and what each of them draws: one per fault channel, per state, per output's residual, and the excitation.
+
+const MOST_STATES = 4;
+const MOST_CHANNELS = 6;
+const BAND = 2; // standard deviations on either side
+
+/**
+ * @typedef {object} Trace
+ * @property {string} label    observer
+ * @property {string} colour   'var(--o0)'
+ * @property {number} place
+ * @property {string} column
+ * @property {string} [low]    columns between which the band lies
+ * @property {string} [high]
+ *
+ * @typedef {object} Strip
+ * @property {string} name     'theta.theta1', 'x.x1', 'residual.y', 'excitation'
+ * @property {'theta'|'state'|'residual'|'excitation'} kind
+ * @property {string} symbol   name to be set as mathematics
+ * @property {string} subject  channel, state or output
+ * @property {string} title    what it is in words
+ * @property {string} unit
+ * @property {string | null} truth   column
+ * @property {Trace[]} traces
+ * @property {[number, number] | null} base   values that are always in sight
+ * @property {number} least    smallest height of the axis
+ * @property {boolean} log     values are powers of ten (the columns hold logarithms)
+ * @property {number | null} threshold
+ * @property {number} weight   of its height
+ * @property {boolean} usual   shown unless hidden by hand
+ */
+
+/** Columns that are computed of those that arrive: bands, residuals, logarithms. For Samples.setColumns. */
+export function derivedColumns(columns) {
+  const derived = [];
+  const known = new Set(columns);
+  for (const column of columns) {
+    const [label, kind, ...rest] = column.split('.');
+    const name = rest.join('.');
+    if (kind === 'sigma') {
+      const of = [`${label}.theta.${name}`, column];
+      derived.push({name: `${label}.low.${name}`, of, make: (value, sigma) => value - BAND * sigma});
+      derived.push({name: `${label}.high.${name}`, of, make: (value, sigma) => value + BAND * sigma});
+    } else if (kind === 'y' && known.has(`y.${name}`)) {
+      derived.push({name: `${label}.residual.${name}`, of: [`y.${name}`, column], make: (measured, estimate) => measured - estimate});
+    } else if (kind === 'pe' && rest.length === 0) {
+      derived.push({name: `${label}.excitation`, of: [column], make: (value) => (value > 1e-12 ? Math.log10(value) : value === value ? -12 : NaN)});
+    }
+  }
+  return derived;
+}
+
+/** All strips of a session in their order. */
+export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, spec}) {
+  if (!plant) return [];
+  const known = new Set(columns);
+  const traces = (make) => observers.map((observer) => ({label: observer.label, colour: observer.colour, place: observer.place, ...make(observer)}))
+    .filter(({column}) => known.has(column) || column.includes('.residual.') || column.endsWith('.excitation'));
+  const all = [
+    ...channelStrips(plant, known, faults, traces), ...stateStrips(plant, traces), ...residualStrips(plant, spec, known, observers, traces),
+    ...excitationStrip(known, observers, checks, traces),
+  ];
+  return all.map((strip) => ({...strip, shown: chosen[strip.name] ?? strip.usual}));
+}
+
+function channelStrips(plant, known, faults, traces) {
+  const stirred = new Set(faults.map(({subject}) => subject));
+  const made = plant.channels.map((channel) => {
+    const {name, typical} = channel;
+    const size = Math.abs(typical ?? 1);
+    return {
+      name: `theta.${name}`, kind: 'theta', symbol: name, subject: name, title: channel.title || name, unit: channel.unit, truth: `theta.${name}`,
+      traces: traces(({label}) => ({column: `${label}.theta.${name}`, ...(known.has(`${label}.sigma.${name}`)
+        ? {low: `${label}.low.${name}`, high: `${label}.high.${name}`} : {})})),
+      base: typical < 0 ? [-1.5 * size, 0.7 * size] : [-0.7 * size, 1.5 * size], least: size, log: false, threshold: null, weight: 1.25, stirred: stirred.has(name),
+    };
+  });
+  const order = made.filter((strip) => strip.traces.length || strip.stirred);
+  const first = new Set([...order.filter((strip) => strip.stirred), ...order.filter((strip) => !strip.stirred)].slice(0, MOST_CHANNELS));
+  return made.map((strip) => ({...strip, usual: first.has(strip) || strip.stirred}));
+}
+
+function stateStrips(plant, traces) {
+  const made = plant.states.map(({name, unit, description}) => ({
+    name: `x.${name}`, kind: 'state', symbol: name, subject: name, title: short(description), unit, truth: `x.${name}`,
+    traces: traces(({label}) => ({column: `${label}.x.${name}`})), base: null, least: 0, log: false, threshold: null, weight: 1,
+  }));
+  const most = Math.max(0, ...made.map((strip) => strip.traces.length));
+  const first = new Set(made.filter((strip) => strip.traces.length === most).slice(0, MOST_STATES));
+  return made.map((strip) => ({...strip, usual: first.has(strip)}));
+}
+
+function residualStrips(plant, spec, known, observers, traces) {
+  if (observers.length === 0) return [];
+  return plant.outputs.map(({name, unit, description}, place) => {
+    const noise = 3 * (spec.noise[name]?.std ?? 0);
+    return {
+      name: `residual.${name}`, kind: 'residual', symbol: name, subject: name, title: short(description), unit, truth: null,
+      traces: traces(({label}) => ({column: `${label}.residual.${name}`})).filter(({label}) => known.has(`${label}.y.${name}`)),
+      base: [-noise, noise], least: 0, log: false, threshold: null, weight: 0.8, usual: place < 2,
+    };
+  });
+}
+
+function excitationStrip(known, observers, checks, traces) {
+  const exciting = traces(({label}) => ({column: `${label}.excitation`})).filter(({label}) => known.has(`${label}.pe`));
+  if (exciting.length === 0) return [];
+  const [{label}] = exciting;
+  const {gains} = observers.find((one) => one.label === label);
+  const check = (checks[label] ?? []).find(({name, threshold}) => /excit/i.test(name) && threshold !== null);
+  const delta = check?.threshold ?? gains.delta ?? null;
+  return [{
+    name: 'excitation', kind: 'excitation', symbol: 'lambda_min', subject: '', title: '', unit: '', truth: null, traces: exciting,
+    base: delta > 0 ? [Math.log10(delta) - 0.6, Math.log10(delta) + 0.6] : null, least: 1, log: true,
+    threshold: delta > 0 ? Math.log10(delta) : null, weight: 0.8, usual: true,
+  }];
+}
+
+/** The beginning of a description, short enough for a label. */
+const short = (description) => (description ?? '').split(/[,;(]/)[0].trim();

@@ -1,0 +1,195 @@
+// The whole session as a video editor shows it: faults as bars, alarms as flags, changes as ticks. Dragging looks back and gives up nothing;
+// going back or forking from there is a button at the place.
+
+import {fill, h} from '../dom.js';
+import {marks, niceStep} from './axes.js';
+import {palette} from './canvas.js';
+import {seconds} from './format.js';
+
+const CHANGES = new Set(['gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
+
+export function mountTimeline(root, app) {
+  const canvas = h('canvas', {'aria-hidden': 'true'});
+  const slider = h('div', {class: 'rail', role: 'slider', tabindex: 0, 'aria-valuemin': 0}, canvas);
+  const choice = h('div', {class: 'choice', hidden: true});
+  fill(root, slider, choice);
+  const timeline = {app, root, canvas, slider, choice, ctx: canvas.getContext('2d'), colours: palette(), looking: null, still: '', width: 0, height: 0};
+  new ResizeObserver(() => measure(timeline)).observe(canvas);
+  app.subscribe((state) => [state.theme, state.presentation], () => {
+    timeline.colours = palette();
+    measure(timeline);
+  });
+  app.subscribe((state) => [state.faults, state.log.length, state.session, state.alarms, state.selection, state.spec?.horizon], () => {
+    timeline.still = '';
+    app.wake();
+  });
+  app.subscribe((state) => state.selection, (selection) => selection === null && look(timeline, null));
+  app.subscribe((state) => [state.session, state.epoch, state.role, state.language], () => look(timeline, null, false));
+  app.subscribe((state) => state.language, () => {
+    slider.setAttribute('aria-label', app.text.timeline);
+    slider.title = app.text.timelineHint;
+  });
+  app.onFrame(() => draw(timeline));
+  app.onTick(() => speak(timeline));
+  listen(timeline);
+}
+
+/** Where the rail ends: the horizon, or where time has come to and some room. */
+function reach({app}) {
+  const {now} = app.samples;
+  const horizon = app.state.spec?.horizon ?? 100;
+  if (now <= horizon) return horizon;
+  const step = niceStep(now, 4);
+  return Math.ceil((now * 1.02) / step) * step;
+}
+
+function measure(timeline) {
+  const {canvas, ctx} = timeline;
+  const ratio = Math.min(3, devicePixelRatio || 1);
+  timeline.width = canvas.clientWidth;
+  timeline.height = canvas.clientHeight;
+  canvas.width = Math.round(timeline.width * ratio);
+  canvas.height = Math.round(timeline.height * ratio);
+  ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+  timeline.still = '';
+  timeline.app.wake();
+}
+
+function draw(timeline) {
+  const {app, ctx, width, height, colours} = timeline;
+  const {state} = app;
+  const end = reach(timeline);
+  const now = app.edge.t;
+  const x = (t) => (t / end) * width;
+  const shown = `${Math.round(x(now) * 2)} ${end} ${timeline.looking} ${state.selection}`;
+  if (shown === timeline.still || width === 0) return false;
+  timeline.still = shown;
+  const foot = 13 * colours.size;
+  const top = 4;
+  const body = height - foot - top;
+  ctx.clearRect(0, 0, width, height);
+  ctx.fillStyle = colours.grid;
+  ctx.fillRect(0, top, width, body);
+  ctx.fillStyle = colours.line;
+  ctx.fillRect(0, top, x(now), body);
+  if (state.selection) {
+    ctx.fillStyle = colours.soft;
+    ctx.globalAlpha = 0.25;
+    ctx.fillRect(x(state.selection[0]), top, Math.max(2, x(state.selection[1]) - x(state.selection[0])), body);
+    ctx.globalAlpha = 1;
+  }
+  drawFaults(timeline, x, now, end, top, body);
+  drawEvents(timeline, x, top, body);
+  ctx.fillStyle = colours.ink;
+  ctx.fillRect(Math.round(x(now)) - 1, 0, 2, top + body + 3);
+  if (timeline.looking !== null) {
+    ctx.fillStyle = getComputedStyle(timeline.root).getPropertyValue('--accent');
+    ctx.fillRect(Math.round(x(timeline.looking)) - 1, 0, 2, top + body + 3);
+  }
+  ctx.fillStyle = colours.soft;
+  ctx.font = colours.number;
+  ctx.textAlign = 'center';
+  ctx.textBaseline = 'bottom';
+  const step = niceStep(end, Math.max(2, width / (90 * colours.size)));
+  for (const t of marks(0, end, step)) ctx.fillText(String(t), Math.min(Math.max(x(t), 8), width - 14), height);
+  return false;
+}
+
+/** One thin row for each channel or output that has a fault; what is planned beyond now is drawn faintly. */
+function drawFaults({app, ctx, colours}, x, now, end, top, body) {
+  const {faults} = app.state;
+  const subjects = [...new Set(faults.map(({subject}) => subject))];
+  const pitch = Math.min(7, (body - 6) / Math.max(1, subjects.length));
+  for (const fault of faults) {
+    const y = top + 5 + subjects.indexOf(fault.subject) * pitch;
+    const tall = Math.max(1.5, pitch * 0.6);
+    const bar = (from, to, alpha) => {
+      if (to <= from) return;
+      ctx.globalAlpha = alpha;
+      ctx.fillRect(x(from), y, Math.max(2, x(to) - x(from)), tall);
+      ctx.globalAlpha = 1;
+    };
+    ctx.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--fault');
+    bar(fault.onset, Math.min(fault.end ?? now, now), 1);
+    bar(Math.max(now, fault.onset), Math.min(fault.end ?? end, end), 0.28);
+  }
+}
+
+function drawEvents({app, ctx, colours}, x, top, body) {
+  ctx.fillStyle = colours.alarm;
+  for (const alarm of app.state.alarms) {
+    ctx.beginPath();
+    ctx.moveTo(x(alarm.t) - 4, top - 4);
+    ctx.lineTo(x(alarm.t) + 4, top - 4);
+    ctx.lineTo(x(alarm.t), top + 3);
+    ctx.fill();
+  }
+  ctx.fillStyle = colours.ink;
+  for (const event of app.state.log) {
+    if (CHANGES.has(event.kind)) ctx.fillRect(Math.round(x(event.t)), top + body - 6, 1.5, 6);
+  }
+}
+
+/** Look at a time of the past (null: at now again). `tell`: move the scope's window, too. */
+function look(timeline, t, tell = true) {
+  const {app, choice, root} = timeline;
+  const {text} = app;
+  timeline.looking = t;
+  timeline.still = '';
+  choice.hidden = t === null;
+  app.wake();
+  if (t === null) {
+    if (tell && app.state.selection) app.act.select(null);
+    return;
+  }
+  const length = app.state.window ?? Math.max(app.samples.now, 10);
+  const end = Math.max(t, length);
+  if (tell) app.act.select(end - length, end);
+  const at = `${seconds(t, 0.1)}`;
+  const may = app.state.role === 'control';
+  fill(choice, h('span', {}, text.lookingAt(at)),
+    may && h('button', {type: 'button', class: 'run', title: text.continueHint, onclick: () => goBack(timeline, t)}, text.continueHere),
+    may && h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => app.act.fork(t)}, text.forkHere),
+    h('button', {type: 'button', class: 'quiet', onclick: () => look(timeline, null)}, text.backToNow));
+  const x = (t / reach(timeline)) * timeline.width;
+  const wide = choice.offsetWidth;
+  choice.style.left = `${Math.max(0, Math.min(x - wide / 2, root.clientWidth - wide))}px`;
+}
+
+function goBack(timeline, t) {
+  look(timeline, null);
+  timeline.app.act.seek(t);
+}
+
+function listen(timeline) {
+  const {slider, app} = timeline;
+  const timeAt = (event) => {
+    const box = slider.getBoundingClientRect();
+    const t = Math.min(app.samples.now, Math.max(0, ((event.clientX - box.left) / box.width) * reach(timeline)));
+    return Math.round(t / app.state.record) * app.state.record;
+  };
+  const go = (t) => look(timeline, t >= app.samples.now ? null : Math.max(0, t));
+  slider.addEventListener('pointerdown', (event) => {
+    if (event.button !== 0 || !app.state.record) return;
+    slider.setPointerCapture(event.pointerId);
+    go(timeAt(event));
+  });
+  slider.addEventListener('pointermove', (event) => slider.hasPointerCapture(event.pointerId) && go(timeAt(event)));
+  slider.addEventListener('keydown', (event) => {
+    const by = reach(timeline) / 100;
+    const from = timeline.looking ?? app.samples.now;
+    const keys = {ArrowLeft: () => go(from - by), ArrowRight: () => go(from + by), Home: () => go(0), End: () => go(Infinity),
+      Escape: () => look(timeline, null), Enter: () => timeline.looking !== null && app.state.role === 'control' && goBack(timeline, timeline.looking)};
+    if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+    event.preventDefault();
+    event.stopPropagation();
+    keys[event.key]();
+  });
+}
+
+function speak({app, slider, looking}) {
+  const t = looking ?? app.samples.now;
+  slider.setAttribute('aria-valuenow', t.toFixed(1));
+  slider.setAttribute('aria-valuemax', app.samples.now.toFixed(1));
+  slider.setAttribute('aria-valuetext', `${t.toFixed(1)} s`);
+}
