@@ -50,6 +50,14 @@ def emit(program: Program, layout: Layout) -> str:
     return _Module(program, layout).text()
 
 
+_POINTERS = ("seg_steps", "seg_first", "seg_t", "seg_index", "seg_h", "held", "lane_held", "staged", "lane_staged",
+             "params", "lane_params", "state", "out", "emitted")  # fmt: skip
+_HEAD = (
+    f"define void @run(i64 %segments, {', '.join(f'ptr noalias %{p}' for p in _POINTERS)}, i64 %every) #2 {{",
+    "entry:",
+)
+
+
 class _Module:
     def __init__(self, program: Program, layout: Layout):
         self.program, self.layout = program, layout
@@ -118,14 +126,8 @@ class _Module:
     # ---- the loop ----------------------------------------------------------------------------------------------
 
     def _main(self, w: Writer) -> list[str]:
-        n = len(self.program.states)
-        signature = (
-            "define void @run(i64 %segments, ptr noalias %seg_steps, ptr noalias %seg_first, ptr noalias %seg_t, "
-            "ptr noalias %seg_index, ptr noalias %seg_h, ptr noalias %held, ptr noalias %lane_held, ptr noalias %staged, "
-            "ptr noalias %lane_staged, ptr noalias %params, ptr noalias %lane_params, ptr noalias %state, "
-            "ptr noalias %out, ptr noalias %emitted, i64 %every) #2 {"
-        )
-        head = [signature, "entry:"]
+        """The whole function: segments around steps, the states carried along in phi nodes."""
+        n, t = len(self.program.states), w.type
         start = [w.load_lanes("%state", i) for i in range(n)]
         constants: dict[int, str] = {}
         if self.inline:
@@ -138,7 +140,7 @@ class _Module:
         w.put("%s = phi i64 [0, %entry], [%s1, %next]")
         w.put("%row0 = phi i64 [0, %entry], [%row2, %next]")
         w.put("%at0 = phi i64 [0, %entry], [%at1, %next]")
-        phi0, place0 = [f"%a{i}" for i in range(n)], self._mark(w)
+        place0 = self._mark(w)
         per_segment = self._segment_head(w, constants)
         w.put("%none = icmp sle i64 %steps, 0")
         w.put("br i1 %none, label %next, label %step")
@@ -147,31 +149,30 @@ class _Module:
         w.put("%at = phi i64 [%at0, %segment], [%atn, %cont]")
         w.put("%row = phi i64 [%row0, %segment], [%row1, %cont]")
         w.put("%left = phi i64 [%first, %segment], [%left2, %cont]")
-        phi1, place1 = [f"%b{i}" for i in range(n)], self._mark(w)
-        new = self._step(w, phi1, per_segment, scratch)
+        place1 = self._mark(w)
+        new = self._step(w, [f"%b{i}" for i in range(n)], per_segment, scratch)
         self._record(w, new)
-        t = w.type
-        w.lines[place1] = "\n".join(
-            f"  {p} = phi {t} [{a}, %segment], [{v}, %cont]" for p, a, v in zip(phi1, phi0, new)
-        )
+        w.lines[place1] = "\n".join(f"  %b{i} = phi {t} [%a{i}, %segment], [{v}, %cont]" for i, v in enumerate(new))
+        self._next_segment(w, new)
+        w.lines[place0] = "\n".join(f"  %a{i} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, v in enumerate(start))
+        return [*_HEAD, *w.lines, "}"]
+
+    def _next_segment(self, w: Writer, new: list[str]) -> None:
+        """After a segment's steps: on to the next one, or store the states and return."""
         w.lines.append("next:")
         w.put("%row2 = phi i64 [%row0, %segment], [%row1, %cont]")
         w.put("%at1 = phi i64 [%at0, %segment], [%atn, %cont]")
-        for i in range(n):
-            w.put(f"%c{i} = phi {t} [%a{i}, %segment], [{new[i]}, %cont]")
-        w.lines[place0] = "\n".join(
-            f"  {p} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, (p, v) in enumerate(zip(phi0, start))
-        )
+        for i, value in enumerate(new):
+            w.put(f"%c{i} = phi {w.type} [%a{i}, %segment], [{value}, %cont]")
         w.put("%s1 = add i64 %s, 1")
         w.put("%more = icmp slt i64 %s1, %segments")
         w.put("br i1 %more, label %segment, label %save")
         w.lines.append("save:")
-        for i in range(n):
+        for i in range(len(new)):
             w.store(f"%c{i}", "%state", i)
         w.put("br label %done")
         w.lines.append("done:")
         w.put("ret void")
-        return [*head, *w.lines, "}"]
 
     def _mark(self, w: Writer) -> int:
         w.lines.append("")

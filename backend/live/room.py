@@ -21,7 +21,7 @@ from backend.live.screen import Screen
 from backend.live.turns import Background, Turns
 from backend.live.viewer import Viewer
 from shared import Experiment
-from shared.session import Assumptions, Hello, Status
+from shared.session import Assumptions, Event, Hello, Status
 
 if TYPE_CHECKING:
     from backend.live.session import Session
@@ -32,6 +32,9 @@ STATUS = 1.0
 """Seconds between two messages on how a session stands while it plays."""
 CHECKS = 3.0
 """Seconds between two checks of the assumptions, at least."""
+
+_FOUND = {"fault-begins", "fault-ends", "alarm", "alarm-over", "diverged", "substeps"}
+"""Events that come of computing a row; all others come of commands, which act at the row to be shown next."""
 
 
 class Full(Exception):
@@ -69,6 +72,7 @@ class Room:
         self.empty_since: float | None = house.clock()
         self._filling = False
         self._told = self._checked = house.clock()
+        self._checking = False
         self._finished = session.ended  # the session has no more rows than those that are computed
         session.take_events()  # of rows that are shown already: they are in the log
 
@@ -106,18 +110,21 @@ class Room:
         if len(self.screen.viewers) >= self.house.viewers:
             raise Full
         viewer.outbox.row = self.screen.rows_after(after)
-        unseen = {id(event) for event in self.screen.unseen}
         hello = Hello(
             session=self.id, role="control" if viewer.control else "view", spec=self.session.spec,
             columns=self.screen.columns, epoch=self.screen.epoch, step=self.session.step, record=self.session.record,
             row=self.shown, playing=self.pace.playing, speed=self.pace.speed, parent=self.parent,
-            log=tuple(event for event in self.session.log if id(event) not in unseen),
+            log=tuple(event for event in self.session.log if self._seen(event)),
         )  # fmt: skip
         viewer.put(hello.model_dump_json())
         self.screen.viewers.append(viewer)
         self.empty_since = None
         self.tell_status()
         self._check(0.0)
+
+    def _seen(self, event: Event) -> bool:
+        """Whether an event of the log is no longer ahead of what is shown."""
+        return event.row < self.shown or (event.row == self.shown and event.kind not in _FOUND)
 
     def leave(self, viewer: Viewer) -> None:
         """A viewer has gone."""
@@ -181,9 +188,11 @@ class Room:
         row = self.shown if t is None else min(self.shown, round(t / self.session.record) + 1)
         return await self.alone(partial(self.session.fork, row), long=True)
 
-    async def spec(self) -> Experiment:
+    def spec(self) -> Experiment:
         """The experiment with everything done so far, up to now: its run gives the same numbers."""
-        return self.session.spec.model_copy(update={"horizon": self.t, "record": self.session.record})
+        spec, t = self.session.spec, self.t
+        commands = tuple(command for command in spec.commands if command.at <= t)
+        return spec.model_copy(update={"horizon": t, "record": self.session.record, "commands": commands})
 
     # ---- time ----------------------------------------------------------------------------------------------------------
 
@@ -251,6 +260,10 @@ class Room:
         if computed.rows.shape[1]:
             self.screen.add(computed)
 
+    def resume(self, finished: bool) -> None:
+        """A command was carried out; the session may have more rows again, or none."""
+        self._finished = finished
+
     def moving(self) -> None:
         """Time goes on from now on."""
         now = self.house.clock()
@@ -263,12 +276,12 @@ class Room:
     def _check(self, spacing: float) -> None:
         """Let the assumptions be checked, if somebody is there to see it."""
         now = self.house.clock()
-        if self.screen.viewers and now - self._checked >= spacing and self.shown > 1:
-            self._checked = now + 3600  # not again before this one is done
+        if self.screen.viewers and now - self._checked >= spacing and self.shown > 1 and not self._checking:
+            self._checking = True
             self.turns.do(self.session.assumptions, self._tell_checks, long=True)
 
     def _tell_checks(self, found: list[Assumptions] | None, error: Exception | None) -> None:
-        self._checked = self.house.clock()
+        self._checked, self._checking = self.house.clock(), False
         if error is not None:
             log.error("the assumptions of session %s cannot be checked", self.id, exc_info=error)
         for one in found or []:

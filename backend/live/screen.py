@@ -42,11 +42,6 @@ class Screen:
         """Rows of a frame."""
         return max(1, MAX_FRAME // (4 * max(1, len(self.columns))))
 
-    @property
-    def unseen(self) -> list[Event]:
-        """Events of rows that are not shown yet."""
-        return self._events
-
     def tell(self, message: BaseModel, key: str | None = None) -> None:
         """Send a message to all."""
         if self.viewers:

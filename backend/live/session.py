@@ -4,8 +4,7 @@ It is the experiment that runs use, advanced a few rows at a time. Everything do
 their times, timed commands), so that ``spec`` run as an ordinary run gives the same numbers bit for bit.
 """
 
-from collections import deque
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -14,31 +13,17 @@ from backend.engine.errors import SpecError
 from backend.engine.graph import variables
 from backend.engine.run import allowed, needed_substeps
 from backend.engine.simulation import Experiment as Engine
-from backend.engine.simulation import Simulation, State
+from backend.engine.simulation import Simulation
 from backend.engine.stability import MOST_SUBSTEPS
 from backend.engine.timeline import Stage, carry
 from backend.live import log as words
 from backend.live.alarms import Alarms
+from backend.live.moments import Moment, Moments
 from backend.live.past import Past
 from backend.live.view import View
 from shared import Experiment
 from shared.commands import AddObserver, SetSubsteps
 from shared.session import Assumptions, Clear, Event, Inject, Reset, Seek, SetGainNow
-
-_RECENT = 6  # whole moments kept, for going back over rows that nobody has seen
-_KEPT = 400  # bare moments kept, for rewinding; when there are more, every second one goes
-
-
-@dataclass(frozen=True)
-class Moment:
-    """Where everything stands at a row: a value, so that going back is taking an older one."""
-
-    row: int
-    state: State
-    stage: int
-    view: View | None  # None in the thinned list: it is found again by advancing from an earlier row
-    alarms: Alarms
-    told: int  # events in the log
 
 
 class Session:
@@ -63,8 +48,7 @@ class Session:
         self.past, self.log, self._new = Past(), [], []
         self.ended = False
         self._advances = 0  # since the last change
-        self._moments: list[Moment] = []
-        self._recent: deque[Moment] = deque(maxlen=_RECENT)
+        self._moments = Moments()
         self._now = Moment(0, Simulation(first).initial(), 0, View.opening(first, 0), Alarms(), 0)
         self.columns = self._now.view.columns
 
@@ -114,7 +98,7 @@ class Session:
 
     def _advance(self, count: int) -> np.ndarray:
         now, experiment = self._now, self.experiment
-        self._remember(now)
+        self._moments.remember(now)
         substeps = self._substeps
         state, recorded = Simulation(experiment, substeps, remember=True).advance(now.state, count * self._every)
         # it takes as long as the rest together: often after a change, now and then otherwise
@@ -257,13 +241,6 @@ class Session:
 
     # ---- going back --------------------------------------------------------------------------------------------------
 
-    def _remember(self, moment: Moment) -> None:
-        self._recent.append(moment)
-        if not self._moments or moment.row > self._moments[-1].row:
-            self._moments.append(replace(moment, view=None))
-            if len(self._moments) > _KEPT:
-                self._moments = self._moments[:1] + self._moments[1::2]
-
     def rewind_unseen(self, row: int) -> None:
         """Give up rows from ``row`` on that were computed ahead and shown to nobody: no new epoch."""
         if row < self.row:
@@ -271,17 +248,12 @@ class Session:
 
     def _return_to(self, row: int) -> None:
         """Stand at an earlier row with the stages as they are."""
-        whole = [m for m in self._recent if m.row <= row]
-        if whole:
-            base = whole[-1]
-        else:
-            base = self._found(row)
+        base = self._moments.whole(row) or self._found(row)
         spec, stages = self.spec, self._stages
         log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
         past = self.past.cut(row)
         self._now, self.ended = base, False
-        self._recent = deque((m for m in self._recent if m.row < row), maxlen=_RECENT)
-        self._moments = [m for m in self._moments if m.row <= row]
+        self._moments.cut(row)
         self.past, self.log = self.past.cut(base.row), self.log[: base.told]
         self.columns = base.view.columns
         while self.row < row:
@@ -293,9 +265,8 @@ class Session:
 
     def _found(self, row: int) -> Moment:
         """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""
-        bare = [m for m in self._moments if m.row <= row]
         start = Moment(0, Simulation(self._stages[0].experiment).initial(), 0, None, Alarms(), 0)
-        for moment in [*reversed(bare), start]:
+        for moment in (*self._moments.bare(row), start):
             experiment = self._stages[moment.stage].experiment
             begin = View.resumable(experiment, moment.row, row)
             if begin is not None:
@@ -322,8 +293,7 @@ class Session:
         other = object.__new__(Session)
         other.__dict__.update(self.__dict__)
         other.past, other.log, other._new = Past(self.past.pieces), list(self.log), []
-        other._stages, other._moments = list(self._stages), list(self._moments)
-        other._recent = deque(self._recent, maxlen=_RECENT)
+        other._stages, other._moments = list(self._stages), self._moments.copy()
         if row is not None and row < self.row:
             other._seek(row)
             other._new = []

@@ -1,0 +1,174 @@
+"""All sessions of the service: opened, found, closed, and closed when nobody has watched them for long."""
+
+import asyncio
+import logging
+import secrets
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from backend.engine.errors import SpecError
+from backend.live.turns import Background, Job, Then, outcome
+from shared import Experiment
+from shared.session import CLOSE_ENDED
+
+if TYPE_CHECKING:
+    from backend.live.room import Room
+    from backend.live.scheduler import Scheduler
+    from backend.live.session import Session
+    from backend.settings import Settings
+
+log = logging.getLogger(__name__)
+
+_THREADS = 2  # kernels leave Python's lock; what is around them does not
+_WORKSHOPS = 2
+_ROWS = 4096  # asked for at once on the way to a session's first row
+
+
+class TooMany(Exception):
+    """There are as many sessions as there may be."""
+
+
+class Hub:
+    """The rooms by id. Everything is called on the event loop; sessions are made in threads.
+
+    What is needed to run them (the engine, SymPy) is imported with the first session, so the service starts without.
+    """
+
+    def __init__(self, settings: "Settings") -> None:
+        self._settings = settings
+        self._rooms: dict[str, Room] = {}
+        self._opening = 0
+        self._threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="live")
+        self._workshop = ThreadPoolExecutor(_WORKSHOPS, thread_name_prefix="workshop")
+        self._loop: asyncio.AbstractEventLoop | None = None
+        self._scheduler: Scheduler | None = None
+        self._sweep: asyncio.TimerHandle | None = None
+
+    def __len__(self) -> int:
+        return len(self._rooms)
+
+    def find(self, id: str) -> "Room | None":
+        """The session's room."""
+        return self._rooms.get(id)
+
+    async def create(
+        self, read: Callable[[], Experiment], t: float = 0.0, play: bool = True, speed: float | None = 1.0
+    ) -> "Room":
+        """Open a session on what `read` gives (a spec with its plant in full), advanced to time `t`.
+
+        Raises :class:`TooMany`, SpecError, and what `read` raises.
+        """
+        rows = self._settings.session_rows
+        return await self._open(lambda: _begun(read(), rows, t), play, speed)
+
+    async def fork(self, room: "Room", t: float | None = None) -> "Room":
+        """A second session that begins where this one stands, or at an earlier time. Raises :class:`TooMany`."""
+        with self._place():
+            session = await room.fork(t)
+        return self._add(session, room.pace.playing, room.pace.speed, room.id)
+
+    def close(self, room: "Room", reason: str = "the session was ended") -> None:
+        """End a session."""
+        self._rooms.pop(room.id, None)
+        room.close(CLOSE_ENDED, reason)
+
+    def stop(self) -> None:
+        """End the service: no more frames, no more threads."""
+        if self._sweep is not None:
+            self._sweep.cancel()
+        if self._scheduler is not None:
+            self._scheduler.stop()
+        self._rooms.clear()
+        for pool in (self._threads, self._workshop):
+            pool.shutdown(wait=True, cancel_futures=True)
+
+    # --------------------------------------------------------------------------------------------------------------------
+
+    async def _open(self, make: Callable[[], "Session"], play: bool, speed: float | None) -> "Room":
+        with self._place():
+            session = await asyncio.get_running_loop().run_in_executor(self._workshop, make)
+        return self._add(session, play, speed, None)
+
+    def _place(self) -> "_Place":
+        limit = self._settings.sessions
+        if len(self._rooms) + self._opening >= limit:
+            raise TooMany(f"{limit} sessions are open")
+        return _Place(self)
+
+    def _add(self, session: "Session", play: bool, speed: float | None, parent: str | None) -> "Room":
+        from backend.live.room import Room
+
+        self._start()
+        id, token = secrets.token_urlsafe(12), secrets.token_urlsafe(24)
+        room = self._rooms[id] = Room(id, token, session, self._house, parent)
+        now = room.house.clock()
+        room.pace.set_speed(speed, room.shown, now)
+        if play and not room.ended:
+            room.pace.play(room.shown, now)
+            room.moving()
+        return room
+
+    def _start(self) -> None:
+        """With the first session."""
+        if self._loop is not None:
+            return
+        from backend.live.room import House
+        from backend.live.scheduler import Scheduler
+
+        self._loop = asyncio.get_running_loop()
+        self._scheduler = Scheduler(self._loop)
+        self._house = House(
+            clock=self._loop.time, background=self._in(self._threads), workshop=self._in(self._workshop),
+            wake=self._scheduler.wake, viewers=self._settings.viewers, backlog=self._settings.backlog,
+        )  # fmt: skip
+        self._swept()
+
+    def _in(self, pool: ThreadPoolExecutor) -> Background:
+        """Background work in a pool."""
+        loop = self._loop
+
+        def run(job: Job, then: Then) -> None:
+            def work() -> None:
+                answer = outcome(job)
+                loop.call_soon_threadsafe(partial(then, *answer))
+
+            pool.submit(work)
+
+        return run
+
+    def _swept(self) -> None:
+        """Close what nobody has watched for long, now and again."""
+        idle, now = self._settings.idle, self._loop.time()
+        for room in list(self._rooms.values()):
+            if room.empty_since is not None and now - room.empty_since > idle:
+                self.close(room, "nobody has watched the session for long")
+        self._sweep = self._loop.call_later(min(5.0, max(0.1, idle / 4)), self._swept)
+
+
+class _Place:
+    """A session that is being opened counts as one of those there may be."""
+
+    def __init__(self, hub: Hub) -> None:
+        self._hub = hub
+
+    def __enter__(self) -> None:
+        self._hub._opening += 1
+
+    def __exit__(self, *_: Any) -> None:
+        self._hub._opening -= 1
+
+
+def _begun(spec: Experiment, limit: int, t: float) -> "Session":
+    """A session that has its first row, and all rows up to time t."""
+    from backend.live.session import Session
+
+    session = Session(spec, limit)
+    rows = round(t / session.record) + 1
+    if rows > limit:
+        raise SpecError("t", t, f"a session has at most {limit:,} rows, that is {limit * session.record:g} s",
+                        f"give at most {(limit - 1) * session.record:g}, or raise THETASCOPE_SESSION_ROWS")  # fmt: skip
+    while session.row < rows and not session.ended:
+        session.advance(min(_ROWS, rows - session.row))
+    return session

@@ -1,0 +1,80 @@
+"""One clock for all sessions: it calls each room's tick when its next frame is due.
+
+A single timer stands for the earliest of them, so 400 sessions are no more than one on the event loop, and no session
+has a sleep of its own to drift. Rooms begin at different moments, so their frames spread over time by themselves.
+"""
+
+import asyncio
+import logging
+from heapq import heappop, heappush
+from itertools import count
+
+from backend.live.room import Room
+
+log = logging.getLogger(__name__)
+
+SHARE = 0.004
+"""Seconds after which the event loop gets its turn, so that commands are read however many frames are due."""
+
+
+class Scheduler:
+    """Ticks rooms. Made and used on the event loop."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._due: list[tuple[float, int, Room]] = []
+        self._when: dict[Room, float] = {}
+        self._order = count()
+        self._timer: asyncio.TimerHandle | None = None
+        self._running = False
+        self._stopped = False
+
+    def wake(self, room: Room, at: float) -> None:
+        """Tick a room then, if not earlier anyway."""
+        known = self._when.get(room)
+        if self._stopped or (known is not None and known <= at):
+            return
+        self._when[room] = at
+        heappush(self._due, (at, next(self._order), room))
+        if not self._running:
+            self._arm()
+
+    def stop(self) -> None:
+        """Tick no more."""
+        self._stopped = True
+        self._due.clear()
+        self._when.clear()
+        if self._timer is not None:
+            self._timer.cancel()
+
+    def _arm(self) -> None:
+        if self._due and not self._stopped:
+            at = self._due[0][0]
+            if self._timer is not None:
+                if self._timer.when() <= at and not self._timer.cancelled():
+                    return
+                self._timer.cancel()
+            self._timer = self._loop.call_at(at, self._run)
+
+    def _run(self) -> None:
+        self._timer, self._running = None, True
+        begin = now = self._loop.time()
+        try:
+            while self._due and self._due[0][0] <= now and now - begin < SHARE:
+                at, _, room = heappop(self._due)
+                if self._when.get(room) == at:
+                    del self._when[room]
+                    self._tick(room, at)
+                now = self._loop.time()
+        finally:
+            self._running = False
+            self._arm()
+
+    def _tick(self, room: Room, at: float) -> None:
+        try:
+            following = room.tick(at)
+        except Exception:
+            log.exception("session %s", room.id)  # the others go on
+            return
+        if following is not None:
+            self.wake(room, following)
