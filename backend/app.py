@@ -12,7 +12,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from backend import library
-from backend.api import catalogue, equations, gains, lessons, openapi, pages, plants, problems, results, runs
+from backend.api import catalogue, equations, gains, lessons, openapi, pages, plants, problems, results, runs, sessions
 from backend.api.answers import json_response
 from backend.api.security import Security
 from backend.api.services import Services, Use
@@ -36,6 +36,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         app.state.services = Services.start(settings)
         Thread(target=_warm, name="warm", daemon=True).start()
         yield
+        app.state.services.live.stop()
         await run_in_threadpool(app.state.services.close)
 
     app = FastAPI(
@@ -67,7 +68,7 @@ def _api() -> APIRouter:
             {"status": "ok", "schema": SCHEMA_VERSION, "engine": engine_version(), "runs": services.runs.usage()}
         )
 
-    for router in (catalogue.router, plants.router, equations.router, gains.router, lessons.router, runs.router, results.router):
+    for router in (catalogue.router, plants.router, equations.router, gains.router, lessons.router, runs.router, results.router, sessions.router):
         api.include_router(router)
 
     return api
@@ -83,7 +84,7 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
     Database(settings.database).close()
     config = uvicorn.Config(
         create_app(settings), host=settings.host, port=settings.port, log_level="warning", server_header=False,
-        ws_per_message_deflate=False, timeout_graceful_shutdown=5,
+        ws="websockets-sansio", ws_per_message_deflate=False, ws_max_size=4 * settings.max_message, timeout_graceful_shutdown=5,
     )  # fmt: skip
 
     class Server(uvicorn.Server):

@@ -45,6 +45,19 @@ class Settings:
     #: Results kept in memory, and in the store: beyond it the least recently used unpinned ones are let go.
     memory: int = 256 * 1024**2
     store_limit: int = 2 * 1024**3
+    #: Live sessions open at the same time, and viewers of one of them.
+    sessions: int = 400
+    viewers: int = 200
+    #: Rows that a session may reach: there it ends. Samples that it keeps, in bytes: older rows are let go.
+    session_rows: int = 10_000_000
+    past: int = 32 * 1024**2
+    #: How long a session without viewers is kept.
+    idle: float = 600.0
+    #: Largest message of a viewer, and how many it may send in a second (more are read more slowly).
+    max_message: int = 256 * 1024
+    message_rate: float = 60.0
+    #: How far a slow viewer may be behind, in bytes of samples; beyond it, it misses some.
+    backlog: int = 8 * 1024**2
 
     @property
     def database(self) -> Path:

@@ -1,9 +1,41 @@
-"""Ratios measured side by side: contenders take turns in random order, round after round, in one process."""
+"""Figures measured side by side: contenders take turns in random order, round after round, in one process."""
 
 import random
 import statistics
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Figure:
+    """One line of the table: median and range of a ratio, or of seconds, and what is asked."""
+
+    what: str
+    median: float
+    low: float
+    high: float
+    asked: str = ""
+    unit: str = ""
+
+    @classmethod
+    def of(cls, what: str, values: Iterable[float], asked: str = "", unit: str = "") -> "Figure":
+        values = list(values)
+        return cls(what, statistics.median(values), min(values), max(values), asked, unit)
+
+    def text(self) -> str:
+        return f"{self.what:72s} {self._short(self.median):>9s}   [{self.range()}]   {self.asked}"
+
+    def markdown(self) -> str:
+        return f"| {self.what} | {self._short(self.median)} | {self.range()} | {self.asked} |"
+
+    def range(self) -> str:
+        return f"{self._short(self.low)} … {self._short(self.high)}"
+
+    def _short(self, value: float) -> str:
+        if self.unit == "ms":
+            return f"{1000 * value:.3g} ms"
+        return f"{value:.3g}{' ' if self.unit else ''}{self.unit}"
 
 
 def rounds(contenders: dict[str, Callable[[], object]], count: int = 15, seed: int = 0) -> dict[str, list[float]]:
@@ -21,11 +53,6 @@ def rounds(contenders: dict[str, Callable[[], object]], count: int = 15, seed: i
     return seconds
 
 
-def ratio(seconds: dict[str, list[float]], name: str, base: str) -> tuple[float, float, float]:
-    """Median, minimum and maximum over the rounds of name's time over base's time in the same round."""
-    each = [a / b for a, b in zip(seconds[name], seconds[base], strict=True)]
-    return statistics.median(each), min(each), max(each)
-
-
-def line(what: str, value: tuple[float, float, float], bound: str) -> str:
-    return f"{what:58s} {value[0]:9.3f}   [{value[1]:.3f} … {value[2]:.3f}]   {bound}"
+def ratios(seconds: dict[str, list[float]], name: str, base: str, scale: float = 1.0) -> list[float]:
+    """Round by round, scale times the seconds of ``name`` over those of ``base``."""
+    return [scale * a / b for a, b in zip(seconds[name], seconds[base], strict=True)]

@@ -1,8 +1,9 @@
-"""The benchmark's problem: experiment zhao-2012 as the product runs it, and as arrays for the code written by hand."""
+"""The benchmarks' problem: experiment zhao-2012 as the product runs it, and as arrays and equations for others."""
 
 import ctypes
 import subprocess
 import tempfile
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -10,32 +11,86 @@ import numpy as np
 
 from backend import library
 from backend.assembly import prepare
-from backend.engine.simulation import Experiment, Simulation
+from backend.engine.graph import variables
+from backend.engine.grid import cut
+from backend.engine.kernel import Layout, kernel
+from backend.engine.simulation import Experiment, Simulation, Tables, joined
 from shared import Experiment as Spec
 
 HOLD = 10  # steps: noise and switching signals change on multiples of 0.01 s
+RHO = LAMBDA = 4.0
+INPUTS = ("u.u", "signal.phi1", "signal.phi2", "signal.phi3", "theta.theta1", "theta.theta2", "theta.theta3")
+ESTIMATES = ("x.x1", "x.x2", "xh.x1", "xh.x2", "thetah.theta1", "thetah.theta2", "thetah.theta3")
+PLACES = [0, 1, 14, 15, 16, 17, 18]  # of the estimates in the order of the code written by hand
 
 
-def engine(record: float = 0.01, **changes) -> Experiment:
-    spec = library.experiment("zhao-2012").model_dump() | {"record": record} | changes
+def engine(**changes) -> Experiment:
+    """The experiment as engine objects; ``changes`` are fields of the spec."""
+    spec = library.experiment("zhao-2012").model_dump() | {"figures": []} | changes
     return prepare(Spec.model_validate(spec)).engine
 
 
 def rows(e: Experiment) -> np.ndarray:
-    """Inputs of the hand-written code: u, φ1…3, θ1…3, noise, a row each HOLD steps."""
+    """Inputs of the code written by hand: u, φ1…3, θ1…3, noise, a row each HOLD steps."""
     at = (np.arange(e.steps // HOLD) + 0.5) * HOLD * e.step
-    names = ("u.u", "signal.phi1", "signal.phi2", "signal.phi3", "theta.theta1", "theta.theta2", "theta.theta3")
-    return np.ascontiguousarray(np.stack([*(e.signals[n](at, at) for n in names), e.measurement.noise_at(at)[:, 0]], axis=1))
+    return np.ascontiguousarray(np.stack([*(e.signals[n](at, at) for n in INPUTS), e.measurement.noise_at(at)[:, 0]], axis=1))
 
 
 def start(e: Experiment) -> np.ndarray:
-    """Initial state in the order of the hand-written code."""
+    """Initial state in the order of the code written by hand."""
     s = Simulation(e).initial()
     values = dict(zip(e.estimators[0].program.states, s.observers[0], strict=True))
     order = [f"Upsilon.{i}.{j}" for i in range(2) for j in range(3)]
     order += [f"Gamma.{i}.{j}" for i in range(3) for j in range(i, 3)]
     order += ["xh.x1", "xh.x2", "thetah.theta1", "thetah.theta2", "thetah.theta3"]
     return np.concatenate([s.plant, [values[n] for n in order]])
+
+
+def kernels_alone(e: Experiment) -> tuple[Callable[[], np.ndarray], tuple[str, ...]]:
+    """A call of the compiled plant and observer over the whole horizon, tables laid out before; and its states."""
+    program = joined(e.plant, e.estimators[0].program)
+    signals = e.signals | {"noise.y.y": e.measurement.noises[0]}
+    breaks = np.concatenate([s.breaks(0.0, e.steps * e.step) for s in signals.values()])
+    grid = cut(0, e.steps, e.step, breaks, e.every, 1)
+    tables = Tables(grid, signals, 4)
+    held, _ = tables.divide(variables(program.graph, program.update))
+    layout, values = Layout(held=held), e.parameters | e.estimators[0].parameters
+    params, table = np.array([values[p] for p in layout.shared_params(program)]), tables.held(held)
+    run, out = kernel(program, layout), np.empty((e.steps // e.every, len(program.states)))
+    s = Simulation(e).initial()
+    begin = np.concatenate([s.plant, s.observers[0]])
+
+    def call() -> np.ndarray:
+        run(grid.segments, begin.copy(), params, e.every, out, held=table)
+        return out
+
+    return call, program.states
+
+
+def rates(s: Sequence[float], w: Sequence[float]) -> list[float]:
+    """reference.c's `rates` in plain Python: on numbers quicker than NumPy. w: u, φ1…3, θ1…3, noise."""
+    x1, x2, U00, U01, U02, U10, U11, U12, G00, G01, G02, G11, G12, G22, h1, h2, q1, q2, q3 = s
+    u, p1, p2, p3, t1, t2, t3, noise = w
+    v = x2 / x1
+    O2 = U02 + p3
+    b0 = G00 * U00 + G01 * U01 + G02 * O2
+    b1 = G01 * U00 + G11 * U01 + G12 * O2
+    b2 = G02 * U00 + G12 * U01 + G22 * O2
+    r = x1 + p3 * t3 + noise - h1 - p3 * q3
+    c1 = max(h1, 1e-3)
+    z = min(max(h2 / c1, 0.0), 1.0)
+    m1, m2 = U00 * b0 + U01 * b1 + U02 * b2, U10 * b0 + U11 * b1 + U12 * b2
+    return [
+        x2 - u * x1 + t1 * p1 + t2 * p2,
+        x1 * v * (2 * v - 1 - u) + 0.1 * u * (1 - v) * (1 - v),
+        RHO * (U10 - U00) + p1, RHO * (U11 - U01) + p2, RHO * (U12 - U02 - p3),
+        -0.5 * RHO * U00, -0.5 * RHO * U01, -0.5 * RHO * O2,
+        LAMBDA * G00 - b0 * b0, LAMBDA * G01 - b0 * b1, LAMBDA * G02 - b0 * b2,
+        LAMBDA * G11 - b1 * b1, LAMBDA * G12 - b1 * b2, LAMBDA * G22 - b2 * b2,
+        h2 - u * h1 + p1 * q1 + p2 * q2 + (RHO + m1) * r,
+        c1 * z * (2 * z - 1 - u) + 0.1 * u * (1 - z) * (1 - z) + RHO * (0.5 * RHO + m2) * r,
+        b0 * r, b1 * r, b2 * r,
+    ]  # fmt: skip
 
 
 @dataclass
@@ -45,19 +100,19 @@ class ByHand:
     library: ctypes.CDLL
 
     @classmethod
-    def compiled(cls) -> "ByHand":
+    def compiled(cls, *flags: str) -> "ByHand":
         folder = tempfile.mkdtemp(prefix="thetascope-benchmark-")
-        target = Path(folder) / "reference.so"
-        source = Path(__file__).with_name("reference.c")
-        subprocess.run(["gcc", "-O3", "-march=native", "-shared", "-fPIC", "-o", target, source, "-lm"], check=True)
+        target, source = Path(folder) / "reference.so", Path(__file__).with_name("reference.c")
+        command = ["gcc", "-O3", "-march=native", *flags, "-shared", "-fPIC", "-o", str(target), str(source), "-lm"]
+        subprocess.run(command, check=True)
         return cls(ctypes.CDLL(str(target)))
 
     def simulate(self, inputs: np.ndarray, steps: int, h: float, every: int, state: np.ndarray) -> np.ndarray:
+        """All 19 states after each ``every`` steps."""
         out, s = np.empty((steps // every, 19)), state.copy()
-        d = ctypes.c_double
-        self.library.simulate(inputs.ctypes.data_as(ctypes.c_void_p), ctypes.c_long(steps), ctypes.c_long(HOLD), d(h), d(4.0),
-                              d(4.0), ctypes.c_long(every), s.ctypes.data_as(ctypes.c_void_p),
-                              out.ctypes.data_as(ctypes.c_void_p))  # fmt: skip
+        d, p, n = ctypes.c_double, ctypes.c_void_p, ctypes.c_long
+        self.library.simulate(p(inputs.ctypes.data), n(steps), n(HOLD), d(h), d(RHO), d(LAMBDA), n(every), p(s.ctypes.data),
+                              p(out.ctypes.data))  # fmt: skip
         return out
 
     def batch(self, inputs: np.ndarray, h: float, every: int, state: np.ndarray, seeds: range, std: float) -> np.ndarray:
@@ -65,9 +120,9 @@ class ByHand:
         count = len(inputs)
         out, scratch = np.empty((len(seeds), count * HOLD // every, 19)), np.empty(count)
         inputs = inputs.copy()
-        d, p = ctypes.c_double, ctypes.c_void_p
+        d, p, n = ctypes.c_double, ctypes.c_void_p, ctypes.c_long
         for i, seed in enumerate(seeds):
-            self.library.simulate_seed(inputs.ctypes.data_as(p), ctypes.c_long(count), ctypes.c_long(HOLD), d(h), d(4.0), d(4.0),
-                                       ctypes.c_long(every), state.ctypes.data_as(p), p(out[i].ctypes.data),
-                                       ctypes.c_uint64(seed), d(std), scratch.ctypes.data_as(p))  # fmt: skip
+            self.library.simulate_seed(p(inputs.ctypes.data), n(count), n(HOLD), d(h), d(RHO), d(LAMBDA), n(every),
+                                       p(state.ctypes.data), p(out[i].ctypes.data), ctypes.c_uint64(seed), d(std),
+                                       p(scratch.ctypes.data))  # fmt: skip
         return out

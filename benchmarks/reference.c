@@ -42,15 +42,17 @@ static inline void rates(const double *restrict s, const double *restrict w, dou
     d[18] = b[2] * r;
 }
 
-/* inputs: rows of u phi1 phi2 phi3 theta1 theta2 theta3 noise, one for each `hold` steps; out: a row each `every` steps. */
-void simulate(const double *inputs, long steps, long hold, double h, double rho, double lambda, long every, double *state,
-              double *out)
+void simulate(const double *restrict inputs, long steps, long hold, double h, double rho, double lambda, long every, double *restrict state,
+              double *restrict out)
 {
     double s[N], k1[N], k2[N], k3[N], k4[N], z[N];
     memcpy(s, state, sizeof s);
     long left = every;
-    for (long k = 0; k < steps; k++) {
-        const double *w = inputs + 8 * (k / hold);
+    for (long k = 0; k < steps; k += hold) {
+        double w[8];
+        memcpy(w, inputs, sizeof w);
+        inputs += 8;
+        for (long j = 0; j < hold; j++) {
         rates(s, w, rho, lambda, k1);
         for (int i = 0; i < N; i++) z[i] = s[i] + 0.5 * h * k1[i];
         rates(z, w, rho, lambda, k2);
@@ -63,6 +65,7 @@ void simulate(const double *inputs, long steps, long hold, double h, double rho,
             left = every;
             memcpy(out, s, sizeof s);
             out += N;
+        }
         }
     }
     memcpy(state, s, sizeof s);

@@ -23,11 +23,11 @@ const pause = (seconds, signal) => new Promise((done, stop) => {
 });
 
 /** The answer to a request, as JSON. Waits for a lost server: every request of this page may be repeated. */
-export async function request(method, url, {body, signal} = {}) {
+export async function request(method, url, {body, signal, headers = {}} = {}) {
   for (let wait = 0.5; ; wait = Math.min(wait * 1.5, 4)) {
     try {
       const answer = await fetch(url, {
-        method, signal, headers: body === undefined ? {} : {'Content-Type': 'application/json'},
+        method, signal, headers: body === undefined ? headers : {'Content-Type': 'application/json', ...headers},
         body: body === undefined ? undefined : JSON.stringify(body),
       });
       mark(false);

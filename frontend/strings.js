@@ -1,8 +1,15 @@
-// Every word of the page, in one place, so that another language is one more object here.
-// Names of experiments, observers and faults come from the server and are not translated.
+// Every word of the pages of runs and plants, in one place; Chinese is in strings-zh.js. Names of the library come from
+// the server; `named` gives what they are called in another language.
+
+import {language} from './language.js';
+import {chinese} from './strings-zh.js';
 
 const english = {
   title: 'Thetascope',
+  named: (words) => words,
+  page: {live: 'Live', runs: 'Runs', plants: 'Plants'},
+  pages: 'Pages',
+  languageHint: '中文',
   skip: 'To the figures',
   interface: 'Interface',
   interfaceHint: 'The REST interface, to read and try',
@@ -89,6 +96,19 @@ const english = {
   copied: 'Copied',
   runId: 'Run',
   took: (seconds) => `computed in ${seconds} s`,
+
+  plants: 'Plants',
+  plantsText: 'The plants of the library. Their equations are text: copy one, change it, and check it here.',
+  paste: 'Check a plant of your own',
+  pasteHint: 'A plant as JSON, such as /api/plants/dc-motor gives it',
+  check: 'Check',
+  copyPlant: 'Put it into the box',
+  goLive: 'Open live',
+  valid: 'It can be used.',
+  canBuild: 'can be built',
+  cannotBuild: 'cannot be built',
+  sizes: ({states, inputs, outputs, channels}) => `${states} states, ${inputs} inputs, ${outputs} outputs, ${channels} fault channels`,
+  noJson: 'This is no JSON',
 };
 
-export const text = english;
+export const text = language() === 'zh' ? {...english, ...chinese} : english;

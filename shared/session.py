@@ -46,7 +46,7 @@ CLOSE_ENDED = 4410  # the session was closed or idle for too long
 class Command(Strict):
     """What all commands share. Every one is answered by an Ack or a Refused with its id."""
 
-    id: int = Field(ge=0, description="The client's number of the command.")
+    id: int = Field(ge=0, le=2**53 - 1, strict=True, description="The client's number of the command.")
 
 
 class Play(Command):
@@ -68,7 +68,7 @@ class Step(Command):
 
     model_config = example(type="step", id=3, rows=1)
     type: Literal["step"] = "step"
-    rows: int = Field(1, ge=1, le=100_000)
+    rows: int = Field(1, ge=1, le=100_000, strict=True)
 
 
 class Speed(Command):
@@ -76,7 +76,7 @@ class Speed(Command):
 
     model_config = example(type="speed", id=4, value=10)
     type: Literal["speed"] = "speed"
-    value: Annotated[float, Field(ge=0.1, le=1000)] | None
+    value: Annotated[float, Field(ge=0.1, le=1000, strict=True)] | None
 
 
 class Inject(Command):

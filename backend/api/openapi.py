@@ -5,11 +5,12 @@ from typing import Any
 from fastapi import FastAPI
 from pydantic.json_schema import models_json_schema
 
+from backend.api.asked import ForkRequest, SessionRequest
 from backend.runs.requests import RunRequest
 from shared.experiment import Experiment
 from shared.plant import Plant
 
-_BODIES = (Experiment, Plant, RunRequest)
+_BODIES = (Experiment, Plant, RunRequest, SessionRequest, ForkRequest)
 
 
 def install(app: FastAPI) -> None:

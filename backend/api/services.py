@@ -5,6 +5,7 @@ from typing import Annotated
 
 from fastapi import Depends, Request
 
+from backend.live.hub import Hub
 from backend.runs.manager import RunManager
 from backend.settings import Settings
 from backend.store import Database, RunStore
@@ -12,17 +13,19 @@ from backend.store import Database, RunStore
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, the run manager and the store's database of one application."""
+    """The settings, the run manager, the live sessions and the store's database of one application."""
 
     settings: Settings
     runs: RunManager
+    live: Hub
     database: Database
 
     @classmethod
     def start(cls, settings: Settings) -> "Services":
         """Open the store and start the manager. Raises StoreError."""
         database = Database(settings.database)
-        return cls(settings, RunManager(settings, RunStore(database, settings.store_limit)), database)
+        runs = RunManager(settings, RunStore(database, settings.store_limit))
+        return cls(settings, runs, Hub(settings), database)
 
     def close(self) -> None:
         self.runs.close()

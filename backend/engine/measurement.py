@@ -4,17 +4,19 @@ Everything is a function of (t, seed) and of what was measured before; what was 
 value that is copied, so that chunking, rewinding and forking never change a number.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from backend.engine import draws
 from backend.engine.grid import Grid
-from backend.engine.signals import Signal, constant, gated, pulse, total  # noqa: F401  (constant is part of the shapes below)
+from backend.engine.signals import Signal, constant, gated, total
 from backend.engine.signals import _random_held as random_held
 
 ADDITIVE = ("outliers", "noise-burst")
+ORDER = {"delay": 0, "stuck": 1, "freeze": 1, "dropout": 1, "quantisation": 2}  # in which a value meets the others
+_STAGES = {4: np.array([0.0, 0.5, 0.5, 1.0]), 1: np.zeros(1)}  # where in a step y is wanted
 
 
 def noise_key(seed: int, output: int) -> tuple[int, int, int]:
@@ -43,8 +45,8 @@ def _additive(data: Mapping, key: tuple[int, ...]) -> Signal:
     return gated(inner, data["onset"], data.get("end"))
 
 
-def _lost(data: Mapping, key: tuple[int, ...]) -> Signal:
-    """1 while nothing new comes through (freeze, stuck: always; dropout: by chance), else 0."""
+def _acting(data: Mapping, key: tuple[int, ...]) -> Signal:
+    """1 while a fault acts on what comes through (dropout: by chance), else 0."""
     if data["shape"] == "dropout":
         chance = data["probability"]
         inner = random_held(
@@ -57,11 +59,13 @@ def _lost(data: Mapping, key: tuple[int, ...]) -> Signal:
 
 @dataclass(frozen=True)
 class Memory:
-    """What the measurement remembers, per output: the last value passed on, the last sample, past values for delays."""
+    """What the measurement remembers: the last values before faults and the last samples, one an output; and by fault
+    (draws.key_of) the last value that it let through or, of a delay, what it is late with.
+    """
 
     passed: np.ndarray
     sampled: np.ndarray
-    history: tuple[tuple[np.ndarray, np.ndarray], ...] = ()
+    faults: Mapping[int, object] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -91,22 +95,33 @@ class Measurement:
     def _mine(self, output: str) -> list[Mapping]:
         return [f for f in self.faults if f["output"] == output]
 
-    def _lost(self, f: Mapping) -> Signal:
-        return _lost(f, (self.seed, 5, draws.key_of(f)))
+    def _in_turn(self, output: str) -> list[Mapping]:
+        return sorted((f for f in self._mine(output) if f["shape"] in ORDER), key=lambda f: ORDER[f["shape"]])
+
+    def _acting(self, f: Mapping) -> Signal:
+        return _acting(f, (self.seed, 5, draws.key_of(f)))
 
     @property
     def direct(self) -> bool:
         return self.sample_every is None and all(f["shape"] in ADDITIVE for f in self.faults)
 
-    def breaks(self, a: float, b: float) -> np.ndarray:
-        """Where the measurement is discontinuous in (a, b)."""
+    def breaks(self, a: float, b: float, signals: Iterable[Signal] = ()) -> np.ndarray:
+        """Where the measurement is discontinuous in (a, b); ``signals`` are those that the plant gets: a delay lets their
+        jumps through late.
+        """
         parts = [s.breaks(a, b) for s in self.noises]
-        parts += [self._lost(f).breaks(a, b) for f in self.faults if f["shape"] not in ADDITIVE]
+        parts += [self._acting(f).breaks(a, b) for f in self.faults if f["shape"] in ORDER]
+        for f in self.faults:
+            if f["shape"] == "delay":
+                # and there is a kink where the delay line is full
+                late = [s.breaks(a - f["delay"], b - f["delay"]) for s in (*self.noises, *signals, self._acting(f))]
+                times = np.concatenate(late) + f["delay"]
+                parts.append(times[(times > f["onset"]) & (times < (f.get("end") or np.inf))])
         return np.concatenate(parts) if parts else np.empty(0)
 
     def start(self) -> Memory:
         m = len(self.outputs)
-        return Memory(np.full(m, np.nan), np.full(m, np.nan), tuple((np.empty(0), np.empty(0)) for _ in range(m)))
+        return Memory(np.full(m, np.nan), np.full(m, np.nan))
 
     def noise_at(self, anchor: np.ndarray) -> np.ndarray:
         """Additive disturbance of every output: shape (len(anchor), m)."""
@@ -117,31 +132,28 @@ class Measurement:
     def measure(self, grid: Grid, first: int, clean: np.ndarray, memory: Memory) -> tuple[np.ndarray, Memory]:
         """Measured outputs of one span: ``clean`` and the answer have shape (steps, stages, m)."""
         y = clean + self.noise_at(grid.anchor)[:, None, :]
-        passed, sampled, history = memory.passed.copy(), memory.sampled.copy(), list(memory.history)
+        passed = y[-1, -1].copy() if len(y) else memory.passed
+        kept, sampled = dict(memory.faults), memory.sampled
         for i, name in enumerate(self.outputs):
-            mine = [f for f in self._mine(name) if f["shape"] not in ADDITIVE]
-            if mine:
-                y[:, :, i], passed[i], history[i] = self._faulty(mine, grid, y[:, :, i], passed[i], history[i])
-            elif len(y):
-                passed[i] = y[-1, -1, i]
+            for f in self._in_turn(name):
+                key = draws.key_of(f)
+                y[:, :, i], kept[key] = self._through(f, grid, y[:, :, i], kept.get(key), memory.passed[i])
         if self.sample_every is not None:
             y, sampled = self._sampled(grid, first, y, sampled)
-        return y, replace(memory, passed=passed, sampled=sampled, history=tuple(history))
+        return y, replace(memory, passed=passed, sampled=sampled, faults=kept)
 
-    def _faulty(self, mine, grid: Grid, y: np.ndarray, passed: float, history):
-        """Delay, then loss (stuck, freeze, dropout), then quantisation: the order in which a signal meets them."""
-        for f in mine:
-            if f["shape"] == "delay":
-                y, history = _delayed(f, grid, y, history)
-        for f in mine:
-            if f["shape"] in ("stuck", "freeze", "dropout"):
-                lost = self._lost(f)(grid.anchor, grid.anchor) > 0
-                y = np.where(lost[:, None], f["value"], y) if f["shape"] == "stuck" else _hold(lost, y, passed)
-        for f in mine:
-            if f["shape"] == "quantisation":
-                on = gated(constant(1.0), f["onset"], f.get("end"))(grid.anchor, grid.anchor) > 0
-                y = np.where(on[:, None], np.rint(y / f["resolution"]) * f["resolution"], y)
-        return y, (y[-1, -1] if len(y) else passed), history
+    def _through(self, f: Mapping, grid: Grid, y: np.ndarray, kept: object, passed: float) -> tuple[np.ndarray, object]:
+        """One output (steps × stages) through one fault; ``kept`` is what the fault remembers, None at first."""
+        on = self._acting(f)(grid.anchor, grid.anchor) > 0
+        match f["shape"]:
+            case "delay":
+                return _delayed(f["delay"], on, grid, y, kept)
+            case "stuck":
+                return np.where(on[:, None], f["value"], y), None
+            case "quantisation":
+                return np.where(on[:, None], np.rint(y / f["resolution"]) * f["resolution"], y), None
+        y = _hold(on, y, passed if kept is None else kept)
+        return y, float(y[-1, -1]) if len(y) else kept
 
     def _sampled(self, grid: Grid, first: int, y: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Take the value at the start of every sampled base step and hold it."""
@@ -167,21 +179,21 @@ def _hold(lost: np.ndarray, y: np.ndarray, passed: float) -> np.ndarray:
     return np.where(lost[:, None], held[:, None], y)
 
 
-def _delayed(f: Mapping, grid: Grid, y: np.ndarray, history):
+def _delayed(delay: float, on: np.ndarray, grid: Grid, y: np.ndarray, past: object) -> tuple[np.ndarray, object]:
     """y(t − delay) while the fault is on: the delay line fills from the onset on and shows the first value until then.
 
-    Linear between the ends of steps. Only what was measured since the onset is needed.
+    The past is kept as steps (start, end, y at the start, y at the end), linear in between, so that a jump between two
+    steps stays one.
     """
-    on = gated(constant(1.0), f["onset"], f.get("end"))(grid.anchor, grid.anchor) > 0
     if not on.any():
-        return y, history
-    times, ends = np.empty(2 * int(on.sum())), np.empty(2 * int(on.sum()))
-    times[0::2], times[1::2] = grid.start[on], grid.end[on]
-    ends[0::2], ends[1::2] = y[on, 0], y[on, -1]
-    all_times, all_values = np.concatenate([history[0], times]), np.concatenate([history[1], ends])
-    fractions = np.array([0.0, 0.5, 0.5, 1.0]) if y.shape[1] == 4 else np.zeros(y.shape[1])
-    at = grid.start[on, None] + fractions * (grid.end - grid.start)[on, None] - f["delay"]
+        return y, past
+    now = np.stack([grid.start[on], grid.end[on], y[on, 0], y[on, -1]])
+    steps = now if past is None else np.concatenate([past, now], axis=1)
+    width = grid.end[on] - grid.start[on]
+    at = grid.start[on, None] + _STAGES[y.shape[1]] * width[:, None] - delay
+    # a little towards the middle of the present step: right limits at its start, left limits at its end
+    inside = at + 1e-4 * (grid.anchor[on, None] - delay - at)
+    start, end, first, last = steps[:, np.maximum(np.searchsorted(steps[0], inside, side="right") - 1, 0)]
     late = y.copy()
-    late[on] = np.interp(at, all_times, all_values)
-    first = max(0, int(np.searchsorted(all_times, grid.end[-1] - f["delay"])) - 2)
-    return late, (all_times[first:], all_values[first:])
+    late[on] = first + np.clip((at - start) / (end - start), 0.0, 1.0) * (last - first)
+    return late, steps[:, steps[1] >= grid.end[on][-1] - delay - width[-1]]

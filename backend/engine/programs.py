@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from backend.engine import cache
 from backend.engine.observers.base import Observer
-from backend.engine.system import CONTINUOUS, DISCRETE, Program
+from backend.engine.system import CONTINUOUS, DISCRETE, Program, System
 
 _PROSE = ("title", "description", "source", "unit", "typical")
 _memory: OrderedDict[str, "Written"] = OrderedDict()
@@ -30,7 +30,7 @@ class Written:
 
 
 def mathematics(plant: Mapping) -> dict:
-    """A plant's data without what no equation depends on: prose, units, initial values, parameter values, signals."""
+    """A plant's data without what neither an equation nor its design depends on: prose, units, defaults, bounds, signals."""
     kept = {k: v for k, v in plant.items() if k not in (*_PROSE, "id")}
     for part in ("states", "inputs", "outputs", "definitions", "channels"):
         kept[part] = [
@@ -67,6 +67,19 @@ def observer_program(
         return Written(draft.system(kind.id).lower(), draft.facts)
 
     return _written([kind.id, mathematics(plant), channels, gains, options], write)
+
+
+def time_program(text: str) -> Program:
+    """A function of t given as text, as output ``value``. Raises ExpressionError."""
+
+    def write() -> Written:
+        from backend.engine.expressions import parse
+        from backend.engine.model import clock
+
+        function = parse(text, ["t"], "text").sympy({"t": clock()})
+        return Written(System("time", CONTINUOUS, (), (), (), (), {"value": function}).lower(), {})
+
+    return _written(["time", text], write).program
 
 
 def _written(what: list, write) -> Written:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from backend.engine import draws
+from backend.engine.programs import time_program
 
 _FAR = 10**7  # no signal may ask for more switching times than this in one span
 
@@ -87,13 +88,14 @@ def ramp(start: float, slope: float, initial: float = 0.0, end: float | None = N
 
 
 def chirp(amplitude: float, f0: float, f1: float, duration: float, offset: float = 0.0) -> Signal:
-    """A sine whose frequency goes linearly from f0 to f1 (Hz) in ``duration`` seconds, again and again."""
+    """A sine whose frequency goes linearly from f0 to f1 (Hz) in ``duration`` seconds and stays f1 from then on."""
 
     def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
-        local = t - duration * np.floor(anchor / duration)
-        return offset + amplitude * np.sin(2 * np.pi * (f0 * local + (f1 - f0) / (2 * duration) * local**2))
+        sweeping = f0 * t + (f1 - f0) / (2 * duration) * t**2
+        cycles = np.where(anchor < duration, sweeping, 0.5 * (f0 + f1) * duration + f1 * (t - duration))
+        return offset + amplitude * np.sin(2 * np.pi * cycles)
 
-    return Signal(value, lambda a, b: _every(0.0, duration, a, b), False)
+    return Signal(value, lambda a, b: _within(np.array([duration]), a, b), False)
 
 
 def prbs(low: float, high: float, hold: float, seed: int = 0) -> Signal:
@@ -137,18 +139,12 @@ def table(times: list[float], values: list[float], interpolation: str = "hold") 
 
 def expression(text: str) -> Signal:
     """A smooth function of t given as text. Raises ExpressionError."""
-    from backend.engine.expressions import parse
-    from backend.engine.graph import Graph, evaluate
-    from backend.engine.lowering import Lowering
-    from backend.engine.model import clock
+    program = time_program(text)
 
-    graph = Graph()
-    root = Lowering(graph, {"t"})(parse(text, ["t"], "text").sympy({"t": clock()}))
-    return Signal(
-        lambda t, anchor: np.broadcast_to(evaluate(graph, [root], {"t": t})[0], t.shape).astype(float),
-        _no_breaks,
-        False,
-    )
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(program.evaluate(["value"], {"t": t})[0], t.shape).astype(float)
+
+    return Signal(value, _no_breaks, False)
 
 
 _KINDS = {"constant": constant, "steps": steps, "pulse": pulse, "sine": sine, "ramp": ramp, "chirp": chirp, "prbs": prbs,

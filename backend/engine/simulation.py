@@ -143,7 +143,7 @@ class Simulation:
     def _breaks(self, first: int, last: int) -> np.ndarray:
         a, b = (first - 0.5) * self.experiment.step, (last + 0.5) * self.experiment.step
         parts = [s.breaks(a, b) for s in self.experiment.signals.values()]
-        parts.append(self.experiment.measurement.breaks(a, b))
+        parts.append(self.experiment.measurement.breaks(a, b, self.experiment.signals.values()))
         return np.concatenate(parts)
 
     def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:

@@ -97,15 +97,15 @@ def _channel(before: Watch, seen: Seen, c: int, ready: tuple[np.ndarray, np.ndar
     out = (theta > SIGMAS * sigma) | (means > MEAN_SIGMAS)
     above = _run_lengths(theta > SIGMAS * sigma, before.above)
     below = _run_lengths(~out, before.below)
-    on, changes = before.on, []
-    for r in range(len(out)):
-        now = (on and below[r] < hold) or (ready[0][r] and (above[r] >= hold or means[r] > MEAN_SIGMAS))
-        if now != on:
-            on = now
-            changes.append((r, on))
+    rising = ready[0] & ((above >= hold) | (means > MEAN_SIGMAS))
+    rows = np.arange(1, len(out) + 1)
+    last_set = np.maximum.accumulate(np.where(rising, rows, 0))
+    last_cleared = np.maximum.accumulate(np.where(~rising & (below >= hold), rows, 0))
+    states = np.where(last_set == last_cleared, before.on, last_set > last_cleared)  # equal: neither has happened
+    changes = [(int(r), bool(states[r])) for r in np.flatnonzero(np.diff(states, prepend=before.on))]
     if not len(out):
         return before, changes
-    return Watch(int(above[-1]), int(below[-1]), on, (past[-mean:],)), changes
+    return Watch(int(above[-1]), int(below[-1]), bool(states[-1]), (past[-mean:],)), changes
 
 
 def _event(seen: Seen, c: int, r: int, first_row: int, record: float, on: bool) -> Event:

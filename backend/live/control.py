@@ -73,6 +73,7 @@ class Control:
                 room.pace.step((room.pace.target or room.shown) + rows)
             case Speed(value=value):
                 room.pace.set_speed(value, room.shown, now)
+        room.lookahead.disturbed()
         if room.pace.moving:
             room.moving()
             room.fill()
@@ -115,7 +116,7 @@ class Control:
             refusal = messages.of_validation(command.id, error)
         row, columns, ended = session.row, session.columns, session.ended
         rows = room.lookahead.soon(room.pace) if room.pace.moving else 0
-        computed = compute(session, max(rows, 1 - row)) if rows or row == 0 else None
+        computed = compute(session, max(rows, 1 - row), room.house.past) if rows or row == 0 else None
         return Done(row, columns, ended, events, refusal, computed)
 
     def _done(self, viewer: Viewer, command: Command, done: Done | None, error: Exception | None) -> None:

@@ -1,14 +1,17 @@
 """All sessions of the service: opened, found, closed, and closed when nobody has watched them for long."""
 
 import asyncio
+import gc
 import logging
 import secrets
+import sys
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from backend.engine.errors import SpecError
+from backend.live.pacing import Spacing
 from backend.live.turns import Background, Job, Then, outcome
 from shared import Experiment
 from shared.session import CLOSE_ENDED
@@ -23,6 +26,11 @@ log = logging.getLogger(__name__)
 
 _THREADS = 2  # kernels leave Python's lock; what is around them does not
 _WORKSHOPS = 2
+_CHECKS = 0.1
+"""Seconds between checks of assumptions, of whatever session."""
+_SWITCH = 0.0002
+"""Seconds after which a thread lets the event loop go on. Every frame that is sent gives Python's lock away, so at Python's
+own 5 ms a single busy thread (a compilation) would leave 200 frames a second for all sessions together."""
 _ROWS = 4096  # asked for at once on the way to a session's first row
 
 
@@ -60,8 +68,8 @@ class Hub:
 
         Raises :class:`TooMany`, SpecError, and what `read` raises.
         """
-        rows = self._settings.session_rows
-        return await self._open(lambda: _begun(read(), rows, t), play, speed)
+        rows, past = self._settings.session_rows, self._settings.past
+        return await self._open(lambda: _begun(read(), rows, past, t), play, speed)
 
     async def fork(self, room: "Room", t: float | None = None) -> "Room":
         """A second session that begins where this one stands, or at an earlier time. Raises :class:`TooMany`."""
@@ -82,7 +90,7 @@ class Hub:
             self._scheduler.stop()
         self._rooms.clear()
         for pool in (self._threads, self._workshop):
-            pool.shutdown(wait=True, cancel_futures=True)
+            pool.shutdown(wait=False, cancel_futures=True)
 
     # --------------------------------------------------------------------------------------------------------------------
 
@@ -121,9 +129,15 @@ class Hub:
         self._scheduler = Scheduler(self._loop)
         self._house = House(
             clock=self._loop.time, background=self._in(self._threads), workshop=self._in(self._workshop),
-            wake=self._scheduler.wake, viewers=self._settings.viewers, backlog=self._settings.backlog,
+            wake=self._scheduler.wake, may_check=Spacing(_CHECKS, self._loop.time).take,
+            viewers=self._settings.viewers, backlog=self._settings.backlog, past=self._settings.past,
         )  # fmt: skip
         self._swept()
+        # What is there by now stays: without this, Python's collector would go through all of SymPy now and again,
+        # and every session would wait for it.
+        sys.setswitchinterval(_SWITCH)
+        gc.collect()
+        gc.freeze()
 
     def _in(self, pool: ThreadPoolExecutor) -> Background:
         """Background work in a pool."""
@@ -156,12 +170,13 @@ class _Place:
     def __enter__(self) -> None:
         self._hub._opening += 1
 
-    def __exit__(self, *_: Any) -> None:
+    def __exit__(self, *_: object) -> None:
         self._hub._opening -= 1
 
 
-def _begun(spec: Experiment, limit: int, t: float) -> "Session":
+def _begun(spec: Experiment, limit: int, past: int, t: float) -> "Session":
     """A session that has its first row, and all rows up to time t."""
+    from backend.live.lookahead import compute
     from backend.live.session import Session
 
     session = Session(spec, limit)
@@ -170,5 +185,5 @@ def _begun(spec: Experiment, limit: int, t: float) -> "Session":
         raise SpecError("t", t, f"a session has at most {limit:,} rows, that is {limit * session.record:g} s",
                         f"give at most {(limit - 1) * session.record:g}, or raise THETASCOPE_SESSION_ROWS")  # fmt: skip
     while session.row < rows and not session.ended:
-        session.advance(min(_ROWS, rows - session.row))
+        compute(session, min(_ROWS, rows - session.row), past)
     return session

@@ -5,19 +5,22 @@ frame by frame. A command makes what was computed ahead void; right after one th
 """
 
 from dataclasses import dataclass
+from math import inf
 
 from backend.live.frames import narrowed
 from backend.live.pacing import FRAME, Pace
 from backend.live.session import Session
 from shared.session import Event
 
-SHORTEST, LONGEST = 4 * FRAME, 4.0
+SHORTEST, LONGEST = 4 * FRAME, 6.0
 """Seconds of real time that are computed ahead: right after a command, and when nothing happens."""
 
-LIGHT = 0.003
-"""Seconds of work that the event loop may do itself; handing it to a thread and back costs as much."""
-SLICE = 0.008
-"""Seconds of work that are done at once, so that a command or another session need not wait long."""
+LIGHT = 0.004
+"""Seconds of work that the event loop may do itself: in a thread, Python's lock would keep the others waiting as long."""
+SLICE = 0.010
+"""Seconds of work in a thread, so that a command or another session need not wait long."""
+MARGIN = 0.3
+"""Seconds that may pass until a thread has computed what is shown next."""
 
 
 @dataclass(frozen=True)
@@ -31,11 +34,37 @@ class Computed:
     ended: bool
 
 
-def compute(session: Session, rows: int) -> Computed:
-    """Advance a session."""
+def compute(session: Session, rows: int, past: int) -> Computed:
+    """Advance a session, which is to keep `past` bytes of samples."""
     first = session.row
     data = session.advance(rows)
+    session.past.forget(max(1, past // (4 * len(session.columns))))
     return Computed(first, session.columns, narrowed(data), session.take_events(), session.ended)
+
+
+class Cost:
+    """What a call of advance takes: a share of its own and one for each row, fitted to the calls so far."""
+
+    _FORGET = 0.9
+
+    def __init__(self) -> None:
+        self._sums = [0.0] * 5  # weights, rows, seconds, rows², rows · seconds
+        self._call = self._row = 0.0
+
+    def measured(self, rows: int, seconds: float) -> None:
+        """So many rows took so long."""
+        terms = (1.0, rows, seconds, rows * rows, rows * seconds)
+        n, x, y, xx, xy = self._sums = [self._FORGET * s + t for s, t in zip(self._sums, terms, strict=True)]
+        spread = n * xx - x * x
+        self._row = max(0.0, (n * xy - x * y) / spread) if spread > 1e-3 * xx * n else 0.0
+        self._call = max(0.0, (y - self._row * x) / n)
+
+    def seconds(self, rows: int) -> float:
+        return self._call + rows * self._row
+
+    def rows(self, seconds: float) -> int:
+        """Rows whose own share takes so long; the call itself has to be paid anyway."""
+        return max(1, int(min(seconds / max(self._row, 1e-9), 1e9)))
 
 
 class Lookahead:
@@ -43,40 +72,33 @@ class Lookahead:
 
     def __init__(self) -> None:
         self._reach = SHORTEST
-        self._cost = LIGHT / 8  # seconds a row takes, the share of the call in it
+        self._cost = Cost()
+        self._low = inf
 
     def disturbed(self) -> None:
         """A command came; the next may soon follow."""
-        self._reach = SHORTEST
+        self._reach, self._low = SHORTEST, inf
 
     def measured(self, rows: int, seconds: float) -> None:
         """So many rows took so long."""
         if rows:
-            self._cost = seconds / rows
-            self._reach = min(LONGEST, 2 * self._reach)
+            self._cost.measured(rows, seconds)
+            self._reach = min(LONGEST, 4 * self._reach)
 
     def soon(self, pace: Pace) -> int:
         """Rows to compute with a command, so that the first frames after it are there at once."""
-        return self._affordable(pace.rows_in(SHORTEST))
+        return min(pace.rows_in(SHORTEST), self._cost.rows(LIGHT))
 
     def wanted(self, pace: Pace, left: int, most: int) -> tuple[int, bool] | None:
         """How many rows to compute, and whether in a thread; None: enough are `left`. `most`: rows of one frame."""
         if pace.target is not None or pace.speed is None:
-            rows = 2 * most - left
-            due = rows > 0
-        else:
-            frame = pace.rows_in(FRAME)
-            whole = min(pace.rows_in(self._reach), 64 * most)
-            rows = whole - left
-            # What takes a thread is asked for while there is still something to show.
-            due = left <= frame or (self._long(rows) and left < whole / 2)
-        if not due or rows < 1:
+            rows = min(2 * most - left, self._cost.rows(SLICE))
+            return (rows, True) if rows > 0 else None
+        if left > self._low:
             return None
-        rows = self._affordable(rows)
-        return rows, self._long(rows)
-
-    def _affordable(self, rows: int) -> int:
-        return max(1, min(rows, int(SLICE / self._cost)))
-
-    def _long(self, rows: int) -> bool:
-        return rows * self._cost > LIGHT
+        frame = pace.rows_in(FRAME)
+        long = self._cost.seconds(frame) > LIGHT
+        whole = min(pace.rows_in(self._reach), 64 * most, self._cost.rows(SLICE if long else LIGHT))
+        # What takes a thread is asked for while there is still something to show.
+        self._low = min(pace.rows_in(MARGIN), whole // 2) if long else frame
+        return (whole - left, long) if left <= self._low and whole > left else None

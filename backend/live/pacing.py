@@ -5,6 +5,7 @@ cannot be followed (the simulation is slower than asked for) is set back to what
 up in a rush.
 """
 
+from collections.abc import Callable
 from math import ceil, floor, inf
 
 FRAME = 1 / 30
@@ -107,3 +108,19 @@ class Rate:
             self.value = (rows - self._rows) * record / (now - self._at)
         self._rows, self._at = rows, now
         return self.value
+
+
+class Spacing:
+    """Lets something happen only so often, seconds apart."""
+
+    def __init__(self, seconds: float, clock: Callable[[], float]) -> None:
+        self._seconds, self._clock = seconds, clock
+        self._last = -inf
+
+    def take(self) -> bool:
+        """Whether it is time again; then it has happened."""
+        now = self._clock()
+        if now - self._last < self._seconds:
+            return False
+        self._last = now
+        return True

@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_PIECE = 1 << 15  # rows, about, to which pieces are joined
+
 
 @dataclass(frozen=True)
 class Piece:
@@ -19,14 +21,25 @@ class Piece:
 
 
 class Past:
-    """Rows 0 … end − 1. Pieces are never changed, only cut off at the end: forks share them."""
+    """Rows start … end − 1. Pieces are never changed, only cut off at the end or let go: forks share them."""
 
-    def __init__(self, pieces: list[Piece] | None = None):
+    def __init__(self, pieces: list[Piece] | None = None, start: int = 0):
         self.pieces = list(pieces or [])
+        self._start = start
+
+    @property
+    def start(self) -> int:
+        """The first row that is still there."""
+        return self.pieces[0].first if self.pieces else self._start
 
     @property
     def end(self) -> int:
-        return self.pieces[-1].end if self.pieces else 0
+        return self.pieces[-1].end if self.pieces else self._start
+
+    def forget(self, rows: int) -> None:
+        """Let old pieces go, as long as `rows` rows remain."""
+        while len(self.pieces) > 1 and self.end - self.pieces[1].first >= rows:
+            del self.pieces[0]
 
     def append(self, columns: tuple[str, ...], data: np.ndarray) -> None:
         self.pieces.append(Piece(self.end, columns, data.astype(np.float32)))
@@ -35,14 +48,14 @@ class Past:
 
     def _merge(self) -> None:
         """Join neighbours of the same columns, so that a long session is not a long list."""
-        merged: list[Piece] = []
+        groups: list[list[Piece]] = []
         for piece in self.pieces:
-            last = merged[-1] if merged else None
-            if last is not None and last.columns == piece.columns and last.data.shape[1] < 1 << 15:
-                merged[-1] = Piece(last.first, last.columns, np.concatenate([last.data, piece.data], axis=1))
+            last = groups[-1] if groups else None
+            if last and last[-1].columns == piece.columns and piece.first - last[0].first < _PIECE:
+                last.append(piece)
             else:
-                merged.append(piece)
-        self.pieces = merged
+                groups.append([piece])
+        self.pieces = [_joined(group) for group in groups]
 
     def cut(self, row: int) -> "Past":
         """The past before a row."""
@@ -50,7 +63,7 @@ class Past:
         if kept and kept[-1].end > row:
             last = kept[-1]
             kept[-1] = Piece(last.first, last.columns, last.data[:, : row - last.first])
-        return Past(kept)
+        return Past(kept, row)
 
     def rows(self, columns: tuple[str, ...], first: int, last: int) -> np.ndarray:
         """Rows first … last − 1 in the given columns, NaN where a piece has no such column: columns × rows."""
@@ -69,3 +82,9 @@ class Past:
                 if name in where:
                     out[j, a - first : b - first] = block[where[name]]
         return out
+
+
+def _joined(pieces: list[Piece]) -> Piece:
+    if len(pieces) == 1:
+        return pieces[0]
+    return Piece(pieces[0].first, pieces[0].columns, np.concatenate([piece.data for piece in pieces], axis=1))

@@ -9,7 +9,7 @@ import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from time import perf_counter
+from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -32,6 +32,8 @@ STATUS = 1.0
 """Seconds between two messages on how a session stands while it plays."""
 CHECKS = 3.0
 """Seconds between two checks of the assumptions, at least."""
+ASLEEP = 60.0
+"""Seconds without a viewer after which time stops until one comes."""
 
 _FOUND = {"fault-begins", "fault-ends", "alarm", "alarm-over", "diverged", "substeps"}
 """Events that come of computing a row; all others come of commands, which act at the row to be shown next."""
@@ -46,15 +48,17 @@ class House:
     """What a room needs of the outside.
 
     clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then.
-    viewers: how many there may be. backlog: bytes of samples that a viewer may be behind.
+    may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind.
     """
 
     clock: Callable[[], float]
     background: Background
     workshop: Background
     wake: Callable[["Room", float], None]
+    may_check: Callable[[], bool]
     viewers: int
     backlog: int
+    past: int
 
 
 class Room:
@@ -109,6 +113,10 @@ class Room:
         """Let a viewer watch; `after` is the last frame that it got before. Raises :class:`Full`."""
         if len(self.screen.viewers) >= self.house.viewers:
             raise Full
+        now = self.house.clock()
+        if self.empty_since is not None and self.pace.moving and now - self.empty_since > ASLEEP:
+            self.pace.anchor(self.shown, now)
+            self.moving()
         viewer.outbox.row = self.screen.rows_after(after)
         hello = Hello(
             session=self.id, role="control" if viewer.control else "view", spec=self.session.spec,
@@ -161,8 +169,7 @@ class Room:
     @property
     def oldest(self) -> int:
         """The first row that the session still has."""
-        pieces = self.session.past.pieces
-        return pieces[0].first if pieces else 0
+        return self.session.past.start
 
     async def past(self, columns: tuple[str, ...], first: int, last: int) -> np.ndarray:
         """Rows first … last − 1 of the past in these columns: float32, columns × rows."""
@@ -199,7 +206,7 @@ class Room:
     def tick(self, at: float) -> float | None:
         """Show what is due; `at` is when this was to be called. When to call again (None: when something happens)."""
         now = self.house.clock()
-        if self.closed:
+        if self.closed or (self.empty_since is not None and now - self.empty_since > ASLEEP):
             return None
         if not self.frozen:
             due = self.pace.due(now)
@@ -235,7 +242,7 @@ class Room:
             rows = min(rows, self.pace.target - self.shown - self.screen.left)
         if rows > 0:
             self._filling = True
-            self.turns.do(partial(_timed, self.session, rows), self._filled, long)
+            self.turns.do(partial(_timed, self.session, rows, self.house.past), self._filled, long)
 
     def _filled(self, value: Any, error: Exception | None) -> None:
         self._filling = False
@@ -274,11 +281,19 @@ class Room:
     # ---- assumptions ---------------------------------------------------------------------------------------------------
 
     def _check(self, spacing: float) -> None:
-        """Let the assumptions be checked, if somebody is there to see it."""
+        """Let the assumptions be checked, on a copy, if somebody is there to see it."""
         now = self.house.clock()
-        if self.screen.viewers and now - self._checked >= spacing and self.shown > 1 and not self._checking:
+        if not self.screen.viewers or self._checking or self.shown < 2 or now - self._checked < spacing:
+            return
+        if self.house.may_check() or not self.pace.moving:
             self._checking = True
-            self.turns.do(self.session.assumptions, self._tell_checks, long=True)
+            self.turns.do(self.session.fork, self._check_copy)
+
+    def _check_copy(self, copy: "Session | None", error: Exception | None) -> None:
+        if copy is None:
+            self._tell_checks(None, error)
+        else:
+            self.house.workshop(copy.assumptions, self._tell_checks)
 
     def _tell_checks(self, found: list[Assumptions] | None, error: Exception | None) -> None:
         self._checked, self._checking = self.house.clock(), False
@@ -288,7 +303,7 @@ class Room:
             self.screen.tell(one, f"assumptions {one.observer}")
 
 
-def _timed(session: "Session", rows: int) -> tuple[Computed, float]:
-    begin = perf_counter()
-    computed = compute(session, rows)
-    return computed, perf_counter() - begin
+def _timed(session: "Session", rows: int, past: int) -> tuple[Computed, float]:
+    begin = thread_time()  # not the time of day: on a busy machine that would make the pieces ever smaller
+    computed = compute(session, rows, past)
+    return computed, thread_time() - begin

@@ -18,7 +18,8 @@ class Screen:
     """`shown` rows have been sent, in `columns`. Whatever changes columns or past begins a new `epoch`."""
 
     def __init__(self, columns: tuple[str, ...], shown: int, record: float) -> None:
-        self.columns, self.shown, self.record = columns, shown, record
+        self.shown, self.record = shown, record
+        self._set_columns(columns)
         self.epoch = 0
         self.viewers: list[Viewer] = []
         self._numbers = Numbers()
@@ -36,11 +37,6 @@ class Screen:
     def blocked(self) -> bool:
         """Whether nothing more is to be computed before what is there has been shown."""
         return self._following is not None
-
-    @property
-    def most(self) -> int:
-        """Rows of a frame."""
-        return max(1, MAX_FRAME // (4 * max(1, len(self.columns))))
 
     def tell(self, message: BaseModel, key: str | None = None) -> None:
         """Send a message to all."""
@@ -88,7 +84,7 @@ class Screen:
 
     def next_span(self, viewer: Viewer, backlog: int, oldest: int) -> Span | None:
         """The rows to send to a viewer next; one that is more than `backlog` bytes behind jumps."""
-        rows = max(1, backlog // (4 * max(1, len(self.columns))))
+        rows = max(1, backlog // (4 * len(self.columns)))
         missed = viewer.outbox.jump(self.shown, rows, oldest)
         if missed is not None:
             viewer.put(Jump(epoch=self.epoch, first=missed.first, row=missed.last).model_dump_json())
@@ -131,5 +127,10 @@ class Screen:
             self.tell(Rewound(epoch=self.epoch, row=row, t=row * self.record))
         if columns != self.columns:
             self.tell(Columns(epoch=self.epoch, row=row, columns=columns))
-        self.columns, self.shown = columns, row
+        self.shown = row
+        self._set_columns(columns)
         self._ahead.clear(row, len(columns))
+
+    def _set_columns(self, columns: tuple[str, ...]) -> None:
+        self.columns = columns
+        self.most = max(1, MAX_FRAME // (4 * len(columns)))  # rows of a frame

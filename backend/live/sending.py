@@ -18,7 +18,7 @@ class Rest:
         while True:
             try:
                 value = yield waits_for
-            except BaseException as error:
+            except BaseException as error:  # noqa: BLE001 - cancellation too is the coroutine's to handle
                 step = self._coroutine.throw, error
             else:
                 step = self._coroutine.send, value

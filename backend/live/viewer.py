@@ -34,6 +34,7 @@ class Viewer:
         self.control = control
         self.outbox = Outbox()
         self.closing: tuple[int, str] | None = None
+        self.closed = asyncio.Event()
         self._text, self._samples, self._loop = text, samples, loop
         self._parked: asyncio.Future[None] | None = None  # while the task waits for something to send
         self._rest: Rest | None = None
@@ -57,20 +58,21 @@ class Viewer:
         outbox.row = last
         try:
             self._rest = begin(self._samples(data))
-        except Exception:  # the connection is gone, whatever it says of it
+        except Exception:  # noqa: BLE001 - the connection is gone, whatever it says of it
             self.close(1006, "the connection is lost")
         if self._rest is not None:
             self.wake()
 
     def close(self, code: int, reason: str) -> None:
-        """End the connection, as soon as its task sees it."""
+        """Have the connection closed; `closed` tells whoever holds it."""
         self.closing = self.closing or (code, reason)
+        self.closed.set()
         self.wake()
 
     def wake(self) -> None:
-        if self._parked is not None:
-            self._parked.set_result(None)
-            self._parked = None
+        parked, self._parked = self._parked, None
+        if parked is not None and not parked.done():  # done: its task was cancelled
+            parked.set_result(None)
 
     async def run(self, source: Source) -> None:
         """Send what waits, until the connection is closed. Raises what the connection raises when it is lost."""

@@ -161,7 +161,7 @@ function drawGround(ctx, strip, {left, width, height}, view, range, scale, colou
   for (const value of strip.ticks) {
     const y = scale.y(value);
     if (y < 6 * colours.size || y > height - 6 * colours.size) continue;
-    ctx.fillText(strip.log ? `10${raised(Math.round(value))}` : fixed(value, strip.tickPlaces), left - 6, y);
+    ctx.fillText(strip.log ? `10${raised(Math.round(value))}` : value === 0 ? '0' : fixed(value, strip.tickPlaces), left - 6, y);
     if (value === 0 && !strip.log) continue;
     ctx.fillRect(left - 3, Math.round(y), 3, 1);
   }
@@ -249,6 +249,7 @@ function drawMarks(ctx, strip, {height}, view, scale, colours) {
     ctx.stroke();
   }
   ctx.globalAlpha = 1;
+  for (const {fallen, place} of strip.traces) if (fallen !== null && fallen >= view.t0 && fallen <= view.t1) cross(ctx, scale.x(fallen), colours, place);
   ctx.fillStyle = colours.alarm;
   const size = 5 * colours.size;
   for (const alarm of view.alarms) {
@@ -260,6 +261,20 @@ function drawMarks(ctx, strip, {height}, view, scale, colours) {
     ctx.lineTo(x, size * 1.6);
     ctx.fill();
   }
+}
+
+/** Where an observer's curve ends because it diverged. */
+function cross(ctx, x, colours, place) {
+  const arm = 4 * colours.size;
+  const y = 3 + arm;
+  ctx.strokeStyle = colours.observers[place % 6];
+  ctx.lineWidth = 2 * colours.size;
+  ctx.beginPath();
+  ctx.moveTo(x - arm, y - arm);
+  ctx.lineTo(x + arm, y + arm);
+  ctx.moveTo(x - arm, y + arm);
+  ctx.lineTo(x + arm, y - arm);
+  ctx.stroke();
 }
 
 /** The time axis under the strips. */
@@ -274,6 +289,7 @@ export function drawTimeAxis(ctx, {left, width, full, height}, view, colours) {
   for (const t of found) {
     const x = left + ((t - view.t0) / (view.t1 - view.t0)) * width;
     if (x < left - 1 || x > left + width - 8) continue;
-    ctx.fillText(t === found[found[0] === 0 ? 1 : 0] ? `${t.toFixed(places)} s` : t.toFixed(places), x, height / 2);
+    const words = t === 0 ? '0' : t.toFixed(places);
+    ctx.fillText(t === found[found[0] === 0 ? 1 : 0] ? `${words} s` : words, x, height / 2);
   }
 }

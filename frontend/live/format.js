@@ -2,10 +2,10 @@
 
 const RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 
-/** Decimals that tell a thousandth of the span apart. */
+/** Decimals that tell about a hundredth of the span apart. */
 export function decimals(span) {
   if (!(span > 0)) return 3;
-  return Math.max(0, Math.min(8, Math.ceil(-Math.log10(span) + 2.3)));
+  return Math.max(0, Math.min(8, Math.ceil(-Math.log10(span) + 2.05)));
 }
 
 /** A value with so many decimals and a true minus; very large and small ones as powers of ten; '–' for none. */

@@ -3,6 +3,16 @@
 const TICK = 200; // ms between the numbers beside the curves
 const CATCH_UP = 5; // per s: how firmly the edge is drawn to the newest sample
 
+/** What a listener answers; one that fails must not stop the others. */
+function guarded(fn, now) {
+  try {
+    return fn(now);
+  } catch (error) {
+    console.error(error);
+    return false;
+  }
+}
+
 /** Runs its listeners in the next frame after `wake()`, and goes on while one of them returns true. */
 export function createLoop() {
   const frames = new Set();
@@ -25,15 +35,6 @@ export function createLoop() {
     late = 0;
     ticked = now;
     for (const fn of ticks) guarded(fn, now);
-  }
-
-  function guarded(fn, now) {
-    try {
-      return fn(now);
-    } catch (error) {
-      console.error(error);
-      return false;
-    }
   }
 
   function wake() {

@@ -1,56 +1,60 @@
-// What the page has to say about itself: a quiet line at its foot for some seconds, or, while something stands in the way, until it is over.
+// What the page has to say about itself: a quiet line for some seconds or, while something stands in the way, until it is over.
 
 import {fill, h} from '../dom.js';
 
 const SHOWN = 6000; // ms
+const OFFERED = 14_000; // ms, where there is something to click on
 const PATIENCE = 700; // ms of a lost connection before it is worth a word
+
+const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
 
 export function mountNotice(root, app) {
   let timer = 0;
-  let waiting = 0;
-
-  function show(kind, words, ...buttons) {
+  const show = ({kind, words, buttons = []}) => {
     root.className = kind;
     root.hidden = false;
     fill(root, h('span', {}, words), buttons);
-  }
-
+  };
   const hide = () => {
     root.hidden = true;
     fill(root);
   };
-  const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
-
-  function standing() {
-    const {state, text} = app;
-    const ways = {
-      reconnecting: () => show('lost', text.reconnecting),
-      ended: () => show('problem', text.sessionEnded, state.spec && button(text.startAgain, () => app.act.openSpec(state.spec, {t: app.samples.now})),
-        button(text.startNew, () => app.act.open(state.experiment))),
-      full: () => show('problem', text.full, button(text.startNew, () => app.act.open(state.experiment))),
-      failed: () => show('problem', [h('b', {}, state.problem?.title ?? text.failed), ' ', state.problem?.detail ?? ''], button(text.startNew, () => app.act.open(null))),
-    };
-    if (ways[state.connection]) return ways[state.connection];
-    const fallen = state.ended && state.log.findLast((event) => event.kind === 'diverged' && !state.observers.some(({label}) => label === event.subject));
-    if (state.ended) return () => show('note', fallen ? text.plantEscaped : text.horizon);
-    return null;
-  }
-
   app.subscribe((state) => [state.connection, state.ended, state.told, state.problem, state.language, state.session], ([connection, , told], before) => {
-    clearTimeout(waiting);
     clearTimeout(timer);
-    const way = standing();
-    if (way) {
-      if (connection === 'reconnecting' && before?.[0] !== 'reconnecting') waiting = setTimeout(way, PATIENCE);
-      else way();
+    const standing = inTheWay(app);
+    if (standing) {
+      if (connection === 'reconnecting' && before?.[0] !== 'reconnecting') timer = setTimeout(show, PATIENCE, standing);
+      else show(standing);
       return;
     }
-    const left = told ? told.at + SHOWN - performance.now() : 0;
+    const left = told ? told.at + (told.action ? OFFERED : SHOWN) - performance.now() : 0;
     if (left <= 0) {
       hide();
       return;
     }
-    show(told.kind, told.text);
+    const act = () => {
+      hide();
+      told.action.act();
+    };
+    show({kind: told.kind, words: told.text, buttons: told.action ? [button(told.action.words, act)] : []});
     timer = setTimeout(hide, left);
   });
+}
+
+/** What stands in the way, with the ways on; null: nothing. */
+function inTheWay(app) {
+  const {state, text, act} = app;
+  const anew = button(text.startNew, () => act.open(state.experiment));
+  switch (state.connection) {
+    case 'reconnecting': return {kind: 'lost', words: text.reconnecting};
+    case 'full': return {kind: 'problem', words: text.full, buttons: [anew]};
+    case 'failed': return {kind: 'problem', words: [h('b', {}, state.problem?.title ?? text.failed), ' ', state.problem?.detail ?? ''],
+      buttons: [button(text.startNew, () => act.open(null))]};
+    case 'ended': return {kind: 'problem', words: text.sessionEnded,
+      buttons: [state.spec && button(text.startAgain, () => act.openSpec(state.spec, {t: app.samples.now})), anew]};
+    default:
+  }
+  if (!state.ended) return null;
+  const escaped = state.log.some((event) => event.kind === 'diverged' && !state.observers.some(({label}) => label === event.subject));
+  return {kind: 'note', words: escaped ? text.plantEscaped : text.horizon};
 }

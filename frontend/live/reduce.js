@@ -57,8 +57,9 @@ const steady = (before, now) => (JSON.stringify(before) === JSON.stringify(now) 
 /** What follows from spec, time and log. */
 function derived(state) {
   if (!state.spec) return state;
-  return {...state, observers: steady(state.observers, observersAt(state.spec, state.t, state.observers, state.log)),
-    faults: steady(state.faults, faultsAt(state.spec, state.t)), alarms: steady(state.alarms, alarmsOf(state.log))};
+  const t = state.t + state.record; // what was done while paused acts from the next row on, and is shown at once
+  return {...state, observers: steady(state.observers, observersAt(state.spec, t, state.observers, state.log)),
+    faults: steady(state.faults, faultsAt(state.spec, t)), alarms: steady(state.alarms, alarmsOf(state.log))};
 }
 
 /** Whether a fault began or ended, or a command of the spec took effect, between two times. */
@@ -68,31 +69,39 @@ function turned(spec, before, now) {
     || (spec.commands ?? []).some((command) => between(command.at)));
 }
 
+/** Windows of about a tenth, a third and all of the horizon: 10, 30 and 100 s for a horizon of 100 s. A fork keeps the one that was chosen. */
+function windowsFor(spec, state) {
+  const power = 10 ** Math.floor(Math.log10(spec.horizon) + 1e-9);
+  const most = spec.horizon / power >= 2.5 ? 3 * power : power;
+  const windows = [most / 10, most === power ? 0.3 * power : power, most].map((length) => Number(length.toPrecision(3)));
+  return {windows, window: state.parent && windows.includes(state.window) ? state.window : windows[1]};
+}
+
 const messages = {
   hello: (state, hello) => derived({
     ...state, connection: hello.role === 'view' || hello.role === 'control' ? 'live' : state.connection, role: hello.role, session: hello.session,
     spec: hello.spec, plant: hello.spec.plant, columns: hello.columns, epoch: hello.epoch, step: hello.step, record: hello.record,
     row: hello.row, t: Math.max(0, hello.row - 1) * hello.record, playing: hello.playing, speed: hello.speed, log: hello.log.slice(-MOST_EVENTS),
     parent: hello.parent ? {id: hello.parent, t: state.parent?.id === hello.parent ? state.parent.t : null} : null,
-    checks: state.session === hello.session ? state.checks : {}, problem: null,
+    checks: state.session === hello.session ? state.checks : {}, problem: null, ...(state.spec === null ? windowsFor(hello.spec, state) : {}),
   }),
   status: (state, status) => {
     const {type: _, ...rest} = status;
     const next = {...state, ...rest};
-    return turned(state.spec, state.t, status.t) ? derived(next) : next;
+    return turned(state.spec, state.t + state.record, status.t + state.record) ? derived(next) : next;
   },
   event: (state, event) => derived({...state, log: [...state.log, event].slice(-MOST_EVENTS)}),
   columns: (state, {epoch, columns}) => ({...state, epoch, columns}),
-  rewound: (state, {epoch, row, t}) => derived({...state, epoch, row, t, ended: false, selection: null,
+  rewound: (state, {epoch, row, t}) => derived({...state, epoch, row, t, ended: false, selection: null, looking: null,
     log: state.log.filter((event) => event.row <= row && !(row === 0 && event.kind !== 'reset'))}),
   spec: (state, {spec}) => derived({...state, spec, plant: steady(state.plant, spec.plant)}),
   assumptions: (state, {observer, checks}) => ({...state, checks: {...state.checks, [observer]: steady(state.checks[observer], checks)}}),
 };
 
 const own = {
-  connection: (state, {now}) => ({...state, connection: now}),
+  connection: (state, {now}) => ({...state, connection: now, playing: state.playing && (now === 'live' || now === 'reconnecting')}),
   begin: (state, {session, role, experiment, parent}) => ({...state, connection: 'starting', session, role, experiment, parent: parent ?? null,
-    spec: null, plant: null, columns: [], observers: [], faults: [], alarms: [], log: [], checks: {}, strips: {}, selection: null, cursor: null,
+    spec: null, plant: null, columns: [], observers: [], faults: [], alarms: [], log: [], checks: {}, strips: {}, selection: null, looking: null, cursor: null,
     site: null, problem: null, ended: false, row: 0, t: 0}),
   failed: (state, {problem}) => ({...state, connection: 'failed', problem}),
   set: (state, {type: _, ...values}) => ({...state, ...values}),

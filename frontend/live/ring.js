@@ -75,6 +75,8 @@ export class Samples {
     this.derived = []; // [name, fn(values of sent columns …), …]
     this.rows = 0;
     this.capacity = SMALLEST;
+    this.floor = 0; // rows before it were overwritten by rows that are void now
+    this.floors = new Array(LEVELS).fill(0); // the same in buckets of each level
     this.version = 0; // changes with everything that is to be drawn
   }
 
@@ -88,14 +90,19 @@ export class Samples {
     this.derived = derived.filter(({of}) => of.every((name) => known.has(name)));
     const all = [...names, ...this.derived.map(({name}) => name)];
     const most = Math.max(SMALLEST, 2 ** Math.floor(Math.log2(this.memory / 4 / Math.max(1, all.length))));
-    this.most = Math.max(most, this.capacity); // more columns never throw rows away
+    const wrapped = this.rows > this.capacity || this.floor > 0;
+    this.most = wrapped ? this.capacity : Math.max(most, this.capacity); // more columns never throw rows away
     this.columns = new Map(all.map((name) => [name, this.columns.get(name) ?? new Column(this.capacity)]));
     this.version += 1;
   }
 
   /** Rows from this one on are void. */
   truncate(row) {
-    this.rows = Math.min(this.rows, row);
+    if (row < this.rows) {
+      this.floor = Math.min(row, this.oldest);
+      this.floors = this.floors.map((_, level) => Math.min(row >> (BITS * (level + 1)), this.firstBucket(level)));
+      this.rows = row;
+    }
     if (this.rows > 0) for (const column of this.columns.values()) column.gather(this.rows - 1, this.rows, this.rows);
     this.version += 1;
   }
@@ -134,7 +141,10 @@ export class Samples {
   has(name) { return this.columns.has(name); }
 
   /** First row that is kept at full rate. */
-  get oldest() { return Math.max(0, this.rows - this.capacity); }
+  get oldest() { return Math.max(this.floor, this.rows - this.capacity); }
+
+  /** The first bucket of a level that is kept. */
+  firstBucket(level) { return Math.max(this.floors[level], ((this.rows - 1) >> (BITS * (level + 1))) - BUCKETS + 1); }
 
   /** Time of the newest row, s. */
   get now() { return this.rows === 0 ? 0 : (this.rows - 1) * this.record; }
@@ -153,7 +163,7 @@ export class Samples {
     for (let level = 0; level < LEVELS; level += 1) {
       const bucket = row >> (BITS * (level + 1));
       const size = column.low[level].length;
-      if (bucket > ((this.rows - 1) >> (BITS * (level + 1))) - size) {
+      if (bucket >= this.firstBucket(level)) {
         return (column.low[level][bucket & (size - 1)] + column.high[level][bucket & (size - 1)]) / 2;
       }
     }
@@ -207,9 +217,7 @@ export class Samples {
   /** The first row that is known in bins of 2^power rows. */
   reach(power) {
     const level = power >> 1;
-    if (level === 0) return this.oldest;
-    const newest = (this.rows - 1) >> (BITS * level);
-    return Math.max(0, (newest - BUCKETS + 1) << (BITS * level));
+    return level === 0 ? this.oldest : this.firstBucket(level - 1) << (BITS * level);
   }
 
   /** The arrays that hold bins of 2^power rows: entry i stands for rows i·rows … and is found at i & mask. */

@@ -3,23 +3,21 @@
 import {fill, h, symbol} from '../dom.js';
 import {seconds} from './format.js';
 
-const WINDOWS = [10, 30, 100, null];
-
 export function mountHead(root, app, scope) {
   const legend = h('ul', {class: 'legend'});
   const zoom = h('span', {class: 'zoom-state', hidden: true});
   const windows = h('div', {class: 'segments', role: 'group'});
   const menu = h('details', {class: 'menu strips-menu'});
-  fill(root, legend, h('span', {class: 'grow'}), zoom, windows, menu);
+  fill(root, legend, zoom, windows, menu);
 
   app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns], () => fill(legend, legendOf(app, scope)));
-  app.subscribe((state) => [state.window, state.selection, state.language], ([window, selection]) => {
+  app.subscribe((state) => [state.window, state.selection, state.language, state.windows, state.looking], ([window, selection, , lengths, looking]) => {
     const {text} = app;
     windows.setAttribute('aria-label', text.window);
     windows.title = text.windowHint;
-    fill(windows, WINDOWS.map((length) => h('button', {type: 'button', 'aria-pressed': String(length === window && !selection),
+    fill(windows, [...lengths, null].map((length) => h('button', {type: 'button', 'aria-pressed': String(length === window && (!selection || looking !== null)),
       onclick: () => app.act.window(length)}, length === null ? text.all : text.windowOf(length))));
-    zoom.hidden = !selection;
+    zoom.hidden = !selection || looking !== null;
     if (selection) {
       const step = (selection[1] - selection[0]) / 50;
       fill(zoom, text.zoomed(seconds(selection[0], step), seconds(selection[1], step)),

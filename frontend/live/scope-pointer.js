@@ -5,83 +5,83 @@ import {seconds} from './format.js';
 
 const DRAG = 6; // px before it counts as one
 
-export function mountPointer(plots, app, scope) {
-  const line = h('div', {class: 'cursor', hidden: true}, h('span', {class: 'cursor-time'}));
-  const area = h('div', {class: 'zoom-area', hidden: true});
-  plots.append(line, area);
-  let left = 0;
-  let width = 1;
-  let start = null; // x where the drag began
-  let dragged = false;
+export const mountPointer = (plots, app, scope) => new Pointer(plots, app, scope);
 
-  const inside = (event) => event.clientX - plots.getBoundingClientRect().left - left;
-  const timeAt = (x) => {
-    const [t0, t1] = scope.span();
-    return t0 + (Math.min(width, Math.max(0, x)) / width) * (t1 - t0);
-  };
-
-  function show(x) {
-    const over = x >= -2 && x <= width + 2;
-    line.hidden = !over;
-    app.cursor(over ? Math.max(0, Math.min(timeAt(x), app.samples.now)) : null);
-    if (!over) return;
-    const [t0, t1] = scope.span();
-    line.style.transform = `translateX(${left + Math.min(width, Math.max(0, x))}px)`;
-    fill(line.firstChild, `${seconds(timeAt(x), (t1 - t0) / 500)} s`);
+class Pointer {
+  constructor(plots, app, scope) {
+    this.line = h('div', {class: 'cursor', hidden: true}, h('span', {class: 'cursor-time'}));
+    this.area = h('div', {class: 'zoom-area', hidden: true});
+    Object.assign(this, {plots, app, scope, left: 0, width: 1, drag: null, over: 0});
+    plots.append(this.line, this.area);
+    plots.addEventListener('pointermove', (event) => this.move(event));
+    plots.addEventListener('pointerdown', (event) => this.press(event));
+    plots.addEventListener('pointerup', (event) => this.release(event));
+    plots.addEventListener('pointercancel', () => this.end());
+    plots.addEventListener('pointerleave', () => this.drag === null && this.hide());
+    plots.addEventListener('dblclick', () => app.act.select(null));
   }
 
-  function hide() {
-    line.hidden = true;
-    app.cursor(null);
+  /** Where the plot areas begin, and how wide they are, in the list's own pixels. */
+  measure(from, wide) {
+    this.left = from;
+    this.width = Math.max(1, wide);
   }
 
-  plots.addEventListener('pointermove', (event) => {
-    const x = inside(event);
-    if (start === null) {
-      show(x);
-      return;
-    }
-    dragged ||= Math.abs(x - start) > DRAG;
-    if (!dragged) return;
-    const [a, b] = [Math.max(0, Math.min(x, start)), Math.min(width, Math.max(x, start))];
-    area.hidden = false;
-    Object.assign(area.style, {left: `${left + a}px`, width: `${b - a}px`});
-    show(x);
-  });
-  plots.addEventListener('pointerdown', (event) => {
-    const x = inside(event);
-    if (event.button !== 0 || x < 0 || x > width || event.pointerType === 'touch') return;
-    start = x;
-    dragged = false;
-    held = scope.span();
-    plots.setPointerCapture(event.pointerId);
-  });
-  let held = [0, 1]; // the window when the drag began: it may have moved on since
-  plots.addEventListener('pointerup', (event) => {
-    if (start === null) return;
-    const x = inside(event);
-    const at = (place) => held[0] + (Math.min(width, Math.max(0, place)) / width) * (held[1] - held[0]);
-    if (dragged) app.act.select(at(Math.min(x, start)), at(Math.max(x, start)));
-    start = null;
-    area.hidden = true;
-  });
-  plots.addEventListener('pointercancel', () => {
-    start = null;
-    area.hidden = true;
-  });
-  plots.addEventListener('pointerleave', () => start === null && hide());
-  plots.addEventListener('dblclick', () => app.act.select(null));
-  app.subscribe((state) => state.language, () => { plots.title = ''; });
+  /** The time under a resting pointer while the curves move on below it. */
+  refresh() {
+    if (!this.line.hidden && this.drag === null) this.show(this.over);
+  }
 
-  return {
-    /** Where the plot areas begin, and how wide they are, in the list's own pixels. */
-    measure(from, wide) {
-      left = from;
-      width = Math.max(1, wide);
-    },
-    /** The time under a resting pointer while the curves move on below it. */
-    refresh() {
-      if (!line.hidden && start === null) show(Number.parseFloat(line.style.transform.slice(11)) - left);
-    },
-  };
+  x(event) { return event.clientX - this.plots.getBoundingClientRect().left - this.left; }
+
+  clamped(x) { return Math.min(this.width, Math.max(0, x)); }
+
+  timeAt(x, [t0, t1] = this.scope.span()) { return t0 + (this.clamped(x) / this.width) * (t1 - t0); }
+
+  show(x) {
+    const inside = x >= -2 && x <= this.width + 2;
+    this.over = x;
+    this.line.hidden = !inside;
+    this.app.cursor(inside ? Math.max(0, Math.min(this.timeAt(x), this.app.samples.now)) : null);
+    if (!inside) return;
+    const [t0, t1] = this.scope.span();
+    this.line.style.transform = `translateX(${this.left + this.clamped(x)}px)`;
+    fill(this.line.firstChild, `${seconds(this.timeAt(x), (t1 - t0) / 500)} s`);
+  }
+
+  hide() {
+    this.line.hidden = true;
+    this.app.cursor(null);
+  }
+
+  press(event) {
+    const x = this.x(event);
+    if (event.button !== 0 || x < 0 || x > this.width || event.pointerType === 'touch') return;
+    this.drag = {from: x, span: this.scope.span(), far: false}; // the window as it was: it may move on meanwhile
+    this.plots.setPointerCapture(event.pointerId);
+  }
+
+  move(event) {
+    const x = this.x(event);
+    this.show(x);
+    if (this.drag === null) return;
+    this.drag.far ||= Math.abs(x - this.drag.from) > DRAG;
+    if (!this.drag.far) return;
+    const [a, b] = [this.clamped(Math.min(x, this.drag.from)), this.clamped(Math.max(x, this.drag.from))];
+    this.area.hidden = false;
+    Object.assign(this.area.style, {left: `${this.left + a}px`, width: `${b - a}px`});
+  }
+
+  release(event) {
+    if (this.drag === null) return;
+    const {from, span, far} = this.drag;
+    const x = this.x(event);
+    this.end();
+    if (far) this.app.act.select(this.timeAt(Math.min(x, from), span), this.timeAt(Math.max(x, from), span));
+  }
+
+  end() {
+    this.drag = null;
+    this.area.hidden = true;
+  }
 }

@@ -3,6 +3,7 @@
 import {fill, h, symbol} from '../dom.js';
 import {extent, marks, niceStep, Range} from './axes.js';
 import {drawStrip, drawTimeAxis, palette} from './canvas.js';
+import {openFigure} from './figure.js';
 import {decimals, fixed} from './format.js';
 import {mountHead} from './scope-head.js';
 import {mountPointer} from './scope-pointer.js';
@@ -10,11 +11,13 @@ import {stripsOf} from './strips.js';
 
 const AIM = 300; // ms between looks at what the axes should show
 const GUTTER = 46; // px for the marks of the vertical axis
+const LINE = 14.3; // px of one number beside a strip
+const TRIMMED = 0.12; // share of an estimate's outermost moments that its axis does not follow: starts, and what other faults throw it to
 const BANDS = 2; // with more observers only the first one's band is drawn, or that of the one that is pointed at
 
 export function mountScope(root, app) {
   const scope = new Scope(root, app);
-  app.subscribe((state) => [state.plant, state.columns, state.observers, state.faults, state.checks, state.strips, state.spec, state.language],
+  app.subscribe((state) => [state.plant, state.columns, state.observers, state.faults, state.checks, state.strips, state.spec, state.language, state.presentation],
     () => scope.build());
   app.subscribe((state) => [state.plant, state.selection, state.window, state.session], () => scope.refit());
   app.subscribe((state) => [state.theme, state.presentation], () => scope.restyle());
@@ -53,11 +56,9 @@ class Scope {
     for (const name of [...this.rows.keys()]) if (!shown.some((strip) => strip.name === name)) this.rows.delete(name);
     if (wanted.length !== this.list.children.length || wanted.some((element, i) => this.list.children[i] !== element)) {
       this.list.replaceChildren(...wanted);
-      this.measure();
     }
-    this.list.classList.toggle('many', shown.some((strip) => strip.traces.length > 3));
-    this.empty.hidden = shown.length > 0;
-    this.empty.textContent = state.problem ? '' : state.plant ? text.noObservers : text.loading;
+    this.measure();
+    this.showEmpty();
     this.aimed = 0;
     this.still = '';
     this.app.wake();
@@ -65,17 +66,22 @@ class Scope {
 
   label(row, text) {
     const {strip} = row;
-    const words = {residual: text.residual, excitation: text.excitation}[strip.kind] ?? strip.title;
+    const words = {residual: text.residual, excitation: text.excitation}[strip.kind] ?? text.named(strip.title);
     const sign = strip.kind === 'residual' ? h('span', {class: 'math'}, symbol(strip.symbol), ' − ', symbol(strip.symbol, true))
       : strip.kind === 'excitation' ? h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min')) : symbol(strip.symbol);
     const unit = strip.unit ? ` ${strip.unit}` : '';
-    fill(row.label, h('span', {class: 'sign'}, sign), h('small', {title: words + unit}, words));
+    const open = h('button', {type: 'button', class: 'open', title: text.openFigure, 'aria-label': `${text.openFigure}: ${words}`,
+      onclick: () => openFigure(this.app, strip.name)}, h('svg', {viewBox: '0 0 16 16', width: 13, height: 13, fill: 'none', stroke: 'currentColor',
+      'stroke-width': 1.5, 'stroke-linecap': 'round', 'aria-hidden': 'true'}, h('path', {d: 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4'})));
+    fill(row.label, h('span', {class: 'sign'}, sign), open, h('small', {title: words + unit}, words));
     row.element.style.setProperty('--weight', strip.weight);
     row.element.dataset.kind = strip.kind;
     row.element.dataset.strip = strip.name;
     row.element.classList.toggle('fault-on', strip.kind === 'theta' && this.app.state.faults.some(({subject, active}) => active && subject === strip.subject));
-    row.canvas.setAttribute('aria-label', `${strip.symbol} ${words}`);
+    row.canvas.dataset.name = `${strip.symbol} ${words}`;
+    row.canvas.setAttribute('aria-label', row.canvas.dataset.name);
     const own = strip.traces.map((trace) => h('span', {style: `color:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`, 'data-label': trace.label}));
+    row.values.style.setProperty('--lines', Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2));
     fill(row.values, strip.truth && h('span', {class: 'truth'}), own);
   }
 
@@ -95,6 +101,8 @@ class Scope {
   /** Fit the canvases to their places. */
   measure() {
     const ratio = Math.min(3, devicePixelRatio || 1);
+    const crowded = [...this.rows.values()].some(({element, values}) => values.childElementCount * LINE * this.colours.size > element.clientHeight);
+    this.list.classList.toggle('many', crowded); // numbers in two columns; the heights stay
     for (const row of this.rows.values()) fit(row, row.canvas, ratio, GUTTER * this.colours.size);
     const [first] = this.rows.values();
     if (first) {
@@ -154,9 +162,10 @@ class Scope {
 
   /** Let every axis see what it should; whether one is still gliding. */
   aim(now, t0, t1) {
-    const look = now - this.aimed > AIM;
-    if (look) this.aimed = now;
-    const settled = this.app.samples.rows > 1;
+    const due = this.seen !== this.app.samples.version; // look once more after the last change, too
+    const look = now - this.aimed > AIM || (due && this.atOnce);
+    if (look) [this.aimed, this.seen] = [now, this.app.samples.version];
+    const settled = this.app.samples.rows > 1 && this.app.samples.rows >= this.app.state.row;
     let gliding = false;
     for (const {strip, range, place} of this.rows.values()) {
       if (look) {
@@ -167,7 +176,7 @@ class Scope {
       if (look || gliding) setTicks(strip, range, place.height / this.colours.size);
     }
     if (look && settled) this.atOnce = false;
-    return gliding;
+    return gliding || due;
   }
 
   /** What a strip should show between two times: all of the truth, and of the estimates all but their outermost moments. */
@@ -178,7 +187,7 @@ class Scope {
     const parts = strip.base ? [strip.base] : [];
     if (last > first) {
       if (strip.truth) parts.push(extent(samples, strip.truth, first, last, 0));
-      for (const {column} of strip.traces) parts.push(extent(samples, column, first, last, strip.kind === 'state' ? 0.04 : 0.05));
+      for (const {column} of strip.traces) parts.push(extent(samples, column, first, last, TRIMMED));
     }
     const found = parts.filter(Boolean);
     if (found.length === 0) return [0, 1];
@@ -190,19 +199,33 @@ class Scope {
     return high - low < least ? [middle - least / 2, middle + least / 2] : [low, high];
   }
 
-  /** The numbers on the right: at the pointer where it is over the curves, else the newest. */
+  /** What stands where there are no curves (yet). */
+  showEmpty() {
+    const {state, samples, text} = this.app;
+    const words = ['ended', 'failed', 'full'].includes(state.connection) ? '' : !state.plant ? text.loading
+      : this.rows.size === 0 ? text.noStrips : samples.rows < 2 && !state.playing ? text.nothingYet : '';
+    this.empty.hidden = words === '';
+    if (this.empty.textContent !== words) this.empty.textContent = words;
+  }
+
+  /** The numbers on the right: at the pointer where it is over the curves, else at the right edge. */
   showValues() {
     const {state, samples} = this.app;
-    const row = state.cursor === null ? samples.rows - 1 : Math.round(state.cursor / samples.record);
-    for (const {strip, values, range} of this.rows.values()) {
+    this.showEmpty();
+    if (state.playing && !state.selection) this.pointer.refresh();
+    const row = Math.min(samples.rows - 1, Math.round((state.cursor ?? state.selection?.[1] ?? samples.now) / samples.record));
+    for (const {strip, values, range, canvas} of this.rows.values()) {
       const places = decimals(range.high - range.low);
-      const columns = [...(strip.truth ? [strip.truth] : []), ...strip.traces.map(({column}) => column)];
-      columns.forEach((column, i) => {
+      const shown = [...(strip.truth ? [{column: strip.truth, label: this.app.text.truth, fallen: null}] : []), ...strip.traces];
+      const words = shown.map(({column, fallen}, i) => {
         const value = samples.value(column, row);
-        const text = strip.log ? this.excited(value, strip, columns.length) : fixed(value, places);
+        const text = fallen !== null && value !== value ? this.app.text.diverged
+          : strip.log ? this.excited(value, strip, shown.length) : fixed(value, places);
         const cell = values.children[i];
         if (cell && cell.textContent !== text) cell.textContent = text;
+        return `${shown[i].label} ${text}`;
       });
+      if (!state.playing) canvas.setAttribute('aria-label', this.app.text.describe(canvas.dataset.name, words.join(', ')));
     }
   }
 
@@ -238,7 +261,7 @@ function fit(owner, canvas, ratio, gutter) {
 function setTicks(strip, range, height) {
   const span = range.high - range.low;
   if (!(span > 0)) return;
-  const step = strip.log ? Math.max(1, Math.round(niceStep(span, height / 30))) : niceStep(span, Math.max(1.6, height / 34));
+  const step = strip.log ? Math.max(1, Math.round(niceStep(span, height / 30))) : niceStep(span, Math.max(2, height / (height < 80 ? 17 : 23)));
   strip.ticks = marks(range.low, range.high, step);
   strip.tickPlaces = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
 }

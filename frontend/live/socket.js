@@ -2,7 +2,8 @@
 
 const HEADER = 24;
 const CLOSED = {4404: 'ended', 4410: 'ended', 4429: 'full', 4401: 'failed', 4403: 'failed'}; // shared/session.py
-const SILENCE = 15_000; // ms without any message after which the connection counts as lost while time runs
+const SILENCE = 15_000; // ms without any message after which an offline browser's connection counts as lost
+const LONGEST = 8000; // ms between two tries
 
 /** A command that was not carried out. */
 export class Refused extends Error {
@@ -22,6 +23,7 @@ export function decode(buffer) {
 }
 
 /**
+ * Connect to a session and stay connected.
  * @param {object} options
  * @param {string} options.session
  * @param {string | null} options.token
@@ -29,100 +31,98 @@ export function decode(buffer) {
  * @param {(frame: object) => void} options.onFrame       every frame of samples, in order with the events
  * @param {(state: string) => void} options.onConnection  live, reconnecting, ended, full, failed
  */
-export function connect({session, token, onMessage, onFrame, onConnection}) {
-  const waiting = new Map(); // id → {done, fail}
-  let socket = null;
-  let sequence = 0;
-  let next = 1;
-  let tries = 0;
-  let stopped = false;
-  let timer = 0;
-  let heard = 0;
+export const connect = (options) => new Connection(options);
 
-  function open() {
-    const address = new URL(`/api/sessions/${encodeURIComponent(session)}/stream`, location.href.replace(/^http/, 'ws'));
-    address.hash = '';
-    if (token) address.searchParams.set('token', token);
-    address.searchParams.set('after', sequence);
-    socket = new WebSocket(address);
-    socket.binaryType = 'arraybuffer';
-    socket.onmessage = ({data}) => {
-      heard = performance.now();
-      if (typeof data === 'string') receive(JSON.parse(data));
-      else {
-        const frame = decode(data);
-        sequence = frame.sequence;
-        onFrame(frame);
-      }
-    };
-    socket.onclose = ({code}) => closed(code);
+class Connection {
+  constructor(options) {
+    Object.assign(this, options, {waiting: new Map(), sequence: 0, next: 1, tries: 0, stopped: false, timer: 0, heard: 0});
+    this.hurry = this.hurry.bind(this);
+    addEventListener('online', this.hurry);
+    this.watch = setInterval(() => this.listen(), 2000);
+    this.open();
   }
 
-  function receive(message) {
-    if (message.type === 'ack' || message.type === 'refused') answer(message);
-    if (message.type === 'hello') {
-      tries = 0;
-      onMessage(message);
-      onConnection('live');
-    } else onMessage(message);
+  open() {
+    const address = new URL(`/api/sessions/${encodeURIComponent(this.session)}/stream`, location.origin.replace(/^http/, 'ws'));
+    if (this.token) address.searchParams.set('token', this.token);
+    address.searchParams.set('after', this.sequence);
+    this.socket = new WebSocket(address);
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.onmessage = ({data}) => this.receive(data);
+    this.socket.onclose = ({code}) => this.closed(code);
   }
 
-  function answer(message) {
-    const asked = waiting.get(message.id);
+  receive(data) {
+    this.heard = performance.now();
+    if (typeof data !== 'string') {
+      const frame = decode(data);
+      this.sequence = frame.sequence;
+      this.onFrame(frame);
+      return;
+    }
+    const message = JSON.parse(data);
+    if (message.type === 'ack' || message.type === 'refused') this.answer(message);
+    this.onMessage(message);
+    if (message.type !== 'hello') return;
+    this.tries = 0;
+    this.onConnection('live');
+  }
+
+  answer(message) {
+    const asked = this.waiting.get(message.id);
     if (!asked) return;
-    waiting.delete(message.id);
+    this.waiting.delete(message.id);
     if (message.type === 'ack') asked.done(message);
     else asked.fail(new Refused(message));
   }
 
-  function closed(code) {
-    for (const {fail} of waiting.values()) fail(new Refused({problem: 'the connection was lost before the answer came', remedy: 'try again'}));
-    waiting.clear();
-    if (stopped) return;
+  closed(code) {
+    for (const {fail} of this.waiting.values()) fail(new Refused({problem: 'the connection was lost before the answer came', remedy: 'try again'}));
+    this.waiting.clear();
+    if (this.stopped) return;
     if (CLOSED[code]) {
-      stopped = true;
-      onConnection(CLOSED[code]);
+      this.stop();
+      this.onConnection(CLOSED[code]);
       return;
     }
-    onConnection('reconnecting');
-    clearTimeout(timer);
-    timer = setTimeout(open, Math.min(8000, 250 * 2 ** tries) * (0.75 + Math.random() / 2));
-    tries += 1;
+    this.onConnection('reconnecting');
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.open(), Math.min(LONGEST, 250 * 2 ** this.tries) * (0.75 + Math.random() / 2));
+    this.tries += 1;
   }
 
   /** Come back at once when the network does, rather than at the end of a long wait. */
-  function hurry() {
-    if (stopped || socket.readyState !== WebSocket.CLOSED) return;
-    clearTimeout(timer);
-    tries = 0;
-    open();
+  hurry() {
+    if (this.stopped || this.socket.readyState !== WebSocket.CLOSED) return;
+    clearTimeout(this.timer);
+    this.tries = 0;
+    this.open();
   }
 
-  addEventListener('online', hurry);
-  const watch = setInterval(() => {
-    if (socket.readyState === WebSocket.OPEN && navigator.onLine === false && performance.now() - heard > SILENCE) socket.close();
-  }, 2000);
-  open();
+  /** A browser that went offline may hold a dead connection open for minutes. */
+  listen() {
+    if (this.socket.readyState === WebSocket.OPEN && navigator.onLine === false && performance.now() - this.heard > SILENCE) this.socket.close();
+  }
 
-  return {
-    /** Send a command (without its id); the answer is the Ack. */
-    send(command) {
-      if (socket.readyState !== WebSocket.OPEN) {
-        return Promise.reject(new Refused({problem: 'there is no connection at the moment', remedy: 'wait until it is back'}));
-      }
-      const id = next;
-      next += 1;
-      socket.send(JSON.stringify({...command, id}));
-      return new Promise((done, fail) => waiting.set(id, {done, fail}));
-    },
-    /** Lose the connection as a fault of the network would (tests do). */
-    drop() { socket.close(4000); },
-    stop() {
-      stopped = true;
-      clearTimeout(timer);
-      clearInterval(watch);
-      removeEventListener('online', hurry);
-      socket.close();
-    },
-  };
+  /** Send a command (without its id); the answer is the Ack. */
+  send(command) {
+    if (this.socket.readyState !== WebSocket.OPEN) {
+      return Promise.reject(new Refused({problem: 'there is no connection at the moment', remedy: 'wait until it is back'}));
+    }
+    const id = this.next;
+    this.next += 1;
+    this.socket.send(JSON.stringify({...command, id}));
+    return new Promise((done, fail) => this.waiting.set(id, {done, fail}));
+  }
+
+  /** Lose the connection as a fault of the network would (tests do). */
+  drop() { this.socket.close(4000); }
+
+  stop() {
+    this.stopped = true;
+    clearTimeout(this.timer);
+    clearInterval(this.watch);
+    removeEventListener('online', this.hurry);
+    this.socket.close();
+  }
 }

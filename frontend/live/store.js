@@ -53,15 +53,18 @@
  * @property {FaultState[]} faults        oldest first
  * @property {{id: string, t: number} | null} parent    the session that this one was forked from
  * @property {number | null} window       length of the scope's window in s; null: all
+ * @property {number[]} windows           those to choose from
+ * @property {boolean} begunPlain         began with a library experiment as it is
  * @property {[number, number] | null} selection    zoomed to
  * @property {number | null} cursor       time under the pointer
+ * @property {number | null} looking      time that is looked back to on the timeline
  * @property {Object<string, boolean>} strips   strip name → shown, where chosen by hand
  * @property {string | null} site         fault site that was chosen in the plant
  * @property {boolean} presentation
  * @property {'light'|'dark'} theme
  * @property {'en'|'zh'} language
  * @property {{title: string, detail: string} | null} problem    why there is no session
- * @property {{text: string, kind: 'note'|'problem', at: number} | null} told
+ * @property {{text: string, kind: 'note'|'problem', action: {words: string, act: () => void} | null, at: number} | null} told
  */
 
 /** @type {State} */
@@ -69,7 +72,7 @@ export const initial = Object.freeze({
   connection: 'starting', session: null, role: 'control', experiment: null, spec: null, plant: null, columns: [], epoch: 0,
   step: 0, record: 0, row: 0, t: 0, playing: false, speed: 1, rate: null, viewers: 1, ended: false,
   log: [], alarms: [], checks: {}, observers: [], faults: [], parent: null,
-  window: 30, selection: null, cursor: null, strips: {}, site: null, presentation: false, theme: 'light', language: 'en',
+  window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, strips: {}, site: null, presentation: false, theme: 'light', language: 'en',
   problem: null, told: null,
 });
 

@@ -9,6 +9,7 @@ const BAND = 2; // standard deviations on either side
  * @property {string} label    observer
  * @property {string} colour   'var(--o0)'
  * @property {number} place
+ * @property {number | null} fallen   when it diverged
  * @property {string} column
  * @property {string} [low]    columns between which the band lies
  * @property {string} [high]
@@ -51,16 +52,18 @@ export function derivedColumns(columns) {
 }
 
 /** All strips of a session in their order. */
-export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, spec}) {
+export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, spec, presentation}) {
   if (!plant) return [];
   const known = new Set(columns);
-  const traces = (make) => observers.map((observer) => ({label: observer.label, colour: observer.colour, place: observer.place, ...make(observer)}))
+  const traces = (make) => observers.map((observer) => ({label: observer.label, colour: observer.colour, place: observer.place,
+    fallen: observer.diverged?.t ?? null, ...make(observer)}))
     .filter(({column}) => known.has(column) || column.includes('.residual.') || column.endsWith('.excitation'));
   const all = [
     ...channelStrips(plant, known, faults, traces), ...stateStrips(plant, traces), ...residualStrips(plant, spec, known, observers, traces),
     ...excitationStrip(known, observers, checks, traces),
   ];
-  return all.map((strip) => ({...strip, shown: chosen[strip.name] ?? strip.usual}));
+  const few = presentation ? (strip) => strip.kind === 'theta' || (strip.kind === 'state' && strip.first) : () => true;
+  return all.map((strip) => ({...strip, shown: chosen[strip.name] ?? (strip.usual && few(strip))}));
 }
 
 function channelStrips(plant, known, faults, traces) {
@@ -87,7 +90,7 @@ function stateStrips(plant, traces) {
   }));
   const most = Math.max(0, ...made.map((strip) => strip.traces.length));
   const first = new Set(made.filter((strip) => strip.traces.length === most).slice(0, MOST_STATES));
-  return made.map((strip) => ({...strip, usual: first.has(strip)}));
+  return made.map((strip, place) => ({...strip, usual: first.has(strip), first: place === 0}));
 }
 
 function residualStrips(plant, spec, known, observers, traces) {

@@ -10,10 +10,10 @@ const CHANGES = new Set(['gain', 'signal', 'noise', 'observer-added', 'observer-
 
 export function mountTimeline(root, app) {
   const canvas = h('canvas', {'aria-hidden': 'true'});
-  const slider = h('div', {class: 'rail', role: 'slider', tabindex: 0, 'aria-valuemin': 0}, canvas);
+  const slider = h('div', {class: 'rail', role: 'slider', tabindex: 0, 'aria-valuemin': 0, 'aria-valuemax': 0, 'aria-valuenow': 0}, canvas);
   const choice = h('div', {class: 'choice', hidden: true});
   fill(root, slider, choice);
-  const timeline = {app, root, canvas, slider, choice, ctx: canvas.getContext('2d'), colours: palette(), looking: null, still: '', width: 0, height: 0};
+  const timeline = {app, root, canvas, slider, choice, ctx: canvas.getContext('2d'), colours: palette(), still: '', width: 0, height: 0};
   new ResizeObserver(() => measure(timeline)).observe(canvas);
   app.subscribe((state) => [state.theme, state.presentation], () => {
     timeline.colours = palette();
@@ -23,8 +23,11 @@ export function mountTimeline(root, app) {
     timeline.still = '';
     app.wake();
   });
-  app.subscribe((state) => state.selection, (selection) => selection === null && look(timeline, null));
-  app.subscribe((state) => [state.session, state.epoch, state.role, state.language], () => look(timeline, null, false));
+  app.subscribe((state) => [state.looking, state.role, state.language], ([looking]) => {
+    timeline.still = '';
+    offer(timeline, looking);
+    app.wake();
+  });
   app.subscribe((state) => state.language, () => {
     slider.setAttribute('aria-label', app.text.timeline);
     slider.title = app.text.timelineHint;
@@ -61,7 +64,7 @@ function draw(timeline) {
   const end = reach(timeline);
   const now = app.edge.t;
   const x = (t) => (t / end) * width;
-  const shown = `${Math.round(x(now) * 2)} ${end} ${timeline.looking} ${state.selection}`;
+  const shown = `${Math.round(x(now) * 2)} ${end} ${state.looking} ${state.selection}`;
   if (shown === timeline.still || width === 0) return false;
   timeline.still = shown;
   const foot = 13 * colours.size;
@@ -82,9 +85,9 @@ function draw(timeline) {
   drawEvents(timeline, x, top, body);
   ctx.fillStyle = colours.ink;
   ctx.fillRect(Math.round(x(now)) - 1, 0, 2, top + body + 3);
-  if (timeline.looking !== null) {
+  if (state.looking !== null) {
     ctx.fillStyle = getComputedStyle(timeline.root).getPropertyValue('--accent');
-    ctx.fillRect(Math.round(x(timeline.looking)) - 1, 0, 2, top + body + 3);
+    ctx.fillRect(Math.round(x(state.looking)) - 1, 0, 2, top + body + 3);
   }
   ctx.fillStyle = colours.soft;
   ctx.font = colours.number;
@@ -127,38 +130,34 @@ function drawEvents({app, ctx, colours}, x, top, body) {
   ctx.fillStyle = colours.ink;
   for (const event of app.state.log) {
     if (CHANGES.has(event.kind)) ctx.fillRect(Math.round(x(event.t)), top + body - 6, 1.5, 6);
+    else if (event.kind === 'diverged') cross(ctx, x(event.t), top + body - 7, colours.alarm);
   }
 }
 
-/** Look at a time of the past (null: at now again). `tell`: move the scope's window, too. */
-function look(timeline, t, tell = true) {
-  const {app, choice, root} = timeline;
-  const {text} = app;
-  timeline.looking = t;
-  timeline.still = '';
-  choice.hidden = t === null;
-  app.wake();
-  if (t === null) {
-    if (tell && app.state.selection) app.act.select(null);
-    return;
+function cross(ctx, x, y, colour) {
+  Object.assign(ctx, {strokeStyle: colour, lineWidth: 2});
+  ctx.beginPath();
+  for (const [dx, dy] of [[-3.5, -3.5], [-3.5, 3.5]]) {
+    ctx.moveTo(x + dx, y + dy);
+    ctx.lineTo(x - dx, y - dy);
   }
-  const length = app.state.window ?? Math.max(app.samples.now, 10);
-  const end = Math.max(t, length);
-  if (tell) app.act.select(end - length, end);
-  const at = `${seconds(t, 0.1)}`;
+  ctx.stroke();
+}
+
+/** What can be done at the time that is looked at. */
+function offer(timeline, t) {
+  const {app, choice, root} = timeline;
+  const {text, act} = app;
+  choice.hidden = t === null;
+  if (t === null) return;
   const may = app.state.role === 'control';
-  fill(choice, h('span', {}, text.lookingAt(at)),
-    may && h('button', {type: 'button', class: 'run', title: text.continueHint, onclick: () => goBack(timeline, t)}, text.continueHere),
-    may && h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => app.act.fork(t)}, text.forkHere),
-    h('button', {type: 'button', class: 'quiet', onclick: () => look(timeline, null)}, text.backToNow));
+  fill(choice, h('span', {}, text.lookingAt(seconds(t, 0.1))),
+    may && h('button', {type: 'button', class: 'run', title: text.continueHint, onclick: () => act.seek(t)}, text.continueHere),
+    may && h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => act.fork(t)}, text.forkHere),
+    h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, text.backToNow));
   const x = (t / reach(timeline)) * timeline.width;
   const wide = choice.offsetWidth;
   choice.style.left = `${Math.max(0, Math.min(x - wide / 2, root.clientWidth - wide))}px`;
-}
-
-function goBack(timeline, t) {
-  look(timeline, null);
-  timeline.app.act.seek(t);
 }
 
 function listen(timeline) {
@@ -168,7 +167,7 @@ function listen(timeline) {
     const t = Math.min(app.samples.now, Math.max(0, ((event.clientX - box.left) / box.width) * reach(timeline)));
     return Math.round(t / app.state.record) * app.state.record;
   };
-  const go = (t) => look(timeline, t >= app.samples.now ? null : Math.max(0, t));
+  const go = (t) => app.act.look(t >= app.samples.now ? null : Math.max(0, t));
   slider.addEventListener('pointerdown', (event) => {
     if (event.button !== 0 || !app.state.record) return;
     slider.setPointerCapture(event.pointerId);
@@ -177,9 +176,10 @@ function listen(timeline) {
   slider.addEventListener('pointermove', (event) => slider.hasPointerCapture(event.pointerId) && go(timeAt(event)));
   slider.addEventListener('keydown', (event) => {
     const by = reach(timeline) / 100;
-    const from = timeline.looking ?? app.samples.now;
+    const {looking, role} = app.state;
+    const from = looking ?? app.samples.now;
     const keys = {ArrowLeft: () => go(from - by), ArrowRight: () => go(from + by), Home: () => go(0), End: () => go(Infinity),
-      Escape: () => look(timeline, null), Enter: () => timeline.looking !== null && app.state.role === 'control' && goBack(timeline, timeline.looking)};
+      Escape: () => app.act.look(null), Enter: () => looking !== null && role === 'control' && app.act.seek(looking)};
     if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
@@ -187,8 +187,8 @@ function listen(timeline) {
   });
 }
 
-function speak({app, slider, looking}) {
-  const t = looking ?? app.samples.now;
+function speak({app, slider}) {
+  const t = app.state.looking ?? app.samples.now;
   slider.setAttribute('aria-valuenow', t.toFixed(1));
   slider.setAttribute('aria-valuemax', app.samples.now.toFixed(1));
   slider.setAttribute('aria-valuetext', `${t.toFixed(1)} s`);

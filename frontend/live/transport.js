@@ -46,7 +46,7 @@ export function mountTransport(root, app) {
     void before;
   });
   app.onTick(() => {
-    const text = seconds(app.state.cursor ?? app.samples.now, app.state.record >= 1 ? 1 : 0.1);
+    const text = seconds(app.state.cursor ?? app.state.looking ?? app.samples.now, app.state.record >= 1 ? 1 : 0.1);
     if (figures.textContent !== text) figures.textContent = text;
   });
 }

@@ -27,7 +27,7 @@ export function mountChooser(root, store, act) {
     if (found.length === 0) return fill(list, h('p', {class: 'soft'}, text.noMatch(filter.value)));
     const plants = [...new Set(found.map((one) => one.plant))];
     return fill(list, plants.map((plant) => [
-      h('h3', {}, store.state.plants[plant]?.title ?? plant),
+      h('h3', {}, text.named(store.state.plants[plant]?.title) ?? plant),
       h('ul', {}, found.filter((one) => one.plant === plant).map((one) => entry(one, one.id === chosen))),
     ]));
   }
@@ -40,7 +40,7 @@ export function mountChooser(root, store, act) {
       act.choose(one.id);
     };
     return h('li', {}, h('a', {href: write({experiment: one.id}), 'aria-current': current ? 'true' : null, onclick: open,
-      title: one.description}, h('b', {}, one.title || one.id), h('span', {class: 'soft'}, one.source)));
+      title: one.description}, h('b', {}, text.named(one.title) || one.id), h('span', {class: 'soft'}, one.source)));
   }
 
   store.subscribe((state, before) => {

@@ -30,7 +30,7 @@ export function mountHead(root, store, act) {
       return fill(about, phase === 'failed' ? null : h('p', {class: 'soft'}, text.loading));
     }
     const observers = text.observers(spec.observers.length);
-    fill(about, h('h1', {}, spec.title || spec.id), spec.source && h('p', {class: 'soft'}, spec.source),
+    fill(about, h('h1', {}, text.named(spec.title) || spec.id), spec.source && h('p', {class: 'soft'}, spec.source),
       spec.description && h('p', {}, spec.description));
     fill(plan, timeline(spec, plant), h('p', {class: 'soft'}, text.plan(spec.horizon, spec.step, observers)));
     return form.build();

@@ -1,11 +1,19 @@
 // The header: name, connection, interface, theme.
 
 import {fill, h} from '../dom.js';
+import {language, speak} from '../language.js';
 import {text} from '../strings.js';
 
 const ICON = 'M8 2.500a5.500 5.500 0 0 1 0 11z';
 
-export function mountTop(root, connection) {
+const PAGES = [['live', '/'], ['runs', '/runs/'], ['plants', '/plants/']];
+
+/** The header of a page; `here` is its name among the pages. */
+export function mountTop(root, connection, here = 'runs') {
+  document.documentElement.lang = language() === 'zh' ? 'zh-CN' : 'en';
+  const pages = h('nav', {class: 'pages', 'aria-label': text.pages}, PAGES.map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, text.page[name])));
+  const other = language() === 'zh' ? 'en' : 'zh';
+  const tongue = h('button', {class: 'quiet', type: 'button', lang: other, onclick: () => { speak(other); location.reload(); }}, text.languageHint);
   const state = h('span', {class: 'connection', role: 'status'});
   const theme = h('button', {class: 'quiet', type: 'button', title: text.themeHint, onclick: () => window.theme.toggle()});
   const showConnection = () => {
@@ -23,6 +31,6 @@ export function mountTop(root, connection) {
   showTheme();
   fill(root,
     h('a', {class: 'logo', href: '/'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, text.title)),
-    h('span', {class: 'grow'}), state,
+    pages, h('span', {class: 'grow'}), state, tongue,
     h('a', {class: 'quiet', href: '/docs', title: text.interfaceHint}, text.interface), theme);
 }

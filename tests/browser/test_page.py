@@ -43,7 +43,7 @@ def test_the_library_is_listed_and_a_choice_opens(page):
     assert links.count() == listed > 0
     opened.click(".chooser li a[href*='shen-hu-2015-noise-free']")
     opened.wait_for_url("**/runs/?experiment=shen-hu-2015-noise-free")
-    assert opened.locator("a[aria-current]").count() == 1
+    assert opened.locator(".chooser a[aria-current]").count() == 1
     opened.go_back()
     opened.wait_for_selector(".chooser li:first-child a[aria-current]")
     assert "noise-free" not in opened.url
@@ -154,7 +154,7 @@ def test_light_and_dark_follow_the_system_and_the_button(page):
     paper = "document.querySelector('.plot')._fullLayout.paper_bgcolor"
     assert opened.evaluate("document.documentElement.dataset.theme") == "dark"
     assert opened.evaluate(paper) == "#151a20"
-    opened.click("header button")
+    opened.click("header button >> nth=-1")
     until(opened, f"{paper} === '#ffffff'")
     opened.reload()
     assert opened.evaluate("document.documentElement.dataset.theme") == "light"

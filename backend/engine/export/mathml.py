@@ -221,5 +221,5 @@ def _faults(data: Mapping, where: str, names: Iterable[str]) -> str:
         one = node.value is not None and abs(node.value) == 1
         coefficient = fenced(writer.of(node)) if node.kind == "sum" and len(node.args) > 1 else writer.of(node)
         inner = theta if one else row(coefficient, LOOSE if is_word(channel["name"]) else TIGHT, theta)
-        out.append(row(MINUS if sign < 0 else "<mo>+</mo>", inner, css="fault"))
+        out.append(row(f'<mo form="infix">{"−" if sign < 0 else "+"}</mo>', inner, css="fault"))
     return "".join(out)

@@ -9,9 +9,9 @@ over its letter; ₀₁ᵢ… and ⁻¹ᵀ… are indices and exponents, _{…} 
 import re
 from html import escape
 
-from backend.engine.export.symbols import accented
+from backend.engine.export.symbols import BAR, DOT, HAT, TILDE, accented
 
-ACCENTS = {"\u0302": "^", "\u0303": "~", "\u0304": "¯", "\u0307": "˙"}
+ACCENTS = {"\u0302": HAT, "\u0303": TILDE, "\u0304": BAR, "\u0307": DOT}  # from the letter outwards
 PRECOMPOSED = {"ŷ": "y\u0302", "ẑ": "z\u0302", "ẋ": "x\u0307", "ẏ": "y\u0307", "ż": "z\u0307", "Ã": "A\u0303", "ỹ": "y\u0303", "Ṗ": "P\u0307"}
 SUB = dict(zip("₀₁₂₃₄₅₆₇₈₉₊₋ₐₑᵢⱼₖₘₙₚᵣₓ", "0123456789+−aeijkmnprx", strict=True))
 SUP = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀᵅⁿⁱ", "0123456789+−Tαni", strict=True))
@@ -108,9 +108,10 @@ class _Reader:
 
     def letter(self, text: str) -> str:
         made = f"<mi>{escape(text[0])}</mi>"
-        for mark in text[1:]:
-            if mark not in ACCENTS:
-                raise ValueError(f"the accent U+{ord(mark):04X} is not known")
+        marks = [mark for mark in ACCENTS if mark in text[1:]]
+        if len(marks) != len(text) - 1:
+            raise ValueError(f"an accent of {text!r} is not known")
+        for mark in marks:  # the dot of a derivative stands over the hat, in whatever order they were typed
             made = accented(made, ACCENTS[mark])
         return made
 

@@ -32,8 +32,8 @@ SUBSTEPS = Option(
     "substeps", "Runge–Kutta steps of the model in one sample interval", "integer", _enough, low=1, high=MOST
 )
 
-# the classical Runge–Kutta method: where each stage is taken, and its weight
-STAGES = ((sympy.S.Zero, 1), (sympy.S.Half, 2), (sympy.S.Half, 2), (sympy.S.One, 1))
+# the classical Runge–Kutta method: where each stage is taken, in half substeps, and its weight
+STAGES = ((0, 1), (1, 2), (1, 2), (2, 1))
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,8 @@ def _step(
     zero = sympy.zeros(d.n, d.p + d.n)
     k, dk = sympy.zeros(d.n, 1), zero
     rise, dS = sympy.zeros(d.n, 1), zero
-    for j, (c, weight) in enumerate(STAGES):
+    for j, (halves, weight) in enumerate(STAGES):
+        c = sympy.Rational(halves, 2)
         at = d.at(d.let(f"{name}.x{j}", x + c * h * k), theta, start + c * length)
         k = d.let(f"{name}.k{j}", at.f + product(at.Phi, theta))
         rise = rise + weight * k

@@ -56,10 +56,11 @@ function middle(plant, faults, site) {
 }
 
 export const WIDTH = 272;
+export const HALF = 26; // half the height of a block
 const R = 10; // of a site
 const PITCH = 23;
 const EDGE = 30; // room for u on the left
-const SHARE = {actuator: 0.8, plant: 1.25, l1: 0.8, hysteresis: 0.9, l2: 0.8, sensor: 0.8};
+const SHARE = {actuator: 0.8, plant: 1.25, l1: 0.62, hysteresis: 0.58, l2: 0.62, sensor: 0.76};
 
 /**
  * Where everything stands in a picture 272 wide.
@@ -67,7 +68,7 @@ const SHARE = {actuator: 0.8, plant: 1.25, l1: 0.8, hysteresis: 0.9, l2: 0.8, se
  */
 export function layout(plant) {
   const row = blocks(plant);
-  const gap = row.length > 4 ? 11 : 20;
+  const gap = row.length > 4 ? 9 : 20;
   const left = row[0].id === 'actuator' ? EDGE : 6;
   const room = WIDTH - left - 4 - gap * (row.length - 1);
   const whole = row.reduce((sum, one) => sum + SHARE[one.id], 0);
@@ -79,12 +80,12 @@ export function layout(plant) {
     return box;
   });
   const rows = Math.max(1, ...placed.map((one) => Math.ceil(one.sites.filter((site) => site.onChannel).length / one.columns)));
-  const half = 22;
-  const top = R + 1 + (rows - 1) * PITCH;
+    const top = R + 1 + (rows - 1) * PITCH;
+  const half = HALF;
   const axis = top + half + 2;
   for (const one of placed) Object.assign(one, {y: axis - half, height: 2 * half, top, spots: spots(one, top)});
   const lines = Math.max(plant.inputs.length, plant.outputs.length, 1);
-  const foot = axis + half + Math.max(46, 26 + 14 * lines);
+  const foot = axis + half + 12 + 14 * lines + 22; // the names stand beside the wires, above the observers
   return {blocks: placed, axis, foot, height: foot + 24, left, right: placed.at(-1).x + placed.at(-1).width / 2};
 }
 
@@ -99,6 +100,6 @@ function spots(box, top) {
   const channels = box.sites.filter((site) => site.onChannel);
   const outputs = box.sites.filter((site) => !site.onChannel);
   return [...spread(channels, top, -PITCH), ...outputs.map((site, place) => ({
-    ...site, x: box.x + box.width / 2 + (place - (outputs.length - 1) / 2) * 17, y: top + 2 + 44,
+    ...site, x: box.x + box.width / 2 + (place - (outputs.length - 1) / 2) * 17, y: top + 2 + 2 * HALF,
   }))];
 }

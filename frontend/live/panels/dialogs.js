@@ -15,7 +15,7 @@ export const open = (name) => show(name);
 
 export function mount(element, app) {
   const title = h('h2', {id: 'dialog-title'});
-  const body = h('div', {class: 'dialog-body'});
+  const body = h('div', {class: 'dialog-body', tabindex: 0});
   const close = h('button', {type: 'button', class: 'plain', onclick: () => dialog.close()}, icon('close'));
   const dialog = h('dialog', {'aria-labelledby': 'dialog-title'}, h('div', {class: 'dialog-head'}, title, close), body);
   dialog.addEventListener('click', (event) => { if (event.target === dialog) dialog.close(); });

@@ -26,7 +26,7 @@ function copy(node) {
 export async function showEquations(body, app) {
   const {plant, observers} = app.state;
   const {text} = app;
-  fill(body, h('p', {class: 'soft'}, text.loading));
+  fill(body, h('p', {class: 'soft'}, text.wait));
   try {
     const answer = await post('/api/equations', {plant, observers: [...new Set(observers.map((one) => one.kind))]});
     fill(body, plantPart(answer.plant, plant, text), observers.map((one) => observerPart(one, answer.observers[one.kind], text)));
@@ -37,19 +37,19 @@ export async function showEquations(body, app) {
 
 function plantPart(answer, plant, text) {
   const lines = (items) => h('div', {class: 'equations'}, items.map((item) => h('div', {class: 'equation'}, mathml(item.math),
-    h('span', {class: 'soft'}, [item.description, item.unit].filter(Boolean).join(', ')))));
-  const faults = plant.channels.map((channel) => h('li', {}, symbol(channel.name), ' ', channel.title || channel.name, h('span', {class: 'soft'}, ` ${text.kinds[channel.kind]}`)));
-  return h('section', {}, h('h3', {}, plant.title || plant.id), plant.source && h('p', {class: 'soft'}, plant.source),
+    h('span', {class: 'soft'}, [text.named(item.description), item.unit].filter(Boolean).join(', ')))));
+  const faults = plant.channels.map((channel) => h('li', {}, symbol(channel.name), ' ', text.named(channel.title) || channel.name, h('span', {class: 'soft'}, ` ${text.kinds[channel.kind]}`)));
+  return h('section', {}, h('h3', {}, text.named(plant.title) || plant.id), plant.source && h('p', {class: 'soft'}, plant.source),
     lines(answer.states), answer.definitions.length > 0 && [h('h4', {}, text.with), lines(answer.definitions)],
     h('h4', {}, text.measured), lines(answer.outputs),
-    faults.length > 0 && [h('h4', {}, text.faultsIn), h('ul', {class: 'legend'}, faults)],
+    faults.length > 0 && [h('h4', {}, text.faultsIn), h('ul', {class: 'where'}, faults)],
     plant.time.kind === 'discrete' && h('p', {class: 'soft'}, text.nextSample(plant.time.period)));
 }
 
 function observerPart(observer, answer, text) {
   return h('section', {}, h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${answer.title}`)), h('p', {class: 'soft'}, answer.source),
     h('div', {class: 'equations'}, answer.equations.map(({number, math}) => h('div', {class: 'equation'}, mathml(math), h('span', {class: 'soft'}, number)))),
-    answer.where.length > 0 && h('ul', {class: 'legend'}, answer.where.map(({math, text: words}) => {
+    answer.where.length > 0 && h('ul', {class: 'where'}, answer.where.map(({math, text: words}) => {
       const sign = mathml(math);
       sign.removeAttribute('display');
       return h('li', {}, sign, h('span', {}, ` ${words}`));

@@ -1,6 +1,7 @@
 // Inject a fault: a row for every channel, one for every output's measurement, and the noise.
 
 import {fill, h} from '../../dom.js';
+import {acting} from './findings.js';
 import {createRow} from './injectrow.js';
 import {badge, heading, link, slider, throttled} from './parts.js';
 import {logarithmic} from './scale.js';
@@ -9,6 +10,7 @@ import {badges, split} from './symbols.js';
 export function mount(element, app) {
   let rows = new Map();
   let open = false; // the rows of measurement faults
+  const ends = []; // of subscriptions that the rows hold
   const list = h('div', {class: 'scroll faults'});
 
   const build = async () => {
@@ -16,6 +18,7 @@ export function mount(element, app) {
     const {faults} = await app.catalogue;
     if (plant !== app.state.plant) return;
     rows = new Map();
+    for (const end of ends.splice(0)) end();
     if (!plant) return fill(element, heading(app.text.injectTitle));
     const channels = channelRows(app, plant, faults, rows);
     const outputs = outputRows(app, plant, faults, rows);
@@ -27,21 +30,18 @@ export function mount(element, app) {
       for (const {element: row, active} of outputs) row.hidden = !open && !active;
     };
     fill(list, channels.map((row) => row.element), plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
-      plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output)]));
+      plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]));
     fill(element, heading(app.text.injectTitle, toggle), list);
     list.show = show;
     show(open);
-    return update(app.state.faults);
+    return update();
   };
-  const update = (faults) => {
+  const update = () => {
     const {role, spec} = app.state;
-    for (const [subject, row] of rows) row.show(faults.findLast((fault) => fault.active && fault.subject === subject), role, spec?.horizon);
+    const active = acting(app.state);
+    for (const [subject, row] of rows) row.show(active.findLast((fault) => fault.subject === subject), role, spec?.horizon);
     list.show?.(open);
   };
-  app.subscribe((state) => [state.plant, state.language, state.session], build);
-  app.subscribe((state) => [state.faults, state.role], () => update(app.state.faults));
-  app.subscribe((state) => state.site, (site) => choose(site));
-
   const choose = (site) => {
     const row = rows.get(site);
     if (!row) return;
@@ -51,6 +51,9 @@ export function mount(element, app) {
     row.element.scrollIntoView({block: 'nearest', behavior: still ? 'auto' : 'smooth'});
     (row.main?.range ?? row.element.querySelector('select')).focus({preventScroll: true});
   };
+  app.subscribe((state) => [state.plant, state.language, state.session], build);
+  app.subscribe((state) => [state.faults, state.role], update);
+  app.subscribe((state) => state.site, (site) => choose(site));
 }
 
 function channelRows(app, plant, shapes, rows) {
@@ -58,7 +61,7 @@ function channelRows(app, plant, shapes, rows) {
   const mine = shapes.filter((shape) => shape.on === 'channel');
   return plant.channels.map((channel) => {
     const subject = {name: channel.name, onChannel: true, typical: channel.typical, bounds: channel.bounds, unit: channel.unit, level: 0, ...times(app)};
-    const row = createRow(app, () => subject, {title: titled(channel.title || channel.name), description: channel.description, kind: app.text.kinds[channel.kind], badge: short.get(channel.name), shapes: mine});
+    const row = createRow(app, () => subject, {title: titled(app.text.named(channel.title) || channel.name), description: app.text.named(channel.description), kind: app.text.kinds[channel.kind], badge: short.get(channel.name), shapes: mine});
     rows.set(channel.name, row);
     return row;
   });
@@ -68,7 +71,7 @@ function outputRows(app, plant, shapes, rows) {
   const mine = shapes.filter((shape) => shape.on === 'output');
   return plant.outputs.map((output) => {
     const subject = () => ({name: output.name, onChannel: false, bounds: [null, null], unit: output.unit, ...size(app, output.name), ...times(app)});
-    const row = createRow(app, subject, {title: app.text.measurementOf(titled(output.description || output.name)), description: '', kind: app.text.kinds.measurement, badge: split(output.name), shapes: mine});
+    const row = createRow(app, subject, {title: app.text.measurementOf(titled(app.text.named(output.description) || output.name)), description: '', kind: app.text.kinds.measurement, badge: split(output.name), shapes: mine});
     rows.set(output.name, row);
     return row;
   });
@@ -93,7 +96,7 @@ function size(app, name) {
 }
 
 /** The measurement noise of one output: its standard deviation, moved while time runs. */
-function noiseRow(app, output) {
+function noiseRow(app, output, ends) {
   const {text} = app;
   const noise = () => app.state.spec.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
   const begin = noise().std || size(app, output.name).typical / 30 || 0.01;
@@ -105,11 +108,11 @@ function noiseRow(app, output) {
     }
   });
   const made = slider({name: text.noiseOf(output.name), scale: logarithmic(begin / 30, begin * 30, true), value: noise().std, low: 0, change: (std) => send(std)});
-  app.subscribe((state) => [state.spec?.noise[output.name]?.std ?? 0, state.role], ([std, role]) => {
+  ends.push(app.subscribe((state) => [state.spec?.noise[output.name]?.std ?? 0, state.role], ([std, role]) => {
     if (!made.busy()) made.show(std);
     made.disable(role === 'view');
-  });
-  return h('div', {class: 'fault noise', role: 'group', 'aria-label': text.noiseOf(output.name)}, badge(split(output.name), {square: true}),
-    h('div', {class: 'name'}, h('b', {}, text.noise), h('span', {class: 'sub'}, [text.noiseHeld(String(noise().sample_time)), output.unit].filter(Boolean).join(' · '))),
-    h('div', {class: 'control'}, h('i', {class: 'sigma'}, 'σ'), made.range, made.field));
+  }));
+  const hint = [text.noiseHeld(String(noise().sample_time)), output.unit].filter(Boolean).join(', ');
+  return h('div', {class: 'fault noise', role: 'group', 'aria-label': text.noiseOf(output.name), title: hint}, badge(split(output.name), {square: true}),
+    h('div', {class: 'control'}, h('span', {}, text.noise, ' ', h('i', {}, 'σ')), made.range, made.field));
 }

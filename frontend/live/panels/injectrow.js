@@ -12,7 +12,7 @@ import {badge, refusal, seconds, slider} from './parts.js';
 export function createRow(app, subjectOf, about) {
   const {text} = app;
   const subject = subjectOf();
-  const menu = h('select', {class: 'shape', 'aria-label': text.shapeOf(about.title)}, about.shapes.map((shape) => h('option', {value: shape.shape, title: shape.description}, text.shapes[shape.shape] ?? shape.shape)));
+  const menu = h('select', {class: 'shape', 'aria-label': text.shapeOf(about.title)}, about.shapes.map((shape) => h('option', {value: shape.shape, title: text.named(shape.description)}, text.shapes[shape.shape] ?? shape.shape)));
   const control = h('div', {class: 'control'});
   const more = h('div', {class: 'more-fields'});
   const problem = h('p', {class: 'refused', role: 'alert'});
@@ -36,8 +36,16 @@ export function createRow(app, subjectOf, about) {
     row.end = end;
     const field = mainField(row.shape);
     row.main = field && mainSlider(field, row, now, about.title, touch, text);
-    fill(control, menu, row.main ? [row.main.range, row.main.field] : null);
-    fill(more, moreFields(row, field, touch, text, app));
+    const open = !row.fold?.hidden && row.fold !== undefined;
+    const {summary, entries} = moreFields(row, field, touch, text);
+    const dots = h('button', {type: 'button', class: 'plain dots', 'aria-expanded': String(open), 'aria-label': text.moreOf(about.title), title: text.moreOf(about.title), onclick: () => {
+      entries.hidden = !entries.hidden;
+      dots.setAttribute('aria-expanded', String(!entries.hidden));
+    }}, '⋯');
+    row.fold = entries;
+    entries.hidden = !open;
+    fill(control, menu, row.main ? [row.main.range, row.main.field] : h('span', {class: 'stretch'}), dots);
+    fill(more, summary, entries);
   };
   menu.addEventListener('change', () => { build(); touch(); });
 
@@ -87,24 +95,24 @@ function mainSlider(field, row, subject, title, touch, text) {
   const first = firstValues(row.shape, subject)[field.name];
   const made = slider({name: `${title}: ${text.fields[field.name] ?? field.name}`, scale: mainScale(field, subject, first), value: row.values[field.name],
     ...limits(field, subject), change: (value) => { row.values[field.name] = value; touch(); }});
-  made.range.title = field.description;
+  made.range.title = text.named(field.description);
   made.field.title = `${text.fields[field.name] ?? field.name}${subject.unit ? `, ${subject.unit}` : ''}`;
   return made;
 }
 
-/** The other fields, folded away: their values stand in the summary. */
+/** The other fields, folded away, and a line that says their values. */
 function moreFields(row, main, touch, text) {
   const rest = ownFields(row.shape).filter((field) => field !== main);
-  const summary = h('summary', {});
+  const summary = h('p', {class: 'summary'});
   const show = () => {
     const values = rest.map((field) => `${text.fields[field.name] ?? field.name} ${short(row.values[field.name])}`);
-    summary.textContent = [...values, row.end === null ? text.stays : text.endsAfter(number(row.end, 3))].join(' · ');
+    summary.textContent = [...values, row.end === null ? null : text.endsAfter(number(row.end, 3))].filter(Boolean).join(' · ');
   };
   const entry = (name, title, field, value, set) => {
     const id = `field-${Math.random().toString(36).slice(2, 8)}`;
     const input = field.type === 'choice'
       ? h('select', {id}, field.choices.map((choice) => h('option', {selected: choice === value}, choice)))
-      : h('input', {id, type: 'text', value: spell(value), inputmode: field.type === 'array' ? 'text' : 'decimal', title: field.description, autocomplete: 'off', spellcheck: 'false'});
+      : h('input', {id, type: 'text', value: spell(value), inputmode: field.type === 'array' ? 'text' : 'decimal', title: text.named(field.description), autocomplete: 'off', spellcheck: 'false'});
     input.addEventListener('change', () => {
       const typed = read(field, input.value);
       if (typed === undefined) return input.setAttribute('aria-invalid', 'true');
@@ -118,7 +126,7 @@ function moreFields(row, main, touch, text) {
   const entries = rest.map((field) => entry(field.name, text.fields[field.name] ?? field.name, field, row.values[field.name], (value) => { row.values[field.name] = value; }));
   entries.push(entry('end', text.fields.end, {type: 'number', nullable: true, above: 0, description: text.endHint}, row.end, (value) => { row.end = value; }));
   show();
-  return h('details', {}, summary, h('div', {class: 'entries'}, entries));
+  return {summary, entries: h('div', {class: 'entries'}, entries)};
 }
 
 const short = (value) => (Array.isArray(value) ? `${value.length}×` : typeof value === 'number' ? number(value, 3) : value);

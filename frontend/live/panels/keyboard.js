@@ -5,8 +5,10 @@ import {open} from './dialogs.js';
 /** What each key does; `does` names the words in app.text.keys. */
 export const KEYS = [
   {keys: ['Space'], does: 'toggle', act: (app) => app.act.toggle()},
-  {keys: ['.', 'ArrowRight'], does: 'step', act: (app) => app.act.step(Math.max(1, Math.round(0.1 / (app.state.record || 0.1))))},
-  {keys: ['ArrowLeft'], does: 'back', act: (app) => app.act.seek(Math.max(0, app.state.t - (app.state.window ?? 50) / 10))},
+  {keys: ['.'], does: 'step', act: (app) => app.act.step(1)},
+  {keys: ['ArrowLeft'], does: 'back', act: (app) => look(app, -1)},
+  {keys: ['ArrowRight'], does: 'on', act: (app) => look(app, 1)},
+  {keys: ['End', 'Escape'], does: 'now', act: (app) => app.act.select(null)},
   {keys: ['Home'], does: 'reset', act: (app) => app.act.reset()},
   {keys: ['+', '='], does: 'faster', act: (app) => app.act.speed(faster(app.state.speed, 1))},
   {keys: ['-'], does: 'slower', act: (app) => app.act.speed(faster(app.state.speed, -1))},
@@ -23,6 +25,15 @@ export const KEYS = [
 
 const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, null];
 
+/** Move what the scope shows by a tenth of it; at now it follows time again. */
+function look(app, by) {
+  const {selection, window, t} = app.state;
+  const [from, to] = selection ?? [t - (window ?? t), t];
+  const step = (by * (to - from)) / 10;
+  if (to + step >= t && by > 0) app.act.select(null);
+  else app.act.select(Math.max(0, from + step), Math.max(to - from, to + step));
+}
+
 /** The next speed up or down; null, as fast as possible, is the last. */
 export function faster(speed, by) {
   const place = speed === null ? SPEEDS.length - 1 : SPEEDS.findIndex((one) => one === null || one >= speed);
@@ -33,7 +44,7 @@ export function faster(speed, by) {
 function own(element, key) {
   if (element.closest('dialog[open]')) return true;
   if (element.matches('input:not([type=range]), textarea, select, [contenteditable]')) return true;
-  if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *')) return key.startsWith('Arrow') || key === 'Home';
+  if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *')) return key.startsWith('Arrow') || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
   return element.matches('button, a, summary, [role=button]') && (key === ' ' || key === 'Enter');
 }
 
@@ -45,7 +56,7 @@ export function mount(element, app) {
     const found = KEYS.find((one) => one.act && one.keys.includes(name));
     if (!channel && !found) return;
     event.preventDefault();
-    if (channel) app.act.site(channel.name);
+    if (channel) { app.act.site(null); app.act.site(channel.name); }
     else Promise.resolve(found.act(app)).catch((error) => app.act.tell(error.message, {kind: 'problem'}));
   });
 }

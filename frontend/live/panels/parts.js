@@ -33,6 +33,9 @@ export const seconds = (t, horizon = 100) => `${t.toFixed(horizon >= 1000 ? 0 : 
 /** How long something took: 0.4 s, 12 s. */
 export const took = (time) => `${time < 10 ? time.toFixed(time < 1 ? 2 : 1) : time.toFixed(0)}\u202fs`;
 
+/** A number as one types it, in few characters. */
+const typed = (value) => (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(2).replace(/\.?0*e/, 'e') : String(Number(value.toPrecision(3))));
+
 /**
  * A slider and a field for the same number.
  * @param {{name: string, scale: object, value: number, change: (value: number, done: boolean) => void, low?: number, high?: number}} options
@@ -45,16 +48,16 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
     present = next;
     range.value = position(scale, next);
     range.setAttribute('aria-valuetext', number(next));
-    field.value = number(next, 3).replace('−', '-').replace(/·10(.*)/, (_, power) => `e${[...power].map((c) => '-0123456789'['⁻⁰¹²³⁴⁵⁶⁷⁸⁹'.indexOf(c)]).join('')}`);
+    field.value = typed(next);
     field.removeAttribute('aria-invalid');
   };
   const slide = (done) => { show(valueAt(scale, Number(range.value))); change(present, done); };
   range.addEventListener('input', () => slide(false));
   range.addEventListener('change', () => slide(true));
   field.addEventListener('change', () => {
-    const typed = Number(field.value.trim().replace(',', '.').replace('−', '-'));
-    if (field.value.trim() === '' || !Number.isFinite(typed) || typed < low || typed > high) return field.setAttribute('aria-invalid', 'true');
-    show(typed);
+    const read = Number(field.value.trim().replace(',', '.').replace('−', '-'));
+    if (field.value.trim() === '' || !Number.isFinite(read) || read < low || read > high) return field.setAttribute('aria-invalid', 'true');
+    show(read);
     return change(present, true);
   });
   show(value);

@@ -1,8 +1,9 @@
 // The plant as a picture one can touch: what goes in, where faults act, what is measured, who watches.
 
 import {fill} from '../../dom.js';
-import {layout, WIDTH} from './diagram.js';
+import {HALF, layout, WIDTH} from './diagram.js';
 import {open} from './dialogs.js';
+import {acting} from './findings.js';
 import {heading, link, steady} from './parts.js';
 import {letters, s} from './svg.js';
 import {badges} from './symbols.js';
@@ -13,7 +14,7 @@ export function mount(element, app) {
   const draw = () => {
     const {plant} = app.state;
     fill(element, heading(app.text.plant, plant && link(app.text.equations, () => open('equations'))), plant && picture());
-    light(app.state.faults);
+    light();
   };
   const picture = () => {
     const made = drawPlant(app.state.plant, app);
@@ -21,8 +22,8 @@ export function mount(element, app) {
     tick();
     return made.svg;
   };
-  const light = (faults) => {
-    const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
+  const light = () => {
+    const active = new Set(acting(app.state).map((fault) => fault.subject));
     for (const [subject, {group, title}] of sites) {
       group.classList.toggle('on', active.has(subject));
       group.setAttribute('aria-label', `${title}${active.has(subject) ? `, ${app.text.activeNow}` : ''}`);
@@ -50,51 +51,51 @@ function drawPlant(plant, app) {
   const values = [];
   const parts = place.blocks.map((box) => block(box, plant, app.text));
   const buttons = place.blocks.flatMap((box) => box.spots.map((spot) => button(spot, short, app, sites)));
-  const svg = s('svg', {class: 'plant', viewBox: `0 0 ${WIDTH} ${place.height}`, role: 'group', 'aria-label': app.text.plantPicture(plant.title)},
+  const svg = s('svg', {class: 'plant', viewBox: `0 0 ${WIDTH} ${place.height}`, role: 'group', 'aria-label': app.text.plantPicture(app.text.named(plant.title))},
     s('defs', {}, s('marker', {id: 'tip', viewBox: '0 0 8 8', refX: 7, refY: 4, markerWidth: 6, markerHeight: 6, orient: 'auto'},
       s('path', {d: 'M0 0L8 4L0 8z', fill: 'var(--ink)'}))),
-    wires(place, plant, values), parts, watchers(place, app), buttons);
+    wires(place, plant, values, app.text.named), parts, watchers(place, app), buttons);
   return {svg, values, sites};
 }
 
 /** Signal lines: through the blocks, and down to the observers; with the present values of u and y beside these. */
-function wires({blocks, axis, foot, left, right}, plant, values) {
+function wires({blocks, axis, foot, left, right}, plant, values, named) {
   const wire = (d) => s('path', {class: 'wire', d, 'marker-end': 'url(#tip)'});
   const between = blocks.slice(1).map((box, place) => wire(`M${blocks[place].x + blocks[place].width} ${axis}H${box.x - 1}`));
-  const out = wire(`M${right} ${axis + 22}V${foot}H${WIDTH / 2 + 56}`);
-  const parts = [...between, out, ...list(plant.outputs, 'y.', right - 7, axis, foot, 'end', values)];
+  const out = wire(`M${right} ${axis + HALF}V${foot}H${WIDTH / 2 + 56}`);
+  const parts = [...between, out, ...list(plant.outputs, 'y.', right - 7, foot, 'end', values, named)];
   if (blocks[0].id === 'actuator') {
     const x = 13;
     parts.push(wire(`M2 ${axis}H${left - 1}`), wire(`M${x} ${axis}V${foot}H${WIDTH / 2 - 56}`), s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}),
-      ...list(plant.inputs, 'u.', x + 7, axis, foot, 'start', values));
+      ...list(plant.inputs, 'u.', x + 7, foot, 'start', values, named));
     if (plant.inputs.length > 1) parts.push(s('path', {class: 'wire', d: `M5 ${axis + 5}l5 -10`}), s('text', {class: 'ts', x: 9, y: axis - 8}, String(plant.inputs.length)));
   }
   return parts;
 }
 
 /** Names and present values, one under the other beside a wire. */
-function list(ports, prefix, x, axis, foot, anchor, values) {
-  const top = (axis + 22 + foot) / 2 - (ports.length - 1) * 7 + (anchor === 'end' ? 8 : 4);
+function list(ports, prefix, x, foot, anchor, values, named) {
+  const top = foot - 22 - 14 * ports.length + 6;
   return ports.map((port, place) => {
     const node = s('tspan', {class: 'num'});
     values.push({column: prefix + port.name, node, scale: Math.abs(port.default ?? 0)});
-    return s('text', {class: 'port', x, y: top + place * 14, 'text-anchor': anchor}, s('title', {}, [port.description, port.unit].filter(Boolean).join(', ')),
+    return s('text', {class: 'port', x, y: top + place * 14, 'text-anchor': anchor}, s('title', {}, [named(port.description), port.unit].filter(Boolean).join(', ')),
       letters(port.name, 13), ' ', node);
   });
 }
 
 function block(box, plant, text) {
   const x = box.x + box.width / 2;
-  const y = box.y + box.height / 2;
+  const y = box.y + box.height / 2 + (box.sites.some((site) => site.onChannel) ? 5 : 0); // clear of the sites
   const frame = s('rect', {class: 'blk', x: box.x, y: box.y, width: box.width, height: box.height, rx: 6});
   if (box.id === 'hysteresis') {
     const loop = `M${x - 13} ${y + 14}h7c5 0 4 -26 13 -26h6M${x + 13} ${y - 12}h-7c-5 0 -4 26 -13 26`;
-    return [frame, s('path', {class: 'loop', d: loop}), s('title', {}, text.blocks.hysteresis)];
+    return [frame, s('path', {class: 'hysteresis', d: loop}), s('title', {}, text.blocks.hysteresis)];
   }
   const discrete = plant.time.kind === 'discrete' && box.id === 'plant';
   const states = box.states.length ? summary(box.states, box.width, text) : [];
   const lift = (states.length ? 6 : -4) + (discrete ? 4 : 0);
-  return [frame, s('text', {class: 't', x, y: y - lift}, text.blocks[box.id]),
+  return [frame, s('text', {class: box.width < 52 ? 't small' : 't', x, y: y - lift}, text.blocks[box.id]),
     states.length && s('text', {class: 'ts', x, y: y - lift + 14}, states),
     discrete && s('text', {class: 'ts', x, y: y - lift + 26}, text.every(plant.time.period))].filter(Boolean);
 }
@@ -122,8 +123,8 @@ function watchers({foot, axis}, app) {
 
 /** One fault site: round for a channel, a small square for what can happen to a measurement. */
 function button(spot, short, app, sites) {
-  const press = () => app.act.site(spot.subject);
-  const title = spot.onChannel ? app.text.siteOf(spot.title) : app.text.siteOfOutput(spot.name);
+  const press = () => { app.act.site(null); app.act.site(spot.subject); };
+  const title = spot.onChannel ? app.text.siteOf(app.text.named(spot.title)) : app.text.siteOfOutput(spot.name);
   const key = (event) => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); press(); } };
   const [base, index] = short.get(spot.name) ?? ['', ''];
   const long = base.length + index.length > 2;

@@ -154,13 +154,14 @@ def test_comparison_on_the_papers_plant_is_fair():
     """Set to settle equally fast without noise, the Kalman filters carry less noise than the paper's observer."""
     spec = library.experiment("zhao-2012-observers")
     quiet = prepare(Experiment.model_validate(spec.model_dump(mode="json") | {"noise": {}, "figures": []})).run()
-    noisy = prepare(spec).run()
+    noisy = [prepare(spec.model_copy(update={"figures": (), "seed": seed})).run() for seed in range(6)]
     t, spread = quiet.column("t"), {}
     for label in ("adaptive", "kalman", "ekf", "ukf"):
         error = np.abs(quiet.column(f"{label}.theta.theta1") - quiet.column("theta.theta1"))
         settled = t[(t > 40) & (t < 70) & (error > 0.001)].max() - 40
         assert 2.2 < settled < 2.55, (label, settled)
         end = t > 90
-        spread[label] = (noisy.column(f"{label}.theta.theta1") - noisy.column("theta.theta1"))[end].std()
-    assert spread["kalman"] < 0.7 * spread["adaptive"] and spread["ekf"] < 0.7 * spread["kalman"]
+        errors = [(run.column(f"{label}.theta.theta1") - run.column("theta.theta1"))[end] for run in noisy]
+        spread[label] = np.mean([e.std() for e in errors])
+    assert spread["kalman"] < 0.6 * spread["adaptive"] and spread["ekf"] < 0.8 * spread["kalman"]
     assert spread["ukf"] == pytest.approx(spread["ekf"], rel=0.01)

@@ -1,0 +1,25 @@
+"""Measure everything: ``python -m benchmarks [kernels others compilation service] [--markdown]``."""
+
+import argparse
+import importlib
+
+NAMES = ("kernels", "others", "compilation", "service")
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
+    arguments.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; all if none is given")
+    arguments.add_argument("--markdown", action="store_true", help="print the table of docs/performance.md")
+    given = arguments.parse_args()
+    unknown = [n for n in given.names if n not in NAMES]
+    if unknown:
+        arguments.error(f"no benchmark is called {', '.join(unknown)}: choose from {', '.join(NAMES)}")
+    if given.markdown:
+        print("| What | Median | Range | Asked |\n|---|---|---|---|", flush=True)
+    for name in given.names or NAMES:
+        for figure in importlib.import_module(f"benchmarks.{name}").figures():
+            print(figure.markdown() if given.markdown else figure.text(), flush=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,34 @@
+"""The live page in a browser: script time of one update of the scope, beside what Plotly takes for the same curves.
+
+python -m benchmarks page        (THETASCOPE_BROWSER names the browser, else one that is installed is found)
+"""
+
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+
+from benchmarks.measure import Figure
+from benchmarks.service import service
+from tools.browser import find
+
+SCRIPT = Path(__file__).with_suffix(".js")
+
+
+def figures() -> Iterator[Figure]:
+    """Script time per update, and Plotly's over it, in one page."""
+    from playwright.sync_api import sync_playwright
+
+    path = os.environ.get("THETASCOPE_BROWSER") or find()
+    with tempfile.TemporaryDirectory() as folder, service(Path(folder)) as (address, _), sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1440, "height": 900})
+        page.goto(f"{address}/?experiment=zhao-2012&t=1")
+        page.wait_for_selector(".strip canvas")
+        found = page.evaluate(SCRIPT.read_text(encoding="utf-8"), {"plotly": True, "updates": 300})
+        browser.close()
+    own = found["own"]
+    middle = sorted(own)[len(own) // 2]
+    yield Figure.of("page: script time of an update, 4 strips of 3 curves of 10 000 points", own, "≤ 2 ms", "ms")
+    yield Figure.of("page: Plotly.react of the same / update", [time / middle for time in found["react"]])
+    yield Figure.of("page: updates drawn a second, by a browser without graphics card", [found["frames"]], "60 with one")

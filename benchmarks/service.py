@@ -1,0 +1,78 @@
+"""The service as it is started by its users, spoken to over HTTP: a run with its figures, and the time to be ready.
+
+    python -m benchmarks service
+"""
+
+import itertools
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from backend.client import Client
+from benchmarks.measure import Figure, ratios, rounds
+from benchmarks.problem import engine, kernels_alone
+
+ROOT = Path(__file__).parents[1]
+
+
+@contextmanager
+def service(data: Path) -> Iterator[tuple[str, float]]:
+    """A service of its own in a new process: its address, and the seconds until it answered."""
+    environment = os.environ | {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "backend.cli", "serve", "--port", "0"]
+    begin = time.perf_counter()
+    process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
+    try:
+        line = process.stdout.readline()
+        if "http://" not in line:
+            raise RuntimeError(f"the service did not start: {line!r}")
+        address = line.split(" at ")[1].split("/ ")[0]
+        with Client(address) as client:
+            client.health()
+        yield address, time.perf_counter() - begin
+    finally:
+        process.terminate()
+        process.wait(20)
+        process.stdout.close()
+
+
+def figures() -> Iterator[Figure]:
+    with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as data:
+        with service(Path(data)) as (address, _):
+            yield whole(address)
+        yield ready(Path(data))
+
+
+def whole(address: str, count: int = 15) -> Figure:
+    """POST with another seed each time, so that the store cannot answer, then GET of all figures, as bytes."""
+    call, _ = kernels_alone(engine())
+    seeds = itertools.count(1000)
+    with Client(address) as client:
+
+        def request() -> None:
+            run = client.run("zhao-2012", {"seed": next(seeds)})
+            if run["status"] != "done":
+                raise AssertionError(run)
+            for name in names:
+                client.request("GET", f"/api/runs/{run['id']}/figures/{name}")
+
+        first = client.run("zhao-2012")
+        listed = client.get(f"/api/runs/{first['id']}/figures")["figures"]
+        names = [f["name"] for f in listed]
+        seconds = rounds({"service": request, "kernels": call}, count)
+    what = f"POST of zhao-2012 (100 s at 1 ms) and GET of its {len(names)} figures ÷ kernels"
+    return Figure.of(what, ratios(seconds, "service", "kernels"), "≤ 15")
+
+
+def ready(data: Path, count: int = 5) -> Figure:
+    """From the start of the process to the first answer, with the files that an earlier start has left."""
+    seconds = []
+    for _ in range(count):
+        with service(data) as (_, took):
+            seconds.append(took)
+    return Figure.of("service ready, second and later starts", seconds, "≤ 2 s", "s")

@@ -1,0 +1,97 @@
+"""Many websocket connections in one process: as little as it takes to read frames and say when they came."""
+
+import base64
+import os
+import selectors
+import socket
+import struct
+import time
+from collections.abc import Callable
+
+
+class Watcher:
+    """One connection: the times at which samples came, and the effect of the last command."""
+
+    def __init__(self, connection: socket.socket) -> None:
+        self.socket = connection
+        self.clear()
+        self._buffer = b""
+        self._acts_at: int | None = None
+
+    def clear(self) -> None:
+        self.times: list[float] = []
+        self.bytes = 0
+        self.effect: float | None = None
+
+    def command(self, text: str) -> None:
+        """Send a command; `effect` becomes the time of the first frame with a row on which it acts."""
+        self.effect, self._acts_at = None, None
+        data, mask = text.encode(), os.urandom(4)
+        length = struct.pack("!BBH", 0x81, 0xFE, len(data))
+        masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(data))
+        self.socket.sendall(length + mask + masked)
+
+    def read(self) -> None:
+        """Take what has come."""
+        now = time.perf_counter()
+        data = self._buffer + self.socket.recv(1 << 20)
+        place = 0
+        while len(data) - place >= 2:
+            size, start = data[place + 1], place + 2
+            if size == 126:
+                size, start = int.from_bytes(data[start : start + 2], "big"), start + 2
+            elif size == 127:
+                size, start = int.from_bytes(data[start : start + 8], "big"), start + 8
+            if len(data) < start + size:
+                break
+            self._message(data[place] & 0x0F, data[start : start + size], now)
+            place = start + size
+        self._buffer = data[place:]
+
+    def _message(self, kind: int, data: bytes, now: float) -> None:
+        if kind == 2:
+            self.times.append(now)
+            self.bytes += len(data)
+            if self._acts_at is not None:
+                first, count = struct.unpack_from("<QI", data, 8)
+                if first + count > self._acts_at:
+                    self.effect, self._acts_at = now, None
+        elif kind == 1 and data.startswith(b'{"type":"ack"'):
+            self._acts_at = int(data.partition(b'"row":')[2].partition(b",")[0])
+
+
+class Watchers:
+    """All connections, read as they come."""
+
+    def __init__(self) -> None:
+        self._selector = selectors.DefaultSelector()
+        self._all: list[Watcher] = []
+
+    def connect(self, port: int, path: str) -> Watcher:
+        connection = socket.create_connection(("127.0.0.1", port))
+        key = base64.b64encode(os.urandom(16)).decode()
+        connection.sendall(
+            f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n\r\n".encode()
+        )
+        answer = b""
+        while not answer.endswith(b"\r\n\r\n"):
+            answer += connection.recv(1)
+        assert b" 101 " in answer.splitlines()[0], answer
+        connection.setblocking(False)
+        watcher = Watcher(connection)
+        self._selector.register(connection, selectors.EVENT_READ, watcher)
+        self._all.append(watcher)
+        return watcher
+
+    def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
+        """Read for so long, or until something is so."""
+        end = time.perf_counter() + seconds
+        while (left := end - time.perf_counter()) > 0 and not until():
+            for key, _ in self._selector.select(left):
+                key.data.read()
+
+    def close(self) -> None:
+        for watcher in self._all:
+            watcher.socket.close()
+        self._selector.close()

@@ -1,0 +1,249 @@
+// Starts the live page: makes the app, opens what the address asks for, joins sessions and leaves them.
+
+import {get} from '../api.js';
+import {actions, addressOf, languageNow} from './act.js';
+import {Edge, createLoop} from './loop.js';
+import {mountHysteresis} from './hysteresis.js';
+import {fetchMissed} from './missed.js';
+import {mountNotice} from './notice.js';
+import {mountPanels} from './panels.js';
+import * as permalink from './permalink.js';
+import {reduce} from './reduce.js';
+import {Samples} from './ring.js';
+import {mountScope} from './scope.js';
+import {create, fork, kept, library, look} from './session.js';
+import {connect, Refused} from './socket.js';
+import {createStore, initial} from './store.js';
+import {derivedColumns, stripsOf} from './strips.js';
+import * as scopeWords from './strings-scope.js';
+import * as words from './strings.js';
+import {mountTimeline} from './timeline.js';
+import {mountTransport} from './transport.js';
+
+const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
+const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
+const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
+const ADDRESS = 5000; // ms between updates of the address while time runs
+
+const store = createStore({...initial, theme: window.theme.now, language: languageNow()}, reduce);
+const loop = createLoop();
+let socket = null;
+let ghostSocket = null;
+let token = null;
+
+const app = {
+  store,
+  samples: new Samples(1),
+  ghost: null, // the parent's samples
+  edge: new Edge(),
+  first: FIRST.experiment,
+  get state() { return store.state; },
+  get text() { return {...words[store.state.language], ...scopeWords[store.state.language]}; },
+  get catalogue() { return (catalogue ??= get('/api/catalogue')); },
+  subscribe: store.subscribe,
+  wake: loop.wake,
+  onFrame: loop.onFrame,
+  onTick: (fn) => loop.onTick(() => fn(app.samples.now)),
+  latest: (column) => app.samples.latest(column),
+  at: (column, t) => app.samples.at(column, t),
+  window: (column, t0, t1) => app.samples.window(column, t0, t1),
+  range: (column, t0, t1) => app.samples.range(column, t0, t1),
+  strips: () => stripsOf(store.state),
+  span: () => scope.span(),
+  cursor: (t) => store.dispatch({type: 'set', cursor: t}),
+  drop: () => socket?.drop(),
+  send(command) {
+    if (!socket) return Promise.reject(new Refused({problem: 'there is no session', remedy: 'open one'}));
+    if (store.state.role === 'view') return Promise.reject(new Refused({problem: app.text.viewOnly}));
+    return socket.send(command);
+  },
+};
+let catalogue = null;
+
+// ---- joining and leaving a session ---------------------------------------------------------------------------------------
+
+function leave() {
+  socket?.stop();
+  ghostSocket?.stop();
+  socket = ghostSocket = app.ghost = null;
+}
+
+/** Join a session: its messages go to the store, its frames to the samples. `then` is called when it has said hello for the first time. */
+function join({id, control, experiment, plain, parent = null, fresh = false, then = () => {}}) {
+  leave();
+  token = control;
+  app.samples = new Samples(1);
+  store.dispatch({type: 'begin', session: id, role: control ? 'control' : 'view', experiment, parent});
+  store.dispatch({type: 'set', begunPlain: plain});
+  let first = true;
+  socket = connect({
+    session: id, token: control,
+    onConnection: (now) => store.dispatch({type: 'connection', now}),
+    onFrame: take(() => app.samples),
+    onMessage(message) {
+      prepare(app.samples, message, id);
+      store.dispatch(message);
+      if (message.type === 'hello' && first) {
+        first = false;
+        app.edge.t = Infinity; // anything but where the last session was
+        if (message.parent) watchParent(message.parent);
+        if (message.role === 'view') app.act.tell(app.text.viewOnly);
+        if (fresh) app.act.speed(SPEEDS.findLast((speed) => speed <= message.spec.horizon / WATCHED) ?? SPEEDS[0]);
+        then();
+      }
+      if (message.type === 'ack') addressSoon();
+      loop.wake();
+    },
+  });
+}
+
+/** What a message means for the samples, before the store hears of it. */
+function prepare(samples, message, session) {
+  if (message.type === 'hello') {
+    if (samples.epoch !== message.epoch || samples.record !== message.record) samples.truncate(samples.epoch === undefined ? 0 : Math.min(samples.rows, message.row));
+    samples.record = message.record;
+  } else if (message.type === 'rewound') samples.truncate(message.row);
+  if (message.type === 'hello' || message.type === 'columns') samples.setColumns(message.columns, derivedColumns(message.columns));
+  if ('epoch' in message) samples.epoch = message.epoch;
+  if (message.type === 'jump' && samples.held === undefined) fillIn(samples, session, message);
+}
+
+/** Rows that are not sent are fetched; frames that come meanwhile wait. */
+async function fillIn(samples, session, {first, row, epoch}) {
+  samples.held = [];
+  try {
+    await fetchMissed({session, names: samples.sent, record: samples.record, first, last: row,
+      push: (...rows) => samples.epoch === epoch && samples.push(...rows)});
+  } catch {
+    // then the curves have a gap, which is what there is
+  }
+  const {held} = samples;
+  samples.held = undefined;
+  for (const frame of held) put(samples, frame);
+  loop.wake();
+}
+
+function put(samples, frame) {
+  if (frame.epoch === samples.epoch && frame.columns === samples.sent.length) samples.push(frame.first, frame.count, frame.data);
+}
+
+/** Frames of an epoch that is over are void: what replaces them is on its way. */
+const take = (samples) => (frame) => {
+  const into = samples();
+  if (into.held) into.held.push(frame);
+  else put(into, frame);
+  loop.wake();
+};
+
+/** The parent's curves, faintly behind: a second connection that only watches. */
+function watchParent(id) {
+  const samples = new Samples(1, 24e6);
+  ghostSocket = connect({
+    session: id, token: null, onFrame: take(() => samples),
+    onMessage(message) {
+      prepare(samples, message, id);
+      app.ghost = samples;
+    },
+    onConnection(now) {
+      if (now === 'ended' && app.ghost === null) store.dispatch({type: 'set', parent: null});
+    },
+  });
+}
+
+const link = {
+  token: () => token,
+  /** Begin a session with an experiment of the library or a spec. */
+  async begin({experiment = null, spec = null, t = 0, play = true, then}) {
+    try {
+      const made = await create({...(spec ? {spec} : {experiment}), play, t});
+      join({id: made.id, control: made.token, experiment, plain: spec === null, fresh: true, then});
+    } catch (error) {
+      failed(error);
+    }
+  },
+  async fork(t) {
+    const {session, experiment, begunPlain} = store.state;
+    const now = t ?? app.samples.now;
+    try {
+      const made = await fork(session, token, t);
+      join({id: made.id, control: made.token, experiment, plain: begunPlain, parent: {id: session, t: now}, then: () => app.act.tell(app.text.forked(now.toFixed(1)))});
+    } catch (error) {
+      app.act.tell(error.message, {kind: 'problem'});
+    }
+  },
+};
+
+function failed(error) {
+  const problem = {title: error.title ?? app.text.failed, detail: error.detail ?? error.message};
+  store.dispatch({type: 'failed', problem});
+}
+
+// ---- the address ---------------------------------------------------------------------------------------------------------
+
+let soon = 0;
+
+async function writeAddress() {
+  soon = 0;
+  const {state} = store;
+  if (state.role !== 'control' || !state.spec || state.connection !== 'live') return;
+  const address = await addressOf(app);
+  if (store.state.session !== state.session) return;
+  history.replaceState(null, '', address.startsWith('?') ? `/${address}` : `/${address}`);
+  kept.write({id: state.session, token, address, experiment: state.experiment, plain: state.begunPlain, parent: state.parent});
+}
+
+function addressSoon() {
+  if (!soon) soon = setTimeout(writeAddress, 400);
+}
+
+setInterval(() => store.state.playing && addressSoon(), ADDRESS);
+addEventListener('pagehide', () => {
+  const mine = kept.read(); // a page that is loaded again knows its session by its address
+  if (mine?.id === store.state.session) kept.write({...mine, address: location.search + location.hash});
+});
+
+/** Open what the address asks for; without any, the first experiment, already running. */
+async function open() {
+  let asked;
+  try {
+    asked = await permalink.read(location);
+  } catch {
+    return failed({title: app.text.damagedLink, detail: ''});
+  }
+  const mine = kept.read();
+  const here = location.search + location.hash;
+  if (asked.session) return join({id: asked.session, control: mine?.id === asked.session ? mine.token : null, experiment: null, plain: false});
+  if (mine && here && mine.address === here && await look(mine.id).catch(() => null)) {
+    return join({id: mine.id, control: mine.token, experiment: mine.experiment, plain: mine.plain, parent: mine.parent});
+  }
+  const linked = asked.t > 0 || asked.changed || asked.spec;
+  const then = linked ? () => app.act.tell(app.text.fromLink(asked.t.toFixed(1))) : undefined;
+  try {
+    const spec = await permalink.specOf(asked, library);
+    if (spec) {
+      const made = await create({spec, t: asked.t, play: false});
+      return join({id: made.id, control: made.token, experiment: asked.experiment ?? null, plain: false, fresh: true, then});
+    }
+  } catch (error) {
+    return failed(error);
+  }
+  if (asked.experiment) return link.begin({experiment: asked.experiment, t: asked.t, play: !linked, then});
+  return link.begin({experiment: FIRST.experiment, t: FIRST.t, play: true});
+}
+
+// ---- the page ------------------------------------------------------------------------------------------------------------
+
+app.act = actions(app, link);
+const place = (id) => document.getElementById(id);
+document.documentElement.lang = store.state.language === 'zh' ? 'zh-CN' : 'en';
+const scope = app.scope = mountScope(place('scope'), app);
+mountHysteresis(place('hysteresis'), app);
+mountTimeline(place('timeline'), app);
+mountTransport(place('transport'), app);
+mountNotice(place('notice'), app);
+store.subscribe((state) => [state.spec, state.epoch, state.playing, state.session], addressSoon);
+store.subscribe((state) => state.spec?.title, (title) => { document.title = title ? `${title} · Thetascope` : 'Thetascope'; });
+addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));
+addEventListener('popstate', open);
+window.thetascope = app; // for the console, and for the tests
+await Promise.all([mountPanels(app), open()]);

@@ -1,0 +1,28 @@
+// The log of what happened; a click shows that moment in the scope.
+
+import {fill, h} from '../../dom.js';
+import {heading} from './parts.js';
+import {icon} from './svg.js';
+import {lines} from './words.js';
+
+export function mount(element, app) {
+  const list = h('ol', {class: 'log scroll', tabindex: 0});
+  const build = () => {
+    list.setAttribute('aria-label', app.text.log);
+    fill(element, heading(app.text.log), list);
+    update();
+  };
+  const update = () => {
+    const found = lines(app.state.log, app.text);
+    fill(list, found.length ? found.map(line) : h('li', {class: 'soft'}, app.text.emptyLog));
+  };
+  const line = ({t, words, alarm, own}) => h('li', {class: alarm ? 'alarm' : own ? 'own' : null},
+    h('button', {type: 'button', class: 'moment', title: app.text.showMoment, onclick: () => look(t)}, h('span', {class: 'time'}, t.toFixed(app.state.spec?.horizon >= 1000 ? 0 : 1)), h('span', {}, words)),
+    h('button', {type: 'button', class: 'plain back control-only', title: app.text.backHere, 'aria-label': `${app.text.backHere}, ${t.toFixed(1)} s`, onclick: () => app.act.seek(t)}, icon('back', 13)));
+  const look = (t) => {
+    const span = app.state.window ?? 30;
+    app.act.select(Math.max(0, t - span / 5), Math.max(0, t - span / 5) + span);
+  };
+  app.subscribe((state) => [state.language, state.session], build);
+  app.subscribe((state) => state.log, update);
+}

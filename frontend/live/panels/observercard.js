@@ -1,0 +1,127 @@
+// One observer: its colour and name, the lights of its assumptions, its gains, a cross to remove it.
+
+import {fill, h, number, symbol} from '../../dom.js';
+import {chip, refusal, seconds, slider, throttled} from './parts.js';
+import {gainScale} from './scale.js';
+import {icon} from './svg.js';
+
+const SHOWN = 2; // gains that are always in sight
+
+/** Every number of the gains that a running observer takes: a column gain is one for each entry. */
+function entries(kind, gains) {
+  return kind.gains.filter((gain) => gain.live !== false).flatMap((gain) => {
+    const now = gains[gain.name] ?? gain.default;
+    if (Array.isArray(now)) return now.map((value, place) => ({gain, place, value}));
+    return [{gain, place: null, value: now}];
+  });
+}
+
+export function createCard(app, observer, kind) {
+  const {text} = app;
+  let present = observer;
+  let known = {}; // defaults from the server
+  const lights = h('button', {type: 'button', class: 'lights', 'aria-expanded': 'false'});
+  const checks = h('ul', {class: 'checks', hidden: true});
+  const gains = h('div', {class: 'gains'});
+  const more = h('div', {class: 'gains'});
+  const fold = h('details', {class: 'fold', hidden: true}, h('summary', {}, text.moreGains), more);
+  const problem = h('p', {class: 'refused', role: 'alert'});
+  const fallen = h('p', {class: 'alarm small'});
+  const cross = h('button', {type: 'button', class: 'plain control-only', title: text.removeObserver(observer.label), 'aria-label': text.removeObserver(observer.label)}, icon('close', 13));
+  const element = h('section', {class: 'observer', 'aria-label': observer.label},
+    h('div', {class: 'observer-head'}, chip(observer.colour), h('b', {}, observer.label), h('span', {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`}, text.kindNames[kind.id] ?? kind.title), lights, cross),
+    checks, fallen, gains, fold, problem);
+  const controls = new Map();
+  cross.addEventListener('click', () => ask({type: 'remove-observer', label: observer.label}));
+  lights.addEventListener('click', () => {
+    checks.hidden = !checks.hidden;
+    lights.setAttribute('aria-expanded', String(!checks.hidden));
+  });
+  const ask = async (command) => {
+    try {
+      await app.send(command);
+      refusal(problem, null, text);
+    } catch (error) {
+      refusal(problem, error, text);
+      show(true);
+    }
+  };
+  const values = () => ({...known, ...present.gains});
+  const show = (force = false) => {
+    const now = entries(kind, values());
+    const names = now.map(({gain, place}) => `${gain.name}.${place}`).join();
+    if (controls.names !== names) build(now, names);
+    for (const {gain, place, value} of now) {
+      const control = controls.get(`${gain.name}.${place}`);
+      if (control && value !== null && value !== undefined && (force || !control.busy()) && control.value !== value) control.show(value);
+    }
+  };
+  const build = (now, names) => {
+    controls.clear();
+    controls.names = names;
+    const scalars = now.filter((one) => one.gain.size === null);
+    const first = scalars.length ? scalars.slice(0, SHOWN) : now.filter((one) => one.gain === now[0].gain).slice(0, 4);
+    const line = (one) => gainLine(app, observer.label, one, controls, () => values()[one.gain.name], ask);
+    fill(gains, first.map(line));
+    const rest = now.filter((one) => !first.includes(one));
+    fill(more, rest.map(line));
+    fold.hidden = rest.length === 0;
+  };
+  const card = {
+    element, label: observer.label,
+    update(next) {
+      present = next ?? present;
+      fallen.textContent = present.diverged ? `${text.fellAt(seconds(present.diverged.t, app.state.spec?.horizon))}. ${present.diverged.text}` : '';
+      show();
+      card.checks();
+    },
+    lacks: () => kind.gains.some((gain) => gain.live !== false && !(gain.name in present.gains) && !(gain.name in known) && gain.default === null),
+    defaults(found) { known = {...found}; show(); },
+    checks() {
+      showLights(lights, checks, app.state.checks[observer.label] ?? [], text);
+      for (const control of controls.values()) control.disable(app.state.role === 'view');
+      cross.hidden = app.state.role === 'view';
+    },
+    end() { element.remove(); },
+  };
+  return card;
+}
+
+/** A slider for one number of a gain; sent while it moves. */
+function gainLine(app, label, {gain, place, value}, controls, column, ask) {
+  if (value === null || value === undefined) {
+    return h('div', {class: 'gain', title: app.text.named(gain.meaning)}, gainSymbol(gain, place), h('span', {class: 'soft'}, '…'));
+  }
+  const send = throttled((next) => {
+    const whole = place === null ? next : column().map((one, at) => (at === place ? next : one));
+    return ask({type: 'set-gain', observer: label, gain: gain.name, value: whole});
+  }, 160);
+  const made = slider({name: `${label}: ${gain.name}${place === null ? '' : ` ${place + 1}`}, ${app.text.named(gain.meaning)}`, scale: gainScale(gain, value), value,
+    low: gain.low, high: gain.high, change: send});
+  controls.set(`${gain.name}.${place}`, made);
+  return h('div', {class: 'gain', title: [app.text.named(gain.meaning), gain.unit].filter(Boolean).join(', ')}, gainSymbol(gain, place), made.range, made.field);
+}
+
+function gainSymbol(gain, place) {
+  const base = gain.symbol ? h('i', {}, gain.symbol) : symbol(gain.name);
+  return h('span', {class: 'math'}, base, place === null ? null : h('sub', {}, String(place + 1)));
+}
+
+const MARK = {holds: 'ok', fails: 'bad'};
+
+/** Lights, one a check, and the list that they open to. */
+function showLights(lights, list, found, text) {
+  const count = (verdict) => found.filter((check) => check.verdict === verdict).length;
+  const spoken = Object.keys(text.verdicts).filter(count).map((verdict) => `${count(verdict)} ${text.verdicts[verdict]}`).join(', ');
+  fill(lights, found.map((check) => h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`})));
+  lights.hidden = found.length === 0;
+  lights.title = spoken;
+  lights.setAttribute('aria-label', `${text.assumptions}: ${spoken}`);
+  if (list.hidden && list.childElementCount) fill(list);
+  if (list.hidden && found === list.shown) return;
+  list.shown = found;
+  fill(list, found.map((check) => h('li', {}, h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
+    h('b', {}, text.checkNames[check.name] ?? check.name), ` ${text.verdicts[check.verdict]}`,
+    check.value === null || check.value === undefined ? null : h('span', {class: 'num'}, ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`),
+    h('span', {class: 'soft'}, check.text), check.source && h('span', {class: 'soft source'}, check.source))));
+}

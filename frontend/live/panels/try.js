@@ -1,0 +1,47 @@
+// Try this: questions about the experiment at hand, each with what carries it out.
+
+import {get} from '../../api.js';
+import {fill, h} from '../../dom.js';
+import {heading} from './parts.js';
+import {icon} from './svg.js';
+
+const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;
+
+export function mount(element, app) {
+  const lessons = new Map();
+  const draw = async () => {
+    const {experiment, language} = app.state;
+    element.hidden = experiment === null;
+    if (!experiment) return;
+    if (!lessons.has(experiment)) {
+      lessons.set(experiment, get(`/api/lessons/${encodeURIComponent(experiment)}`).catch(() => ({questions: []})));
+    }
+    const {questions} = await lessons.get(experiment);
+    if (experiment !== app.state.experiment) return;
+    element.hidden = questions.length === 0;
+    fill(element, heading(app.text.tryThis), h('ol', {class: 'try scroll'}, questions.map((step) => question(step, language))));
+  };
+  const question = ({question: words, do: commands}, language) => h('li', {}, h('span', {}, set(words[language] ?? words.en)),
+    commands.length > 0 && h('button', {type: 'button', class: 'plain go control-only', title: app.text.doIt, 'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`, onclick: () => carryOut(commands)}, icon('go', 13)));
+  const carryOut = async (commands) => {
+    try {
+      for (const command of commands) await app.send(command);
+      if (!app.state.playing) app.act.play();
+    } catch (error) {
+      app.act.tell([error.problem ?? error.message, error.remedy].filter(Boolean).join('; '), {kind: 'problem'});
+    }
+  };
+  app.subscribe((state) => [state.experiment, state.language], draw);
+}
+
+/** Words with their symbols in italics. */
+function set(words) {
+  const parts = [];
+  let at = 0;
+  for (const match of words.matchAll(SYMBOL)) {
+    parts.push(words.slice(at, match.index));
+    at = match.index + match[0].length;
+    parts.push(match[0] === 'λmin' ? [h('i', {}, 'λ'), h('sub', {}, 'min')] : [h('i', {}, match[1]), match[2] && h('sub', {}, match[2])]);
+  }
+  return [...parts, words.slice(at)];
+}

@@ -1,0 +1,56 @@
+// Sessions over REST, and what this tab remembers of the one that it began.
+
+import {get, post, Problem, request} from '../api.js';
+
+const KEPT = 'thetascope.session';
+
+/** Begin a session. `play`: time runs at once; `t`: begin at that time. */
+export const create = (body) => post('/api/sessions', body);
+
+/** How a session stands, or null where there is none (any more). */
+export async function look(id) {
+  try {
+    return await get(`/api/sessions/${encodeURIComponent(id)}`);
+  } catch (error) {
+    if (error instanceof Problem && error.status === 404) return null;
+    throw error;
+  }
+}
+
+const controlled = (method, id, what, token, body) => request(method, `/api/sessions/${encodeURIComponent(id)}${what}`,
+  {body, headers: token ? {'X-Control-Token': token} : {}});
+
+export const fork = (id, token, t) => controlled('POST', id, '/fork', token, t === undefined ? {} : {t});
+export const save = (id, token) => controlled('POST', id, '/save', token, {});
+export const end = (id, token) => controlled('DELETE', id, '', token);
+
+const asked = new Map();
+
+/** An experiment of the library with its plant in full. */
+export function library(id) {
+  if (!asked.has(id)) {
+    const whole = (async () => {
+      const spec = await get(`/api/experiments/${encodeURIComponent(id)}`);
+      return {...spec, plant: typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant};
+    })();
+    whole.catch(() => asked.delete(id));
+    asked.set(id, whole);
+  }
+  return asked.get(id);
+}
+
+/** What this tab controls: {id, token, address, experiment, parent}, so that loading the page again does not lose it. */
+export const kept = {
+  read() {
+    try {
+      return JSON.parse(sessionStorage.getItem(KEPT));
+    } catch {
+      return null;
+    }
+  },
+  write(value) {
+    try {
+      sessionStorage.setItem(KEPT, JSON.stringify(value));
+    } catch { /* private windows keep nothing */ }
+  },
+};

@@ -1,0 +1,72 @@
+"""The far end of a session's websocket, as the tests need it."""
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+from websockets.sync.client import ClientConnection, connect
+
+from tests.live.stage import Frame, decoded
+
+
+@dataclass
+class Page:
+    """A connection, and all it was sent."""
+
+    connection: ClientConnection
+    texts: list[dict] = field(default_factory=list)
+    frames: list[Frame] = field(default_factory=list)
+    number: int = 1000
+
+    def receive(self, timeout: float = 20) -> dict | Frame:
+        """The next message."""
+        message = self.connection.recv(timeout)
+        if isinstance(message, str):
+            self.texts.append(json.loads(message))
+            return self.texts[-1]
+        self.frames.append(decoded(message))
+        return self.frames[-1]
+
+    def until(self, condition: Callable[[], object], seconds: float = 20) -> None:
+        """Receive until something is so."""
+        end = time.monotonic() + seconds
+        while not condition():
+            assert time.monotonic() < end
+            self.receive()
+
+    def say(self, type: str, **fields: object) -> dict:
+        """Send a command; its answer."""
+        self.number += 1
+        self.connection.send(json.dumps({"type": type, "id": self.number, **fields}))
+        self.until(lambda: self.answers(self.number))
+        (answer,) = self.answers(self.number)
+        return answer
+
+    def answers(self, id: int | None) -> list[dict]:
+        return [text for text in self.texts if text["type"] in ("ack", "refused") and text["id"] == id]
+
+    def of(self, kind: str) -> list[dict]:
+        return [text for text in self.texts if text["type"] == kind]
+
+    @property
+    def end(self) -> int:
+        """Rows so far."""
+        return self.frames[-1].end if self.frames else 0
+
+    def rows(self) -> np.ndarray:
+        """All rows, columns × rows; there must be no gap."""
+        known = {f.first + i: f.samples[:, i] for f in self.frames for i in range(f.samples.shape[1])}
+        assert sorted(known) == list(range(len(known)))
+        return np.array([known[row] for row in sorted(known)]).T
+
+
+@contextmanager
+def watching(address: str, session: dict, token: str | None = None, query: str = "", **options: object) -> Iterator[Page]:
+    """Connect to a session; with its own token unless another one, or "" for none, is given."""
+    token = session["token"] if token is None else token
+    url = f"ws{address.removeprefix('http')}{session['links']['stream']}?{query}" + (f"&token={token}" if token else "")
+    with connect(url, max_size=None, compression=None, close_timeout=1, **options) as connection:
+        yield Page(connection)

@@ -1,0 +1,26 @@
+"""Helpers for tests of the live page: wait for what the session does, read its state."""
+
+import time
+
+
+def until(page, expression: str, seconds: float = 20.0):
+    """Wait until an expression is true on the page (whose content policy forbids Playwright's own waiting by eval)."""
+    end = time.monotonic() + seconds
+    while not (found := page.evaluate(expression)):
+        assert time.monotonic() < end, f"it never came true: {expression}"
+        page.wait_for_timeout(50)
+    return found
+
+
+def opened(page, path: str = "/", **more):
+    """The live page with its session running and its panels filled."""
+    made = page(path, **more)
+    until(made, "window.thetascope?.state.spec !== null && thetascope.latest('t') > 0")
+    made.wait_for_selector("#panel-inject .fault", state="attached")
+    made.wait_for_selector("#panel-observers .gain input, #panel-observers .soft", state="attached")
+    return made
+
+
+def row(page, name: str):
+    """The row of the inject panel for a channel or output."""
+    return page.locator(f"#fault-{name}")

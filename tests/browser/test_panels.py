@@ -1,0 +1,179 @@
+"""The panels around the scope: the plant as a picture, injecting, observers, diagnosis, log; each with the real session."""
+
+import re
+
+import pytest
+
+from tests.browser.live import opened, row, until
+
+SHAPES = ["step", "ramp", "drift", "exponential", "sine", "pulse-train", "random-walk", "table"]
+DISTURBANCES = ["stuck", "freeze", "dropout", "outliers", "noise-burst", "quantisation", "delay"]
+
+
+def press(page, name: str) -> None:
+    row(page, name).locator("button.press:not(.quiet-press)").click()
+
+
+def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
+    """One button a channel and one an output; choosing one puts the focus on its slider, by mouse and by keyboard."""
+    live = opened(page)
+    sites = live.locator("svg.plant .site")
+    assert sites.count() == live.evaluate("thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length")
+    live.locator("svg.plant .site").nth(1).click()
+    assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta2"
+    live.locator("svg.plant .site").nth(0).focus()
+    live.keyboard.press("Enter")
+    assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta1"
+
+
+def test_an_injected_fault_is_seen_everywhere_and_named(page):
+    """Inject lights the site, the log tells, an alarm comes, the sentence names it; Clear puts all back."""
+    live = opened(page)
+    live.evaluate("thetascope.act.speed(10)")
+    press(live, "theta1")
+    until(live, "document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
+    until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₁')")
+    until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1')", 40)
+    until(live, "/named|found|blamed/.test(document.querySelector('.verdict').textContent)")
+    until(live, "/[+−]0\\.0\\d+ ± 0\\.\\d+/.test(document.querySelector('.finding .value').textContent)")
+    press(live, "theta1")
+    until(live, "!document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
+    assert row(live, "theta1").locator("button.press:not(.quiet-press)").inner_text() == "Inject"
+    assert live.watch.errors == [] and live.watch.foreign == []
+
+
+@pytest.mark.parametrize(("subject", "shapes"), [("theta1", SHAPES), ("y", DISTURBANCES)])
+def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes):
+    """The menu holds every shape of the contract, and each is accepted as the form fills it in, and cleared again."""
+    live = opened(page)
+    live.evaluate("thetascope.act.pause()")
+    live.click("#panel-inject .heading .link")
+    menu = row(live, subject).locator("select.shape")
+    assert menu.locator("option").evaluate_all("(all) => all.map((one) => one.value)") == shapes
+    button = row(live, subject).locator("button.press:not(.quiet-press)")
+    for shape in shapes:
+        menu.select_option(shape)
+        button.click()
+        button.and_(live.locator(".clear")).wait_for(timeout=10_000)
+        last = live.evaluate("thetascope.state.faults.at(-1)")
+        assert (last["subject"], last["shape"]) == (subject, shape)
+        live.evaluate("thetascope.act.step(2)")
+        button.click()
+        button.and_(live.locator(":not(.clear)")).wait_for(timeout=10_000)
+        live.evaluate("thetascope.act.step(1)")
+        assert row(live, subject).locator(".refused").inner_text() == ""
+
+
+def test_an_active_fault_is_changed_in_place(page):
+    """Moving the slider of an active fault offers Change; afterwards only the new size acts."""
+    live = opened(page)
+    live.evaluate("thetascope.act.pause()")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press.clear").wait_for()
+    field = row(live, "theta2").locator("input.number")
+    field.fill("0.03")
+    field.press("Enter")
+    row(live, "theta2").locator(".quiet-press").click()
+    until(live, "thetascope.state.faults.at(-1).fault.size === 0.03")
+    live.evaluate("thetascope.act.step(5)")
+    until(live, "Math.abs(thetascope.latest('theta.theta2') - 0.03) < 1e-6")
+
+
+def test_the_noise_is_moved_by_its_slider(page):
+    """The noise slider changes the spec's noise and says so in the log."""
+    live = opened(page)
+    live.locator(".fault.noise input[type=range]").focus()
+    live.keyboard.press("End")
+    until(live, "thetascope.state.spec.commands.some((one) => one.command === 'set-noise' && one.std > 0.01)")
+    until(live, "document.querySelector('#panel-log').textContent.includes('the noise of y')")
+
+
+def test_a_gain_follows_its_slider_while_time_runs(page):
+    """Arrow keys on ρ's slider arrive as set-gain; the number beside it and the session agree."""
+    live = opened(page)
+    slider = live.locator("#panel-observers .gain input[type=range]").first
+    slider.focus()
+    for _ in range(5):
+        live.keyboard.press("ArrowRight")
+    rho = until(live, "(() => { const {rho} = thetascope.state.observers[0].gains; return rho > 4 ? rho : 0; })()")
+    until(live, f"Number(document.querySelector('#panel-observers .gain input.number').value) === {rho}")
+    assert 4 < rho < 6
+
+
+def test_an_observer_is_added_coloured_and_removed(page):
+    """A joint EKF from the menu gets a card in its own colour and curves; the cross takes it away again."""
+    live = opened(page)
+    live.click("#panel-observers .heading .link")
+    live.select_option(".add-form > select", "joint-ekf")
+    live.click(".add-form button[type=submit]")
+    until(live, "thetascope.state.observers.length === 2 && thetascope.state.columns.includes('ekf.theta.theta1')", 60)
+    colours = live.locator("#panel-observers .observer .chip").evaluate_all("(all) => all.map((one) => one.style.getPropertyValue('--c'))")
+    assert colours == ["var(--o0)", "var(--o1)"]
+    live.locator("#panel-observers .observer-head .plain").nth(1).click()
+    until(live, "thetascope.state.observers.length === 1")
+    assert live.locator("#panel-observers .observer").count() == 1
+
+
+def test_a_refusal_is_shown_where_it_was_asked_for(page):
+    """A label that is taken is refused in the form, with the remedy, and nothing is added."""
+    live = opened(page)
+    live.click("#panel-observers .heading .link")
+    live.fill(".add-form input[type=text]", "adaptive")
+    live.click(".add-form button[type=submit]")
+    said = until(live, "document.querySelector('.add-form .refused').textContent")
+    assert "label" in said and "Remedy" in said
+    assert live.evaluate("thetascope.state.observers.length") == 1
+
+
+def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(page):
+    """For the two-output motor the single-output observers are greyed out, with the reason."""
+    live = opened(page, "/?experiment=dc-motor")
+    live.click("#panel-observers .heading .link")
+    until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled", 60)
+    assert "output" in live.get_attribute(".add-form option[value=zhao-adaptive]", "title")
+    assert live.eval_on_selector(".add-form > select", "(menu) => !menu.selectedOptions[0].disabled")
+
+
+def test_the_lights_are_the_checks_and_open_to_them(page):
+    """One light a check in the colour of its verdict; a click lists them with numbers and sources."""
+    live = opened(page)
+    checks = until(live, "thetascope.state.checks.adaptive?.length")
+    lights = live.locator("#panel-observers .lights .light")
+    assert lights.count() == checks
+    live.click("#panel-observers .lights")
+    listed = live.locator("#panel-observers .checks li")
+    assert listed.count() == checks and re.search(r"\d", listed.nth(2).inner_text())
+    held = live.evaluate("thetascope.state.checks.adaptive.filter((one) => one.verdict === 'holds').length")
+    assert live.locator("#panel-observers .lights .light.ok").count() == held
+
+
+def test_a_question_is_carried_out_with_one_click(page):
+    """The first thing to try lowers λ, and the card shows it."""
+    live = opened(page)
+    live.locator("#panel-try .go").first.click()
+    until(live, "thetascope.state.observers[0].gains.lambda === 0.6")
+    until(live, "[...document.querySelectorAll('#panel-observers input.number')].some((one) => one.value === '0.6')")
+
+
+def test_the_comparison_is_computed_over_the_window(page):
+    """The RMSE in the table is that of the columns themselves."""
+    live = opened(page)
+    live.evaluate("thetascope.act.pause()")
+    live.wait_for_timeout(1500)
+    expected = live.evaluate(
+        "(() => { const {t, window: w} = thetascope.state, a = thetascope.window('x.x1', Math.max(0, t - w), t).v,"
+        " b = thetascope.window('adaptive.x.x1', Math.max(0, t - w), t).v; let s = 0;"
+        " for (let k = 0; k < a.length; k++) s += (a[k] - b[k]) ** 2; return Math.sqrt(s / a.length); })()"
+    )
+    shown = float(live.locator("#panel-comparison tbody td").first.inner_text())
+    assert shown == pytest.approx(expected, rel=0.1)
+
+
+def test_a_click_in_the_log_shows_that_moment_and_gives_up_nothing(page):
+    """The scope looks at the moment of the event; the session stands where it stood."""
+    live = opened(page)
+    press(live, "theta3")
+    until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₃')")
+    rows = live.evaluate("thetascope.state.row")
+    live.locator("#panel-log .moment").first.click()
+    assert live.evaluate("thetascope.state.selection !== null") and live.evaluate("thetascope.state.row") >= rows

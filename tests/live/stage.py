@@ -1,0 +1,159 @@
+"""A room with a clock in the hand and connections that remember what they were sent."""
+
+import asyncio
+import json
+import struct
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from backend.live.room import House, Room
+from backend.live.session import Session
+from backend.live.turns import Job, Then, outcome
+from backend.live.viewer import Viewer
+from shared.session import HEADER, Event
+from tests.runs.samples import spec
+
+HEAD = struct.calcsize(HEADER)
+
+
+@dataclass
+class Frame:
+    """A binary frame, read back."""
+
+    sequence: int
+    epoch: int
+    first: int
+    samples: np.ndarray  # columns × rows
+
+    @property
+    def end(self) -> int:
+        return self.first + self.samples.shape[1]
+
+
+def decoded(data: bytes) -> Frame:
+    sequence, epoch, first, count, columns = struct.unpack(HEADER, data[:HEAD])
+    samples = np.frombuffer(data[HEAD:], "<f4").reshape(columns, count)
+    return Frame(sequence, epoch, first, samples)
+
+
+@dataclass
+class Connection:
+    """The far end. While `open` is cleared it takes nothing."""
+
+    texts: list[dict] = field(default_factory=list)
+    frames: list[Frame] = field(default_factory=list)
+    order: list[str] = field(default_factory=list)
+    open: asyncio.Event = field(default_factory=asyncio.Event)
+    viewer: Viewer | None = None
+
+    async def text(self, text: str) -> None:
+        await self.open.wait()
+        self.texts.append(json.loads(text))
+        self.order.append(self.texts[-1]["type"])
+
+    async def samples(self, data: bytes) -> None:
+        await self.open.wait()
+        self.frames.append(decoded(data))
+        self.order.append("frame")
+
+    def of(self, kind: str) -> list[dict]:
+        """The messages of a type."""
+        return [text for text in self.texts if text["type"] == kind]
+
+    def rows_at(self, row: int) -> np.ndarray:
+        """The values of a row, as they were sent last."""
+        frame = next(f for f in reversed(self.frames) if f.first <= row < f.end)
+        return frame.samples[:, row - frame.first]
+
+    def rows(self) -> np.ndarray:
+        """What a page would have: later rows replace earlier ones."""
+        known: dict[int, np.ndarray] = {}
+        for frame in self.frames:
+            known |= {frame.first + i: frame.samples[:, i] for i in range(frame.samples.shape[1])}
+        assert sorted(known) == list(range(len(known))), "there is a gap"
+        return np.array([known[row] for row in sorted(known)]).T
+
+
+class Stage:
+    """A session on the first-order plant, rows of 10 ms; `go` lets time pass in frames."""
+
+    def __init__(self, limit: int = 100_000, backlog: int = 1 << 20, viewers: int = 3, past: int = 1 << 24, **changes: object) -> None:
+        self.now = 0.0
+        self.at: float | None = None
+        self.session = Session(spec(**({"record": 0.01} | changes)), limit)
+        self.session.advance(1)
+        house = House(
+            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake,
+            may_check=lambda: True, viewers=viewers, backlog=backlog, past=past,
+        )  # fmt: skip
+        self.room = Room("room", "token", self.session, house)
+        self._tasks: list[asyncio.Task] = []
+        self._number = 0
+
+    def _background(self, job: Job, then: Then) -> None:
+        then(*outcome(job))
+
+    def _wake(self, room: Room, at: float) -> None:
+        self.at = at
+
+    async def connect(self, control: bool = True, after: int | None = None, is_open: bool = True) -> Connection:
+        connection = Connection()
+        if is_open:
+            connection.open.set()
+        viewer = Viewer(connection.text, connection.samples, control, asyncio.get_running_loop())
+        connection.viewer = viewer
+        self.room.join(viewer, after)
+        self._tasks.append(asyncio.create_task(viewer.run(self.room)))
+        await settle()
+        return connection
+
+    async def say(self, connection: Connection, type: str, **fields: object) -> dict:
+        """Send a command; its answer."""
+        self._number += 1
+        message = json.dumps({"type": type, "id": self._number, **fields})
+        self.room.control.receive(connection.viewer, message, 100_000)
+        await settle()
+        answers = [t for t in connection.texts if t["type"] in ("ack", "refused") and t["id"] == self._number]
+        assert len(answers) == 1, "one answer each"
+        return answers[0]
+
+    async def go(self, seconds: float) -> None:
+        """Let time pass."""
+        end = self.now + seconds
+        while self.at is not None and self.at <= end:
+            self.now = max(self.now, self.at)
+            at, self.at = self.at, None
+            following = self.room.tick(at)
+            if following is not None:
+                self.at = following if self.at is None else min(self.at, following)
+            await settle()
+        self.now = end
+
+    async def stop(self) -> None:
+        for task in self._tasks:
+            task.cancel()
+        await asyncio.gather(*self._tasks, return_exceptions=True)
+
+
+async def settle() -> None:
+    """Let the connections' tasks do what they can."""
+    for _ in range(12):
+        await asyncio.sleep(0)
+
+
+def staged(scenario, **options: object) -> None:
+    """Run a scenario on a stage."""
+
+    async def run() -> None:
+        stage = Stage(**options)
+        try:
+            await scenario(stage)
+        finally:
+            await stage.stop()
+
+    asyncio.run(run())
+
+
+def kinds(events: list[dict] | list[Event]) -> list[str]:
+    return [event["kind"] if isinstance(event, dict) else event.kind for event in events]
