@@ -42,30 +42,29 @@ static inline void rates(const double *restrict s, const double *restrict w, dou
     d[18] = b[2] * r;
 }
 
-void simulate(const double *restrict inputs, long steps, long hold, double h, double rho, double lambda, long every, double *restrict state,
-              double *restrict out)
+/* inputs: rows of u phi1 phi2 phi3 theta1 theta2 theta3 noise, one for each `hold` steps; out: a row each `every` steps. */
+void simulate(const double *restrict inputs, long steps, long hold, double h, double rho, double lambda, long every,
+              double *restrict state, double *restrict out)
 {
-    double s[N], k1[N], k2[N], k3[N], k4[N], z[N];
+    double s[N], k1[N], k2[N], k3[N], k4[N], z[N], w[8];
     memcpy(s, state, sizeof s);
     long left = every;
-    for (long k = 0; k < steps; k += hold) {
-        double w[8];
+    for (long k = 0; k < steps; k += hold, inputs += 8) {
         memcpy(w, inputs, sizeof w);
-        inputs += 8;
         for (long j = 0; j < hold; j++) {
-        rates(s, w, rho, lambda, k1);
-        for (int i = 0; i < N; i++) z[i] = s[i] + 0.5 * h * k1[i];
-        rates(z, w, rho, lambda, k2);
-        for (int i = 0; i < N; i++) z[i] = s[i] + 0.5 * h * k2[i];
-        rates(z, w, rho, lambda, k3);
-        for (int i = 0; i < N; i++) z[i] = s[i] + h * k3[i];
-        rates(z, w, rho, lambda, k4);
-        for (int i = 0; i < N; i++) s[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
-        if (--left == 0) {
-            left = every;
-            memcpy(out, s, sizeof s);
-            out += N;
-        }
+            rates(s, w, rho, lambda, k1);
+            for (int i = 0; i < N; i++) z[i] = s[i] + 0.5 * h * k1[i];
+            rates(z, w, rho, lambda, k2);
+            for (int i = 0; i < N; i++) z[i] = s[i] + 0.5 * h * k2[i];
+            rates(z, w, rho, lambda, k3);
+            for (int i = 0; i < N; i++) z[i] = s[i] + h * k3[i];
+            rates(z, w, rho, lambda, k4);
+            for (int i = 0; i < N; i++) s[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i]);
+            if (--left == 0) {
+                left = every;
+                memcpy(out, s, sizeof s);
+                out += N;
+            }
         }
     }
     memcpy(state, s, sizeof s);

@@ -16,6 +16,8 @@ def _numbered(command: object) -> object:
 class Words(Strict):
     """A text in the languages of the page."""
 
+    model_config = example(en="Why does θ̂2 jump first?", zh="为什么 θ̂2 先跳变?")
+
     en: Prose
     zh: Prose
 
@@ -36,6 +38,10 @@ class Step(Strict):
 
 class Lesson(Strict):
     """What to try with one experiment of the library; its id is the experiment's."""
+
+    model_config = example(
+        id="zhao-2012", questions=[{"question": {"en": "Why does θ̂2 jump first?", "zh": "为什么 θ̂2 先跳变?"}, "do": []}]
+    )
 
     id: Identifier
     questions: tuple[Step, ...] = Field(min_length=1, max_length=6)

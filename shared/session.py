@@ -121,8 +121,8 @@ class SetNoiseNow(Command):
     model_config = example(type="set-noise", id=9, output="y", std=0.002, sample_time=0.01)
     type: Literal["set-noise"] = "set-noise"
     output: Reference
-    std: NonNegative
-    sample_time: Positive = 0.01
+    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
+    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
 
 
 class AddObserverNow(Command):
@@ -153,7 +153,7 @@ class Seek(Command):
 
     model_config = example(type="seek", id=13, t=20.0)
     type: Literal["seek"] = "seek"
-    t: NonNegative
+    t: NonNegative = Field(description="Time in s, rounded to a row.")
 
 
 ClientMessage = Annotated[

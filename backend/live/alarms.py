@@ -53,9 +53,12 @@ class Seen:
     typical: np.ndarray  # by channel
 
 
-def watch(state: Alarms, seen: Seen, first_row: int, record: float) -> tuple[Alarms, list[Event]]:
-    """Look at a stretch of rows; the new state and what happened in it."""
-    hold, calm, settle, mean = (max(2, round(s / record)) for s in (HOLD, CALM, SETTLED, MEAN))
+def watch(state: Alarms, seen: Seen, first_row: int, record: float, pace: float) -> tuple[Alarms, list[Event]]:
+    """Look at a stretch of rows; the new state and what happened in it.
+
+    ``pace``: how much slower than a plant whose story takes a hundred seconds this one is; all times are longer by it.
+    """
+    hold, calm, settle, mean = (max(2, round(s * pace / record)) for s in (HOLD, CALM, SETTLED, MEAN))
     quiet = _run_lengths(seen.residual < LOUD, state.quiet.get(seen.label, 0))
     settled = np.full(len(quiet), True) if seen.label in state.settled else np.maximum.accumulate(quiet >= settle)
     ready = settled & (quiet >= calm)

@@ -12,7 +12,7 @@ from backend.live.pacing import FRAME, Pace
 from backend.live.session import Session
 from shared.session import Event
 
-SHORTEST, LONGEST = 4 * FRAME, 6.0
+SHORTEST, LONGEST = 4 * FRAME, 8.0
 """Seconds of real time that are computed ahead: right after a command, and when nothing happens."""
 
 LIGHT = 0.004
@@ -20,7 +20,7 @@ LIGHT = 0.004
 SLICE = 0.010
 """Seconds of work in a thread, so that a command or another session need not wait long."""
 MARGIN = 0.3
-"""Seconds that may pass until a thread has computed what is shown next."""
+"""Seconds that may pass until a thread has computed what is shown next; on the event loop SHORTEST is enough."""
 
 
 @dataclass(frozen=True)
@@ -56,8 +56,9 @@ class Cost:
         terms = (1.0, rows, seconds, rows * rows, rows * seconds)
         n, x, y, xx, xy = self._sums = [self._FORGET * s + t for s, t in zip(self._sums, terms, strict=True)]
         spread = n * xx - x * x
-        self._row = max(0.0, (n * xy - x * y) / spread) if spread > 1e-3 * xx * n else 0.0
-        self._call = max(0.0, (y - self._row * x) / n)
+        slope = (n * xy - x * y) / spread if spread > 1e-2 * xx * n else 0.0
+        self._row = min(max(slope, 0.0), y / x)  # beyond that the call itself would cost less than nothing
+        self._call = (y - self._row * x) / n
 
     def seconds(self, rows: int) -> float:
         return self._call + rows * self._row
@@ -99,6 +100,6 @@ class Lookahead:
         frame = pace.rows_in(FRAME)
         long = self._cost.seconds(frame) > LIGHT
         whole = min(pace.rows_in(self._reach), 64 * most, self._cost.rows(SLICE if long else LIGHT))
-        # What takes a thread is asked for while there is still something to show.
-        self._low = min(pace.rows_in(MARGIN), whole // 2) if long else frame
+        # Asked for while there is still something to show, so that it may wait for a free moment.
+        self._low = max(frame, min(pace.rows_in(MARGIN if long else SHORTEST), whole // 2))
         return (whole - left, long) if left <= self._low and whole > left else None

@@ -47,14 +47,15 @@ class Full(Exception):
 class House:
     """What a room needs of the outside.
 
-    clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then.
-    may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind.
+    clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room):
+    fill when there is time. may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind.
     """
 
     clock: Callable[[], float]
     background: Background
     workshop: Background
     wake: Callable[["Room", float], None]
+    feed: Callable[["Room"], None]
     may_check: Callable[[], bool]
     viewers: int
     backlog: int
@@ -213,7 +214,8 @@ class Room:
             if due > self.shown + self.screen.left:
                 self.fill()
             self.show(due, now)
-            self.fill()
+            if self._wanted() is not None:
+                self.house.feed(self)
         if now - self._told >= STATUS:
             self.rate.look(self.shown, now, self.session.record)
             self.tell_status()
@@ -232,17 +234,21 @@ class Room:
 
     def fill(self) -> None:
         """Compute ahead, if there is need to."""
-        if self._filling or self._finished or self.screen.blocked or self.frozen or not self.pace.moving:
-            return
-        wanted = self.lookahead.wanted(self.pace, self.screen.left, self.screen.most)
-        if wanted is None:
-            return
-        rows, long = wanted
-        if self.pace.target is not None:
-            rows = min(rows, self.pace.target - self.shown - self.screen.left)
-        if rows > 0:
+        wanted = self._wanted()
+        if wanted is not None:
             self._filling = True
-            self.turns.do(partial(_timed, self.session, rows, self.house.past), self._filled, long)
+            self.turns.do(partial(_timed, self.session, wanted[0], self.house.past), self._filled, wanted[1])
+
+    def _wanted(self) -> tuple[int, bool] | None:
+        """How many rows to compute ahead now, and whether in a thread."""
+        if self._filling or self._finished or self.screen.blocked or self.frozen or self.closed or not self.pace.moving:
+            return None
+        left, target = self.screen.left, self.pace.target
+        wanted = self.lookahead.wanted(self.pace, left, self.screen.most)
+        if wanted is None or target is None:
+            return wanted
+        rows = min(wanted[0], target - self.shown - left)
+        return (rows, wanted[1]) if rows > 0 else None
 
     def _filled(self, value: Any, error: Exception | None) -> None:
         self._filling = False

@@ -6,6 +6,7 @@ has a sleep of its own to drift. Rooms begin at different moments, so their fram
 
 import asyncio
 import logging
+from collections.abc import Callable
 from heapq import heappop, heappush
 from itertools import count
 
@@ -24,6 +25,7 @@ class Scheduler:
         self._loop = loop
         self._due: list[tuple[float, int, Room]] = []
         self._when: dict[Room, float] = {}
+        self._hungry: dict[Room, None] = {}  # in order
         self._order = count()
         self._timer: asyncio.TimerHandle | None = None
         self._running = False
@@ -39,17 +41,22 @@ class Scheduler:
         if not self._running:
             self._arm()
 
+    def feed(self, room: Room) -> None:
+        """Let a room compute ahead when no frame is due."""
+        self._hungry[room] = None
+
     def stop(self) -> None:
         """Tick no more."""
         self._stopped = True
         self._due.clear()
         self._when.clear()
+        self._hungry.clear()
         if self._timer is not None:
             self._timer.cancel()
 
     def _arm(self) -> None:
         if self._due and not self._stopped:
-            at = self._due[0][0]
+            at = self._loop.time() if self._hungry else self._due[0][0]
             if self._timer is not None:
                 if self._timer.when() <= at and not self._timer.cancelled():
                     return
@@ -66,15 +73,23 @@ class Scheduler:
                     del self._when[room]
                     self._tick(room, at)
                 now = self._loop.time()
+            if self._hungry and (not self._due or self._due[0][0] > now):
+                room = next(iter(self._hungry))
+                del self._hungry[room]
+                self._guarded(room, room.fill)
         finally:
             self._running = False
             self._arm()
 
     def _tick(self, room: Room, at: float) -> None:
-        try:
-            following = room.tick(at)
-        except Exception:
-            log.exception("session %s", room.id)  # the others go on
-            return
+        following = self._guarded(room, room.tick, at)
         if following is not None:
             self.wake(room, following)
+
+    def _guarded(self, room: Room, work: Callable[..., float | None], *given: float) -> float | None:
+        """Do something with a room; if it fails the others go on."""
+        try:
+            return work(*given)
+        except Exception:
+            log.exception("session %s", room.id)
+            return None

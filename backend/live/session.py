@@ -296,7 +296,7 @@ class Session:
         other._stages, other._moments = list(self._stages), self._moments.copy()
         if row is not None and row < self.row:
             other._seek(row)
-            other._new = []
+            other.log, other._new = other.log[:-1], []  # for the fork it is no going back
         return other
 
 

@@ -118,7 +118,7 @@ class View:
                 _residual(experiment, estimator, data, where),
                 np.array([typical[c] for c in channels]),
             )
-            state, found = watch(state, seen, row, record)
+            state, found = watch(state, seen, row, record, spec.horizon / 100)
             events += found
         return state, events
 

@@ -14,7 +14,7 @@ export function mountHead(root, app, scope) {
   app.subscribe((state) => [state.window, state.selection, state.language, state.windows, state.looking], ([window, selection, , lengths, looking]) => {
     const {text} = app;
     windows.setAttribute('aria-label', text.window);
-    windows.title = text.windowHint;
+    windows.title = `${text.windowHint}. ${text.zoomHint}`;
     fill(windows, [...lengths, null].map((length) => h('button', {type: 'button', 'aria-pressed': String(length === window && (!selection || looking !== null)),
       onclick: () => app.act.window(length)}, length === null ? text.all : text.windowOf(length))));
     zoom.hidden = !selection || looking !== null;

@@ -20,6 +20,7 @@ export function mountScope(root, app) {
   app.subscribe((state) => [state.plant, state.columns, state.observers, state.faults, state.checks, state.strips, state.spec, state.language, state.presentation],
     () => scope.build());
   app.subscribe((state) => [state.plant, state.selection, state.window, state.session], () => scope.refit());
+  app.subscribe((state) => state.language, () => { scope.title.textContent = app.text.scope; });
   app.subscribe((state) => [state.theme, state.presentation], () => scope.restyle());
   app.subscribe((state) => [state.connection, state.alarms, state.log.length], () => app.wake());
   app.onFrame((now) => scope.draw(now));
@@ -35,7 +36,8 @@ class Scope {
     this.axis = h('canvas', {class: 'time-axis', 'aria-hidden': 'true'});
     this.empty = h('p', {class: 'scope-empty', hidden: true});
     this.plots = h('div', {class: 'plots'}, this.list, this.axis);
-    fill(root, h('h2', {class: 'hidden'}, 'Scope'), this.head, this.plots, this.empty);
+    this.title = h('h2', {class: 'hidden'});
+    fill(root, this.title, this.head, this.plots, this.empty);
     mountHead(this.head, app, this);
     this.pointer = mountPointer(this.plots, app, this);
     new ResizeObserver(() => this.measure()).observe(this.list);
@@ -80,7 +82,7 @@ class Scope {
     row.element.classList.toggle('fault-on', strip.kind === 'theta' && this.app.state.faults.some(({subject, active}) => active && subject === strip.subject));
     row.canvas.dataset.name = `${strip.symbol} ${words}`;
     row.canvas.setAttribute('aria-label', row.canvas.dataset.name);
-    const own = strip.traces.map((trace) => h('span', {style: `color:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`, 'data-label': trace.label}));
+    const own = strip.traces.map((trace) => h('span', {style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`, 'data-label': trace.label}));
     row.values.style.setProperty('--lines', Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2));
     fill(row.values, strip.truth && h('span', {class: 'truth'}), own);
   }
@@ -143,7 +145,6 @@ class Scope {
       if (row.place.height > 0) drawStrip(row.ctx, row.strip, row.place, view, row.range, this.colours);
     }
     drawTimeAxis(this.ctx, this.place, view, this.colours);
-    app.drawn?.(now);
     return moving || gliding;
   }
 

@@ -29,7 +29,7 @@ export function mountTransport(root, app) {
   const clock = h('div', {class: 'clock', role: 'timer'}, figures, h('small', {}, 's'));
   fill(root, start, step, play, fork, speed, clock);
 
-  app.subscribe((state) => [state.language, state.role, state.session, state.connection, state.ended, state.playing, state.speed], (_, before) => {
+  app.subscribe((state) => [state.language, state.role, state.session, state.connection, state.ended, state.playing, state.speed], () => {
     const {state, text} = app;
     const touch = state.role === 'control' && state.connection === 'live';
     name(start, text.toStart);
@@ -43,7 +43,6 @@ export function mountTransport(root, app) {
     for (const element of [step, play]) element.disabled = !touch || state.ended;
     fork.disabled = state.connection !== 'live';
     showSpeeds(speed, state.speed, text);
-    void before;
   });
   app.onTick(() => {
     const text = seconds(app.state.cursor ?? app.state.looking ?? app.samples.now, app.state.record >= 1 ? 1 : 0.1);

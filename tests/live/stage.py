@@ -84,7 +84,7 @@ class Stage:
         self.session = Session(spec(**({"record": 0.01} | changes)), limit)
         self.session.advance(1)
         house = House(
-            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake,
+            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake, feed=Room.fill,
             may_check=lambda: True, viewers=viewers, backlog=backlog, past=past,
         )  # fmt: skip
         self.room = Room("room", "token", self.session, house)

@@ -23,7 +23,7 @@ def every_schema(parent: type[Strict] = Strict) -> list[type[Strict]]:
 # bases of fault shapes and commands, which never stand alone
 ABSTRACT = {"TimedFault", "ChannelFault", "MeasurementFault", "Timed", "Command"}
 # what a server says on a session's stream: it is written by the program alone and shown on no form
-SAID = {"Hello", "Ack", "Refused", "Status", "Event", "Columns", "Rewound", "Spec", "Assumptions"}
+SAID = {"Hello", "Ack", "Refused", "Status", "Event", "Columns", "Rewound", "Jump", "Spec", "Assumptions"}
 SCHEMAS = [s for s in every_schema() if s.__module__.startswith("shared") and s.__name__ not in ABSTRACT | SAID]
 
 

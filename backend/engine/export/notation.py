@@ -2,7 +2,7 @@
 
     Υ̇ = ρ(A₀ − k₀c₀)Υ + ρΔ⁻¹Φ − ρk₀Ψ
 
-Letters are italic, words of two or more Latin letters are upright (diag, exp); a combining hat, tilde, bar or dot goes
+Letters are italic, names of functions upright (diag, exp, sgn); a combining hat, tilde, bar or dot goes
 over its letter; ₀₁ᵢ… and ⁻¹ᵀ… are indices and exponents, _{…} and ^{…} too; √(…) is a root and {a / b} a fraction.
 """
 
@@ -16,7 +16,7 @@ PRECOMPOSED = {"ŷ": "y\u0302", "ẑ": "z\u0302", "ẋ": "x\u0307", "ẏ": "y\u0
 SUB = dict(zip("₀₁₂₃₄₅₆₇₈₉₊₋ₐₑᵢⱼₖₘₙₚᵣₓ", "0123456789+−aeijkmnprx", strict=True))
 SUP = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀᵅⁿⁱ", "0123456789+−Tαni", strict=True))
 _TOKEN = re.compile(
-    r"(?P<space>\s+)|(?P<word>[A-Za-z]{2,}(?![\u0300-\u036f]))|(?P<number>\d+(?:\.\d+)?)"
+    r"(?P<space>\s+)|(?P<word>diag|exp|sgn|log|min|max|det|sin|cos)|(?P<number>\d+(?:\.\d+)?)"
     r"|(?P<letter>[^\W\d_][\u0300-\u036f]*)|(?P<other>.)", re.DOTALL)
 _SPACED = set("=<>≤≥+−·∈≈→")
 _CLOSE = ' lspace="0" rspace="0.1em"'

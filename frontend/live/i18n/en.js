@@ -37,6 +37,8 @@ export const en = {
   tryThis: 'Try this', doIt: 'Do it',
 
   diagnosis: 'Diagnosis', howSure: 'how sure?', foundIn: 'found in', notFound: 'not found yet', noFaultActs: 'no fault acts there', isOver: 'it is over; the estimate is on its way back',
+  invite: 'Click a circle in the plant, or press Inject. The observers see only u and y, never the fault.',
+  inviteOutputs: 'Click a circle in the plant, or press Inject. The observers see only y, never the fault.',
   unknownSize: 'size unknown',
   howSureText: '± is two standard deviations, from the observer’s own covariance. It counts the noise of the measurement, not an error of the model. An alarm comes when the whole band has left zero and stays away.',
   sentences: {
@@ -59,7 +61,7 @@ export const en = {
     'reduced-order': 'Reduced order', 'full-order': 'Full order', 'sandwich-nonsmooth': 'Sandwich, non-smooth', 'sandwich-conventional': 'Sandwich, conventional',
     'adaptive-kalman': 'Adaptive Kalman', 'adaptive-kalman-discrete': 'Adaptive Kalman, sampled', 'joint-ekf': 'Joint EKF', 'joint-ukf': 'Joint UKF'},
 
-  comparison: 'Comparison', rmseHint: 'Root mean square error of the state over the window shown', settle: 'settle', settleHint: 'Time from the fault until its estimate stays within 10 % of it',
+  comparison: 'Comparison', rmseHint: 'Root mean square error of the state over the window shown', settle: 'settle', settleHint: 'Time from the fault until its estimate stays within 10 % of it for a hundredth of the horizon',
   noiseShort: 'noise', noiseHint: 'Standard deviation of the estimate about its trend, over the last quarter of the window', notYet: 'not yet', whichState: 'State to compare', whichFault: 'Fault to compare',
 
   log: 'Log', emptyLog: 'Nothing has happened yet.', showMoment: 'Show this moment', backHere: 'Go back to here',

@@ -39,6 +39,8 @@ export const zh = {
   tryThis: '试一试', doIt: '执行',
 
   diagnosis: '诊断', howSure: '有多可靠？', foundIn: '发现用时', notFound: '尚未发现', noFaultActs: '该处并无故障', isOver: '故障已结束，估计正在恢复',
+  invite: '点击对象图中的圆圈，或按“注入”。观测器只看到 u 和 y，看不到故障。',
+  inviteOutputs: '点击对象图中的圆圈，或按“注入”。观测器只看到 y，看不到故障。',
   unknownSize: '大小未知',
   howSureText: '± 是两倍标准差，来自观测器自身的协方差。它只计入测量噪声，不计模型误差。整条置信带离开零并保持在外时才报警。',
   sentences: {
@@ -66,7 +68,7 @@ export const zh = {
     'reduced-order': '降阶', 'full-order': '全阶', 'sandwich-nonsmooth': '三明治，非光滑', 'sandwich-conventional': '三明治，常规',
     'adaptive-kalman': '自适应卡尔曼', 'adaptive-kalman-discrete': '自适应卡尔曼，采样', 'joint-ekf': '联合 EKF', 'joint-ukf': '联合 UKF'},
 
-  comparison: '比较', rmseHint: '所示窗口内状态的均方根误差', settle: '收敛', settleHint: '从故障出现到估计保持在 10 % 以内的时间',
+  comparison: '比较', rmseHint: '所示窗口内状态的均方根误差', settle: '收敛', settleHint: '从故障出现到估计在 10 % 以内保持百分之一时长的时间',
   noiseShort: '噪声', noiseHint: '窗口最后四分之一内估计相对其趋势的标准差', notYet: '尚未', whichState: '比较的状态', whichFault: '比较的故障',
 
   log: '日志', emptyLog: '尚无事件。', showMoment: '显示这一时刻', backHere: '回到这里',

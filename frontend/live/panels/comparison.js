@@ -6,7 +6,8 @@ import {chip, heading, steady, took} from './parts.js';
 import {badges, plain, split} from './symbols.js';
 
 const EVERY = 900; // ms between two computations
-const LONGEST = 60; // s of a window of "all"
+const LONGEST = 6000; // rows of a window of "all"
+const MOST = 20_000; // rows after a fault in which its estimate may settle
 
 export function mount(element, app) {
   let state = null; // chosen by hand
@@ -40,7 +41,7 @@ export function mount(element, app) {
     const {plant, t, window, selection} = app.state;
     if (!plant || cells.length === 0) return;
     const [x, theta] = chosen();
-    const [from, to] = selection ?? [Math.max(0, t - (window ?? LONGEST)), t];
+    const [from, to] = selection ?? [Math.max(0, t - (window ?? LONGEST * app.state.record)), t];
     const truth = app.window(`x.${x}`, from, to);
     const fault = app.state.faults.findLast((one) => one.subject === theta && one.onset <= t);
     for (const {observer, row} of cells) {
@@ -53,12 +54,12 @@ export function mount(element, app) {
     }
   };
   const settling = (observer, theta, fault, t) => {
-    const from = Math.max(fault.onset, t - 5 * LONGEST);
-    const until = fault.end !== null && fault.end < t ? fault.end : t;
+    const from = fault.onset;
+    const until = Math.min(fault.end ?? Infinity, t, from + MOST * app.state.record);
     const truth = app.window(`theta.${theta}`, from, until);
     const mine = app.window(`${observer.label}.theta.${theta}`, from, until);
     if (mine.v.length !== truth.v.length || mine.v.length < 3 || !mine.v.some(Number.isFinite)) return '–';
-    const time = settled(truth.t, truth.v, mine.v, fault.onset);
+    const time = settled(truth.t, truth.v, mine.v, fault.onset, app.state.spec.horizon / 100);
     return time === null ? app.text.notYet : took(time);
   };
   app.subscribe((s) => [s.plant, s.language, s.observers, s.columns], build);

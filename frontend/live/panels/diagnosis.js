@@ -28,7 +28,7 @@ export function mount(element, app) {
     const words = text.sentences[said.key]({...said, name: said.subject && nameOf(said.subject), took: said.took !== undefined && took(said.took), otherName: said.other && nameOf(said.other)});
     if (verdict.textContent !== words) verdict.textContent = words;
     lines = found.map((finding) => line(finding, app));
-    fill(list, lines.map((one) => one.element));
+    fill(list, lines.length ? lines.map((one) => one.element) : state.plant.channels.length > 0 && h('p', {class: 'soft'}, state.plant.inputs.length ? text.invite : text.inviteOutputs));
     tick();
   };
   const nameOf = (subject) => (split(subject)[0].length === 1 ? plain(subject) : titleOf(app, subject));
@@ -51,7 +51,7 @@ function line(finding, app) {
   const end = {named: () => [text.foundIn, ' ', h('b', {}, took(Math.max(0, finding.found - finding.began)))], unseen: () => text.notFound,
     false: () => h('span', {class: 'alarm'}, text.noFaultActs), over: () => text.isOver}[finding.verdict]();
   const element = h('div', {class: `finding${finding.verdict === 'unseen' || finding.verdict === 'named' ? ' on' : ''}`},
-    badge(letters, {square: !channel}), h('div', {}, value, h('div', {class: 'sub'}, story.join(' · '), ', ', end)));
+    badge(letters, {square: !channel}), h('div', {}, h('div', {class: 'line'}, h('span', {}, value, ' ', h('small', {}, finding.observer && channel?.unit)), h('span', {class: 'sub'}, end)), h('div', {class: 'sub'}, story.join(' · '))));
   return {element, tick: () => {
     const words = finding.observer ? estimate(app, finding, channel) : text.unknownSize;
     if (value.textContent !== words) value.textContent = words;
@@ -63,5 +63,5 @@ function estimate(app, {observer, subject}, channel) {
   const sigma = 2 * app.latest(`${observer.label}.sigma.${subject}`);
   const scale = Math.max(Math.abs(theta) || 0, channel.typical / 2);
   const size = `${theta > 0 ? '+' : ''}${steady(theta, scale, 3)}`;
-  return [Number.isFinite(sigma) ? `${size} ± ${steady(sigma, scale, 3)}` : size, channel.unit].filter(Boolean).join(' ');
+  return Number.isFinite(sigma) ? `${size} ± ${steady(sigma, scale, 3)}` : size;
 }

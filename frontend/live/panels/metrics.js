@@ -12,19 +12,20 @@ export function rmse(a, b) {
 }
 
 /**
- * When an estimate comes within `share` of the truth for good: seconds after `from`; null while it is not there.
+ * When an estimate first comes within `share` of the truth and stays for `hold` seconds: seconds after `from`; null while it has not.
  * @param {Float64Array} t
  * @param {Float32Array} truth
  * @param {Float32Array} estimate
  */
-export function settled(t, truth, estimate, from, share = 0.1, typical = 0) {
-  let last = null;
+export function settled(t, truth, estimate, from, hold, share = 0.1) {
+  let since = null; // row from which it has been there
   for (let k = 0; k < t.length; k += 1) {
-    const room = share * Math.max(Math.abs(truth[k]), typical);
-    if (!(Math.abs(estimate[k] - truth[k]) <= room)) last = k;
+    const there = Math.abs(estimate[k] - truth[k]) <= share * Math.abs(truth[k]);
+    if (!there) since = null;
+    else if (since === null) since = k;
+    if (since !== null && t[k] - t[since] >= hold) return Math.max(0, t[since] - from);
   }
-  if (t.length === 0 || last === t.length - 1) return null;
-  return last === null ? 0 : Math.max(0, t[last + 1] - from);
+  return null;
 }
 
 /** How much an estimate trembles: standard deviation about its straight line over the samples given. */

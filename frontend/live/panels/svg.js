@@ -31,7 +31,7 @@ const ICONS = {
 
 /** One of the page's icons, 16 × 16, drawn with the colour of the text around it. */
 export function icon(name, size = 15) {
-  return s('svg', {viewBox: '0 0 16 16', width: size, height: size, fill: 'none', stroke: 'currentColor', 'stroke-width': 1.5,
+  return s('svg', {viewBox: '0 0 16 16', style: `width:${size / 13.5}rem;height:${size / 13.5}rem`, fill: 'none', stroke: 'currentColor', 'stroke-width': 1.5,
     'stroke-linecap': 'round', 'stroke-linejoin': 'round', 'aria-hidden': 'true', class: 'icon'},
   s('path', {d: ICONS[name]}), name === 'theme' && [s('circle', {cx: 8, cy: 8, r: 5.5}), s('path', {d: ICONS.theme, fill: 'currentColor'})]);
 }

@@ -12,7 +12,7 @@ export function lines(log, text, most = 200) {
   for (let k = log.length - 1; k >= 0 && made.length < most; k -= 1) {
     const event = log[k];
     const newer = log[k + 1];
-    const dragged = (event.kind === 'gain' || event.kind === 'noise') && newer?.kind === event.kind && newer.subject === event.subject && newer.t - event.t < 5;
+    const dragged = (event.kind === 'gain' || event.kind === 'noise') && newer?.kind === event.kind && newer.subject === event.subject && newer.value?.gain === event.value?.gain && newer.t - event.t < 5;
     if (event.kind === 'substeps' || dragged) continue;
     made.push({t: event.t, words: words(event, text), alarm: event.kind === 'alarm' || event.kind === 'diverged', own: OWN.has(event.kind)});
   }
@@ -24,15 +24,21 @@ const OWN = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-add
 function words(event, text) {
   const say = text.events[event.kind];
   if (!say) return event.text;
-  return say({name: plain(event.subject), subject: event.subject, observer: event.observer, ...numbers(event), t: number(event.t, 4)});
+  return say({name: plain(event.subject), subject: event.subject, observer: event.observer, ...numbers(event, text), t: number(event.t, 4)});
 }
 
-/** Numbers within an event's value, whatever form it has. */
-function numbers({value}) {
-  if (typeof value === 'number') return {size: number(value, 3)};
-  if (value === null || typeof value !== 'object') return {size: value ?? ''};
+const MAIN = ['size', 'rate', 'intensity', 'value', 'std', 'probability', 'resolution', 'delay']; // what a fault's shape is told by
+
+/** What an event's value says: a number, an alarm's estimate, a gain, or a fault. */
+function numbers({value}, text) {
+  if (value === null || typeof value !== 'object') return {size: spelt(value)};
   if ('estimate' in value) return {size: number(value.estimate, 2)};
-  const [name, first] = Object.entries(value)[0] ?? ['', ''];
-  const list = Array.isArray(first) ? first.map((one) => number(one, 3)).join(', ') : typeof first === 'number' ? number(first, 3) : first;
-  return {size: list, gain: plain(name), shape: value.shape};
+  if ('gain' in value) return {gain: plain(value.gain), size: spelt(value.value)};
+  const name = MAIN.find((one) => one in value);
+  return {size: name ? spelt(value[name]) : '', shape: value.shape && (text.shapes[value.shape] ?? value.shape)};
+}
+
+function spelt(value) {
+  if (Array.isArray(value)) return `(${value.map(spelt).join(', ')})`;
+  return typeof value === 'number' ? number(value, 3) : value ?? '';
 }
