@@ -1,14 +1,15 @@
-"""Measure everything: ``python -m benchmarks [kernels others compilation service] [--markdown]``."""
+"""Measure the engine and the service, or what is named: ``python -m benchmarks [NAME …] [--markdown]``."""
 
 import argparse
 import importlib
 
-NAMES = ("kernels", "others", "compilation", "service")
+ENGINE = ("kernels", "others", "compilation", "service")  # what is measured unless names are given
+NAMES = (*ENGINE, "live", "page")
 
 
 def main() -> None:
     arguments = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    arguments.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; all if none is given")
+    arguments.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; the first four if none is given")
     arguments.add_argument("--markdown", action="store_true", help="print the table of docs/performance.md")
     given = arguments.parse_args()
     unknown = [n for n in given.names if n not in NAMES]
@@ -16,7 +17,7 @@ def main() -> None:
         arguments.error(f"no benchmark is called {', '.join(unknown)}: choose from {', '.join(NAMES)}")
     if given.markdown:
         print("| What | Median | Range | Asked |\n|---|---|---|---|", flush=True)
-    for name in given.names or NAMES:
+    for name in given.names or ENGINE:
         for figure in importlib.import_module(f"benchmarks.{name}").figures():
             print(figure.markdown() if given.markdown else figure.text(), flush=True)
 

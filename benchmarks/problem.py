@@ -101,11 +101,12 @@ class ByHand:
 
     @classmethod
     def compiled(cls, *flags: str) -> "ByHand":
-        folder = tempfile.mkdtemp(prefix="thetascope-benchmark-")
-        target, source = Path(folder) / "reference.so", Path(__file__).with_name("reference.c")
-        command = ["gcc", "-O3", "-march=native", *flags, "-shared", "-fPIC", "-o", str(target), str(source), "-lm"]
-        subprocess.run(command, check=True)
-        return cls(ctypes.CDLL(str(target)))
+        source = Path(__file__).with_name("reference.c")
+        with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as folder:
+            target = Path(folder) / "reference.so"
+            command = ["gcc", "-O3", "-march=native", *flags, "-shared", "-fPIC", "-o", target, source, "-lm"]
+            subprocess.run(command, check=True)
+            return cls(ctypes.CDLL(str(target)))
 
     def simulate(self, inputs: np.ndarray, steps: int, h: float, every: int, state: np.ndarray) -> np.ndarray:
         """All 19 states after each ``every`` steps."""

@@ -14,8 +14,11 @@ from backend.live.room import Room
 
 log = logging.getLogger(__name__)
 
-SHARE = 0.004
+SHARE = 0.002
 """Seconds after which the event loop gets its turn, so that commands are read however many frames are due."""
+PAUSE = 0.002
+"""Seconds between two rooms that compute ahead: a command passes the event loop several times, and is to wait for one
+of them at most."""
 
 
 class Scheduler:
@@ -26,6 +29,7 @@ class Scheduler:
         self._due: list[tuple[float, int, Room]] = []
         self._when: dict[Room, float] = {}
         self._hungry: dict[Room, None] = {}  # in order
+        self._feeding = 0.0  # when the next of them may compute
         self._order = count()
         self._timer: asyncio.TimerHandle | None = None
         self._running = False
@@ -56,7 +60,7 @@ class Scheduler:
 
     def _arm(self) -> None:
         if self._due and not self._stopped:
-            at = self._loop.time() if self._hungry else self._due[0][0]
+            at = min(self._due[0][0], self._feeding) if self._hungry else self._due[0][0]
             if self._timer is not None:
                 if self._timer.when() <= at and not self._timer.cancelled():
                     return
@@ -73,10 +77,11 @@ class Scheduler:
                     del self._when[room]
                     self._tick(room, at)
                 now = self._loop.time()
-            if self._hungry and (not self._due or self._due[0][0] > now):
+            if self._hungry and now >= self._feeding and (not self._due or self._due[0][0] > now):
                 room = next(iter(self._hungry))
                 del self._hungry[room]
                 self._guarded(room, room.fill)
+                self._feeding = self._loop.time() + PAUSE
         finally:
             self._running = False
             self._arm()

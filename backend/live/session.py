@@ -48,6 +48,7 @@ class Session:
         self.past, self.log, self._new = Past(), [], []
         self.ended = False
         self._advances = 0  # since the last change
+        self._again = False  # rows are found again that were checked before
         self._moments = Moments()
         self._now = Moment(0, Simulation(first).initial(), 0, View.opening(first, 0), Alarms(), 0)
         self.columns = self._now.view.columns
@@ -103,7 +104,7 @@ class Session:
         state, recorded = Simulation(experiment, substeps, remember=True).advance(now.state, count * self._every)
         # it takes as long as the rest together: often after a change, now and then otherwise
         self._advances += 1
-        if self._advances <= 4 or self._advances % 16 == 0:
+        if not self._again and (self._advances <= 4 or self._advances % 16 == 0):
             needed = needed_substeps(experiment, recorded)
             if needed > substeps:
                 self._take_substeps(min(MOST_SUBSTEPS, needed))
@@ -256,8 +257,10 @@ class Session:
         self._moments.cut(row)
         self.past, self.log = self.past.cut(base.row), self.log[: base.told]
         self.columns = base.view.columns
+        self._again = True
         while self.row < row:
             self.advance(row - self.row)
+        self._again = False
         self.past, self.log = past, log
         self._new = [e for e in self._new if e.row < row]
         self.spec, self._stages = spec, stages

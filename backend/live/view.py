@@ -52,7 +52,7 @@ class View:
     def extended(self, experiment: Engine, rows: Rows) -> tuple["View", np.ndarray]:
         """The view with the newest rows, and their columns (columns × rows)."""
         rows = self._without_lost(experiment, rows)
-        parts = (*self.parts, (experiment, rows))
+        parts = _with(self.parts, experiment, rows)
         plant = np.concatenate([r.plant for _, r in parts])
         y = np.concatenate([r.y for _, r in parts])
         ended = 0 if self.plant_lost else finite_rows(plant)
@@ -223,3 +223,11 @@ def _named(kept: _Kept) -> tuple[str, ...]:
     return (*(n for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)), *more)
 
 
+def _with(parts: Parts, experiment: Engine, rows: Rows) -> Parts:
+    """The parts with newer rows; what the same experiment gave is one part, since every part costs time to look at."""
+    if not parts or parts[-1][0] is not experiment:
+        return (*parts, (experiment, rows))
+    last = parts[-1][1]
+    observers = tuple(np.concatenate(pair) for pair in zip(last.observers, rows.observers, strict=True))
+    joined = Rows(*(np.concatenate([getattr(last, n), getattr(rows, n)]) for n in ("index", "plant", "y")), observers)
+    return (*parts[:-1], (experiment, joined))

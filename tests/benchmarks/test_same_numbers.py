@@ -142,4 +142,4 @@ def test_an_unknown_benchmark_is_refused_by_name(monkeypatch, capsys):
     monkeypatch.setattr("sys.argv", ["benchmarks", "kernel"])
     with pytest.raises(SystemExit):
         command.main()
-    assert "choose from kernels, others, compilation, service" in capsys.readouterr().err
+    assert f"choose from {', '.join(command.NAMES)}" in capsys.readouterr().err
