@@ -7,9 +7,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import numpy as np
+import pytest
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
+from backend.client import Client
 from tests.live.stage import Frame, decoded
+from tests.runs.samples import spec_data
 
 
 @dataclass
@@ -70,3 +74,31 @@ def watching(address: str, session: dict, token: str | None = None, query: str =
     url = f"ws{address.removeprefix('http')}{session['links']['stream']}?{query}" + (f"&token={token}" if token else "")
     with connect(url, max_size=None, compression=None, close_timeout=1, **options) as connection:
         yield Page(connection)
+
+
+FAULT = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
+
+
+def opened(client: Client, **fields: object) -> dict:
+    """A session on the small plant."""
+    return client.post("/api/sessions", {"spec": spec_data(record=0.01), **fields})
+
+
+def delete(client: Client, session: dict, token: str) -> int:
+    """Status of a DELETE with this control token."""
+    client._connection.request("DELETE", session["links"]["self"], headers={"X-Control-Token": token})
+    answer = client._connection.getresponse()
+    answer.read()
+    return answer.status
+
+
+def closed(page: Page) -> int:
+    """The code with which the service closes a connection."""
+    with pytest.raises(ConnectionClosed) as end:
+        while True:
+            page.receive()
+    return end.value.rcvd.code
+
+
+def spec_of(session: dict, client: Client) -> dict:
+    return client.get(session["links"]["self"])["spec"]

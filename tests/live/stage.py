@@ -3,6 +3,8 @@
 import asyncio
 import json
 import struct
+from collections.abc import Coroutine
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -142,6 +144,12 @@ async def settle() -> None:
         await asyncio.sleep(0)
 
 
+def apart(coroutine: Coroutine) -> object:
+    """Run a coroutine in a thread of its own: the browser tests leave an event loop running in this one."""
+    with ThreadPoolExecutor(1) as thread:
+        return thread.submit(asyncio.run, coroutine).result()
+
+
 def staged(scenario, **options: object) -> None:
     """Run a scenario on a stage."""
 
@@ -152,7 +160,7 @@ def staged(scenario, **options: object) -> None:
         finally:
             await stage.stop()
 
-    asyncio.run(run())
+    apart(run())
 
 
 def kinds(events: list[dict] | list[Event]) -> list[str]:

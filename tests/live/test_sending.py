@@ -6,6 +6,7 @@ import pytest
 
 from backend.live.sending import begin
 from backend.live.turns import Turns
+from tests.live.stage import apart
 
 
 def test_what_need_not_wait_is_done_at_once():
@@ -45,7 +46,7 @@ def test_what_waits_is_brought_to_its_end_by_another_task():
             await task
         return done
 
-    assert asyncio.run(scenario()) == ["on", "on"]
+    assert apart(scenario()) == ["on", "on"]
 
 
 def test_cancelling_reaches_what_waits():
@@ -71,7 +72,7 @@ def test_cancelling_reaches_what_waits():
         await asyncio.gather(task, return_exceptions=True)
         return cleaned
 
-    assert asyncio.run(scenario()) == ["cleaned"]
+    assert apart(scenario()) == ["cleaned"]
 
 
 def test_jobs_take_turns_and_urgent_ones_come_first():

@@ -1,0 +1,110 @@
+"""Limits of /api/sessions: messages, rates, sessions, viewers, idle time and length."""
+
+import json
+import random
+import time
+
+import pytest
+
+from backend.client import Client, ServiceError
+from shared.session import (
+    CLOSE_ENDED,
+    CLOSE_FULL,
+    CLOSE_NO_SESSION,
+)
+from tests.api.conftest import service, until
+from tests.api.streams import closed, delete, opened, spec_of, watching
+from tests.live.test_messages import malformed
+
+
+def test_two_hundred_malformed_messages_are_each_answered_and_change_nothing(tmp_path):
+    """Sent in one go; the session's numbers stay those of its spec."""
+    draw = random.Random(5)
+    with service(tmp_path, max_message=20_000, message_rate=2000) as address, Client(address) as client:
+        session = opened(client)
+        before = spec_of(session, client)
+        with watching(address, session) as page:
+            page.receive()
+            for _ in range(200):
+                text = malformed(draw)
+                page.connection.send(b"\x00\xff" if text is None else text)
+            page.until(lambda: len(page.of("refused")) == 200)
+            assert page.of("ack") == [] and page.of("rewound") == []
+            assert page.say("pause")["type"] == "ack"
+        assert spec_of(session, client) == before
+        assert client.health()["status"] == "ok"
+
+
+def test_a_message_that_is_far_too_large_closes_the_connection(tmp_path):
+    """One that is somewhat too large is refused; the session goes on without the other."""
+    with service(tmp_path, max_message=1000) as address, Client(address) as client:
+        session = opened(client)
+        with watching(address, session) as page:
+            page.connection.send(" " * 1500)
+            page.until(lambda: page.of("refused"))
+            page.connection.send(" " * 20_000)
+            assert closed(page) == 1009
+        with watching(address, session) as page:
+            assert page.receive()["type"] == "hello"
+
+
+def test_commands_that_come_too_fast_are_read_at_the_rate_that_is_allowed(tmp_path):
+    """None is lost; forty at ten a second, with a burst of twenty, take two seconds."""
+    with (
+        service(tmp_path, message_rate=10) as address,
+        Client(address) as client,
+        watching(address, opened(client)) as page,
+    ):
+        begin = time.monotonic()
+        for number in range(40):
+            page.connection.send(json.dumps({"type": "pause", "id": number}))
+        page.until(lambda: len(page.of("ack")) == 40)
+        assert time.monotonic() - begin > 1.8
+
+
+def test_limits_of_sessions_and_viewers(tmp_path):
+    """One session too many is 503, one viewer too many is closed; room is made by ending one."""
+    with service(tmp_path, sessions=2, viewers=1) as address, Client(address) as client:
+        one, _ = opened(client), opened(client)
+        for request in (lambda: opened(client), lambda: client.post(one["links"]["fork"])):
+            with pytest.raises(ServiceError, match="2 sessions") as refusal:
+                request()
+            assert refusal.value.status == 503
+        with watching(address, one) as page:
+            page.receive()
+            with watching(address, one) as other:
+                assert closed(other) == CLOSE_FULL
+            assert delete(client, one, "wrong") == 403
+            assert delete(client, one, one["token"]) == 204
+            assert closed(page) == CLOSE_ENDED
+        with watching(address, one) as page:
+            assert closed(page) == CLOSE_NO_SESSION
+        assert opened(client)["id"]
+
+
+def test_a_session_that_nobody_watches_is_closed_after_a_while(tmp_path):
+    """One with a viewer stays."""
+    with service(tmp_path, idle=0.5) as address, Client(address) as client:
+        lonely, kept = opened(client), opened(client)
+        with watching(address, kept) as page:
+            page.receive()
+
+            def gone() -> bool:
+                try:
+                    client.get(lonely["links"]["self"])
+                except ServiceError as error:
+                    return error.status == 404
+                return False
+
+            until(gone)
+            assert client.get(kept["links"]["self"])["viewers"] == 1
+
+
+def test_a_session_reaches_its_limit_and_says_so(tmp_path):
+    """The row horizon of the settings; opening beyond it is refused."""
+    with service(tmp_path, session_rows=300) as address, Client(address) as client:
+        with watching(address, opened(client, t=2)) as page:
+            page.until(lambda: any(status["ended"] for status in page.of("status")))
+            assert page.end == 300
+        with pytest.raises(ServiceError, match="at most 300 rows"):
+            opened(client, t=3)
