@@ -31,6 +31,8 @@ _CHECKS = 0.1
 _SWITCH = 0.0002
 """Seconds after which a thread lets the event loop go on. Every frame that is sent gives Python's lock away, so at Python's
 own 5 ms a single busy thread (a compilation) would leave 200 frames a second for all sessions together."""
+_COLLECT = 900.0
+"""Seconds between two times that all memory is searched for what is no longer needed, if sessions were opened."""
 _ROWS = 4096  # asked for at once on the way to a session's first row
 
 
@@ -53,6 +55,7 @@ class Hub:
         self._loop: asyncio.AbstractEventLoop | None = None
         self._scheduler: Scheduler | None = None
         self._sweep: asyncio.TimerHandle | None = None
+        self._frozen, self._collected = False, 0.0
 
     def __len__(self) -> int:
         return len(self._rooms)
@@ -111,6 +114,10 @@ class Hub:
         self._start()
         id, token = secrets.token_urlsafe(12), secrets.token_urlsafe(24)
         room = self._rooms[id] = Room(id, token, session, self._house, parent)
+        # What is there by now stays for a while. Without this, Python's collector would go through SymPy and all sessions
+        # now and again, for a tenth of a second in which no frame is sent.
+        gc.freeze()
+        self._frozen = True
         now = room.house.clock()
         room.pace.set_speed(speed, room.shown, now)
         if play and not room.ended:
@@ -132,12 +139,8 @@ class Hub:
             wake=self._scheduler.wake, feed=self._scheduler.feed, may_check=Spacing(_CHECKS, self._loop.time).take,
             viewers=self._settings.viewers, backlog=self._settings.backlog, past=self._settings.past,
         )  # fmt: skip
+        self._collected = self._loop.time()
         self._swept()
-        # What is there by now stays: without this, Python's collector would go through all of SymPy now and again,
-        # and every session would wait for it.
-        sys.setswitchinterval(_SWITCH)
-        gc.collect()
-        gc.freeze()
 
     def _in(self, pool: ThreadPoolExecutor) -> Background:
         """Background work in a pool."""
@@ -153,11 +156,16 @@ class Hub:
         return run
 
     def _swept(self) -> None:
-        """Close what nobody has watched for long, now and again."""
+        """Close what nobody has watched for long, now and again, and free its memory."""
         idle, now = self._settings.idle, self._loop.time()
         for room in list(self._rooms.values()):
             if room.empty_since is not None and now - room.empty_since > idle:
                 self.close(room, "nobody has watched the session for long")
+        if self._frozen and now - self._collected > _COLLECT:
+            gc.unfreeze()
+            gc.collect()
+            gc.freeze()
+            self._frozen, self._collected = False, self._loop.time()
         self._sweep = self._loop.call_later(min(5.0, max(0.1, idle / 4)), self._swept)
 
 

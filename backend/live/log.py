@@ -121,6 +121,15 @@ def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record:
     return found
 
 
+def without_commands(spec: Experiment, t: float) -> Experiment:
+    """The experiment as its timed commands have left it at ``t``, and without them."""
+    current = spec.model_copy(update={"commands": ()})
+    for command in spec.commands:
+        if command.at <= t:
+            current = changed(current, command)
+    return current
+
+
 def event(command: object, row: int, t: float) -> Event:
     """What the log says of a command."""
     kind, subject, value, text = _told(command)

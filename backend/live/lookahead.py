@@ -20,7 +20,7 @@ LIGHT = 0.004
 SLICE = 0.010
 """Seconds of work in a thread, so that a command or another session need not wait long."""
 MARGIN = 0.3
-"""Seconds that may pass until a thread has computed what is shown next; on the event loop SHORTEST is enough."""
+"""Seconds that may pass until a thread has computed what is shown next; on the event loop half of SHORTEST is enough."""
 
 
 @dataclass(frozen=True)
@@ -77,14 +77,14 @@ class Lookahead:
         self._low = inf
 
     def disturbed(self) -> None:
-        """A command came; the next may soon follow."""
-        self._reach, self._low = SHORTEST, inf
+        """A command came, and the rows of SHORTEST are computed with it; the next command may soon follow."""
+        self._reach, self._low = 8 * SHORTEST, inf
 
     def measured(self, rows: int, seconds: float) -> None:
         """So many rows took so long."""
         if rows:
             self._cost.measured(rows, seconds)
-            self._reach = min(LONGEST, 4 * self._reach)
+            self._reach = min(LONGEST, 8 * self._reach)
 
     def soon(self, pace: Pace) -> int:
         """Rows to compute with a command, so that the first frames after it are there at once."""
@@ -101,5 +101,5 @@ class Lookahead:
         long = self._cost.seconds(frame) > LIGHT
         whole = min(pace.rows_in(self._reach), 64 * most, self._cost.rows(SLICE if long else LIGHT))
         # Asked for while there is still something to show, so that it may wait for a free moment.
-        self._low = max(frame, min(pace.rows_in(MARGIN if long else SHORTEST), whole // 2))
+        self._low = max(frame, min(pace.rows_in(MARGIN if long else SHORTEST / 2), whole // 2))
         return (whole - left, long) if left <= self._low and whole > left else None

@@ -23,7 +23,7 @@ from backend.live.past import Past
 from backend.live.view import View
 from shared import Experiment
 from shared.commands import AddObserver, SetSubsteps
-from shared.session import Assumptions, Clear, Event, Inject, Reset, Seek, SetGainNow
+from shared.session import AddObserverNow, Assumptions, Clear, Event, Inject, Reset, Seek, SetGainNow
 
 
 class Session:
@@ -47,7 +47,7 @@ class Session:
         self.record = first.every * first.step
         self.past, self.log, self._new = Past(), [], []
         self.ended = False
-        self._advances = 0  # since the last change
+        self._advances = 1  # since the last change, and one
         self._again = False  # rows are found again that were checked before
         self._moments = Moments()
         self._now = Moment(0, Simulation(first).initial(), 0, View.opening(first, 0), Alarms(), 0)
@@ -104,7 +104,7 @@ class Session:
         state, recorded = Simulation(experiment, substeps, remember=True).advance(now.state, count * self._every)
         # it takes as long as the rest together: often after a change, now and then otherwise
         self._advances += 1
-        if not self._again and (self._advances <= 4 or self._advances % 16 == 0):
+        if not self._again and (2 <= self._advances <= 5 or self._advances % 16 == 0):
             needed = needed_substeps(experiment, recorded)
             if needed > substeps:
                 self._take_substeps(min(MOST_SUBSTEPS, needed))
@@ -119,6 +119,8 @@ class Session:
         self._new += found
         self._now = Moment(now.row + count, state, now.stage, view, alarms, len(self.log))
         self.ended = view.plant_lost or self.row >= self._horizon
+        if not view.plant_lost and (view.lost or {}) == (now.view.lost or {}):
+            self._moments.keep(now.row, data)
         return data
 
     @property
@@ -178,24 +180,16 @@ class Session:
             spec = words.cleared(self.spec, command, self.t)
         else:
             self._check_gain(command)
-            spec = words.changed_now(self.spec, command, self.t, self._current_spec())
+            spec = words.changed_now(self.spec, command, self.t, words.without_commands(self.spec, self.t))
         self._adopt(spec)
         self._refuse_too_stiff(command)
+        if not isinstance(command, AddObserverNow | SetGainNow):  # others make no observer stiff at once
+            self._advances = 0
 
     def _noted(self, event: Event) -> Event:
         self.log.append(event)
         self._now = replace(self._now, told=len(self.log))
         return event
-
-    def _current_spec(self) -> Experiment:
-        """The experiment as it is at this row, without timed commands."""
-        from backend.assembly.timeline import changed
-
-        current = self.spec.model_copy(update={"commands": ()})
-        for command in self.spec.commands:
-            if command.at <= self.t:
-                current = changed(current, command)
-        return current
 
     def _check_gain(self, command: object) -> None:
         if not isinstance(command, SetGainNow):
@@ -212,13 +206,13 @@ class Session:
     def _adopt(self, spec: Experiment) -> None:
         """Take over a spec that differs from this row on: the stages before stay as they are."""
         complete = spec.with_plant(spec.plant)
-        self._advances = 0
+        self._advances = 1
         k = self._now.row * self._every
         current = self._stages[self._now.stage]
         since = {e.label: e.since for e in current.experiment.estimators}
         later = [c for c in complete.commands if round(c.at / self.step) > k]
         self.spec = complete
-        here = self._current_spec()
+        here = words.without_commands(self.spec, self.t)
         for command in complete.commands:
             if isinstance(command, AddObserver) and round(command.at / self.step) == k:
                 since[command.observer.label] = k
@@ -252,11 +246,13 @@ class Session:
         base = self._moments.whole(row) or self._found(row)
         spec, stages = self.spec, self._stages
         log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
-        past = self.past.cut(row)
+        past, known = self.past.cut(row), self._moments.known(base.row, row)
         self._now, self.ended = base, False
         self._moments.cut(row)
         self.past, self.log = self.past.cut(base.row), self.log[: base.told]
         self.columns = base.view.columns
+        if known is not None:
+            self._recall(known)
         self._again = True
         while self.row < row:
             self.advance(row - self.row)
@@ -265,6 +261,16 @@ class Session:
         self._new = [e for e in self._new if e.row < row]
         self.spec, self._stages = spec, stages
         self._now = replace(self._now, told=len(log))
+
+    def _recall(self, data: np.ndarray) -> None:
+        """Advance over rows whose columns are known: only the states are computed again."""
+        now, experiment = self._now, self.experiment
+        count = data.shape[1]
+        simulation = Simulation(experiment, self._substeps, remember=True)
+        state, recorded = simulation.advance(now.state, count * self._every)
+        view = now.view.continued(experiment, recorded)
+        alarms, _ = view.watch(now.alarms, experiment, data, now.row, self.record, self.spec)
+        self._now = Moment(now.row + count, state, now.stage, view, alarms, now.told)
 
     def _found(self, row: int) -> Moment:
         """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""

@@ -70,6 +70,10 @@ class View:
         plant_lost = self.plant_lost or ended < len(plant)
         return replace(self, parts=parts, lost=lost, plant_lost=plant_lost)._trimmed(experiment), data
 
+    def continued(self, experiment: Engine, rows: Rows) -> "View":
+        """The view with rows whose columns are known, and in which nothing is lost."""
+        return replace(self, parts=_with(self.parts, experiment, self._without_lost(experiment, rows)))._trimmed(experiment)
+
     def _present(self, parts: Parts, experiment: Engine) -> list[Life]:
         """The lives of the observers that watch now, in their order."""
         latest = {life.label: life for life in lives(parts)}

@@ -41,6 +41,9 @@ class Viewer:
 
     def put(self, text: str, key: str | None = None) -> None:
         """Send a text in its turn."""
+        if self._idle:
+            self._begin(self._text(text))
+            return
         try:
             self.outbox.put(text, key)
         except Overflow:
@@ -49,15 +52,22 @@ class Viewer:
 
     def frame(self, data: bytes, first: int, last: int) -> None:
         """There is a new frame, of rows first … last − 1."""
-        if self._parked is None:
-            return
         outbox = self.outbox
-        if outbox.row != first or not outbox.quiet:
+        if self._idle and outbox.row == first:
+            outbox.row = last
+            self._begin(self._samples(data))
+        else:
             self.wake()
-            return
-        outbox.row = last
+
+    @property
+    def _idle(self) -> bool:
+        """Whether the task waits and nothing is to be sent before."""
+        return self._parked is not None and self._rest is None and self.outbox.quiet and self.closing is None
+
+    def _begin(self, sending: Coroutine) -> None:
+        """Send as much as the connection takes now; the task does the rest."""
         try:
-            self._rest = begin(self._samples(data))
+            self._rest = begin(sending)
         except Exception:  # noqa: BLE001 - the connection is gone, whatever it says of it
             self.close(1006, "the connection is lost")
         if self._rest is not None:
