@@ -139,6 +139,7 @@ class Hub:
             wake=self._scheduler.wake, feed=self._scheduler.feed, may_check=Spacing(_CHECKS, self._loop.time).take,
             viewers=self._settings.viewers, backlog=self._settings.backlog, past=self._settings.past,
         )  # fmt: skip
+        sys.setswitchinterval(_SWITCH)
         self._collected = self._loop.time()
         self._swept()
 

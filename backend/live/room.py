@@ -162,6 +162,7 @@ class Room:
         """End the session and tell all viewers why."""
         self.closed = True
         self.pace.pause()
+        self.session.past.pieces = []  # most of its memory, at once; a fork has its own list of them
         for viewer in list(self.screen.viewers):
             viewer.close(code, reason)
 

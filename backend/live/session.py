@@ -85,8 +85,7 @@ class Session:
     # ---- advancing ---------------------------------------------------------------------------------------------------
 
     def advance(self, rows: int) -> np.ndarray:
-        """Advance by up to ``rows`` rows; what is recorded, float64, columns × rows (fewer at a change of columns, or at
-        the end of what a session may reach)."""
+        """Advance by up to ``rows`` rows (to where columns change, or the end): what is recorded, columns × rows."""
         self._enter_stage()
         target = min(self.row + rows, self._horizon)
         following = self._stages[self._now.stage + 1 :]
