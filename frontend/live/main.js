@@ -181,9 +181,11 @@ function failed(error) {
 // ---- the address ---------------------------------------------------------------------------------------------------------
 
 let soon = 0;
+let written = -1; // rows when the address was last written: single steps move the time, too
 
 async function writeAddress() {
   soon = 0;
+  written = app.samples.rows;
   const {state} = store;
   if (state.role !== 'control' || !state.spec || state.connection !== 'live') return;
   const address = await addressOf(app);
@@ -196,7 +198,7 @@ function addressSoon() {
   if (!soon) soon = setTimeout(writeAddress, 400);
 }
 
-setInterval(() => store.state.playing && addressSoon(), ADDRESS);
+setInterval(() => app.samples.rows !== written && addressSoon(), ADDRESS);
 addEventListener('pagehide', () => {
   const mine = kept.read(); // a page that is loaded again knows its session by its address
   if (mine?.id === store.state.session) kept.write({...mine, address: location.search + location.hash});

@@ -73,6 +73,7 @@ def test_every_key_of_the_list_does_something(page):
     assert live.locator("dialog .keys tr").count() >= 15
     live.keyboard.press("Escape")
     live.wait_for_selector("dialog[open]", state="detached")
+    until(live, "thetascope.state.playing")
     live.keyboard.press(" ")
     until(live, "!thetascope.state.playing")
     live.wait_for_timeout(400)
