@@ -1,4 +1,4 @@
-"""The command line: `thetascope serve | run | list | check`.
+"""The command line: `thetascope serve | run | trial | list | check`.
 
 Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong use of the command, 130 interrupted.
 Modules are imported by the commands that need them, so that `--help` and mistakes answer at once.
@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 FORMATS = (".csv", ".json", ".mat", ".html")
+COMPARISONS = (".csv", ".json")
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -43,9 +44,19 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", dest="changes", help=changes)
     outputs = f"write the result; the ending tells the format: {' '.join(FORMATS)}"
     run.add_argument("--out", action="append", default=[], type=_output, metavar="FILE", help=outputs)
+    run.add_argument("--comparison", action="append", default=[], type=_comparison, metavar="FILE",
+                     help="write the comparison of the observers: .csv or .json")  # fmt: skip
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
     run.add_argument("--no-store", action="store_true", help="neither look the run up in the store nor keep it there")
     run.set_defaults(command=_run)
+
+    trial = commands.add_parser("trial", help="run an experiment with many seeds and judge the diagnosis", description=_TRIAL)
+    trial.add_argument("experiment", metavar="EXPERIMENT|FILE", help="library id, or a YAML or JSON file")
+    trial.add_argument("--seeds", type=_count, default=100, metavar="N", help="runs with the faults, and as many without (100)")
+    trial.add_argument("--lock", type=float, metavar="S", help="also judge a 3σ band that is fixed at this time")
+    trial.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", dest="changes", help=changes)
+    trial.add_argument("--quiet", action="store_true", help="show no progress")
+    trial.set_defaults(command=_trial)
 
     listing = commands.add_parser("list", help="list the library's experiments and plants")
     listing.set_defaults(command=_list)
@@ -56,16 +67,33 @@ def parser() -> argparse.ArgumentParser:
     return top
 
 
+_TRIAL = "How often are alarms false, faults found and named, and how soon? One experiment with many seeds."
 _RUN = "Run an experiment and print how its observers did. The same spec gives the same numbers, bit for bit."
 
 
-def _output(text: str) -> Path:
+def _output(text: str, formats: Sequence[str] = FORMATS) -> Path:
     path = Path(text)
-    if path.suffix.lower() not in FORMATS:
-        raise argparse.ArgumentTypeError(f"{text!r} ends in none of {' '.join(FORMATS)}")
+    if path.suffix.lower() not in formats:
+        raise argparse.ArgumentTypeError(f"{text!r} ends in none of {' '.join(formats)}")
     if not path.absolute().parent.is_dir():
         raise argparse.ArgumentTypeError(f"there is no folder {str(path.absolute().parent)!r}")
     return path
+
+
+def _count(text: str) -> int:
+    if not text.isdigit() or not 1 <= int(text) <= 100_000:
+        raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 1 to 100000")
+    return int(text)
+
+
+def _comparison(text: str) -> Path:
+    return _output(text, COMPARISONS)
+
+
+def _trial(options: argparse.Namespace) -> int:
+    from backend.commands.trial import trial_command
+
+    return trial_command(options)
 
 
 def _serve(options: argparse.Namespace) -> int:

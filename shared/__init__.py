@@ -4,6 +4,17 @@ Only pydantic and the standard library are used here. Server, command line and c
 """
 
 from shared.base import SCHEMA_VERSION, FieldError, field_errors
+from shared.diagnosis import (
+    Alarm,
+    Calibration,
+    Diagnosis,
+    DiagnosisSettings,
+    Excitation,
+    InputProposal,
+    NoiseLevel,
+    ObserverDiagnosis,
+    Resolution,
+)
 from shared.experiment import Experiment, Noise
 from shared.faults import Fault
 from shared.figures import Figure, Panel, Trace
@@ -14,22 +25,31 @@ from shared.signals import Signal
 
 __all__ = [
     "SCHEMA_VERSION",
+    "Alarm",
+    "Calibration",
     "Channel",
     "Definition",
+    "Diagnosis",
+    "DiagnosisSettings",
+    "Excitation",
     "Experiment",
     "Fault",
     "FieldError",
     "Figure",
     "Input",
+    "InputProposal",
     "KnownSignal",
     "Noise",
+    "NoiseLevel",
     "ObserverConfig",
+    "ObserverDiagnosis",
     "Output",
     "Panel",
     "Parameter",
     "Plant",
     "Problem",
     "Progress",
+    "Resolution",
     "Run",
     "RunSummary",
     "Signal",

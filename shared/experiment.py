@@ -28,6 +28,7 @@ from shared.base import (
     suggest,
 )
 from shared.commands import MAX_COMMANDS, TimedCommand
+from shared.diagnosis import DiagnosisSettings
 from shared.faults import ChannelFault, Fault
 from shared.figures import Figure
 from shared.observers import ObserverConfig
@@ -95,6 +96,7 @@ class Experiment(Strict):
         record=0.01,
         measurement={"mode": "continuous"},
         observers=[{"label": "adaptive", "kind": "zhao-adaptive"}],
+        diagnosis={"false_alarms": 0.01},
         figures=[],
     )
     prose = Strict.prose | {"id", "errata", "figures"}
@@ -127,6 +129,7 @@ class Experiment(Strict):
     commands: tuple[TimedCommand, ...] = Field(
         (), max_length=MAX_COMMANDS, description="What is changed while it runs, in order of time; faults apart."
     )
+    diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="What is asked of the diagnosis.")
     figures: tuple[Figure, ...] = Field((), max_length=24)
 
     @property

@@ -155,7 +155,7 @@ class Channel(Strict):
     name: Name = Field(description="Name of the fault; the equations do not mention it.")
     title: Title = ""
     kind: Literal["actuator", "process", "sensor"] = Field(
-        description="Actuator and process faults enter state equations, sensor faults enter output equations."
+        description="Actuator faults enter state equations, sensor faults output equations, process faults both."
     )
     enters: dict[Reference, ExpressionText] = Field(
         min_length=1, max_length=MAX_STATES, description="State or output: the coefficient of θ in its equation."
@@ -164,6 +164,13 @@ class Channel(Strict):
     typical: Positive = Field(1.0, description="Typical size of the fault, in its unit.")
     bounds: Bounds = Field(UNBOUNDED, description="Range that makes sense, in the channel's unit.")
     description: Prose = ""
+
+
+_ENTERED = {
+    "actuator": (("states",), "a state"),
+    "process": (("states", "outputs"), "a state or output"),  # what changes in the plant may be measured directly, too
+    "sensor": (("outputs",), "an output"),
+}
 
 
 class Plant(Strict):
@@ -223,9 +230,9 @@ class Plant(Strict):
             named = [limit for limit in definition.domain if isinstance(limit, str)]
             check_known(named, parameters, f"definitions[{index}].domain", "a parameter")
         for index, channel in enumerate(self.channels):
-            group, what = ("outputs", "an output") if channel.kind == "sensor" else ("states", "a state")
+            groups, what = _ENTERED[channel.kind]
             what += f", which {channel.kind} faults enter"
-            check_known(channel.enters, self.names(group), f"channels[{index}].enters", what)
+            check_known(channel.enters, self.names(*groups), f"channels[{index}].enters", what)
         return self
 
     def _check_unique(self) -> None:

@@ -6,6 +6,8 @@ from typing import Literal
 from pydantic import Field, JsonValue
 
 from shared.base import FieldError, Number, Strict, example
+from shared.comparison import Comparison
+from shared.diagnosis import Diagnosis
 from shared.experiment import Experiment
 
 Status = Literal["queued", "running", "done", "failed", "cancelled"]
@@ -147,6 +149,8 @@ class RunSummary(Strict):
     substeps: int = Field(1, ge=1, description="Steps that observers take within one step.")
     diverged: Divergence | None = Field(None, description="Divergence of the plant itself.")
     observers: tuple[ObserverSummary, ...] = ()
+    comparison: Comparison | None = Field(None, description="The observers compared on the same data.")
+    diagnosis: Diagnosis | None = Field(None, description="Which fault, since when, how large, how sure.")
     notes: tuple[str, ...] = ()
     seconds: dict[str, Number] = Field(default_factory=dict, description="Wall time of each stage in s.")
 

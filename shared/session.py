@@ -21,6 +21,7 @@ from typing import Annotated, Literal
 from pydantic import Field, JsonValue
 
 from shared.base import NonNegative, Number, Positive, Reference, Strict, example
+from shared.diagnosis import ObserverDiagnosis
 from shared.experiment import Experiment
 from shared.faults import Fault
 from shared.observers import Gain, Label, ObserverConfig
@@ -274,6 +275,15 @@ class Assumptions(Strict):
     checks: tuple[AssumptionCheck, ...]
 
 
+class DiagnosisNow(Strict):
+    """What the detector says of the session so far; newer replaces older."""
+
+    model_config = example(type="diagnosis", diagnosis={"observer": "", "sentence": "no fault found since 2 s"})
+
+    type: Literal["diagnosis"] = "diagnosis"
+    diagnosis: ObserverDiagnosis
+
+
 ServerMessage = Annotated[
-    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions, Field(discriminator="type")
+    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow, Field(discriminator="type")
 ]

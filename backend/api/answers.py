@@ -21,7 +21,7 @@ Value = TypeVar("Value")
 def run_links(id: str) -> dict[str, str]:
     """Where a run's parts are."""
     base = f"/api/runs/{id}"
-    parts = ("progress", "data", "figures", "report", "cancel", "pin")
+    parts = ("progress", "data", "comparison", "figures", "report", "cancel", "pin")
     return {"self": base, **{part: f"{base}/{part}" for part in parts}}
 
 

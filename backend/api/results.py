@@ -1,4 +1,4 @@
-"""/api/runs/{id}/data, /figures and /report: what came out of a run."""
+"""/api/runs/{id}/data, /comparison, /figures and /report: what came out of a run."""
 
 from typing import Annotated, Literal
 
@@ -8,13 +8,15 @@ from starlette.responses import Response, StreamingResponse
 from backend.api.answers import from_result, json_response, run_links
 from backend.api.problems import documented
 from backend.api.services import Use
-from backend.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes, select
+from backend.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from backend.runs.compared import compared
 from backend.runs.errors import Unknown, invalid
 from backend.runs.job import Finished
 from backend.runs.report import report_html
 from backend.runs.resolve import plant_of
 from backend.runs.version import engine_version
 from shared.base import suggest
+from shared.comparison import Comparison
 
 router = APIRouter(prefix="/runs/{id}", tags=["results"])
 
@@ -60,6 +62,23 @@ async def get_data(
         filename = f"{finished.snapshot.spec.id}-{id[:8]}.{format}"
         headers["Content-Disposition"] = f'attachment; filename="{filename}"'
         return _written(table, format, encoding, headers)
+
+    return await from_result(services, id, make)
+
+
+@router.get("/comparison", response_model=Comparison, responses=documented(404, 409))
+async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] = "json") -> Response:
+    """The observers on the same data: errors between fault events, settling, faults found and missed, cost.
+
+    As CSV one measure a line. The cost is measured anew with each computation of the run; all else never changes.
+    """
+
+    def make(finished: Finished) -> Response:
+        spec = finished.snapshot.spec
+        found = compared(finished.result, spec)
+        name = f'attachment; filename="{spec.id}-{id[:8]}-comparison.{format}"'
+        content = found.model_dump_json() if format == "json" else comparison_csv(found, plant_of(spec))
+        return Response(content, 200, {"Content-Disposition": name, "Cache-Control": "no-cache"}, MEDIA_TYPES[format])
 
     return await from_result(services, id, make)
 

@@ -12,15 +12,18 @@ from backend.api.asked import ForkRequest, SessionRequest
 from backend.api.bodies import body_schema, json_of, parsed, read_body
 from backend.api.problems import documented, problem_response
 from backend.api.services import Services, Use
-from backend.api.stream import matches, stream
+from backend.api.stream import Stream, matches
+from backend.engine.errors import Unwatchable
 from backend.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
+from backend.live.advice import proposal
 from backend.live.hub import TooMany
 from backend.runs.errors import NotReady, Unknown, invalid, validated
 from backend.runs.job import Snapshot
+from shared.diagnosis import InputProposal
 from shared.run import Problem, Progress, Run
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
-router.add_websocket_route("/sessions/{id}/stream", stream)  # the router adds its prefix to requests only
+router.add_websocket_route("/sessions/{id}/stream", Stream())  # the router adds its prefix to requests only
 
 _FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
 
@@ -117,6 +120,16 @@ async def save_session(id: str, services: Use) -> Response:
         return run_response(snapshot, 201)
     await run_in_threadpool(services.runs.announce, started)
     return progress_response(started.snapshot(), 202)
+
+
+@router.post("/{id}/proposal", response_model=InputProposal, responses=documented(404, 409))
+async def propose_input(id: str, services: Use) -> InputProposal:
+    """An input that would tell the faults apart, tried on the plant from where the session stands; it may take a second."""
+    room = _room(services, id)
+    try:
+        return await proposal(room)
+    except Unwatchable as error:
+        raise NotReady(f"nothing can be proposed: {error}", "choose a plant with fault channels") from None
 
 
 @router.get("/{id}/data", response_model=None, responses=documented(404, 422))

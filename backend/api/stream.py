@@ -5,6 +5,7 @@ import secrets
 from contextlib import suppress
 from urllib.parse import urlsplit
 
+from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket
 
 from backend.api.services import Services
@@ -14,7 +15,14 @@ _PATIENCE = 2.0
 """Seconds that a connection gets to take its close frame."""
 
 
-async def stream(websocket: WebSocket) -> None:
+class Stream:
+    """The route's ASGI application: frames go straight to the server, without a layer that looks at each of them."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        await _stream(WebSocket(scope, receive, send), send)
+
+
+async def _stream(websocket: WebSocket, send: Send) -> None:
     """Watch a session, and command it with `?token=`. `?after=` is the number of the last frame that was received."""
     services: Services = websocket.app.state.services
     # Accepted before anything is checked: only then does a browser tell the page the code of a refusal.
@@ -33,7 +41,13 @@ async def stream(websocket: WebSocket) -> None:
     from backend.live.room import Full
     from backend.live.viewer import Viewer
 
-    viewer = Viewer(websocket.send_text, websocket.send_bytes, token is not None, asyncio.get_running_loop())
+    viewer = Viewer(
+        lambda text: send({"type": "websocket.send", "text": text}),
+        lambda data: send({"type": "websocket.send", "bytes": data}),
+        token is not None,
+        asyncio.get_running_loop(),
+    )
+    await services.live.seated()
     try:
         room.join(viewer, _number(websocket.query_params.get("after")))
     except Full:

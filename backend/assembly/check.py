@@ -3,14 +3,16 @@
 from backend.engine.errors import SpecError
 from backend.engine.observers.registry import kinds, observer
 from backend.engine.programs import plant_program
+from backend.engine.structure import Structure, structure
 from shared import Plant
 
 
 def check_plant(plant: Plant) -> dict:
     """Read every equation and report on the plant. Raises ExpressionError, which points into the text.
 
-    The report: sizes, Φ and Ψ as text, equations affine in the states, the canonical form or why there is none, and
-    which kinds of observers can be built for it (with the reason where one cannot).
+    The report: sizes, Φ and Ψ as text, equations affine in the states, the structural rank of states and faults and
+    what cannot be told apart by any input (``observability``), and which kinds of observers can be built for it
+    (with the reason where one cannot).
     """
     from backend.engine.model import Model
 
@@ -27,7 +29,23 @@ def check_plant(plant: Plant) -> dict:
         "Phi": [[str(e) for e in model.Phi(names).row(i)] for i in range(model.n)],
         "Psi": [[str(e) for e in model.Psi(names).row(i)] for i in range(model.m)],
         "affine": dict(zip(model.states, model.is_affine, strict=True)),
+        "observability": _observability(structure(data)),
         "observers": [_possible(kind, plant) for kind in kinds()],
+    }
+
+
+def _observability(found: Structure) -> dict:
+    """A structural verdict as data."""
+    groups = [{"channels": list(g.channels), "states": list(g.states), "text": g.text} for g in found.groups]
+    return {
+        "decided": found.decided,
+        "rank": found.rank,
+        "size": found.size,
+        "state_rank": found.state_rank,
+        "states": found.states,
+        "not_identifiable": list(found.unidentifiable),
+        "groups": groups,
+        "text": found.text,
     }
 
 

@@ -1,6 +1,8 @@
 """An observer as data → its program and the numbers for it, every default filled in and every name checked."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from difflib import get_close_matches
 
 from backend.engine.errors import SpecError
@@ -13,8 +15,30 @@ from shared import Experiment, ObserverConfig, Plant
 
 def estimator(index: int, config: ObserverConfig, spec: Experiment, plant: Plant, data: dict, step: float) -> Estimator:
     """One observer of an experiment, ready to run. Raises SpecError that names the field below ``observers.<index>``."""
-    try:
+    with _located(index):
         return _estimator(config, spec, plant, data, step)
+
+
+def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, made: Estimator) -> Estimator | None:
+    """What :func:`estimator` gives for a config whose gains alone differ from those that ``made`` was made with.
+
+    None where more than numbers would change. Raises SpecError as :func:`estimator` does.
+    """
+    known = {g.name: g for g in made.kind.gains}
+    numbers = dict(made.parameters)
+    with _located(index):
+        unknown("gains", config.gains, known, f"{made.kind.id} has no such gain")
+        for name in {*config.gains, *before.gains}:
+            if config.gains.get(name) != before.gains.get(name):
+                numbers |= _gain_numbers(name, _gain(known[name], config, made.context))
+    return replace(made, parameters=numbers) if numbers.keys() == made.parameters.keys() else None
+
+
+@contextmanager
+def _located(index: int) -> Iterator[None]:
+    """Errors name their field below ``observers.<index>``."""
+    try:
+        yield
     except SpecError as error:
         tail = error.field.removeprefix("observers.")
         error.field = f"observers.{index}.{tail}"
@@ -109,6 +133,11 @@ def _context(
     )
 
 
+def plant_context(plant: Plant, spec: Experiment, data: dict, step: float) -> Context:
+    """What is known of the plant with all its fault channels."""
+    return _context(plant, spec, data, tuple(c.name for c in plant.channels), step, None)
+
+
 def _length(size: str | Callable[[Context], int], context: Context) -> int:
     if callable(size):
         return size(context)
@@ -186,12 +215,16 @@ def _numbers(
 ) -> dict[str, float]:
     numbers: dict[str, float] = {}
     for name, value in gains.items():
-        if isinstance(value, float):
-            numbers[f"g.{name}"] = value
-        else:
-            numbers |= {f"g.{name}.{i}": v for i, v in enumerate(value)}
+        numbers |= _gain_numbers(name, value)
     numbers |= {f"m.{p.name}": spec.parameters.get(p.name, p.value) for p in plant.parameters}
     start = {f"x0.{s.name}": s.initial for s in plant.states} | {f"theta0.{c}": 0.0 for c in channels}
     bare = {name.partition(".")[2]: name for name in start}
     unknown("initial", config.initial, bare, "neither a state nor an estimated channel")
     return numbers | start | {bare[name]: float(value) for name, value in config.initial.items()}
+
+
+def _gain_numbers(name: str, value: float | list[float]) -> dict[str, float]:
+    """A gain as the parameters of the program."""
+    if isinstance(value, float):
+        return {f"g.{name}": value}
+    return {f"g.{name}.{i}": v for i, v in enumerate(value)}

@@ -1,12 +1,14 @@
 """An Experiment as data → an experiment that can run."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 
 from backend import library
-from backend.assembly.estimators import estimator
+from backend.assembly.diagnosis import inspector
+from backend.assembly.estimators import estimator, plant_context
 from backend.assembly.timeline import changed
 from backend.engine import faults, signals
 from backend.engine.errors import SpecError
@@ -59,7 +61,7 @@ class Prepared:
         self, progress: Callable[[float], None] | None = None, cancelled: Callable[[], bool] | None = None
     ) -> Result:
         """Simulate. Raises Cancelled, or SpecError where the step cannot be made to suit the gains."""
-        return run(self.stages, progress, cancelled)
+        return run(self.stages, progress, cancelled, inspector(self.spec.with_plant(self.plant)))
 
 
 def prepare(spec: Experiment) -> Prepared:
@@ -108,13 +110,14 @@ def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
         plant=program,
         parameters={f"p.{n}": v for n, v in _parameters(spec, plant).items()},
         x0=np.array([spec.initial.get(s.name, s.initial) for s in plant.states], dtype=float),
-        signals=_signals(spec, plant),
-        measurement=_measurement(spec, plant, step),
+        signals=signals_of(spec, plant),
+        measurement=measurement(spec, plant, step),
         estimators=tuple(estimators),
         step=step,
         steps=steps,
         every=every,
         substeps=spec.substeps,
+        context=plant_context(plant, spec, data, step),
     )
 
 
@@ -141,17 +144,26 @@ def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
     return step, multiple(spec.horizon, step, "horizon"), multiple(spec.record_interval, step, "record")
 
 
-def _signals(spec: Experiment, plant: Plant) -> dict[str, signals.Signal]:
+def signals_of(
+    spec: Experiment, plant: Plant, known: Mapping[str, signals.Signal] = MappingProxyType({})
+) -> dict[str, signals.Signal]:
+    """u.*, signal.* and theta.*, in this order; those that are ``known`` already are taken as they are."""
     made = {}
     for u in plant.inputs:
-        given = spec.inputs.get(u.name)
-        made[f"u.{u.name}"] = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
+        name, given = f"u.{u.name}", spec.inputs.get(u.name)
+        fresh = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
+        made[name] = known.get(name, fresh)
     for s in plant.signals:
-        made[f"signal.{s.name}"] = _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
-    plain = [f.model_dump(mode="json") for f in spec.faults]
+        name = f"signal.{s.name}"
+        made[name] = known.get(name) or _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
     for c in plant.channels:
-        made[f"theta.{c.name}"] = faults.theta(c.name, plain, spec.seed)
+        name = f"theta.{c.name}"
+        made[name] = known.get(name) or faults.theta(c.name, _plain(spec, c.name), spec.seed)
     return made
+
+
+def _plain(spec: Experiment, channel: str) -> list[dict]:
+    return [f.model_dump(mode="json") for f in spec.faults if getattr(f, "channel", None) == channel]
 
 
 def _signal(given, field: str) -> signals.Signal:
@@ -162,7 +174,8 @@ def _signal(given, field: str) -> signals.Signal:
         raise
 
 
-def _measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
+def measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
+    """The sensor side: noise, faults of the measurement, sampling."""
     noise = [spec.noise.get(o.name) for o in plant.outputs]
     plain = [f.model_dump(mode="json") for f in spec.faults if hasattr(f, "output")]
     for fault in plain:

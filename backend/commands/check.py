@@ -30,12 +30,14 @@ def check_command(path: Path) -> int:
 
 
 def report_text(plant: Plant, report: dict) -> str:
-    """The report of a plant as text: its kind and size, Φ and Ψ, and the observers that can be built for it."""
+    """The report of a plant as text: kind and size, Φ and Ψ, what the outputs can tell, the observers that can be built."""
     sizes = ", ".join(f"{count} {name if count != 1 else name[:-1]}" for name, count in report["sizes"].items())
     parts = [f"{report['time']} time: {sizes}"]
     if report["channels"]:
         parts.append(table(["Φ", *report["channels"]], _labelled(plant.names("states"), report["Phi"])))
         parts.append(table(["Ψ", *report["channels"]], _labelled(plant.names("outputs"), report["Psi"])))
+    seen = report["observability"]
+    parts.append(f"observability: rank {seen['rank']} of {seen['size']} ({seen['text']})")
     parts.append("observers that can be built:")
     parts += [f"  {entry['kind']}" for entry in report["observers"] if entry["possible"]]
     parts.append("and those that cannot:")

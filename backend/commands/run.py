@@ -10,7 +10,8 @@ from backend import assembly
 from backend.commands.terminal import Progress, number, table
 from backend.engine.errors import Cancelled, SpecError
 from backend.engine.result import Result
-from backend.export import csv_chunks, json_bytes, matlab_bytes, select
+from backend.export import comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from backend.runs.compared import compared
 from backend.runs.documents import read
 from backend.runs.errors import InvalidSpec, from_engine, invalid
 from backend.runs.execution import allow, completed
@@ -19,12 +20,16 @@ from backend.runs.overrides import parse_assignment
 from backend.runs.records import record_of
 from backend.runs.report import report_html
 from backend.runs.requests import asked
-from backend.runs.resolve import library_experiment, resolved, with_changes
+from backend.runs.resolve import library_experiment, plant_of, resolved, with_changes
 from backend.runs.version import engine_version
 from backend.settings import Settings, load
 from backend.store import Database, RunStore, StoreError
+from shared.comparison import Comparison, ComparisonRow
 from shared.experiment import Experiment
 
+_STATES = 3  # in the table of several observers
+_JUDGED = ("FOUND", "DELAY", "MISSED", "FALSE", "WRONG")
+_LEGEND = "(faults found, their median delay, faults missed; alarms without a fault, alarms that name a wrong one)"
 
 def run_command(options: argparse.Namespace) -> int:
     """Run an experiment, write the files asked for, print how the observers did."""
@@ -35,6 +40,8 @@ def run_command(options: argparse.Namespace) -> int:
     finished = result_of(spec, settings, store, Progress(quiet=options.quiet))
     for path in options.out:
         write(finished, path, command_line(options, path))
+    for path in options.comparison:
+        write_comparison(finished, path)
     if not options.quiet:
         print(outcome(finished))
     return 0
@@ -124,6 +131,14 @@ def write(finished: Finished, path: Path, command: str) -> None:
         path.write_bytes(matlab_bytes(whole) if suffix == ".mat" else json_bytes(whole))
 
 
+def write_comparison(finished: Finished, path: Path) -> None:
+    """Write the comparison of the observers as CSV or JSON."""
+    spec = finished.snapshot.spec
+    found = compared(finished.result, spec)
+    as_json = path.suffix.lower() == ".json"
+    path.write_bytes(found.model_dump_json(indent=1).encode() if as_json else comparison_csv(found, plant_of(spec)))
+
+
 def command_line(options: argparse.Namespace, path: Path) -> str:
     """The command that writes one of the files again."""
     changes = [part for change in options.changes for part in ("--set", change)]
@@ -143,11 +158,35 @@ def outcome(finished: Finished) -> str:
     rows = [row for label, found in measures.items() for row in _rows(label, found)]
     if rows:
         lines += ["", table(["OBSERVER", "FAULT", "TRUE", "ESTIMATE", "MEAN ERROR", "STD", "SETTLED"], rows), ""]
+    lines += side_by_side(compared(result, spec), measures)
     lines += [line for label, found in measures.items() for line in _sentences(label, found)]
     lines += [
         f"{o.label}: {c.name} fails: {c.text}" for o in result.observers for c in o.checks if c.verdict == "fails"
     ]
     return "\n".join([*lines, *result.notes]).rstrip()
+
+
+def side_by_side(comparison: Comparison, measures: dict[str, dict]) -> list[str]:
+    """The observers that did not diverge, a line each: where there are several, or tests that looked for faults."""
+    rows = [row for row in comparison.observers if not measures[row.label]["diverged"]]
+    if len(rows) < 2 and not any(row.faults for row in rows):
+        return []
+    states = list(dict.fromkeys(state for row in rows for state in measures[row.label]["rmse"]))[:_STATES]
+    judged = any(row.faults is not None for row in rows)
+    head = ["OBSERVER", *(_JUDGED if judged else ()), *(f"RMSE {state}" for state in states), "COST"]
+    lines = [
+        [row.label, *(_judged(row) if judged else ()),
+         *(number(measures[row.label]["rmse"].get(state), 3) for state in states), number(row.cost, 3)]
+        for row in rows
+    ]  # fmt: skip
+    legend = "(cost in µs per simulated second, measured)"
+    return [table(head, lines), f"{_LEGEND}\n{legend}" if judged else legend, ""]
+
+
+def _judged(row: ComparisonRow) -> list[str]:
+    found = "–" if row.faults is None else f"{row.found} of {len(row.faults) - row.covered}"
+    delay = "–" if row.delay is None else f"{row.delay:.2f} s"
+    return [found, delay, *("–" if n is None else str(n) for n in (row.missed, row.false_alarms, row.isolation_errors))]
 
 
 def _rows(label: str, measures: dict) -> list[list[str]]:

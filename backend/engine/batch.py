@@ -193,7 +193,7 @@ class _Lanes:
         """Advance what the runs share; give its rows and the values it hands over at every stage."""
         shared, handed = self.parts.shared, self.parts.handed
         out = np.empty((rows, 0 if shared is None else len(shared.states)))
-        emitted = np.empty((len(grid.start), self.stages, max(1, len(handed))))
+        emitted = np.empty((grid.count, self.stages, max(1, len(handed))))
         if shared is not None:
             held, staged = _divide(shared, [*shared.update, *handed], self.signals[0], self.staged)
             tables = Tables(grid, self.signals[0], self.stages)

@@ -72,3 +72,7 @@ class Cancelled(ThetascopeError):
 def _short(value: object) -> str:
     text = repr(value)
     return text if len(text) <= 80 else text[:79] + "…"
+
+
+class Unwatchable(Exception):
+    """The detector cannot watch an experiment; the message says why."""

@@ -4,10 +4,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from backend.engine.cost import costs
 from backend.engine.observers.base import Observed
 from backend.engine.probe import probe
 from backend.engine.result import Diverged, ObserverReport, Result
-from backend.engine.simulation import Experiment, Rows, observed_values, row_values
+from backend.engine.simulation import Experiment, Rows, at_rows, observed_values, row_numbers
+from backend.engine.spread import Spreads, sigma_columns
 from backend.engine.timeline import Life, final_estimator, lives, parameters_over
 
 EXPLODED = 1e12  # a state beyond this is taken as diverged: nothing physical is that large in the user's units
@@ -36,12 +38,15 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
     values = plant_values(parts, plant)
     columns = plant_columns(first, values, plant, y)
     reports: dict[str, ObserverReport] = {}
+    sure = confidence(parts, values)
     for life in found:
         more, report = observer_columns(life, values, y, ended)
         where = np.concatenate(life.positions)
         for name, column in more.items():
             target = columns.setdefault(f"{life.label}.{name}", np.full(len(index), np.nan))
             target[where] = column
+        for name in [n for n in sure if n.startswith(f"{life.label}.sigma.")]:
+            columns[name] = np.where(np.isfinite(columns[name.replace(".sigma.", ".theta.", 1)]), sure[name], np.nan)
         reports[life.label] = report
     data = np.empty((len(columns), len(index)))
     for row, column in zip(data, columns.values(), strict=True):
@@ -49,25 +54,44 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
     notes = first.notes
     if substeps > 1:
         notes += (f"Each step was taken in up to {substeps} substeps: an observer's eigenvalues are beyond RK4's bound.",)
-    return Result(tuple(columns), data, tuple(reports.values()), diverged, first.step, substeps, notes, seconds)
+    spent = costs(rows.spent for _, rows in parts)
+    return Result(tuple(columns), data, tuple(reports.values()), diverged, first.step, substeps, notes, seconds, spent)
+
+
+def confidence(parts: Sequence[tuple[Experiment, Rows]], values: dict) -> dict[str, np.ndarray]:
+    """Columns ``L.sigma.<channel>`` over all rows, missing where their observer did not watch."""
+    found: dict[str, np.ndarray] = {}
+    spreads: Spreads = {}
+    begin = 0
+    for experiment, rows in parts:
+        here = slice(begin, begin + len(rows.index))
+        begin = here.stop
+        some, spreads = sigma_columns(experiment, rows, {n: v[here] if np.ndim(v) else v for n, v in values.items()}, spreads)
+        for name, column in some.items():
+            found.setdefault(name, np.full(len(values["t"]), np.nan))[here] = column
+    return found
 
 
 def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) -> dict[str, np.ndarray | float]:
     """t, signals, parameters and plant states along all rows."""
-    if len(parts) == 1:
-        return row_values(parts[0][0], parts[0][1].index, plant)
-    each = [row_values(e, rows.index, rows.plant) for e, rows in parts]
-    joined: dict[str, np.ndarray | float] = {
-        n: _over(each, n, [len(rows.index) for _, rows in parts]) for n in each[0]
-    }
-    return joined | {s: plant[:, j] for j, s in enumerate(parts[0][0].plant.states)}
+    first = parts[0][0]
+    counts = [len(rows.index) for _, rows in parts]
+    t = np.concatenate([rows.index for _, rows in parts]) * first.step
+    values: dict[str, np.ndarray | float] = {}
+    for name, signal in first.signals.items():
+        theirs = [e.signals[name] for e, _ in parts]
+        if all(s is signal for s in theirs):
+            values[name] = at_rows(signal, t, first.step)
+        else:
+            pieces = np.split(t, np.cumsum(counts)[:-1])
+            values[name] = np.concatenate([at_rows(s, p, first.step) for s, p in zip(theirs, pieces, strict=True)])
+    each = [row_numbers(e) for e, _ in parts]
+    values |= {n: _over([v[n] for v in each], counts) for n in each[0]} | {"t": t}
+    return values | {s: plant[:, j] for j, s in enumerate(first.plant.states)}
 
 
-def _over(each: list[dict], name: str, counts: list[int]) -> np.ndarray | float:
-    """One quantity over all spans: an array, or a number where it is one and never changes."""
-    if np.ndim(each[0][name]):
-        return np.concatenate([v[name] for v in each])
-    numbers = [v[name] for v in each]
+def _over(numbers: list[float], counts: list[int]) -> np.ndarray | float:
+    """One quantity over all spans: a number where it never changes, else an array."""
     return numbers[0] if len(set(numbers)) == 1 else np.repeat(numbers, counts)
 
 
@@ -82,16 +106,18 @@ def plant_columns(e: Experiment, values: dict, plant: np.ndarray, y: np.ndarray)
 
 
 def observer_columns(
-    life: Life, values: dict, y: np.ndarray, ended: int, check: bool = True, first_row: int = 0
+    life: Life, values: dict, y: np.ndarray, ended: int, check: bool = True, first_row: int = 0, wanted: int = 0
 ) -> tuple[dict[str, np.ndarray], ObserverReport]:
-    """x̂, θ̂, ŷ and diagnostics of one observer while it watched, and its report (``first_row``: of the given rows, from t = 0)."""
-    estimator = final_estimator(life)
-    where = np.concatenate(life.positions)
+    """x̂, θ̂, ŷ and diagnostics of one observer while it watched, and its report.
+
+    ``first_row``: number of the first of the given rows, from t = 0; ``wanted``: how many of them only fill windows.
+    """
+    estimator, where = final_estimator(life), life.where
     states = np.concatenate(life.states)
-    inside = int(np.searchsorted(where, ended))
+    inside = max(0, ended - where.start)
     diverged, finite = None, finite_rows(states)
     if finite < min(inside, len(states)):
-        diverged = Diverged(float(values["t"][where[finite]]), _cause(estimator.program.states, states, finite))
+        diverged = Diverged(float(values["t"][where.start + finite]), _cause(estimator.program.states, states, finite))
         states[finite:] = np.nan
     elif inside < len(states):
         states[inside:] = np.nan
@@ -103,7 +129,7 @@ def observer_columns(
     seen |= dict(zip(outputs, probe(program, outputs, seen), strict=True))
     e = life.experiments[-1]
     run = Observed(None, program, estimator.channels, estimator.facts, seen, e.every * e.step, estimator.context,
-                   first_row + int(where[0]), -(-estimator.since // e.every))  # fmt: skip
+                   first_row + where.start, -(-estimator.since // e.every), max(0, wanted - where.start))  # fmt: skip
     columns = {n: seen[n] for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)}
     more = estimator.kind.diagnostics(run)
     seen |= more

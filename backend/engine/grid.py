@@ -1,6 +1,7 @@
 """The time grid: equal base steps, cut where something is discontinuous, dealt out as segments for the kernels."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -11,18 +12,59 @@ _SNAP = 1e-6  # a break within this fraction of a step of a grid point is taken 
 
 @dataclass(frozen=True)
 class Grid:
-    """Segments over base steps [first, last), with the time of every step for evaluating signals.
+    """Segments over base steps [first, last) of h seconds, and the time of every (sub)step, found when it is asked for.
 
     start, end: times of each (sub)step's ends; anchor: its middle; segment_anchor: inside each segment's first step.
-    base: index in the step arrays at which each base step begins, plus the total.
+    base: index in the step arrays at which each base step begins, plus the total. ``whole``: no base step is broken.
     """
 
     segments: Segments
-    start: np.ndarray
-    end: np.ndarray
-    anchor: np.ndarray
-    segment_anchor: np.ndarray
-    base: np.ndarray
+    first: int
+    last: int
+    h: float
+    substeps: int
+    whole: bool
+
+    @cached_property
+    def count(self) -> int:
+        """How many (sub)steps there are."""
+        return (self.last - self.first) * self.substeps if self.whole else int(self.segments.steps.sum())
+
+    @cached_property
+    def _times(self) -> tuple[np.ndarray, np.ndarray]:
+        """Start and width of every (sub)step."""
+        if self.whole:
+            width = self.h / self.substeps
+            return np.arange(self.first * self.substeps, self.last * self.substeps) * width, np.full(self.count, width)
+        segments = self.segments
+        owner = np.repeat(np.arange(len(segments.steps)), segments.steps)
+        offset = np.concatenate([[0], np.cumsum(segments.steps)])
+        inside = np.arange(self.count) - offset[owner]
+        width = segments.h[owner]
+        return segments.t[owner] + (segments.index[owner] + inside) * width, width
+
+    @cached_property
+    def start(self) -> np.ndarray:
+        return self._times[0]
+
+    @cached_property
+    def end(self) -> np.ndarray:
+        return self._times[0] + self._times[1]
+
+    @cached_property
+    def anchor(self) -> np.ndarray:
+        return self._times[0] + 0.5 * self._times[1]
+
+    @cached_property
+    def segment_anchor(self) -> np.ndarray:
+        return self.segments.t + (self.segments.index + 0.5) * self.segments.h
+
+    @cached_property
+    def base(self) -> np.ndarray:
+        if self.whole:
+            return np.arange(self.last - self.first + 1) * self.substeps
+        # the first step of each base step: the one whose middle is the first beyond the base step's beginning
+        return np.searchsorted(self.anchor, np.arange(self.first, self.last + 1) * self.h)
 
 
 def sort_out(breaks: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
@@ -30,7 +72,18 @@ def sort_out(breaks: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     position = np.asarray(breaks, dtype=float) / h
     nearest = np.rint(position)
     on_grid = np.abs(position - nearest) < _SNAP
-    return nearest[on_grid].astype(np.int64), np.unique(position[~on_grid])
+    return nearest[on_grid].astype(np.int64), distinct(position[~on_grid])
+
+
+def distinct(values: np.ndarray) -> np.ndarray:
+    """Sorted, each once: np.unique without its overhead, which short spans feel."""
+    values = np.sort(values)
+    if len(values) < 2:
+        return values
+    keep = np.empty(len(values), dtype=bool)
+    keep[0] = True
+    np.not_equal(values[1:], values[:-1], out=keep[1:])
+    return values[keep]
 
 
 def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substeps: int) -> Grid:
@@ -40,11 +93,12 @@ def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substep
     taken in ``substeps`` steps.
     """
     marks, off = sort_out(breaks, h)
-    broken = np.unique(np.floor(off).astype(np.int64))
+    broken = distinct(np.floor(off).astype(np.int64)) if len(off) else np.empty(0, dtype=np.int64)
     broken = broken[(broken >= first) & (broken < last)]
-    bounds = np.unique(np.concatenate([np.array([first, last]), marks, broken, broken + 1]))
-    bounds = bounds[(bounds >= first) & (bounds <= last)]
-    starts, lengths = bounds[:-1], np.diff(bounds)
+    bounds = np.concatenate([np.array([first, last]), marks, broken, broken + 1])
+    bounds = distinct(bounds[(bounds >= first) & (bounds <= last)])
+    starts = bounds[:-1]
+    lengths = bounds[1:] - starts
     to_record = every - starts % every
     steps = lengths * substeps
     due = np.where(to_record <= lengths, to_record * substeps, NEVER)
@@ -53,7 +107,7 @@ def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substep
         columns = _split(starts, columns, h, broken, off, substeps)
     kinds = (np.int64, np.int64, float, float, float)
     segments = Segments(*(np.ascontiguousarray(c, dtype=d) for c, d in zip(columns, kinds, strict=True)))
-    return _with_times(segments, first, last, h)
+    return Grid(segments, first, last, h, substeps, not len(broken))
 
 
 def _split(starts: np.ndarray, columns: list, h: float, broken: np.ndarray, off: np.ndarray, substeps: int) -> list:
@@ -70,17 +124,3 @@ def _split(starts: np.ndarray, columns: list, h: float, broken: np.ndarray, off:
             width = (edges[j + 1] - edges[j]) / substeps
             rows.append((substeps, substeps if records else NEVER, edges[j], 0, width))
     return [np.array(c) for c in zip(*rows, strict=True)]
-
-
-def _with_times(segments: Segments, first: int, last: int, h: float) -> Grid:
-    total = int(segments.steps.sum())
-    owner = np.repeat(np.arange(len(segments.steps)), segments.steps)
-    offset = np.concatenate([[0], np.cumsum(segments.steps)])
-    inside = np.arange(total) - offset[owner]
-    width = segments.h[owner]
-    start = segments.t[owner] + (segments.index[owner] + inside) * width
-    anchor = start + 0.5 * width
-    # the first step of each base step: the one whose middle is the first beyond the base step's beginning
-    base = np.searchsorted(anchor, np.arange(first, last + 1) * h)
-    opening = segments.t + (segments.index + 0.5) * segments.h
-    return Grid(segments, start, start + width, anchor, opening, base)

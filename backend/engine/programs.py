@@ -8,7 +8,7 @@ import hashlib
 import json
 import threading
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from backend.engine import cache
@@ -82,7 +82,12 @@ def time_program(text: str) -> Program:
     return _written(["time", text], write).program
 
 
-def _written(what: list, write) -> Written:
+def derived(what: list, write: Callable[[], Program]) -> Program:
+    """A program made from another; ``what`` is the key, with the other's digest in it."""
+    return _written(what, lambda: Written(write(), {})).program
+
+
+def _written(what: list, write: Callable[[], Written]) -> Written:
     text = json.dumps([what, cache.package_digest()], sort_keys=True, separators=(",", ":"))
     key = hashlib.sha256(text.encode()).hexdigest()
     with _lock:

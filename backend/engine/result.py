@@ -49,6 +49,10 @@ class Result:
     substeps: int
     notes: tuple[str, ...]
     seconds: dict[str, float]
+    costs: dict[str, float] = field(default_factory=dict)
+    """Processor seconds per simulated second, measured, by observer: another number each time."""
+    diagnosis: dict | None = None
+    """What is said about the faults, as plain data (shared.diagnosis.Diagnosis); None where nobody asked."""
 
     def column(self, name: str) -> np.ndarray:
         """One column by name. Raises KeyError."""

@@ -2,17 +2,20 @@
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from backend.engine.cost import costs, operations
 from backend.engine.errors import Cancelled, SpecError
 from backend.engine.gather import EXPLODED, finite_rows, gather
 from backend.engine.result import Result
-from backend.engine.simulation import Experiment, Rows, observed_values, row_values
+from backend.engine.simulation import Experiment, Rows, Simulation, observed_values, row_values
 from backend.engine.stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
 from backend.engine.system import CONTINUOUS
 from backend.engine.timeline import Stage, spans
 
 _FINER = 8  # how much finer a step must diverge too before a divergence is believed
+_MEASURED = 4000  # steps
+_LARGE = 3000  # operations
 
 __all__ = ["EXPLODED", "needed_substeps", "run"]
 
@@ -31,8 +34,12 @@ def run(
     stages: Experiment | Sequence[Stage],
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] | None = None,
+    inspect: Callable[[Parts, Result], Result] | None = None,
 ) -> Result:
-    """Simulate. Raises Cancelled, or SpecError if no allowed substep makes an observer's equations stable."""
+    """Simulate. Raises Cancelled, or SpecError if no allowed substep makes an observer's equations stable.
+
+    ``inspect`` may look at the recorded rows and add to the result.
+    """
     stages = [Stage(0, stages)] if isinstance(stages, Experiment) else list(stages)
     seconds: dict[str, float] = {}
     clock = time.perf_counter()
@@ -40,8 +47,35 @@ def run(
     seconds["simulate"] = time.perf_counter() - clock
     clock = time.perf_counter()
     result = gather(parts, substeps, seconds)
+    result = replace(result, costs=result.costs | alone(stages[0].experiment, substeps))
     seconds["gather"] = time.perf_counter() - clock
+    if inspect is not None:
+        clock = time.perf_counter()
+        result = inspect(parts, result)
+        seconds["diagnose"] = time.perf_counter() - clock
     return result
+
+
+def spans_of(experiment: Experiment, substeps: int) -> Parts:
+    """The rows of an experiment in as many substeps as are known to do."""
+    return _spans([Stage(0, experiment)], substeps, _Watch(None, None), watching=False)[0]
+
+
+def alone(experiment: Experiment, substeps: int) -> dict[str, float]:
+    """Cost of the observer that shares the plant's kernel, in a kernel of its own, where others are to be compared with it.
+
+    It takes a few thousand steps and the compiling of that kernel, which very large observers are spared.
+    """
+    simulation = Simulation(experiment, substeps)
+    if not simulation.joined or len(experiment.estimators) < 2:
+        return {}
+    first = experiment.estimators[simulation.lockstep[0]]
+    if operations(first.program) > _LARGE:
+        return {}
+    simulation.joined = False
+    state, _ = simulation.advance(simulation.initial(), min(100, experiment.steps))  # until memory is warm
+    _, rows = simulation.advance(state, min(_MEASURED, experiment.steps))
+    return {first.label: costs([rows.spent])[first.label]}
 
 
 def _stable(stages: list[Stage], watch: _Watch) -> tuple[Parts, int]:

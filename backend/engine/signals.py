@@ -18,11 +18,14 @@ _FAR = 10**7  # no signal may ask for more switching times than this in one span
 
 @dataclass(frozen=True)
 class Signal:
-    """A time function. ``held``: piecewise constant. ``breaks(a, b)``: its discontinuities (of value or slope) in (a, b)."""
+    """A time function. ``held``: piecewise constant. ``breaks(a, b)``: its discontinuities (of value or slope) in (a, b).
+    ``level``: its value, if that is one number for ever.
+    """
 
     value: Callable[[np.ndarray, np.ndarray], np.ndarray]
     breaks: Callable[[float, float], np.ndarray]
     held: bool
+    level: float | None = None
 
     def __call__(self, t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
         """Values at t (s) of the pieces active at anchor (s); arrays of one shape."""
@@ -38,7 +41,7 @@ def _no_breaks(a: float, b: float) -> np.ndarray:
 
 
 def constant(value: float) -> Signal:
-    return Signal(lambda t, anchor: np.full(anchor.shape, float(value)), _no_breaks, True)
+    return Signal(lambda t, anchor: np.full(anchor.shape, float(value)), _no_breaks, True, float(value))
 
 
 def steps(times: list[float], values: list[float]) -> Signal:
@@ -181,9 +184,11 @@ def gated(inner: Signal, onset: float, end: float | None) -> Signal:
 
     def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
         on = (anchor >= onset) & (anchor < stop)
-        return np.where(on, inner(t - onset, anchor - onset), 0.0)
+        return np.where(on, inner(t - onset, anchor - onset) if inner.level is None else inner.level, 0.0)
 
     def breaks(a: float, b: float) -> np.ndarray:
+        if inner.level is not None:
+            return _within(edges, a, b)
         low, high = max(a, onset), min(b, stop)
         own = inner.breaks(low - onset, high - onset) + onset if high > low else np.empty(0)
         return np.concatenate([_within(edges, a, b), _within(own, a, b)])

@@ -9,20 +9,24 @@ at t_k, the measured y included, is known when the step from t_k on begins.
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from time import thread_time
 
 import numpy as np
 
+from backend.engine.cost import PLANT, Spent, divided
 from backend.engine.graph import variables
 from backend.engine.grid import Grid, cut
 from backend.engine.initial import observer_states
 from backend.engine.kernel import Layout, Segments, kernel
 from backend.engine.measurement import Measurement, Memory
 from backend.engine.observers.base import Context, Observer
+from backend.engine.plans import Plan, plan
 from backend.engine.probe import probe
 from backend.engine.signals import Signal
 from backend.engine.system import DISCRETE, Program, join
+from backend.engine.tables import Tables
 
 CHUNK = 1 << 15  # base steps taken at once: tables of stages stay small
 
@@ -57,6 +61,7 @@ class Experiment:
     every: int  # base steps between recorded rows
     substeps: int | None = None  # in each base step; None: one, or what stiff gains need
     notes: tuple[str, ...] = ()
+    context: Context | None = None  # the plant's, with all its channels: for what watches the plant itself
 
 
 @dataclass(frozen=True)
@@ -71,12 +76,23 @@ class State:
 
 @dataclass(frozen=True)
 class Rows:
-    """Recorded rows of a span: base-step indices, plant states (rows × n), measured y (rows × m), observer states."""
+    """Recorded rows of a span: base-step indices, plant states (rows × n), measured y (rows × m), observer states.
+
+    ``spent`` is measured, not computed: it differs each time, and no number of a run depends on it.
+    """
 
     index: np.ndarray
     plant: np.ndarray
     y: np.ndarray
     observers: tuple[np.ndarray, ...]
+    spent: Spent = field(default_factory=dict)
+    passed: np.ndarray | None = None  # rows × m: what was measured just before; where it is remembered
+
+    def part(self, first: int, last: int | None = None) -> "Rows":
+        """Some of the rows."""
+        index, plant, y = (part[first:last] for part in (self.index, self.plant, self.y))
+        passed = None if self.passed is None else self.passed[first:last]
+        return Rows(index, plant, y, tuple(o[first:last] for o in self.observers), self.spent, passed)
 
 
 @lru_cache(maxsize=128)
@@ -100,6 +116,7 @@ class Simulation:
         self.sampled = [i for i, e in enumerate(experiment.estimators) if e.every is not None]
         # only an observer that runs in the plant's time can be joined to it
         self.joined = bool(self.lockstep) and experiment.measurement.direct
+        self.spent: dict[str, float] = {}  # processor seconds of the kernels in one span
 
     # ---- states ------------------------------------------------------------------------------------------------------
 
@@ -117,20 +134,31 @@ class Simulation:
         grid = cut(first, last, e.step, self._breaks(first, last), e.every, self.substeps)
         index = np.arange(-(-first // e.every) * e.every, last, e.every)
         tables = Tables(grid, e.signals, self.stages)
-        observers, recorded = list(state.observers), [None] * len(e.estimators)
+        observers, recorded, self.spent = list(state.observers), [None] * len(e.estimators), {}
         if self.joined:
-            plant, plant_rows, y, memory = self._joint(state, grid, tables, index, observers, recorded)
+            plant, plant_rows, y, memory = self._joint(state, tables, index, observers, recorded)
         else:
-            plant, plant_rows, clean = self._plant(state, grid, tables, index)
+            plant, plant_rows, clean = self._plant(state, tables, index)
             y, memory = e.measurement.measure(grid, first, clean, state.memory)
         for i in self.lockstep:
             if recorded[i] is None:
-                observers[i], recorded[i] = self._observer(i, state, grid, tables, index, y)
+                observers[i], recorded[i] = self._observer(i, state, tables, index, y)
         for i in self.sampled:
             observers[i], recorded[i] = self._sampling(i, state, grid, index, y)
         y_rows = self._measured_rows(grid, first, index, plant_rows, y)
         after = State(last, plant, tuple(observers), memory)
-        return after, Rows(index, plant_rows, y_rows, tuple(recorded))
+        earlier = np.maximum(grid.base[index - first] - 1, 0)
+        known = self.remember and e.measurement.direct
+        passed = np.where((index > first)[:, None], y[earlier, -1], state.memory.passed) if known else None
+        spent = {s.label: (self.spent.get(s.label, 0.0), count * e.step) for s in e.estimators}
+        return after, Rows(index, plant_rows, y_rows, tuple(recorded), spent, passed)
+
+    def state_at(self, start: State, rows: Rows, r: int) -> State | None:
+        """The state at recorded row r of the span that began at ``start``; None where the rows do not tell it."""
+        if rows.passed is None or self.sampled:
+            return None
+        memory = replace(start.memory, passed=rows.passed[r].copy())
+        return State(int(rows.index[r]), rows.plant[r].copy(), tuple(o[r].copy() for o in rows.observers), memory)
 
     def spans(self, count: int, state: State | None = None) -> Iterator[tuple[State, Rows]]:
         """Advance by ``count`` base steps in chunks."""
@@ -142,7 +170,7 @@ class Simulation:
 
     def _breaks(self, first: int, last: int) -> np.ndarray:
         a, b = (first - 0.5) * self.experiment.step, (last + 0.5) * self.experiment.step
-        parts = [s.breaks(a, b) for s in self.experiment.signals.values()]
+        parts = [s.breaks(a, b) for s in self.experiment.signals.values() if s.level is None]
         parts.append(self.experiment.measurement.breaks(a, b, self.experiment.signals.values()))
         return np.concatenate(parts)
 
@@ -155,29 +183,28 @@ class Simulation:
         every = self.experiment.every
         return np.empty((last // every - first // every + 1, width))
 
-    def _call(self, program: Program, grid: Grid, layout: Layout, values: dict, start: np.ndarray, **arrays):
-        state = start.copy()
-        params = np.array([values[p] for p in layout.shared_params(program)] or [0.0])
-        out = self._out(self._first(grid), self._last(grid), len(program.states))
-        kernel(program, layout)(grid.segments, state, params, self.experiment.every * self.substeps, out, **arrays)
+    def _call(self, plan: Plan, parts: dict[str, Program], tables: Tables, values: dict, start: np.ndarray,
+              staged: np.ndarray | None = None, emitted: np.ndarray | None = None):  # fmt: skip
+        """One call of a kernel; its time is that of ``parts``, the programs it is made of."""
+        state, grid = start.copy(), tables.grid
+        params = np.array([values[p] for p in plan.params] or [0.0])
+        out = self._out(grid.first, grid.last, len(plan.program.states))
+        staged = tables.staged(plan.staged) if staged is None else staged
+        every, held = self.experiment.every * self.substeps, tables.held(plan.held)
+        clock = thread_time()
+        plan.kernel(grid.segments, state, params, every, out, held=held, staged=staged, emitted=emitted)
+        self.spent |= divided(thread_time() - clock, parts)
         return state, out
 
-    def _first(self, grid: Grid) -> int:
-        return round(grid.start[0] / self.experiment.step) if len(grid.start) else 0
-
-    def _last(self, grid: Grid) -> int:
-        return round(grid.end[-1] / self.experiment.step) if len(grid.end) else 0
-
-    def _plant(self, state: State, grid: Grid, tables: "Tables", index: np.ndarray):
+    def _plant(self, state: State, tables: "Tables", index: np.ndarray):
         plant = self.experiment.plant
         roots = tuple(plant.outputs.values())
-        held, staged = tables.divide(variables(plant.graph, [*plant.update, *roots]))
-        emitted = np.empty((len(grid.start), self.stages, max(1, len(roots))))
-        new, out = self._call(plant, grid, Layout(held=held, staged=staged, emitted=roots), self.experiment.parameters,
-                              state.plant, held=tables.held(held), staged=tables.staged(staged), emitted=emitted)  # fmt: skip
+        emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
+        new, out = self._call(plan(plant, roots, tables.kinds), {PLANT: plant}, tables, self.experiment.parameters,
+                              state.plant, emitted=emitted)  # fmt: skip
         return new, self._rows(state.plant, out, state.k, index), emitted[:, :, : len(roots)]
 
-    def _joint(self, state: State, grid: Grid, tables: "Tables", index: np.ndarray, observers: list, recorded: list):
+    def _joint(self, state: State, tables: "Tables", index: np.ndarray, observers: list, recorded: list):
         """Plant and first lockstep observer in one kernel; y is emitted only if another observer wants it."""
         e, i = self.experiment, self.lockstep[0]
         estimator = e.estimators[i]
@@ -188,36 +215,33 @@ class Simulation:
                       ) if wanted else ()  # fmt: skip
         noise = dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
         tables = tables.extended(noise)
-        held, staged = tables.divide(variables(graph, [*program.update, *roots]))
-        emitted = np.empty((len(grid.start), self.stages, max(1, len(roots))))
-        values = e.parameters | estimator.parameters
-        new, out = self._call(program, grid, Layout(held=held, staged=staged, emitted=roots), values,
-                              np.concatenate([state.plant, state.observers[i]]),
-                              held=tables.held(held), staged=tables.staged(staged), emitted=emitted)  # fmt: skip
+        emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
+        new, out = self._call(plan(program, roots, tables.kinds), {PLANT: e.plant, estimator.label: estimator.program},
+                              tables, e.parameters | estimator.parameters,
+                              np.concatenate([state.plant, state.observers[i]]), emitted=emitted)  # fmt: skip
         memory = replace(state.memory, passed=emitted[-1, -1].copy()) if wanted else state.memory
         n = len(e.plant.states)
         observers[i] = new[n:]
         recorded[i] = self._rows(state.observers[i], out[:, n:], state.k, index)
         return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if wanted else None, memory
 
-    def _observer(self, i: int, state: State, grid: Grid, tables: "Tables", index: np.ndarray, y: np.ndarray):
+    def _observer(self, i: int, state: State, tables: "Tables", index: np.ndarray, y: np.ndarray):
         estimator = self.experiment.estimators[i]
         program = estimator.program
-        names = variables(program.graph, program.update)
-        outputs = [n for n in self.experiment.plant.outputs if n in names]
-        held, staged = tables.divide(names - set(outputs))
+        outputs = tuple(n for n in self.experiment.plant.outputs if n in program.used_inputs)
+        call = plan(program, (), tables.kinds, outputs)
         picked = [list(self.experiment.plant.outputs).index(n) for n in outputs]
-        parts = [p for p in (tables.staged(staged) if staged else None, y[:, :, picked]) if p is not None]
+        parts = [p for p in (tables.staged(call.staged) if call.staged else None, y[:, :, picked]) if p is not None]
         together = np.ascontiguousarray(np.concatenate(parts, axis=2))
-        new, out = self._call(program, grid, Layout(held=held, staged=staged + tuple(outputs)), estimator.parameters,
-                              state.observers[i], held=tables.held(held), staged=together)  # fmt: skip
+        new, out = self._call(call, {estimator.label: program}, tables, estimator.parameters, state.observers[i],
+                              staged=together)  # fmt: skip
         return new, self._rows(state.observers[i], out, state.k, index)
 
     def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray):
         """An observer at its own sample period: one step for every sample instant t_j = j·period in [t_k, t_k+n)."""
         e, estimator = self.experiment, self.experiment.estimators[i]
         program, q, first = estimator.program, estimator.every, state.k
-        last = first + len(grid.base) - 1
+        last = grid.last
         j = np.arange(max(estimator.since // q + 1, -(-first // q)), -(-last // q))
         start = state.observers[i]
         if not len(j):
@@ -229,7 +253,10 @@ class Simulation:
         layout = Layout(staged=staged)
         params = np.array([estimator.parameters[p] for p in program.parameters] or [0.0])
         new, out = start.copy(), np.empty((len(j), len(start)))
-        kernel(program, layout)(segments, new, params, 1, out, staged=table)
+        run = kernel(program, layout)
+        clock = thread_time()
+        run(segments, new, params, 1, out, staged=table)
+        self.spent[estimator.label] = thread_time() - clock
         after = np.vstack([start[None, :], out])
         return new, after[np.searchsorted(j * q, index, side="right")]
 
@@ -266,12 +293,21 @@ class Simulation:
 def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict[str, np.ndarray | float]:
     """Time, signals (right limits), parameters and plant states at recorded rows."""
     t = index * e.step
-    anchor = t + 1e-4 * e.step
-    values: dict[str, np.ndarray | float] = {n: s(t, anchor) for n, s in e.signals.items()}
-    values |= e.parameters | {"t": t}
-    m = e.measurement
-    values |= {f"intensity.{n}": std * std * hold for n, std, hold in zip(m.outputs, m.std, m.sample_time, strict=True)}
+    values: dict[str, np.ndarray | float] = {n: at_rows(s, t, e.step) for n, s in e.signals.items()}
+    values |= row_numbers(e) | {"t": t}
     return values | {s: plant_rows[:, j] for j, s in enumerate(e.plant.states)}
+
+
+def at_rows(signal: Signal, t: np.ndarray, step: float) -> np.ndarray:
+    """A signal at recorded rows: right limits."""
+    return signal(t, t + 1e-4 * step)
+
+
+def row_numbers(e: Experiment) -> dict[str, float]:
+    """What holds at every row: the plant's parameters, and the intensity of the noise."""
+    m = e.measurement
+    noise = zip(m.outputs, m.std, m.sample_time, strict=True)
+    return e.parameters | {f"intensity.{n}": std * std * hold for n, std, hold in noise}
 
 
 def observed_values(e: Experiment, parameters: dict, values: dict, y: np.ndarray) -> dict:
@@ -282,36 +318,3 @@ def observed_values(e: Experiment, parameters: dict, values: dict, y: np.ndarray
     seen |= {name: y[:, i] for i, name in enumerate(e.plant.outputs)}
     seen |= {f"{when}{n}": seen[n] for when in ("mid.", "end.", "now.") for n in (*known, *e.plant.outputs) if n != "t"}
     return seen | dict(parameters)
-
-
-class Tables:
-    """Signals laid out for kernels over one grid: held ones a value a segment, the others a value a stage."""
-
-    def __init__(self, grid: Grid, signals: dict[str, Signal], stages: int):
-        self.grid, self.signals, self.stages = grid, signals, stages
-
-    def extended(self, more: dict[str, Signal]) -> "Tables":
-        return Tables(self.grid, self.signals | more, self.stages)
-
-    def divide(self, names: set[str]) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Of the named variables, which are held and which staged signals."""
-        mine = sorted(n for n in names if n in self.signals)
-        return tuple(n for n in mine if self.signals[n].held), tuple(n for n in mine if not self.signals[n].held)
-
-    def held(self, names: tuple[str, ...]) -> np.ndarray:
-        at = self.grid.segment_anchor
-        table = np.empty((len(at), max(1, len(names))))
-        for j, name in enumerate(names):
-            table[:, j] = self.signals[name](at, at)
-        return table
-
-    def staged(self, names: tuple[str, ...]) -> np.ndarray:
-        g = self.grid
-        table = np.empty((len(g.start), self.stages, max(1, len(names))))
-        for j, name in enumerate(names):
-            signal = self.signals[name]
-            table[:, 0, j] = signal(g.start, g.anchor)
-            if self.stages == 4:
-                table[:, 1, j] = table[:, 2, j] = signal(0.5 * (g.start + g.end), g.anchor)
-                table[:, 3, j] = signal(g.end, g.anchor)
-        return table

@@ -59,6 +59,12 @@ class Life:
     positions: tuple[np.ndarray, ...]
     states: tuple[np.ndarray, ...]
 
+    @property
+    def where(self) -> slice:
+        """Its rows: they follow one another."""
+        first = next((int(p[0]) for p in self.positions if len(p)), 0)
+        return slice(first, first + sum(len(p) for p in self.positions))
+
 
 def lives(parts: Sequence[tuple[Experiment, Rows]]) -> list[Life]:
     """The observers' lives, in the order in which they began."""
@@ -87,6 +93,8 @@ def _estimator(experiment: Experiment, label: str):
 def parameters_over(life: Life) -> dict[str, float | np.ndarray]:
     """The observer's parameters: a number where it never changed, else an array over the life's rows."""
     each = [_estimator(e, life.label).parameters for e in life.experiments]
+    if len(each) == 1:
+        return each[0]
     counts = [len(p) for p in life.positions]
     return {
         name: each[0][name]

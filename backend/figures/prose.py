@@ -1,6 +1,6 @@
 """The parts of the report that are words, equations and tables. Every text from outside goes through `escape`."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 
 import numpy as np
 
@@ -113,76 +113,23 @@ def _brief(value: object) -> str:
     return number(value, 6)
 
 
-def comparison(scene: Scene, summary: Mapping[str, dict]) -> str:
-    """The observers side by side: RMSE of each state, final θ̂ against θ, settling after each step, divergence."""
-    states = [s.name for s in scene.plant.states]
-    shown = [s for s in states if any(s in entry["rmse"] for entry in summary.values())]
-    head = ["observer", *(f"RMSE {symbol(s)}{_in(scene.unit('x', s))}" for s in shown)]
-    rows = [[_chip(scene, label), *(number(entry["rmse"].get(s)) for s in shown)] for label, entry in summary.items()]
-    out = table(head, rows, len(shown)) + "<p class=soft>Root mean square error over the whole run, start included.</p>"
-    final = [[_chip(scene, label), _hat(name) + _in(scene.unit("theta", name)), number(v["truth"]), number(v["estimate"]),
-              number(v["error"]), number(v["mean_error"]), number(v["std"])]
-             for label, entry in summary.items() for name, v in entry["theta"].items()]
-    if final:
-        out += table(["observer", "at the end", "true", "estimate", "error", "mean error", "scatter"], final, 5)
-        out += "<p class=soft>Mean error and scatter (standard deviation) are over the last tenth of the run.</p>"
-    steps = [[_chip(scene, label), symbol(s["channel"]), number(s["at"], 6), number(s["size"]),
-              "never" if s["reached"] is None else f"{s['reached']:.3f}", _settled(s)]
-             for label, entry in summary.items() for s in entry["settling"]]
-    if steps:
-        out += table(["observer", "step of", "at (s)", "size", "within 10 % after (s)", "stays so after (s)"], steps, 4)
-    return out
-
-
-def _settled(entry: dict) -> str:
-    return f"{entry['time']:.3f}" if entry["time"] is not None else "does not"
-
-
-def _hat(name: str) -> str:
+def hat(name: str) -> str:
     """θ̂: browsers place the hat by style sheet, better than fonts place the combining one."""
     return symbol(name).replace("<i>", "<i class=hat>", 1)
 
 
-def _in(text: str) -> str:
+def bracketed(text: str) -> str:
+    """A unit in the head of a column."""
     return f" <span class=soft>({escape(text)})</span>" if text else ""
 
 
-def _chip(scene: Scene, label: str) -> str:
-    return f"<span class=chip style='background:{scene.colour(label)}'></span><b>{escape(label)}</b>"
+def chip(scene: Scene, label: str) -> str:
+    """An observer's name with its colour."""
+    return f"<span class=who><span class=chip style='background:{scene.colour(label)}'></span><b>{escape(label)}</b></span>"
 
 
-def observers(scene: Scene, summary: Mapping[str, dict]) -> str:
-    """Each observer: kind, gains, what it reports, how its theorem's assumptions fare here."""
-    configured = {config.label: config for config in scene.spec.observers}
-    return "".join(_observer(scene, report, configured[report.label]) for report in scene.result.observers)
-
-
-def _observer(scene: Scene, report, config) -> str:
-    gains = [f"{symbol(name)} = {_value(value)}" for name, value in config.gains.items()]
-    gains += [f"{escape(name)}: {escape(value)}" for name, value in config.options.items()]
-    facts = [f"{escape(str(name).replace('_', ' '))}: {_value(value)}" for name, value in report.facts.items()]
-    out = f"<h3>{_chip(scene, report.label)} <span class=soft>{escape(report.title or report.kind)}</span></h3>"
-    out += f"<p><span class=soft>Gains:</span> {', '.join(gains) or 'the defaults'}</p>"
-    if report.diverged:
-        out += f"<p class=alarm>Diverged at {number(report.diverged.time)} s: {escape(report.diverged.cause)}</p>"
-    if facts:
-        out += f"<details><summary class=soft>What it computed from them</summary><p>{'<br>'.join(facts)}</p></details>"
-    rows = [[f"<b>{escape(c.name.replace('-', ' '))}</b>", f"<span class='verdict {_verdict(c.verdict)}'>{escape(c.verdict)}</span>",
-             escape(c.text) + (f" <span class=soft>{escape(c.source)}</span>" if c.source else ""),
-             number(c.value), number(c.threshold)] for c in report.checks]
-    return out + (table(["assumption", "here", "", "found", "against"], rows, 2) if rows else "")
-
-
-def _verdict(verdict: str) -> str:
-    return verdict if verdict in ("holds", "fails") else "unknown"
-
-
-def _value(value: object) -> str:
-    """A gain or fact: a number, a list or matrix of numbers, or a text."""
-    if isinstance(value, bool | str) or value is None:
-        return escape(value)
-    if isinstance(value, int | float | np.number):
-        return number(float(value), 6)
-    if isinstance(value, np.ndarray | list | tuple) and all(isinstance(v, int | float | np.number) for v in value):
-        return "(" + ", ".join(number(float(v), 5) for v in value) + ")"
-    return escape(value if not isinstance(value, np.ndarray) else value.tolist())
+def span(low: float | None, high: float | None, digits: int = 4) -> str:
+    """An interval in brackets, nothing where there is none."""
+    if low is None or high is None:
+        return ""
+    return f" <span class=soft>({number(low, digits)} to {number(high, digits)})</span>"

@@ -9,9 +9,14 @@ from importlib import metadata, resources
 from importlib.util import find_spec
 from pathlib import Path
 
+from backend.assembly.diagnosis import findings
 from backend.diagnosis import metrics
+from backend.diagnosis.comparison import compare
 
 from . import prose
+from .assumptions import observers
+from .comparing import comparison
+from .diagnosing import diagnosis
 from .scene import Scene
 from .symbols import escape
 
@@ -71,11 +76,14 @@ def report(result, spec, plant, run_meta: Mapping[str, object]) -> str:
     names = figure_names(spec, result.names)
     figures = [figure(result, spec, plant, entry["name"]) for entry in names]
     summary = metrics.summary(result, spec.faults)
+    found = findings(result)
+    compared = compare(result, spec.faults, found)
     drawings = [_section(None, _figure(place, drawn["layout"]["meta"])) for place, drawn in enumerate(figures)]
     parts = [_head(spec), _outcome(scene), _section("Errata of the source", _list(spec.errata)) if spec.errata else "",
              _section("Plant", _plant(plant, spec)), _section("Faults and noise", prose.timeline(scene)),
-             *drawings, _section("Comparison", prose.comparison(scene, summary)) if summary else "",
-             _section("Observers and their assumptions", prose.observers(scene, summary)) if summary else "",
+             _section("Diagnosis", diagnosis(scene, found)) if found else "", *drawings,
+             _section("Comparison", comparison(scene, compared, summary)) if summary else "",
+             _section("Observers and their assumptions", observers(scene)) if summary else "",
              _section("Reproduce", _reproduce(result, spec, run_meta))]
     return _page(escape(spec.title or spec.id), "\n".join(filter(None, parts)), figures)
 

@@ -116,7 +116,9 @@ class Control:
             refusal = messages.of_validation(command.id, error)
         row, columns, ended = session.row, session.columns, session.ended
         rows = room.lookahead.soon(room.pace) if room.pace.moving else 0
-        computed = compute(session, max(rows, 1 - row), room.house.past) if rows or row == 0 else None
+        if row < room.shown or row == 0:
+            rows = max(rows, 1)  # the row at the time that one went back to
+        computed = compute(session, rows, room.house.past()) if rows else None
         return Done(row, columns, ended, events, refusal, computed)
 
     def _done(self, viewer: Viewer, command: Command, done: Done | None, error: Exception | None) -> None:
@@ -142,17 +144,17 @@ class Control:
         room.resume(done.ended)
         for event in done.events:
             screen.tell(event)
-        if done.refusal is None:
-            screen.tell(Spec(spec=room.session.spec), "spec")
         if done.computed is not None:
             room.take(done.computed)
         now = room.house.clock()
         if back or room.frozen:
             room.pace.anchor(room.shown, now)
-        if room.pace.moving or room.shown == 0:
+        if back or room.pace.moving or room.shown == 0:
             # The first row that shows the command goes out with the answer, at most one row before its time.
             due = room.pace.due(now)
-            room.show(max(due, room.shown + 1 if room.shown <= due else 0, 1), now)
+            room.show(max(due, 0 if room.shown > due and room.pace.moving else room.shown + 1), now)
+        if done.refusal is None:  # after the frame: it is long, and nobody waits for it
+            screen.tell(Spec(spec=room.session.spec), "spec")
         if back:
             room.tell_status()
 

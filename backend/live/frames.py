@@ -26,35 +26,35 @@ def narrowed(rows: np.ndarray) -> np.ndarray:
 
 
 class Ahead:
-    """Rows first … end − 1 as float32: those computed ahead, and a few that were shown just now."""
+    """Rows first … end − 1 as float32: those computed ahead, and a few that were shown just now.
+
+    Kept row after row, so that a frame's few rows lie side by side in memory: many sessions do not fit into the cache.
+    """
 
     def __init__(self, row: int, columns: int) -> None:
         self.clear(row, columns)
 
     def clear(self, row: int, columns: int) -> None:
         """Nothing is known; row `row` comes next."""
-        self.first = row
-        self._rows = np.empty((columns, 0), "<f4")
-
-    @property
-    def end(self) -> int:
-        return self.first + self._rows.shape[1]
+        self.first = self.end = row
+        self._rows = np.empty((0, columns), "<f4")
 
     @property
     def columns(self) -> int:
-        return self._rows.shape[0]
+        return self._rows.shape[1]
 
     def append(self, rows: np.ndarray, keep: int) -> None:
         """Add computed rows; what is before row `keep` is forgotten."""
         drop = max(0, min(keep, self.end) - self.first)
-        self._rows = np.concatenate([self._rows[:, drop:], narrowed(rows)], axis=1)
+        self._rows = np.concatenate([self._rows[drop:], np.ascontiguousarray(narrowed(rows).T)])
         self.first += drop
+        self.end = self.first + len(self._rows)
 
     def take(self, first: int, last: int) -> np.ndarray | None:
-        """Rows first … last − 1, or None where they are not all here."""
+        """Columns × rows first … last − 1, or None where they are not all here."""
         if first < self.first or last > self.end:
             return None
-        return self._rows[:, first - self.first : last - self.first]
+        return self._rows[first - self.first : last - self.first].T
 
 
 class Numbers:

@@ -5,13 +5,14 @@ import gc
 import logging
 import secrets
 import sys
+from collections import OrderedDict
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from typing import TYPE_CHECKING
 
 from backend.engine.errors import SpecError
-from backend.live.pacing import Spacing
+from backend.live.pacing import Spacing, Turnstile
 from backend.live.turns import Background, Job, Then, outcome
 from shared import Experiment
 from shared.session import CLOSE_ENDED
@@ -26,11 +27,18 @@ log = logging.getLogger(__name__)
 
 _THREADS = 2  # kernels leave Python's lock; what is around them does not
 _WORKSHOPS = 2
-_CHECKS = 0.1
+_CHECKS = 0.2
 """Seconds between checks of assumptions, of whatever session."""
 _SWITCH = 0.0002
 """Seconds after which a thread lets the event loop go on. Every frame that is sent gives Python's lock away, so at Python's
 own 5 ms a single busy thread (a compilation) would leave 200 frames a second for all sessions together."""
+_TOGETHER = 32
+"""Sessions that may each keep all the samples of the setting ``past``; if there are more, they share that room."""
+_TEMPLATES = 16
+"""Sessions that have their first row only, kept to be copied: most are opened on the same few experiments."""
+_OPENING, _JOINING = 0.012, 0.006
+"""Seconds between two sessions that are opened, two viewers that come: twice what one takes, so that a crowd leaves the
+sessions that play already the time they need."""
 _COLLECT = 900.0
 """Seconds between two times that all memory is searched for what is no longer needed, if sessions were opened."""
 _ROWS = 4096  # asked for at once on the way to a session's first row
@@ -56,6 +64,8 @@ class Hub:
         self._scheduler: Scheduler | None = None
         self._sweep: asyncio.TimerHandle | None = None
         self._frozen, self._collected = False, 0.0
+        self._templates: OrderedDict[str, Session] = OrderedDict()
+        self._doors, self._seats = Turnstile(_OPENING), Turnstile(_JOINING)
 
     def __len__(self) -> int:
         return len(self._rooms)
@@ -71,8 +81,12 @@ class Hub:
 
         Raises :class:`TooMany`, SpecError, and what `read` raises.
         """
-        rows, past = self._settings.session_rows, self._settings.past
-        return await self._open(lambda: _begun(read(), rows, past, t), play, speed)
+        rows, past = self._settings.session_rows, self._past()
+        return await self._open(lambda: _advanced(self._begun(read(), rows), rows, past, t), play, speed)
+
+    async def seated(self) -> None:
+        """Return when the next viewer may come."""
+        await asyncio.sleep(self._seats.wait(asyncio.get_running_loop().time()))
 
     async def fork(self, room: "Room", t: float | None = None) -> "Room":
         """A second session that begins where this one stands, or at an earlier time. Raises :class:`TooMany`."""
@@ -98,9 +112,29 @@ class Hub:
     # --------------------------------------------------------------------------------------------------------------------
 
     async def _open(self, make: Callable[[], "Session"], play: bool, speed: float | None) -> "Room":
+        loop = asyncio.get_running_loop()
         with self._place():
-            session = await asyncio.get_running_loop().run_in_executor(self._workshop, make)
+            await asyncio.sleep(self._doors.wait(loop.time()))
+            session = await loop.run_in_executor(self._workshop, make)
         return self._add(session, play, speed, None)
+
+    def _begun(self, spec: Experiment, limit: int) -> "Session":
+        """A session that has its first row: a copy of one that was opened before, if there was one on the same spec."""
+        from backend.live.session import Session
+
+        key = spec.model_dump_json()
+        found = self._templates.pop(key, None)
+        if found is None:
+            found = Session(spec, limit)
+            found.advance(1)
+        self._templates[key] = found
+        while len(self._templates) > _TEMPLATES:
+            self._templates.popitem(last=False)
+        return found.fork()
+
+    def _past(self) -> int:
+        """Bytes of samples that a session may keep now."""
+        return share(self._settings.past, len(self._rooms))
 
     def _place(self) -> "_Place":
         limit = self._settings.sessions
@@ -137,7 +171,7 @@ class Hub:
         self._house = House(
             clock=self._loop.time, background=self._in(self._threads), workshop=self._in(self._workshop),
             wake=self._scheduler.wake, feed=self._scheduler.feed, may_check=Spacing(_CHECKS, self._loop.time).take,
-            viewers=self._settings.viewers, backlog=self._settings.backlog, past=self._settings.past,
+            viewers=self._settings.viewers, backlog=self._settings.backlog, past=self._past,
         )  # fmt: skip
         sys.setswitchinterval(_SWITCH)
         self._collected = self._loop.time()
@@ -162,6 +196,9 @@ class Hub:
         for room in list(self._rooms.values()):
             if room.empty_since is not None and now - room.empty_since > idle:
                 self.close(room, "nobody has watched the session for long")
+        if self._rooms:
+            gc.freeze()  # what has lived until now: then no collection goes through much
+            self._frozen = True
         if self._frozen and now - self._collected > _COLLECT:
             gc.unfreeze()
             gc.collect()
@@ -183,12 +220,15 @@ class _Place:
         self._hub._opening -= 1
 
 
-def _begun(spec: Experiment, limit: int, past: int, t: float) -> "Session":
-    """A session that has its first row, and all rows up to time t."""
-    from backend.live.lookahead import compute
-    from backend.live.session import Session
+def share(past: int, sessions: int) -> int:
+    """Bytes of samples for each of so many sessions, where a few may keep ``past`` bytes each."""
+    return past * _TOGETHER // max(_TOGETHER, sessions)
 
-    session = Session(spec, limit)
+
+def _advanced(session: "Session", limit: int, past: int, t: float) -> "Session":
+    """The session with all rows up to time t."""
+    from backend.live.lookahead import compute
+
     rows = round(t / session.record) + 1
     if rows > limit:
         raise SpecError("t", t, f"a session has at most {limit:,} rows, that is {limit * session.record:g} s",

@@ -5,7 +5,7 @@ import math
 from backend.assembly.timeline import changed
 from backend.engine.errors import SpecError
 from shared import Experiment
-from shared.commands import AddObserver, RemoveObserver, SetGain, SetNoise, SetSignal, TimedCommand
+from shared.commands import MAX_COMMANDS, AddObserver, RemoveObserver, SetGain, SetNoise, SetSignal, TimedCommand
 from shared.faults import Fault
 from shared.session import (
     AddObserverNow,
@@ -67,10 +67,10 @@ def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
     return spec.model_copy(update={"faults": tuple(kept)})
 
 
-def changed_now(spec: Experiment, command: object, at: float, base: Experiment) -> Experiment:
-    """The spec with a timed command noted at its end. ``base``: the experiment as it is at ``at``, to check it against."""
+def changed_now(spec: Experiment, command: object, at: float, here: Experiment) -> tuple[Experiment, Experiment]:
+    """The spec with a timed command noted at its end, and the experiment as it is from ``at`` on; ``here``: as it was."""
     note = timed(command, at)
-    changed(base, note)
+    after = changed(here, note)
     rest = [c for c in spec.commands if c.at <= at]
     if isinstance(note, SetGain):  # a slider that is dragged: within one row the last value counts
         rest = [
@@ -79,7 +79,21 @@ def changed_now(spec: Experiment, command: object, at: float, base: Experiment) 
             if not (isinstance(c, SetGain) and c.at == at and (c.observer, c.gain) == (note.observer, note.gain))
         ]
     later = [c for c in spec.commands if c.at > at]
-    return spec.model_copy(update={"commands": (*rest, note, *later)})
+    return spec.model_copy(update={"commands": (*rest, note, *later)}), after
+
+
+def checked(spec: Experiment, before: Experiment) -> Experiment:
+    """A spec whose faults or commands differ from those ``before``; figures are not looked at, which they do not concern.
+
+    Raises SpecError, or pydantic.ValidationError.
+    """
+    if spec.faults is before.faults:  # commands are checked where they are carried out; their order is right
+        if len(spec.commands) > MAX_COMMANDS:
+            raise SpecError("commands", len(spec.commands), f"an experiment has at most {MAX_COMMANDS} timed commands",
+                            "save the session, and go on in another")  # fmt: skip
+        return spec
+    complete = spec.model_copy(update={"figures": ()}).with_plant(spec.plant)
+    return complete.model_copy(update={"figures": spec.figures})
 
 
 def given_up_from(spec: Experiment, start: Experiment, t: float) -> Experiment:

@@ -17,10 +17,12 @@ SHORTEST, LONGEST = 4 * FRAME, 8.0
 
 LIGHT = 0.004
 """Seconds of work that the event loop may do itself: in a thread, Python's lock would keep the others waiting as long."""
+PIECE = 0.002
+"""Of them, seconds for the rows: beyond that, a longer call is hardly cheaper by the row, and a command waits longer."""
 SLICE = 0.010
 """Seconds of work in a thread, so that a command or another session need not wait long."""
-MARGIN = 0.3
-"""Seconds that may pass until a thread has computed what is shown next; on the event loop half of SHORTEST is enough."""
+MARGIN = 0.5
+"""Seconds that may pass until what is shown next has been computed, as many sessions may ask for it at the same time."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,10 @@ class Lookahead:
         """Rows to compute with a command, so that the first frames after it are there at once."""
         return min(pace.rows_in(SHORTEST), self._cost.rows(LIGHT))
 
+    def enough(self, left: int) -> bool:
+        """Whether so many rows are enough for now, whatever else is asked: a quick answer for every frame."""
+        return left > self._low
+
     def wanted(self, pace: Pace, left: int, most: int) -> tuple[int, bool] | None:
         """How many rows to compute, and whether in a thread; None: enough are `left`. `most`: rows of one frame."""
         if pace.target is not None or pace.speed is None:
@@ -99,7 +105,7 @@ class Lookahead:
             return None
         frame = pace.rows_in(FRAME)
         long = self._cost.seconds(frame) > LIGHT
-        whole = min(pace.rows_in(self._reach), 64 * most, self._cost.rows(SLICE if long else LIGHT))
+        whole = min(pace.rows_in(self._reach), 64 * most, self._cost.rows(SLICE if long else PIECE))
         # Asked for while there is still something to show, so that it may wait for a free moment.
-        self._low = max(frame, min(pace.rows_in(MARGIN if long else SHORTEST / 2), whole // 2))
+        self._low = max(frame, min(pace.rows_in(MARGIN), whole // 2))
         return (whole - left, long) if left <= self._low and whole > left else None

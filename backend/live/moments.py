@@ -2,13 +2,15 @@
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from backend.engine.simulation import State
-from backend.live.alarms import Alarms
+from backend.diagnosis.watcher import Watched
+from backend.engine.simulation import Rows, Simulation, State
+from backend.engine.spread import Spreads
 from backend.live.view import View
+from backend.live.watch import bare
 
 _RECENT = 6  # whole moments kept, for going back over rows that nobody has seen
 _BLOCKS = 2  # of them, with the columns of the rows that follow
@@ -23,16 +25,29 @@ class Moment:
     state: State
     stage: int
     view: View | None  # None in a bare moment: a view is found again by advancing from an earlier row
-    alarms: Alarms
+    watched: Watched | None
     told: int  # events in the log
+    spreads: Spreads = field(default_factory=dict)  # of a bare moment; else the view has them
 
 
 @dataclass(frozen=True)
 class Block:
-    """The columns of the rows from ``first`` on, where a moment is: columns × rows."""
+    """The rows from ``first`` on, where a moment is: their columns (columns × rows), and what they were made of."""
 
     first: int
     data: np.ndarray
+    recorded: Rows
+
+    def until(self, row: int) -> "Block":
+        """The rows before a row."""
+        count = row - self.first
+        return Block(self.first, self.data[:, :count], self.recorded.part(0, count))
+
+    def state_at(self, row: int, start: State, simulation: Simulation) -> State:
+        """The state at a row in the block, or just after it; ``start``: at its beginning."""
+        count = row - self.first
+        known = simulation.state_at(start, self.recorded, count) if count < self.data.shape[1] else None
+        return known or simulation.advance(start, count * simulation.experiment.every)[0]
 
 
 class Moments:
@@ -46,19 +61,19 @@ class Moments:
     def remember(self, moment: Moment) -> None:
         self._recent.append(moment)
         if not self._bare or moment.row > self._bare[-1].row:
-            self._bare.append(replace(moment, view=None))
+            spreads = moment.view.spreads if moment.view else moment.spreads
+            self._bare.append(replace(moment, view=None, spreads=spreads, watched=bare(moment.watched)))
             if len(self._bare) > _KEPT:
                 self._bare = self._bare[:1] + self._bare[1::2]
 
-    def keep(self, first: int, data: np.ndarray) -> None:
-        """Keep the columns of rows that came after a whole moment."""
-        self._blocks.append(Block(first, data))
+    def keep(self, block: Block) -> None:
+        """Keep the rows that came after a whole moment."""
+        self._blocks.append(block)
 
-    def known(self, first: int, row: int) -> np.ndarray | None:
-        """The columns of rows first … row − 1, if they are kept and all there."""
-        blocks = (b.data for b in reversed(self._blocks) if b.first == first)
-        data = next(blocks, None)
-        return None if data is None or not first < row <= first + data.shape[1] else data[:, : row - first]
+    def known(self, first: int, row: int) -> Block | None:
+        """The block that begins at row ``first``, if it is kept and reaches to ``row``."""
+        block = next((b for b in reversed(self._blocks) if b.first == first), None)
+        return block if block is not None and first < row <= first + block.data.shape[1] else None
 
     def whole(self, row: int) -> Moment | None:
         """The latest whole moment at or before a row."""
@@ -72,7 +87,7 @@ class Moments:
         """Forget what came at or after a row."""
         self._recent = deque((m for m in self._recent if m.row < row), maxlen=_RECENT)
         self._bare = [m for m in self._bare if m.row <= row]
-        kept = (Block(b.first, b.data[:, : row - b.first]) for b in self._blocks if b.first < row)
+        kept = (b.until(row) for b in self._blocks if b.first < row)
         self._blocks = deque(kept, maxlen=_BLOCKS)
 
     def copy(self) -> "Moments":

@@ -7,15 +7,14 @@ far behind jumps.
 """
 
 from collections.abc import Hashable
-from dataclasses import dataclass
+from typing import NamedTuple
 
 MAX_TEXTS = 2000
 MAX_CHARACTERS = 8 * 1024**2
 """Texts that may wait for a viewer. A connection that takes none of them for so long is closed."""
 
 
-@dataclass(frozen=True)
-class Span:
+class Span(NamedTuple):
     """Rows first … last − 1."""
 
     first: int

@@ -124,3 +124,16 @@ class Spacing:
             return False
         self._last = now
         return True
+
+
+class Turnstile:
+    """Lets one after the other through, seconds apart at least: whoever comes alone passes at once, a crowd is spread."""
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds, self._next = seconds, -inf
+
+    def wait(self, now: float) -> float:
+        """Take the next place; the seconds until it is there."""
+        at = max(now, self._next)
+        self._next = at + self._seconds
+        return at - now

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from backend.live.advice import diagnosis
 from backend.live.control import Control
 from backend.live.lookahead import Computed, Lookahead, compute
 from backend.live.pacing import Pace, Rate
@@ -21,7 +22,7 @@ from backend.live.screen import Screen
 from backend.live.turns import Background, Turns
 from backend.live.viewer import Viewer
 from shared import Experiment
-from shared.session import Assumptions, Event, Hello, Status
+from shared.session import Assumptions, DiagnosisNow, Event, Hello, Status
 
 if TYPE_CHECKING:
     from backend.live.session import Session
@@ -48,7 +49,7 @@ class House:
     """What a room needs of the outside.
 
     clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room):
-    fill when there is time. may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind.
+    fill when there is time. may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind; past: those that a session may keep.
     """
 
     clock: Callable[[], float]
@@ -59,7 +60,7 @@ class House:
     may_check: Callable[[], bool]
     viewers: int
     backlog: int
-    past: int
+    past: Callable[[], int]
 
 
 class Room:
@@ -212,25 +213,29 @@ class Room:
             return None
         if not self.frozen:
             due = self.pace.due(now)
-            if due > self.shown + self.screen.left:
+            if due > self.screen.end:
                 self.fill()
             self.show(due, now)
-            if self._wanted() is not None:
+            if not self.lookahead.enough(self.screen.left) and self._wanted() is not None:
                 self.house.feed(self)
         if now - self._told >= STATUS:
             self.rate.look(self.shown, now, self.session.record)
             self.tell_status()
             self._check(CHECKS)
-        return self.pace.next(self.shown, at, now)
+        return self.pace.next(self.screen.shown, at, now)
 
     def show(self, due: float, now: float) -> None:
         """Show the rows that are due, as far as they are there; the clock waits for the others."""
-        self.screen.show(int(min(due, self.shown + self.screen.most)))
-        if due > self.shown and self.pace.playing:
-            self.pace.anchor(self.shown, now)
-        self.pace.reached(self.shown)
-        if self.ended and self.pace.moving:
-            self.pace.pause()
+        screen, pace = self.screen, self.pace
+        screen.show(due)
+        if due > screen.shown and pace.playing:
+            pace.anchor(screen.shown, now)
+        if pace.target is not None:
+            pace.reached(screen.shown)
+            if not pace.moving:
+                self.tell_status()
+        if self._finished and self.ended and pace.moving:
+            pace.pause()
             self.tell_status()
 
     def fill(self) -> None:
@@ -238,7 +243,7 @@ class Room:
         wanted = self._wanted()
         if wanted is not None:
             self._filling = True
-            self.turns.do(partial(_timed, self.session, wanted[0], self.house.past), self._filled, wanted[1])
+            self.turns.do(partial(_timed, self.session, wanted[0], self.house.past()), self._filled, wanted[1])
 
     def _wanted(self) -> tuple[int, bool] | None:
         """How many rows to compute ahead now, and whether in a thread."""
@@ -264,8 +269,6 @@ class Room:
         if hurried and not self.frozen:
             if self.pace.target is not None:
                 self.show(self.pace.target, self.house.clock())
-                if not self.pace.moving:
-                    self.tell_status()
             self.fill()
 
     def take(self, computed: Computed) -> None:
@@ -300,14 +303,14 @@ class Room:
         if copy is None:
             self._tell_checks(None, error)
         else:
-            self.house.workshop(copy.assumptions, self._tell_checks)
+            self.house.workshop(lambda: [*copy.assumptions(), diagnosis(copy)], self._tell_checks)
 
-    def _tell_checks(self, found: list[Assumptions] | None, error: Exception | None) -> None:
+    def _tell_checks(self, found: list[Assumptions | DiagnosisNow] | None, error: Exception | None) -> None:
         self._checked, self._checking = self.house.clock(), False
         if error is not None:
             log.error("the assumptions of session %s cannot be checked", self.id, exc_info=error)
         for one in found or []:
-            self.screen.tell(one, f"assumptions {one.observer}")
+            self.screen.tell(one, one.type if isinstance(one, DiagnosisNow) else f"assumptions {one.observer}")
 
 
 def _timed(session: "Session", rows: int, past: int) -> tuple[Computed, float]:

@@ -9,16 +9,23 @@ import logging
 from collections.abc import Callable
 from heapq import heappop, heappush
 from itertools import count
+from math import ceil, inf
 
+from backend.live.pacing import FRAME
 from backend.live.room import Room
 
 log = logging.getLogger(__name__)
 
 SHARE = 0.002
 """Seconds after which the event loop gets its turn, so that commands are read however many frames are due."""
+SLOT, FEW = FRAME / 8, 20
+"""Where there are more than a few rooms, those whose frames are due within such a slot are called together at its end:
+waking up for each would cost as much as its frame. A frame's time is a whole number of slots, so every room keeps its beat."""
+_TINY = 1e-6  # s, for the rounding of times
 PAUSE = 0.002
-"""Seconds between two rooms that compute ahead: a command passes the event loop several times, and is to wait for one
-of them at most."""
+"""Seconds between two rooms that compute ahead."""
+TURNS = 2
+"""Turns of the event loop before a room computes ahead: so many it takes from a socket to the command's being carried out."""
 
 
 class Scheduler:
@@ -60,7 +67,11 @@ class Scheduler:
 
     def _arm(self) -> None:
         if self._due and not self._stopped:
-            at = min(self._due[0][0], self._feeding) if self._hungry else self._due[0][0]
+            at = self._due[0][0]
+            if len(self._when) > FEW:
+                at = ceil((at - _TINY) / SLOT) * SLOT
+            if self._hungry:
+                at = min(at, self._feeding)
             if self._timer is not None:
                 if self._timer.when() <= at and not self._timer.cancelled():
                     return
@@ -71,25 +82,33 @@ class Scheduler:
         self._timer, self._running = None, True
         begin = now = self._loop.time()
         try:
-            while self._due and self._due[0][0] <= now and now - begin < SHARE:
+            while self._due and self._due[0][0] <= now + _TINY and now - begin < SHARE:
                 at, _, room = heappop(self._due)
                 if self._when.get(room) == at:
                     del self._when[room]
-                    self._tick(room, at)
+                    following = self._guarded(room, room.tick, at)
+                    if following is not None:
+                        self.wake(room, following)
                 now = self._loop.time()
-            if self._hungry and now >= self._feeding and (not self._due or self._due[0][0] > now):
-                room = next(iter(self._hungry))
-                del self._hungry[room]
-                self._guarded(room, room.fill)
-                self._feeding = self._loop.time() + PAUSE
+            if self._hungry and now >= self._feeding and (not self._due or self._due[0][0] > now + _TINY):
+                self._feeding = inf
+                self._loop.call_soon(self._give_way, TURNS)
         finally:
             self._running = False
             self._arm()
 
-    def _tick(self, room: Room, at: float) -> None:
-        following = self._guarded(room, room.tick, at)
-        if following is not None:
-            self.wake(room, following)
+    def _give_way(self, turns: int) -> None:
+        """Let commands that have come, or are on their way through the event loop, be carried out before a room computes."""
+        if turns > 0:
+            self._loop.call_soon(self._give_way, turns - 1)
+            return
+        room = next(iter(self._hungry), None)
+        if room is not None:
+            del self._hungry[room]
+            self._guarded(room, room.fill)
+        self._feeding = self._loop.time() + PAUSE
+        if not self._running:
+            self._arm()
 
     def _guarded(self, room: Room, work: Callable[..., float | None], *given: float) -> float | None:
         """Do something with a room; if it fails the others go on."""

@@ -29,6 +29,11 @@ class Screen:
         self._latest: tuple[Span, int, bytes] | None = None
 
     @property
+    def end(self) -> int:
+        """The row after the last that can be shown at once."""
+        return self._ahead.end
+
+    @property
     def left(self) -> int:
         """Rows that can be shown at once."""
         return self._ahead.end - self.shown
@@ -54,9 +59,10 @@ class Screen:
         else:
             self._ahead.append(computed.rows, self.shown - _KEPT)
 
-    def show(self, last: int) -> None:
-        """Show rows up to `last` − 1, as far as they are there and fit into a frame."""
-        first, last = self.shown, min(last, self._ahead.end, self.shown + self.most)
+    def show(self, due: float) -> None:
+        """Show rows up to `due` − 1, as far as they are there and fit into a frame."""
+        first = self.shown
+        last = int(min(due, self._ahead.end, first + self.most))
         if last > first:
             if self._events:
                 self._tell_events(last)
@@ -66,7 +72,8 @@ class Screen:
             self._latest = Span(first, last), self.epoch, data
             for viewer in self.viewers:
                 viewer.frame(data, first, last)
-        self._switch()
+        if self._following is not None:
+            self._switch()
 
     def restart(self, columns: tuple[str, ...], row: int) -> None:
         """What was computed ahead is void, and perhaps rows that were shown, and the columns may be others."""

@@ -5,25 +5,30 @@ their times, timed commands), so that ``spec`` run as an ordinary run gives the 
 """
 
 from dataclasses import replace
+from itertools import takewhile
 
 import numpy as np
+from pydantic import ValidationError
 
+from backend.assembly.adapt import adapted
 from backend.assembly.prepare import engine, prepare
 from backend.engine.errors import SpecError
-from backend.engine.graph import variables
-from backend.engine.run import allowed, needed_substeps
+from backend.engine.run import needed_substeps
 from backend.engine.simulation import Experiment as Engine
 from backend.engine.simulation import Simulation
 from backend.engine.stability import MOST_SUBSTEPS
 from backend.engine.timeline import Stage, carry
 from backend.live import log as words
-from backend.live.alarms import Alarms
-from backend.live.moments import Moment, Moments
+from backend.live.gains import check_moves, substeps_at
+from backend.live.moments import Block, Moment, Moments
 from backend.live.past import Past
 from backend.live.view import View
+from backend.live.watch import Watch, pinned
 from shared import Experiment
 from shared.commands import AddObserver, SetSubsteps
 from shared.session import AddObserverNow, Assumptions, Clear, Event, Inject, Reset, Seek, SetGainNow
+
+_AT_ONCE = 30  # rows
 
 
 class Session:
@@ -32,8 +37,7 @@ class Session:
     def __init__(self, spec: Experiment, horizon_rows: int = 1_000_000):
         prepared = prepare(spec)
         self.spec = spec.with_plant(prepared.plant)
-        if self.spec.substeps is None:
-            self.spec = self.spec.model_copy(update={"substeps": 1})
+        self.spec = self.spec.model_copy(update={"substeps": self.spec.substeps or 1, "diagnosis": pinned(self.spec)})
         self._start = self.spec
         self._horizon = horizon_rows
         self.epoch = 0
@@ -46,28 +50,30 @@ class Session:
         self.step, self._every = first.step, first.every
         self.record = first.every * first.step
         self.past, self.log, self._new = Past(), [], []
+        self._bare: tuple[Experiment, int, Experiment] | None = None  # see _without_commands
         self.ended = False
         self._advances = 1  # since the last change, and one
         self._again = False  # rows are found again that were checked before
         self._moments = Moments()
-        self._now = Moment(0, Simulation(first).initial(), 0, View.opening(first, 0), Alarms(), 0)
-        self.columns = self._now.view.columns
+        self.watch = Watch.over(self.spec, first)
+        self.now = Moment(0, Simulation(first).initial(), 0, View.opening(first, 0), self.watch.begin(), 0)
+        self.columns = self.now.view.columns
 
     # ---- where it stands ---------------------------------------------------------------------------------------------
 
     @property
     def row(self) -> int:
         """Rows produced so far: the number of the next one."""
-        return self._now.row
+        return self.now.row
 
     @property
     def t(self) -> float:
-        return self._now.row * self.record
+        return self.now.row * self.record
 
     @property
     def experiment(self) -> Engine:
         """The engine's experiment as it is now."""
-        return self._stages[self._now.stage].experiment
+        return self._stages[self.now.stage].experiment
 
     def rows(self, first: int, last: int) -> np.ndarray:
         """Recorded rows of the present past in the present columns: float32, columns × rows."""
@@ -80,7 +86,7 @@ class Session:
 
     def assumptions(self) -> list[Assumptions]:
         """The checks of every observer's theorem over its last rows."""
-        return self._now.view.assumptions(self.experiment)
+        return self.now.view.assumptions(self.experiment)
 
     # ---- advancing ---------------------------------------------------------------------------------------------------
 
@@ -88,7 +94,7 @@ class Session:
         """Advance by up to ``rows`` rows (to where columns change, or the end): what is recorded, columns × rows."""
         self._enter_stage()
         target = min(self.row + rows, self._horizon)
-        following = self._stages[self._now.stage + 1 :]
+        following = self._stages[self.now.stage + 1 :]
         boundary = min((s.k // self._every for s in following), default=target)
         count = max(0, min(target, max(boundary, self.row + (0 if target == self.row else 1))) - self.row)
         if self.ended or count == 0:
@@ -97,29 +103,31 @@ class Session:
         return self._advance(count)
 
     def _advance(self, count: int) -> np.ndarray:
-        now, experiment = self._now, self.experiment
+        now, experiment = self.now, self.experiment
         self._moments.remember(now)
         substeps = self._substeps
         state, recorded = Simulation(experiment, substeps, remember=True).advance(now.state, count * self._every)
-        # it takes as long as the rest together: often after a change, now and then otherwise
+        # it takes as long as the rest together: often after a change, but not for the few rows that are wanted at once;
+        # now and then otherwise
         self._advances += 1
-        if not self._again and (2 <= self._advances <= 5 or self._advances % 16 == 0):
+        due = 2 + (count <= _AT_ONCE) <= self._advances <= 5 or self._advances % 16 == 0
+        if due and not self._again:
             needed = needed_substeps(experiment, recorded)
             if needed > substeps:
                 self._take_substeps(min(MOST_SUBSTEPS, needed))
                 return self._advance(count)
         view, data = now.view.extended(experiment, recorded)
-        alarms, found = view.watch(now.alarms, experiment, data, now.row, self.record, self.spec)
+        watched, found = (now.watched, []) if view.plant_lost else self.watch.seen(now.watched, experiment, recorded, self.record)
         scheduled = words.scheduled(self.spec, self.log, now.row, now.row + count, self.record)
         found = [*scheduled, *found, *view.lost_since(now.view, now.row, self.record)]
         found.sort(key=lambda e: e.row)
         self.past.append(self.columns, data)
         self.log += found
         self._new += found
-        self._now = Moment(now.row + count, state, now.stage, view, alarms, len(self.log))
+        self.now = Moment(now.row + count, state, now.stage, view, watched, len(self.log))
         self.ended = view.plant_lost or self.row >= self._horizon
         if not view.plant_lost and (view.lost or {}) == (now.view.lost or {}):
-            self._moments.keep(now.row, data)
+            self._moments.keep(Block(now.row, data, recorded))
         return data
 
     @property
@@ -128,16 +136,16 @@ class Session:
 
     def _enter_stage(self) -> None:
         """Pass to the stage that holds from this row on (its observers start here)."""
-        k = self._now.row * self._every
-        index = self._now.stage
+        k = self.now.row * self._every
+        index = self.now.stage
         while index + 1 < len(self._stages) and self._stages[index + 1].k <= k:
             old, new = self._stages[index].experiment, self._stages[index + 1].experiment
             index += 1
-            state = carry(self._now.state, old, new)
-            view = self._now.view.carried(new, self._now.row)
-            self._now = replace(self._now, state=state, stage=index, view=view)
-        if self._now.view.columns != self.columns:
-            self.columns = self._now.view.columns
+            state = carry(self.now.state, old, new)
+            view = self.now.view.carried(new, self.now.row)
+            self.now = replace(self.now, state=state, stage=index, view=view)
+        if self.now.view.columns != self.columns:
+            self.columns = self.now.view.columns
             self.epoch += 1
 
     def _take_substeps(self, substeps: int) -> None:
@@ -145,7 +153,9 @@ class Session:
         note = SetSubsteps(at=self.t, substeps=substeps)
         earlier = [c for c in self.spec.commands if c.at <= self.t]
         later = [c for c in self.spec.commands if c.at > self.t]
-        self._adopt(self.spec.model_copy(update={"commands": (*earlier, note, *later)}))
+        before = self._without_commands()
+        here = before.model_copy(update={"substeps": substeps})
+        self._adopt(self.spec.model_copy(update={"commands": (*earlier, note, *later)}), here, before)
 
     # ---- commands ----------------------------------------------------------------------------------------------------
 
@@ -153,7 +163,7 @@ class Session:
         """Carry out a command of shared.session (all but play, pause, step and speed) at the present row.
 
         Gives what happened, and whether the past or the columns changed (a new epoch). Raises SpecError, and then
-        nothing has changed.
+        nothing has changed, or ValidationError for a spec that is too much.
         """
         if isinstance(command, Reset):
             self.spec = self._start
@@ -165,7 +175,7 @@ class Session:
         before = dict(self.__dict__)
         try:
             self._change(command)
-        except SpecError:
+        except (SpecError, ValidationError):
             self.__dict__.update(before)
             raise
         return [self._noted(words.event(command, self.row, self.t))], self.epoch != before["epoch"]
@@ -173,65 +183,59 @@ class Session:
     def _change(self, command: object) -> None:
         """Take over what a command asks for. Raises SpecError, perhaps half way."""
         self._enter_stage()
+        here = self._without_commands()
         if isinstance(command, Inject):
             spec = words.injected(self.spec, command, self.t)
+            here = here.model_copy(update={"faults": spec.faults})
         elif isinstance(command, Clear):
             spec = words.cleared(self.spec, command, self.t)
+            here = here.model_copy(update={"faults": spec.faults})
         else:
-            self._check_gain(command)
-            spec = words.changed_now(self.spec, command, self.t, words.without_commands(self.spec, self.t))
-        self._adopt(spec)
-        self._refuse_too_stiff(command)
+            if isinstance(command, SetGainNow):
+                check_moves(self.experiment, command)
+            spec, here = words.changed_now(self.spec, command, self.t, here)
+        self._adopt(spec, here, self._without_commands())
+        if isinstance(command, SetGainNow):
+            needed = substeps_at(self.experiment, self._substeps, self.now.state, self.now.view.last_measured)
+            if needed > self._substeps:
+                self._take_substeps(needed)
         if not isinstance(command, AddObserverNow | SetGainNow):  # others make no observer stiff at once
             self._advances = 0
 
     def _noted(self, event: Event) -> Event:
         self.log.append(event)
-        self._now = replace(self._now, told=len(self.log))
+        self.now = replace(self.now, told=len(self.log))
         return event
 
-    def _check_gain(self, command: object) -> None:
-        if not isinstance(command, SetGainNow):
-            return
-        for estimator in self.experiment.estimators:
-            if estimator.label == command.observer:
-                program = estimator.program
-                moving = {n.split(".")[1] for n in variables(program.graph, program.update) if n.startswith("g.")}
-                known = {g.name for g in estimator.kind.gains}
-                if command.gain in known and command.gain not in moving:
-                    raise SpecError("gain", command.gain, "this gain acts at the start, or on what is shown, only",
-                                    "remove the observer and add it with the gain you want")  # fmt: skip
+    def _without_commands(self) -> Experiment:
+        """The experiment as it is in the present stage, and without timed commands; found once a stage."""
+        known = self._bare
+        if known is None or known[0] is not self.spec or known[1] != self.now.stage:
+            known = self._bare = self.spec, self.now.stage, words.without_commands(self.spec, self.t)
+        return known[2]
 
-    def _adopt(self, spec: Experiment) -> None:
-        """Take over a spec that differs from this row on: the stages before stay as they are."""
-        complete = spec.with_plant(spec.plant)
+    def _adopt(self, spec: Experiment, here: Experiment, before: Experiment | None) -> None:
+        """Take over a spec that differs from this row on: the stages before stay as they are.
+
+        ``here``: the experiment as it is from this row on, without timed commands; ``before``: as it was in the present
+        stage, if that is known.
+        """
+        complete = words.checked(spec, self.spec)
         self._advances = 1
-        k = self._now.row * self._every
-        current = self._stages[self._now.stage]
-        since = {e.label: e.since for e in current.experiment.estimators}
-        later = [c for c in complete.commands if round(c.at / self.step) > k]
-        self.spec = complete
-        here = words.without_commands(self.spec, self.t)
-        for command in complete.commands:
+        k = self.now.row * self._every
+        current = self._stages[self.now.stage].experiment
+        since = {e.label: e.since for e in current.estimators}
+        newest = list(takewhile(lambda c: round(c.at / self.step) >= k, reversed(complete.commands)))
+        for command in newest:
             if isinstance(command, AddObserver) and round(command.at / self.step) == k:
                 since[command.observer.label] = k
-        changed = engine(here, since)
-        kept = self._stages[: self._now.stage + 1]
-        stage = Stage(k, changed)
-        self._stages = [*kept, stage]
-        if later:
+        changed = engine(here, since) if before is None else adapted(here, since, before, current)
+        self._stages = [*self._stages[: self.now.stage + 1], Stage(k, changed)]
+        if newest and round(newest[0].at / self.step) > k:
             self._stages += [s for s in prepare(complete).stages if s.k > k]
+        self.spec = complete
         self._enter_stage()
-
-    def _refuse_too_stiff(self, command: object) -> None:
-        """A gain that no allowed substep could follow is refused before time goes on."""
-        if not isinstance(command, SetGainNow):
-            return
-        _, rows = Simulation(self.experiment, self._substeps).advance(self._now.state, 1)
-        needed = needed_substeps(self.experiment, rows) if len(rows.index) else 1
-        if needed > self._substeps:
-            allowed(self.experiment, needed)
-            self._take_substeps(needed)
+        self._bare = complete, self.now.stage, here
 
     # ---- going back --------------------------------------------------------------------------------------------------
 
@@ -246,12 +250,12 @@ class Session:
         spec, stages = self.spec, self._stages
         log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
         past, known = self.past.cut(row), self._moments.known(base.row, row)
-        self._now, self.ended = base, False
+        self.now, self.ended = base, False
         self._moments.cut(row)
         self.past, self.log = self.past.cut(base.row), self.log[: base.told]
         self.columns = base.view.columns
         if known is not None:
-            self._recall(known)
+            self._recall(known, row)
         self._again = True
         while self.row < row:
             self.advance(row - self.row)
@@ -259,24 +263,22 @@ class Session:
         self.past, self.log = past, log
         self._new = [e for e in self._new if e.row < row]
         self.spec, self._stages = spec, stages
-        self._now = replace(self._now, told=len(log))
+        self.now = replace(self.now, told=len(log))
 
-    def _recall(self, data: np.ndarray) -> None:
-        """Advance over rows whose columns are known: only the states are computed again."""
-        now, experiment = self._now, self.experiment
-        count = data.shape[1]
+    def _recall(self, known: Block, row: int) -> None:
+        """Advance to a row over rows that are known."""
+        now, experiment, block = self.now, self.experiment, known.until(row)
         simulation = Simulation(experiment, self._substeps, remember=True)
-        state, recorded = simulation.advance(now.state, count * self._every)
-        view = now.view.continued(experiment, recorded)
-        alarms, _ = view.watch(now.alarms, experiment, data, now.row, self.record, self.spec)
-        self._now = Moment(now.row + count, state, now.stage, view, alarms, now.told)
+        view = now.view.continued(experiment, block.recorded)
+        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, self.record)
+        self.now = Moment(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
 
     def _found(self, row: int) -> Moment:
         """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""
-        start = Moment(0, Simulation(self._stages[0].experiment).initial(), 0, None, Alarms(), 0)
+        start = Moment(0, Simulation(self._stages[0].experiment).initial(), 0, None, self.watch.begin(), 0)
         for moment in (*self._moments.bare(row), start):
             experiment = self._stages[moment.stage].experiment
-            begin = View.resumable(experiment, moment.row, row)
+            begin = View.resumable(experiment, moment.row, row, moment.spreads)
             if begin is not None:
                 return replace(moment, view=begin)
         return replace(start, view=View.opening(self._stages[0].experiment, 0))
@@ -291,8 +293,8 @@ class Session:
         self._new = []
         kept = [s for s in self._stages if s.k < row * self._every] or self._stages[:1]
         self._stages = kept
-        self._now = replace(self._now, stage=min(self._now.stage, len(kept) - 1), told=len(self.log))
-        self._adopt(spec)
+        self.now = replace(self.now, stage=min(self.now.stage, len(kept) - 1), told=len(self.log))
+        self._adopt(spec, words.without_commands(spec, self.t), None)
         self.epoch += 1
         return [self._noted(Event(row=row, t=t, kind="rewound", text=f"back to {t:g} s"))]
 

@@ -3,18 +3,17 @@
 The columns are made by the very functions that a run uses, on the tail and the new rows together, so they are the run's.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 
 import numpy as np
 
 from backend.engine.gather import finite_rows, observer_columns, plant_columns, plant_values
 from backend.engine.observers.base import Observed
-from backend.engine.simulation import Estimator, Rows
+from backend.engine.simulation import Estimator, Rows, row_values
 from backend.engine.simulation import Experiment as Engine
+from backend.engine.spread import Spreads, has_spread, sigma_columns
 from backend.engine.timeline import Life, lives
-from backend.live.alarms import Alarms, Seen, watch
-from shared import Experiment
 from shared.run import AssumptionCheck
 from shared.session import Assumptions, Event
 
@@ -30,6 +29,7 @@ class View:
     parts: Parts = ()
     lost: dict[str, str] | None = None
     plant_lost: bool = False
+    spreads: Spreads = field(default_factory=dict)  # after the newest row
 
     @classmethod
     def opening(cls, experiment: Engine, row: int) -> "View":
@@ -37,17 +37,22 @@ class View:
         return cls(columns_of(experiment), row, (), {})
 
     @classmethod
-    def resumable(cls, experiment: Engine, row: int, until: int) -> "View | None":
+    def resumable(cls, experiment: Engine, row: int, until: int, spreads: Spreads) -> "View | None":
         """A view that begins at ``row`` and is right from ``until`` on; None if the windows need rows before that."""
         if row > _tail_start(experiment, until):
             return None
-        return cls.opening(experiment, row)
+        return replace(cls.opening(experiment, row), spreads=spreads)
 
     def carried(self, experiment: Engine, row: int) -> "View":
         """The view when another experiment goes on from a row."""
         present = {e.label for e in experiment.estimators if e.since // experiment.every < row}
         lost = {label: why for label, why in (self.lost or {}).items() if label in present}
         return replace(self, columns=columns_of(experiment), lost=lost)
+
+    @property
+    def last_measured(self) -> np.ndarray | None:
+        """y in the newest row, if there is one."""
+        return self.parts[-1][1].y[-1] if self.parts and len(self.parts[-1][1].y) else None
 
     def extended(self, experiment: Engine, rows: Rows) -> tuple["View", np.ndarray]:
         """The view with the newest rows, and their columns (columns × rows)."""
@@ -62,17 +67,25 @@ class View:
         columns = {n: c[-count:] for n, c in plant_columns(experiment, values, plant, y).items()}
         lost = dict(self.lost or {})
         for life in self._present(parts, experiment):
-            more, report = observer_columns(life, values, y, ended, check=False, first_row=self.first)
+            more, report = observer_columns(
+                life, values, y, ended, check=False, first_row=self.first, wanted=len(plant) - count
+            )
             columns |= {f"{life.label}.{n}": c[-count:] for n, c in more.items()}
             if report.diverged is not None and life.label not in lost:
                 lost[life.label] = report.diverged.cause
+        newest = {n: v[-count:] if np.ndim(v) else v for n, v in values.items()}
+        sure, spreads = sigma_columns(experiment, rows, newest, self.spreads) if count else ({}, self.spreads)
+        columns |= {n: np.where(np.isfinite(columns[n.replace(".sigma.", ".theta.", 1)]), c, np.nan) for n, c in sure.items()}
         data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
         plant_lost = self.plant_lost or ended < len(plant)
-        return replace(self, parts=parts, lost=lost, plant_lost=plant_lost)._trimmed(experiment), data
+        after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=spreads)
+        return after._trimmed(experiment), data
 
     def continued(self, experiment: Engine, rows: Rows) -> "View":
         """The view with rows whose columns are known, and in which nothing is lost."""
-        return replace(self, parts=_with(self.parts, experiment, self._without_lost(experiment, rows)))._trimmed(experiment)
+        rows = self._without_lost(experiment, rows)
+        _, spreads = sigma_columns(experiment, rows, row_values(experiment, rows.index, rows.plant), self.spreads)
+        return replace(self, parts=_with(self.parts, experiment, rows), spreads=spreads)._trimmed(experiment)
 
     def _present(self, parts: Parts, experiment: Engine) -> list[Life]:
         """The lives of the observers that watch now, in their order."""
@@ -95,36 +108,11 @@ class View:
         while parts and first + len(parts[0][1].index) <= start:
             first += len(parts.pop(0)[1].index)
         if parts and first < start:
-            e, r = parts[0]
-            cut = start - first
-            parts[0] = (e, Rows(r.index[cut:], r.plant[cut:], r.y[cut:], tuple(o[cut:] for o in r.observers)))
+            parts[0] = (parts[0][0], parts[0][1].part(start - first))
             first = start
         return replace(self, parts=tuple(parts), first=first)
 
     # ---- what is said about it ---------------------------------------------------------------------------------------
-
-    def watch(
-        self, state: Alarms, experiment: Engine, data: np.ndarray, row: int, record: float, spec: Experiment
-    ) -> tuple[Alarms, list[Event]]:
-        """The alarms after the newest rows, and those that went on or off."""
-        events: list[Event] = []
-        where = {n: i for i, n in enumerate(self.columns)}
-        typical = {c.name: abs(c.typical) for c in spec.plant.channels}
-        for estimator in experiment.estimators:
-            channels = tuple(c for c in estimator.channels if f"{estimator.label}.sigma.{c}" in where)
-            if not channels or estimator.label in (self.lost or {}):
-                continue
-            seen = Seen(
-                estimator.label,
-                channels,
-                data[[where[f"{estimator.label}.theta.{c}"] for c in channels]],
-                data[[where[f"{estimator.label}.sigma.{c}"] for c in channels]],
-                _residual(experiment, estimator, data, where),
-                np.array([typical[c] for c in channels]),
-            )
-            state, found = watch(state, seen, row, record, spec.horizon / 100)
-            events += found
-        return state, events
 
     def lost_since(self, before: "View", row: int, record: float) -> list[Event]:
         """Events for what has diverged in the newest rows."""
@@ -160,16 +148,6 @@ def _plain(value: float | None) -> float | None:
     return None if value is None or not np.isfinite(value) else float(value)
 
 
-def _residual(experiment: Engine, estimator: Estimator, data: np.ndarray, where: dict[str, int]) -> np.ndarray:
-    """Largest |y − ŷ| over the outputs, in standard deviations of the noise (in hundredths of |y| where there is none)."""
-    largest = np.zeros(data.shape[1])
-    for name, std in zip(experiment.measurement.outputs, experiment.measurement.std, strict=True):
-        y, y_hat = data[where[name]], data[where[f"{estimator.label}.{name}"]]
-        scale = std if std > 0 else 0.01 * max(float(np.nanmax(np.abs(y), initial=0.0)), 1e-9)
-        largest = np.fmax(largest, np.abs(y - y_hat) / scale)
-    return largest
-
-
 def _tail_start(experiment: Engine, row: int) -> int:
     """The row from which on rows must be kept for the rows from ``row`` on to be right: two whole windows before."""
     start = row
@@ -194,7 +172,8 @@ def columns_of(experiment: Engine) -> tuple[str, ...]:
 
 
 def _own_columns(e: Estimator) -> tuple[str, ...]:
-    return _named(_Kept(e))
+    sure = tuple(f"sigma.{c}" for c in e.channels) if has_spread(e) else ()
+    return _named(_Kept(e)) + sure
 
 
 class _Kept:
@@ -202,7 +181,7 @@ class _Kept:
 
     def __init__(self, e: Estimator):
         self.e = e
-        self.key = (e.program.digest, e.kind.id, e.channels, e.context.noise_std)
+        self.key = (e.program.digest, e.kind.id, e.channels, tuple(std > 0 for std in e.context.noise_std))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Kept) and self.key == other.key

@@ -53,7 +53,7 @@ class Viewer:
     def frame(self, data: bytes, first: int, last: int) -> None:
         """There is a new frame, of rows first … last − 1."""
         outbox = self.outbox
-        if self._idle and outbox.row == first:
+        if outbox.row == first and self._idle:
             outbox.row = last
             self._begin(self._samples(data))
         else:

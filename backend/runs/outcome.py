@@ -8,7 +8,9 @@ import numpy as np
 
 from backend.diagnosis.metrics import LAST, event_times, final_values, settling, state_rmse, step_changes
 from backend.engine.result import Check, Diverged, ObserverReport, Result
+from backend.runs.compared import compared
 from shared import Experiment
+from shared.diagnosis import Diagnosis
 from shared.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
 
 
@@ -21,6 +23,8 @@ def summarise(result: Result, spec: Experiment) -> RunSummary:
         substeps=result.substeps,
         diverged=_divergence(result.diverged),
         observers=tuple(_observer(result, report, spec) for report in result.observers),
+        comparison=compared(result, spec),
+        diagnosis=None if result.diagnosis is None else Diagnosis.model_validate(result.diagnosis),
         notes=tuple(result.notes),
         seconds=result.seconds,
     )

@@ -19,6 +19,8 @@ def encode(result: Result) -> tuple[str, np.ndarray]:
         "substeps": result.substeps,
         "notes": result.notes,
         "seconds": result.seconds,
+        "costs": result.costs,
+        "diagnosis": result.diagnosis,
     }
     return json.dumps(head, default=plain), np.ascontiguousarray(result.data, dtype="<f8")
 
@@ -36,6 +38,8 @@ def decode(head: str, data: bytes, rows: int) -> Result:
         substeps=values["substeps"],
         notes=tuple(values["notes"]),
         seconds=values["seconds"],
+        costs=values.get("costs", {}),
+        diagnosis=values.get("diagnosis"),
     )
 
 

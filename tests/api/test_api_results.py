@@ -56,6 +56,24 @@ def test_data_that_the_browser_has_is_not_sent_again(client, run):
     assert (answer.status, answer.read()) == (304, b"")
 
 
+def test_the_comparison_is_in_the_summary_and_by_itself_as_json_and_csv(client, run):
+    """The same numbers in all three; each line of the CSV names observer, measure and what it is of."""
+    alone = client.get(run["links"]["comparison"])
+    assert alone == run["summary"]["comparison"]
+    (row,) = alone["observers"]
+    assert alone["windows"] == [{"start": 0.0, "end": 5.0}]
+    data = client.data(run["id"])
+    error = data["adaptive.theta.theta3"] - data["theta.theta3"]
+    assert row["rmse"]["theta.theta3"] == [pytest.approx(np.sqrt(np.mean(error**2)), rel=1e-12)]
+    assert row["peak"]["theta.theta3"] == [np.abs(error).max()]
+    assert 0.1 < row["cost"] < 1e5
+    _, headers, content = client.request("GET", run["links"]["comparison"] + "?format=csv")
+    assert headers["content-type"].startswith("text/csv") and headers["content-disposition"].endswith('-comparison.csv"')
+    lines = {(line["measure"], line["of"]): line for line in csv.DictReader(io.StringIO(content.decode()))}
+    assert float(lines["rmse", "theta.theta3"]["value"]) == row["rmse"]["theta.theta3"][0]
+    assert lines["rmse", "x.x2"]["unit"] == "1/s" and lines["rmse", "x.x2"]["until"] == "5"
+
+
 def test_each_listed_figure_is_plotlys_json_with_packed_arrays(client, run):
     """The experiment's own figures first; arrays decode to finite numbers of the run."""
     figures = client.get(run["links"]["figures"])["figures"]

@@ -86,6 +86,21 @@ def test_the_table_tells_of_each_fault_the_truth_the_estimate_and_whether_it_set
     assert cells["SETTLED"].endswith(" s")
 
 
+def test_several_observers_are_compared_on_the_screen_and_in_files(call, tmp_path):
+    """A line an observer with errors and cost; the files hold every measure; one observer alone needs no such table."""
+    pair = [{"label": label, "kind": "adaptive-kalman"} for label in ("one", "two")]
+    (tmp_path / "e.json").write_text(json.dumps(spec_data(observers=pair)))
+    code, shown, _ = call("run", "e.json", "--comparison", "c.csv", "--comparison", "c.json")
+    assert code == 0 and "RMSE x" in shown and "cost in µs per simulated second" in shown
+    lines = list(csv.DictReader((tmp_path / "c.csv").open()))
+    compared = json.loads((tmp_path / "c.json").read_text())
+    assert [row["label"] for row in compared["observers"]] == ["one", "two"]
+    assert compared["observers"][0]["rmse"] == compared["observers"][1]["rmse"]  # the same observer twice
+    found = [float(line["value"]) for line in lines if (line["measure"], line["of"]) == ("rmse", "x.x")]
+    assert found == 2 * compared["observers"][0]["rmse"]["x.x"]
+    assert [w["end"] for w in compared["windows"]] == [0.5, 1.0]
+
+
 def test_an_observer_that_diverged_and_one_without_faults_are_told_in_words(call):
     """The table has no cells for them."""
     code, shown, _ = call("run", "zhao-2012-as-printed")
@@ -106,6 +121,7 @@ def test_an_observer_that_diverged_and_one_without_faults_are_told_in_words(call
         (["run", "shen-hu-2015", "--set", "horizon=10000", "--set", "record=0.001"], 1, "THETASCOPE_MAX_RESULT"),
         (["run", "shen-hu-2015", "--out", "a.txt"], 2, "'a.txt' ends in none of .csv"),
         (["run", "shen-hu-2015", "--out", "no/a.csv"], 2, "there is no folder"),
+        (["run", "shen-hu-2015", "--comparison", "a.html"], 2, "'a.html' ends in none of .csv .json"),
         (["run"], 2, "EXPERIMENT"),
         (["fly"], 2, "invalid choice"),
         ([], 2, "COMMAND"),

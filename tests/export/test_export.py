@@ -14,7 +14,9 @@ from scipy.io import loadmat
 
 from backend.engine.errors import SpecError
 from backend.engine.result import Result
-from backend.export import Table, csv_chunks, json_bytes, matlab_bytes, matlab_names, select
+from backend.export import Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, matlab_names, select
+from shared.comparison import Comparison
+from shared.plant import Plant
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True, width=64)
 
@@ -119,3 +121,23 @@ def test_a_range_without_rows_gives_an_empty_table_in_every_format():
     assert b"".join(csv_chunks(table)).count(b"\n") == 1
     assert orjson.loads(json_bytes(table))["rows"] == 0
     assert loadmat(io.BytesIO(matlab_bytes(table)))["t"].size == 0
+
+
+def test_a_comparison_as_csv_has_one_measure_a_line():
+    """Errors with their windows and units, a line a count, `nan` for what there is none of; numbers read back the same."""
+    plant = Plant.model_validate({
+        "id": "p", "states": [{"name": "x1", "unit": "m"}], "outputs": [{"name": "y", "expression": "x1"}], "dynamics": {"x1": "0"},
+        "channels": [{"name": "theta3", "kind": "sensor", "enters": {"y": 1}, "unit": "m/s"}],
+    })  # fmt: skip
+    example = Comparison.model_json_schema()["examples"][0]
+    example["observers"][0] |= {"false_alarms": None, "rmse": {"x.x1": [0.1 + 0.2, None]}, "peak": {}}
+    content = comparison_csv(Comparison.model_validate(example), plant).decode()
+    head, *lines = csv.reader(io.StringIO(content))
+    assert head == ["observer", "measure", "of", "from", "until", "value", "unit"]
+    assert all(line[0] == "adaptive" and len(line) == len(head) for line in lines)
+    assert lines[0] == ["adaptive", "rmse", "x.x1", "0", "20", repr(0.1 + 0.2), "m"]
+    assert lines[1][5] == "nan"
+    found = {line[1]: line[2:] for line in lines}
+    assert found["settling-10"] == ["theta.theta3", "20", "", "0.77", "s"]
+    assert found["delay"] == ["theta.theta3", "20", "", "0.6", "s"] and found["fault-found"][3] == "1"
+    assert (found["found"][3], found["false-alarms"][3], found["cost"][3:]) == ("1", "nan", ["57.8", "us/s"])

@@ -2,11 +2,15 @@
 
 import json
 import re
+from dataclasses import replace
 from html.parser import HTMLParser
 
 import pytest
 
+from backend.engine.result import Check
 from backend.figures import report
+from backend.figures.symbols import symbol
+from shared.diagnosis import Diagnosis, ObserverDiagnosis
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'><svg onload=alert(1)>&lt;b&gt;"
 
@@ -93,3 +97,104 @@ def test_figures_in_the_page_are_valid_json(html):
     text = re.search(r"<script type=application/json id=figures>(.*?)</script>", html, re.DOTALL)[1]
     assert "<" not in text
     assert {"data", "layout"} == set(json.loads(text)[0])
+
+
+def sections(html: str) -> dict[str, str]:
+    """Visible text of the page by the heading of its sections."""
+    parts = re.split(r"<h2>(.*?)</h2>", html)
+    return {title: " ".join(" ".join(Page(body).text).split()) for title, body in zip(parts[1::2], parts[2::2], strict=True)}
+
+
+def table_rows(html: str, first: str) -> list[list[str]]:
+    """The cells, as HTML, of the table whose first heading is this."""
+    for table in re.findall(r"<table>(.*?)</table>", html, re.DOTALL):
+        rows = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in re.findall(r"<tr>(.*?)</tr>", table)]
+        if rows[0][0] == first:
+            return rows
+    raise AssertionError(f"no table begins with {first!r}")
+
+
+def diagnosed(outcome, **findings: dict):
+    """The result with what tests found; each is the schema's example with these fields changed."""
+    example = ObserverDiagnosis.model_json_schema()["examples"][0]
+    made = [example | {"observer": label} | changes for label, changes in findings.items()]
+    told = {"detector": {"observer": "", "note": "it was not asked"}, "observers": made}
+    return replace(outcome, diagnosis=Diagnosis.model_validate(told).model_dump(mode="json"))
+
+
+ALARM = ObserverDiagnosis.model_json_schema()["examples"][0]["alarms"][0]
+
+
+def test_every_assumption_has_its_line_and_the_verdicts_are_counted(experiment, result, plant):
+    """Name, verdict, sentence, source, the number found and the number it is held against, of each check."""
+    spec = experiment()
+    failed = Check("matching", "fails", "the residual of the matching condition", 0.5, 1e-9, "Assumption 3, eq. (9)")
+    outcome = result(spec)
+    outcome = replace(outcome, observers=tuple(replace(o, checks=(*o.checks, failed)) for o in outcome.observers))
+    html = report(outcome, spec, plant, {})
+    assert sections(html)["Observers and their assumptions"].count("1 holds, 1 fails, 1 cannot be told") == 2
+    lines = table_rows(html, "assumption")
+    plain = [[re.sub("<.*?>", "", cell) for cell in line] for line in lines]
+    assert plain[1] == ["persistent excitation", "holds", "smallest eigenvalue of the Gramian", "eq. (36)", "0.0026", "0.002"]
+    assert plain[2][1:] == ["cannot tell", "f is not globally Lipschitz", "assumption 2", "–", "–"]
+    assert plain[3][4:] == ["0.5", "1·10−9"]
+
+
+def test_errors_of_each_window_are_compared_and_the_smaller_is_marked(html):
+    """The quicker observer has the smaller error of θ1 after its onset at 40 s; before it neither is better."""
+    head, *lines = table_rows(html, "error of")
+    assert head[2:] == ["0 to 20 s", "20 to 40 s", "40 to 70 s", "70 to 100 s"]
+    quick, slow = (line for line in lines if line[0].startswith(symbol("theta1")))
+    assert "adaptive" in quick[1] and "slow" in slow[1]
+    assert ["class=best" in cell for cell in quick[2:]] == [False, False, True, True]
+    assert not any("class=best" in cell for cell in slow[2:])
+
+
+def test_the_report_compares_what_the_alarms_of_the_observers_found(experiment, result, plant):
+    """Faults found, missed, false alarms, wrong names and delays, in words at the head of the table."""
+    spec = experiment()
+    late = ALARM | {"t": 25.0}
+    wrong = ALARM | {"t": 30.0, "channel": "theta1", "alternatives": ["theta2"], "cleared": 35.0}
+    extra = [ALARM | {"t": 5.0, "cleared": 6.0}, wrong]
+    outcome = diagnosed(result(spec), adaptive={}, slow={"alarms": [late, *extra]})
+    html = report(outcome, spec, plant, {})
+    head, quick, slow = table_rows(html, "observer")
+    cells = {h: (re.sub("<.*?>", "", a), re.sub("<.*?>", "", b)) for h, a, b in zip(head, quick, slow, strict=True)}
+    assert cells["faults found"] == ("1 of 3", "1 of 3")
+    assert cells["faults missed"] == ("2", "2")
+    assert cells["alarms without a fault"] == ("0", "1")
+    assert cells["alarms naming a wrong fault"] == ("0", "1")
+    assert cells["median delay (s)"] == ("0.600", "5.000")
+    assert "class=best" in quick[head.index("median delay (s)")] and "class=best" not in "".join(slow[1:6])
+    assert [re.sub("<.*?>", "", "|".join(line[1:])) for line in table_rows(html, "fault in")[1:]] == [
+        "20|0.600|5.000", "40|missed|missed", "70|missed|missed"]
+
+
+def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, plant):
+    """Sentence, alarm with onset and size, thresholds and where they come from, what cannot be seen, and noise."""
+    spec = experiment()
+    noise = [{"output": "y", "declared": 0.001, "estimated": 0.00098}]
+    excitation = {"window": 10, "level": 4.2, "needed": 100, "direction": {"theta1": 0.71, "theta2": -0.71, "theta3": 0.0},
+                  "text": "θ1 and θ2 cannot be told apart.", "proposal": "Let u be a square wave of period 4 s."}
+    found = {"sentence": "A sensor bias since 20.0 s.", "noise": noise, "excitation": excitation}
+    html = report(diagnosed(result(spec), adaptive=found, slow={"alarms": [], "note": "It estimates no faults."}), spec, plant, {})
+    text = sections(html)["Diagnosis"]
+    for part in ("A sensor bias since 20.0 s.", "20.6", "(19.9 to 20.1)", "0.02 1/h (0.0197 to 0.0203)", "41 over 29.5", "still on",
+                 "glr 29.5, residual 33, set for 0.01 false alarms per hour", "32 simulated runs", "0.8 hours", "before 6 s",
+                 "0.0011", "would be needed", "0.71", "cannot be told apart", "square wave of period 4 s", "0.00098",
+                 "It estimates no faults."):
+        assert part in text, part
+    assert html.index("<h2>Diagnosis") < html.index("<figure>")
+    assert "<h2>Diagnosis" not in report(result(spec), spec, plant, {})
+
+
+def test_markup_in_a_diagnosis_stays_text(experiment, result, plant):
+    """Sentences, notes and proposals add no element and no attribute."""
+    spec = experiment()
+    excitation = {"window": 1, "level": None, "needed": 1, "direction": {}, "text": HOSTILE, "proposal": HOSTILE}
+    hostile = {"sentence": HOSTILE, "note": HOSTILE, "excitation": excitation, "alarms": [ALARM | {"test": HOSTILE}],
+               "noise": [{"output": "<b onclick=x()>", "declared": None, "estimated": None}]}
+    page = Page(report(diagnosed(result(spec), adaptive=hostile), spec, plant, {}))
+    assert page.tags.count("script") == 3 and "img" not in page.tags and "svg" not in page.tags
+    assert not [a for a in page.attributes if a[1].startswith("on")]
+    assert "".join(page.text).count(HOSTILE) == 5

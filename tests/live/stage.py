@@ -87,7 +87,7 @@ class Stage:
         self.session.advance(1)
         house = House(
             clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake, feed=Room.fill,
-            may_check=lambda: True, viewers=viewers, backlog=backlog, past=past,
+            may_check=lambda: True, viewers=viewers, backlog=backlog, past=lambda: past,
         )  # fmt: skip
         self.room = Room("room", "token", self.session, house)
         self._tasks: list[asyncio.Task] = []

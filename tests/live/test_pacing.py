@@ -5,7 +5,7 @@ from math import inf
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backend.live.pacing import FRAME, Pace, Rate, Spacing
+from backend.live.pacing import FRAME, Pace, Rate, Spacing, Turnstile
 
 TIMES = st.lists(st.floats(0.001, 2.0), min_size=1, max_size=30)
 
@@ -112,3 +112,15 @@ def test_a_spacing_lets_through_one_in_its_time():
     for now[0] in (0.0, 0.05, 0.11, 0.15, 0.22):
         taken.append(spacing.take())
     assert taken == [True, False, True, False, True]
+
+
+@given(st.lists(st.floats(0.0, 0.05), min_size=1, max_size=50))
+def test_a_turnstile_spreads_a_crowd_and_does_not_hold_up_who_comes_alone(spacings):
+    """Two pass no closer than it says, in order; whoever comes long after the last waits for nothing."""
+    turnstile, now, last = Turnstile(0.01), 0.0, -inf
+    for spacing in spacings:
+        now += spacing
+        passes = now + turnstile.wait(now)
+        assert passes >= max(now, last + 0.01 - 1e-9)
+        last = passes
+    assert turnstile.wait(last + 1.0) == 0

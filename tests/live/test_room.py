@@ -117,7 +117,7 @@ def test_events_come_when_their_row_is_shown_not_when_it_is_computed():
         assert kinds(page.of("event")).count("fault-begins") == kinds(early.of("event")).count("fault-begins") == 1
         assert kinds(late.texts[0]["log"]) == ["fault-begins"]
         await stage.go(0.2)
-        assert late.of("event") == []
+        assert "fault-begins" not in kinds(late.of("event"))
 
     staged(scenario)
 

@@ -11,6 +11,7 @@ from backend.assembly import prepare
 from backend.engine.errors import SpecError
 from backend.live.session import Session
 from shared import Experiment
+from shared.commands import MAX_COMMANDS, SetNoise
 from shared.session import ClientMessage
 
 COMMAND = TypeAdapter(ClientMessage)
@@ -104,6 +105,35 @@ def test_rows_computed_ahead_can_be_given_up():
     for session in (one, two):
         do(session, "inject", fault={"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02})
     np.testing.assert_array_equal(one.advance(200), two.advance(200))
+
+
+@pytest.mark.parametrize("observers", [(), ("joint-ekf",)])
+@pytest.mark.parametrize("row", [401, 517, 540])
+def test_a_sensor_that_freezes_just_after_rows_were_given_up_holds_what_it_measured_last(observers, row):
+    """Also with an observer at a sample period: the numbers are those of a session that never looked ahead."""
+    one, two = Session(zhao()), Session(zhao())
+    for session, ahead in ((one, 140), (two, row - 400)):
+        session.advance(200)
+        for kind in observers:
+            do(session, "add-observer", observer={"label": kind, "kind": kind})
+        session.advance(200)
+        session.advance(ahead)
+    one.rewind_unseen(row)
+    for session in (one, two):
+        do(session, "inject", fault={"output": "y", "shape": "freeze", "onset": 0, "end": 0.3})
+    np.testing.assert_array_equal(one.advance(100), two.advance(100))
+
+
+def test_a_session_takes_no_more_commands_than_an_experiment_may_have():
+    """The first too many is refused, and the session goes on as it was."""
+    session = Session(zhao())
+    session.advance(10)
+    command = SetNoise(at=0.0, output="y", std=0.001)
+    session.spec = session.spec.model_copy(update={"commands": (command,) * MAX_COMMANDS})
+    before = session.spec
+    with pytest.raises(SpecError, match=str(MAX_COMMANDS)):
+        do(session, "set-noise", output="y", std=0.002)
+    assert session.spec == before and session.advance(5).shape[1] == 5
 
 
 def test_rewinding_gives_up_what_came_after():

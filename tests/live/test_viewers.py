@@ -208,7 +208,7 @@ def test_what_a_session_keeps_is_bounded_and_who_comes_late_is_told_what_is_gone
         assert (await stage.say(page, "seek", t=0.5))["row"] == 50
         await stage.say(page, "step", rows=10)
         await stage.go(1)
-        assert stage.room.shown == 60
+        assert stage.room.shown == 61, "the row at 0.5 s is shown, and ten more"
         np.testing.assert_array_equal(page.rows_at(50), before)
 
     staged(scenario, limit=400_000, backlog=1 << 24, past=40_000 * 4 * 9)

@@ -7,7 +7,7 @@ effect of θ on x̂, Ω its effect on the output; Ψ is for sensor faults (Zhao,
 R weighs the outputs of a plant that has several.
 
 About Γ: were the innovation white with intensity R, the estimate of a constant θ would have the covariance Γ Ξ Γ with
-Ξ' = −2λΞ + ΩᵀR⁻¹Ω. Where Ω changes slowly against 1/λ that is Γ/2, and ``sigma.<channel>`` is the square root of its
+Ξ' = −2λΞ + ΩᵀR⁻¹Ω. Where Ω changes slowly against 1/λ that is Γ/2, and ``claimed.<channel>`` is the square root of its
 diagonal. It counts measurement noise only: not the lag behind a θ that moves, nor an error of the model.
 """
 
@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from backend.engine.lazy import sympy
-from backend.engine.observers.assumptions import positive_definite, sigma_of_theta
+from backend.engine.observers.assumptions import claimed_sigma, positive_definite
 from backend.engine.observers.base import Observed, Observer
 from backend.engine.observers.draft import Draft
 from backend.engine.observers.linear import product
@@ -74,8 +74,8 @@ def checks(run: Observed) -> list[Check]:
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
-    """``pe``: λmin of ∫ΩᵀR⁻¹Ω dt, in typical faults; ``sigma.<channel>``: √(Γ/2), see above."""
-    return {"pe": excitation(run), **sigma_of_theta(run, "Gamma", 0.5**0.5)}
+    """``pe``: λmin of ∫ΩᵀR⁻¹Ω dt, in typical faults; ``claimed.<channel>``: √(Γ/2), see above."""
+    return {"pe": excitation(run), **claimed_sigma(run, "Gamma", 0.5**0.5)}
 
 
 OBSERVER = Observer(

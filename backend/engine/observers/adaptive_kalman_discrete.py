@@ -8,7 +8,7 @@ that they stay positive definite at any sample period.
 
 λ is given as a rate, in 1/s; a sample forgets by μ = exp(−λ·period), so that its meaning does not depend on the period.
 About S: its inverse sums Ωᵀ Σ⁻¹ Ω with weights μ^age, while the covariance of the estimate of a constant θ sums it with
-weights μ^(2·age); where Ω changes slowly that is S/(1 + μ), of which ``sigma.<channel>`` is the root of the diagonal.
+weights μ^(2·age); where Ω changes slowly that is S/(1 + μ), of which ``claimed.<channel>`` is the root of the diagonal.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from backend.engine.lazy import sympy
-from backend.engine.observers.assumptions import positive_definite, sigma_of_theta
+from backend.engine.observers.assumptions import claimed_sigma, positive_definite
 from backend.engine.observers.base import Observed, Observer
 from backend.engine.observers.draft import NOW, Draft
 from backend.engine.observers.flow import SUBSTEPS, flow
@@ -93,9 +93,9 @@ def checks(run: Observed) -> list[Check]:
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
-    """``pe``: λmin of Σ ΩᵀR⁻¹Ω over the window, in typical faults; ``sigma.<channel>``: √(S/(1 + μ)), see above."""
+    """``pe``: λmin of Σ ΩᵀR⁻¹Ω over the window, in typical faults; ``claimed.<channel>``: √(S/(1 + μ)), see above."""
     mu = np.exp(-run.values["g.lambda"] * run.context.period)
-    return {"pe": excitation(run, 1 / run.context.period), **sigma_of_theta(run, "S", (1 + mu) ** -0.5)}
+    return {"pe": excitation(run, 1 / run.context.period), **claimed_sigma(run, "S", (1 + mu) ** -0.5)}
 
 
 OBSERVER = Observer(

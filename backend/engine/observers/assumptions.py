@@ -30,11 +30,13 @@ def windowed_gramian(omega: np.ndarray, run: Observed) -> np.ndarray:
     length = window_rows(run)
     rows = run.first_row + np.arange(len(products))
     prefix = np.empty_like(products)
-    for begin in np.unique(np.concatenate([rows[:1], rows[rows % length == 0]])) - run.first_row:
-        end = (begin + run.first_row) // length * length + length - run.first_row
-        prefix[begin:end] = np.cumsum(products[begin:end], axis=0)
+    begin = 0
+    while begin < len(rows):
+        end = min(len(rows), (begin + run.first_row) // length * length + length - run.first_row)
+        np.cumsum(products[begin:end], axis=0, out=prefix[begin:end])
+        begin = end
     gramian = np.full_like(products, np.nan)
-    whole = np.flatnonzero(rows - max(run.born, run.first_row) >= length)
+    whole = np.arange(max(run.born + length - run.first_row, length, _earliest(run)), len(rows))
     last = rows[whole] // length * length - 1 - run.first_row  # the end of the stretch before
     gramian[whole] = prefix[whole] + (prefix[last] - prefix[whole - length])
     return gramian
@@ -45,18 +47,29 @@ def window_rows(run: Observed) -> int:
     return max(1, round(run.gain("window") / run.record))
 
 
+def _stride(run: Observed) -> int:
+    """λmin is found at rows that are multiples of this."""
+    return max(1, window_rows(run) // 100)
+
+
+def _earliest(run: Observed) -> int:
+    """The first row whose Gramian matters: λmin at the first wanted row may be held since then."""
+    stride = _stride(run)
+    return max(0, (run.first_row + run.wanted) // stride * stride - run.first_row)
+
+
 def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
     """λmin at about a hundred rows a window, held in between."""
     values = np.full(len(gramian), np.nan)
-    rows = run.first_row + np.arange(len(gramian))
-    stride = max(1, window_rows(run) // 100)
-    picked = np.flatnonzero((rows % stride == 0) & np.isfinite(gramian).all(axis=(1, 2)))
+    begin = _earliest(run)
+    rows = np.arange(begin, len(gramian))
+    finite = np.isfinite(gramian[begin:]).all(axis=(1, 2))
+    picked = rows[finite & ((run.first_row + rows) % _stride(run) == 0)]
     if not len(picked):
         return values
     small = np.linalg.eigvalsh(gramian[picked])[:, 0] if gramian.shape[1] > 1 else gramian[picked, 0, 0]
-    latest = np.searchsorted(picked, np.arange(len(gramian)), side="right") - 1
-    values[latest >= 0] = small[latest[latest >= 0]]
-    values[~np.isfinite(gramian).all(axis=(1, 2))] = np.nan
+    known = rows[finite & (rows >= picked[0])]
+    values[known] = small[np.searchsorted(picked, known, side="right") - 1]
     return values
 
 
@@ -100,9 +113,11 @@ def gain_at_least(run: Observed, name: str, least: float, source: str, why: str)
     return Check(f"{name} ≥ {least:g}", verdict(value >= least), f"{name} = {value:g}; {why}", value, least, source)
 
 
-def sigma_of_theta(run: Observed, name: str, scale: float | np.ndarray = 1.0) -> dict[str, np.ndarray]:
-    """Columns ``sigma.<channel>``: square roots of the diagonal of a recorded covariance, times ``scale``."""
+def claimed_sigma(run: Observed, name: str, scale: float | np.ndarray = 1.0) -> dict[str, np.ndarray]:
+    """Columns ``claimed.<channel>``: the standard deviation of θ̂ that the observer's own equations claim, the root of the
+    diagonal of a recorded covariance times ``scale``. What noise really makes of θ̂ is in ``sigma.<channel>`` (spread.py).
+    """
     return {
-        f"sigma.{channel}": scale * np.sqrt(np.maximum(run.values[f"{name}.{j}.{j}"], 0.0))
+        f"claimed.{channel}": scale * np.sqrt(np.maximum(run.values[f"{name}.{j}.{j}"], 0.0))
         for j, channel in enumerate(run.channels)
     }

@@ -79,6 +79,7 @@ class Observed:
     context: Context
     first_row: int = 0  # number of the first of these rows, counted from t = 0
     born: int = 0  # row at which the observer began to watch
+    wanted: int = 0  # how many of these rows only fill windows: what diagnostics say of them is not looked at
 
     @property
     def noisy(self) -> tuple[str, ...]:

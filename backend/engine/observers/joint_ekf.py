@@ -90,10 +90,10 @@ def consistency(run: Observed) -> Check:
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
-    """``sigma.<channel>``: the root of the diagonal of P's θ block; ``nis``: ỹᵀΣ⁻¹ỹ of the last sample."""
+    """``claimed.<channel>``: the root of the diagonal of P's θ block; ``nis``: ỹᵀΣ⁻¹ỹ of the last sample."""
     n = run.context.n
     sigma = {
-        f"sigma.{c}": np.sqrt(np.maximum(run.values[f"P.{n + j}.{n + j}"], 0.0)) for j, c in enumerate(run.channels)
+        f"claimed.{c}": np.sqrt(np.maximum(run.values[f"P.{n + j}.{n + j}"], 0.0)) for j, c in enumerate(run.channels)
     }
     return {"nis": run.values["nis.0.0"], **sigma}
 

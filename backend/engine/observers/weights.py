@@ -44,7 +44,7 @@ def noise_std(c: Context) -> list[float]:
     return [std or 0.01 * scale for std, scale in zip(c.noise_std, output_scales(c), strict=True)]
 
 
-def _process_noise(c: Context) -> list[float]:
+def process_noise(c: Context) -> list[float]:
     return [pace(c.model) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
 
 
@@ -56,7 +56,7 @@ def _noise_intensity(c: Context) -> list[float]:
 def _quiet_start(c: Context) -> list[float]:
     # √(q r), about where the Riccati equation settles: a larger P(0) makes a stiff transient in continuous time
     noise = min(r**0.5 / scale for r, scale in zip(_noise_intensity(c), output_scales(c), strict=True))
-    return [q**0.5 * noise * s for q, s in zip(_process_noise(c), state_scales(c), strict=True)]
+    return [q**0.5 * noise * s for q, s in zip(process_noise(c), state_scales(c), strict=True)]
 
 
 def _walk(c: Context) -> list[float]:
@@ -66,7 +66,7 @@ def _walk(c: Context) -> list[float]:
 Q = Gain(
     "q",
     "process noise: the variance per second by which each state equation may be off",
-    _process_noise,
+    process_noise,
     0.0,
     1e15,
     size="n",

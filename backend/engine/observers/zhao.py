@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 
 from backend.engine.lazy import sympy
-from backend.engine.observers.assumptions import excitation, persistent_excitation, positive_definite, sigma_of_theta
+from backend.engine.observers.assumptions import excitation, persistent_excitation, positive_definite
 from backend.engine.observers.base import Gain, Observed, Observer
 from backend.engine.observers.canonical import canonical_form
 from backend.engine.observers.draft import Draft
@@ -77,13 +77,8 @@ def checks(run: Observed) -> list[Check]:
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:
-    """``pe``: λmin of the windowed Gramian of Ω (36), the paper's Fig. 5; ``sigma.<channel>``: standard deviations of θ̂.
-
-    Γ⁻¹ sums ΩᵀΩ with weights e^(−λ age), the covariance of θ̂ under white noise of intensity r sums it with their
-    squares: r Γ/2 where Ω is about stationary. What noise does through x̂ is left out.
-    """
-    r = run.values[f"intensity.{run.noisy[0]}"]
-    return {"pe": excitation(run), **sigma_of_theta(run, "Gamma", np.sqrt(r / 2))}
+    """``pe``: λmin of the windowed Gramian of Ω (36), the paper's Fig. 5."""
+    return {"pe": excitation(run)}
 
 
 OBSERVER = Observer(

@@ -105,8 +105,8 @@ def _ramp(onset: float, slope: float):
     return Signal(lambda t, inside: slope * (t - onset) if inside > onset else 0.0, lambda horizon: [onset], True)
 
 
-def test_sigma_is_the_spread_of_the_estimates():
-    """With noise as Q and R say, θ̂ spreads over 60 seeds as sigma (√(Γ/2)) tells, within 20 %."""
+def test_the_claim_is_the_spread_of_the_estimates():
+    """With noise as Q and R say, θ̂ spreads over 60 seeds as the observer claims (√(Γ/2)), within 20 %."""
     spread, told, times = [], [], [0.05 * k for k in range(400)]
     for seed in range(60):
         white = np.random.default_rng(seed).normal(
@@ -135,7 +135,7 @@ def test_sigma_is_the_spread_of_the_estimates():
             ],
         )
         spread.append(result.column("o.theta.theta")[100:])
-        told.append(result.column("o.sigma.theta")[100:])
+        told.append(result.column("o.claimed.theta")[100:])
     assert np.std(spread) == pytest.approx(np.mean(told), rel=0.2)
 
 

@@ -35,7 +35,7 @@ def test_three_tanks_sampled_at_one_second():
     close(columns(result, "o.x", LEVELS), expected["xhat"], 1e-9)
     close(columns(result, "o.theta", TANKS), expected["thetahat"], 1e-8)
     sigma = np.sqrt(np.diagonal(expected["S"], axis1=1, axis2=2) / (1 + mu))
-    close(columns(result, "o.sigma", TANKS), sigma, 1e-8)
+    close(columns(result, "o.claimed", TANKS), sigma, 1e-8)
 
 
 def test_motor_sampled_at_two_milliseconds():

@@ -100,7 +100,7 @@ def test_equals_the_filter_in_numpy(plant, kind, more, theirs):
     close(columns(result, "o.x", case["states"]), expected["xhat"], 1e-7)
     close(columns(result, "o.theta", channels), expected["thetahat"], 1e-6)
     sigma = np.sqrt(np.diagonal(expected["P"], axis1=1, axis2=2)[:, n:])
-    close(columns(result, "o.sigma", channels), sigma, 1e-6)
+    close(columns(result, "o.claimed", channels), sigma, 1e-6)
 
 
 def test_innovations_tell_whether_the_noise_fits():

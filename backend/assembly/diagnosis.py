@@ -1,0 +1,57 @@
+"""From what an experiment asks of its diagnosis to the diagnosis of its run."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from backend.diagnosis.comparison import DETECTOR
+from backend.diagnosis.detector import Asked
+from backend.diagnosis.diagnose import Wanted, diagnose
+from backend.diagnosis.findings import of_detector, of_observer
+from backend.engine.result import Result
+from backend.engine.run import Parts
+from shared import Experiment, ObserverConfig
+from shared.diagnosis import Diagnosis, ObserverDiagnosis
+
+
+def asked(spec: Experiment) -> Asked:
+    """What is asked of the detector."""
+    return Asked(spec.diagnosis.false_alarms, spec.diagnosis.doubt)
+
+
+def span(spec: Experiment) -> float:
+    """Time in s that thresholds are simulated over."""
+    return spec.diagnosis.span or spec.horizon
+
+
+def calibration_key(spec: Experiment, observers: tuple[ObserverConfig, ...] = ()) -> str:
+    """A hash of everything that a calibration depends on: the experiment without what may be found."""
+    there = tuple(f for f in spec.faults if hasattr(f, "channel") and f.onset == 0)
+    bare = {"horizon": span(spec), "observers": observers, "commands": (), "figures": (), "faults": there}
+    return spec.model_copy(update=bare).spec_hash()
+
+
+def inspector(spec: Experiment) -> Callable[[Parts, Result], Result] | None:
+    """What adds the diagnosis to a run's result; None where none is asked for. ``spec``: with its plant in full."""
+    if not spec.diagnosis.enabled:
+        return None
+
+    def inspect(parts: Parts, result: Result) -> Result:
+        wanted = Wanted(asked(spec), spec.diagnosis.test, calibration_key(spec), calibration_key(spec, spec.observers),
+                        round(span(spec) / spec.step))  # fmt: skip
+        columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
+        found = diagnose(parts, columns, result.substeps, wanted)
+        confidence = spec.diagnosis.confidence
+        told = {"detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),
+                "observers": [of_observer(own, found.interval, confidence, spec.diagnosis.false_alarms)
+                              for own in found.observers]}  # fmt: skip
+        return replace(result, diagnosis=Diagnosis.model_validate(told).model_dump(mode="json"))
+
+    return inspect
+
+
+def findings(result: Result) -> dict[str, ObserverDiagnosis]:
+    """What was found, by observer; the detector's under DETECTOR. Empty where no diagnosis was asked for."""
+    if result.diagnosis is None:
+        return {}
+    told = Diagnosis.model_validate(result.diagnosis)
+    return {DETECTOR: told.detector} | {own.observer: own for own in told.observers}

@@ -1,0 +1,132 @@
+"""Sums of evidence, and what they say over windows that end now: the part that batch and live share, row for row.
+
+Evidence is a regression x(k) = Ω(k) θ + noise. Its sums J = Σ ΩᵀΩ, s = Σ Ωᵀx, q = Σ xᵀx are kept at *decisions*, every
+so many rows. A window of ℓ decisions then has b = s − Jθ₀ over it, where θ₀ is what is known so far (zero: no fault),
+and for each channel j the generalised likelihood ratio of "θ_j has changed by something since then" against "nothing has":
+
+    u = b/√J_ii,  M = J/√J_ii,  GLR_j = (M_jᵀ W u)² / (M_jᵀ W M_j),  W the inverse of the covariance of u (simulated).
+
+Willsky & Jones, IEEE TAC 21(1), 1976; Basseville & Nikiforov, Detection of Abrupt Changes, 1993, §2.4.3 and ch. 7.
+Windows have a few lengths, each a third longer than the one before: Lai, JRSS B 57(4), 1995, shows that this loses little.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+LONGEST = 600  # decisions
+GROWTH = 1.35  # of the lengths of windows
+
+
+@dataclass(frozen=True)
+class Sums:
+    """Sums at decisions ``first``, ``first`` + 1, …: J (decisions, p, p), s (decisions, p), q (decisions, m) by output."""
+
+    first: int
+    J: np.ndarray
+    s: np.ndarray
+    q: np.ndarray
+
+    @classmethod
+    def none(cls, p: int, m: int) -> "Sums":
+        """Before anything was seen: decision 0 stands for sums of nothing."""
+        return cls(0, np.zeros((1, p, p)), np.zeros((1, p)), np.zeros((1, m)))
+
+    @property
+    def last(self) -> int:
+        """The number of the latest decision."""
+        return self.first + len(self.q) - 1
+
+    def extended(self, omega: np.ndarray, x: np.ndarray) -> "Sums":
+        """With more decisions: ``omega`` (decisions, rows in each, m, p) and ``x`` (decisions, rows in each, m)."""
+        J, s = np.einsum("drmi,drmj->dij", omega, omega), np.einsum("drmi,drm->di", omega, x)
+        q = np.einsum("drm,drm->dm", x, x)
+        # added one after the other, so that cutting a run into pieces changes no bit
+        grown = [np.cumsum(np.concatenate([old[-1:], new]), axis=0)[1:] for old, new in ((self.J, J), (self.s, s), (self.q, q))]
+        return replace(self, **{n: np.concatenate([getattr(self, n), g]) for n, g in zip("Jsq", grown)})
+
+    def until(self, decision: int) -> "Sums":
+        """As they were at a decision."""
+        cut = decision - self.first + 1
+        return Sums(self.first, self.J[:cut], self.s[:cut], self.q[:cut])
+
+    def recent(self, keep: int) -> "Sums":
+        """Without decisions that no window needs."""
+        cut = max(0, len(self.q) - keep)
+        return self if cut == 0 else Sums(self.first + cut, self.J[cut:], self.s[cut:], self.q[cut:])
+
+    def over(self, begin: np.ndarray | int, end: np.ndarray | int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """J, s, q (of all outputs) of what came after decision ``begin``, up to ``end``."""
+        a, b = np.asarray(begin) - self.first, np.asarray(end) - self.first
+        return self.J[b] - self.J[a], self.s[b] - self.s[a], (self.q[b] - self.q[a]).sum(axis=-1)
+
+    def loudest(self, begin: int, end: int) -> int:
+        """The output with the largest residual in a window."""
+        return int((self.q[end - self.first] - self.q[begin - self.first]).argmax())
+
+
+def lengths(most: int) -> np.ndarray:
+    """Lengths of windows, in decisions: 1, 2, 3, 4, 5, 7, … up to ``most``."""
+    found, length = [], 1.0
+    while length <= min(most, LONGEST):
+        found.append(int(length))
+        length = max(length + 1, length * GROWTH)
+    return np.array(found)
+
+
+@dataclass(frozen=True)
+class Noise:
+    """What windows look like without a fault, simulated: for each length the variance v of s_j/√J_jj (lengths × p), and
+    mean and standard deviation of the residual energy q."""
+
+    lengths: np.ndarray
+    v: np.ndarray
+    energy: np.ndarray
+    scatter: np.ndarray
+
+    def nearest(self, length: np.ndarray | int) -> np.ndarray:
+        """Index of the longest simulated length that is not longer (at least the first)."""
+        return np.maximum(np.searchsorted(self.lengths, length, side="right") - 1, 0)
+
+
+@dataclass(frozen=True)
+class Range:
+    """Bounds (p) within which θ makes sense, ±∞ where there are none."""
+
+    low: np.ndarray
+    high: np.ndarray
+
+    def given(self, known: np.ndarray) -> "Range":
+        """Bounds of what θ may be besides what is known."""
+        return Range(np.minimum(self.low - known, 0.0), np.maximum(self.high - known, 0.0))
+
+
+def sizes(D: np.ndarray, s: np.ndarray, within: Range) -> np.ndarray:
+    """The most likely θ_j of each channel alone, s_j/J_jj, within bounds; ``D``: the diagonal of J (zero: not seen)."""
+    seen = D > 1e-12 * np.max(D, axis=-1, keepdims=True, initial=1e-300)
+    return np.clip(np.where(seen, s / np.where(seen, D, 1.0), 0.0), within.low, within.high)
+
+
+def explained(D: np.ndarray, s: np.ndarray, within: Range) -> np.ndarray:
+    """The energy that each channel alone explains: s_j²/J_jj, less where bounds forbid the best θ_j."""
+    size = sizes(D, s, within)
+    return np.maximum((2 * s - size * D) * size, 0.0)
+
+
+def scan(
+    sums: Sums, ends: np.ndarray, start: int, memory: float, noise: Noise, within: Range
+) -> tuple[np.ndarray, np.ndarray]:
+    """At each decision of ``ends`` the largest GLR over windows and channels, and the largest residual, over its windows.
+
+    Windows begin at ``start`` or later. ``memory``: decisions from which θ₀ was estimated (inf: it is exact), since an
+    error of θ₀ looks like a change over windows as long.
+    """
+    begins = ends[:, None] - noise.lengths[None, :]
+    whole = begins >= max(start, sums.first)
+    a, b = np.where(whole, begins, ends[:, None]) - sums.first, ends[:, None] - sums.first
+    D = np.einsum("dii->di", sums.J)
+    total = sums.q.sum(axis=-1)
+    q = total[b] - total[a]
+    glr = (explained(D[b] - D[a], sums.s[b] - sums.s[a], within) / noise.v).max(axis=-1, initial=0.0) / (1.0 + noise.lengths / memory)
+    excess = (q - noise.energy) / noise.scatter
+    return np.where(whole, glr, 0.0).max(axis=1, initial=0.0), np.where(whole, excess, -np.inf).max(axis=1, initial=-np.inf)

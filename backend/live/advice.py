@@ -1,0 +1,29 @@
+"""What the detector of a session says of it, and what it proposes; both are worked out on a copy of the session."""
+
+import asyncio
+from typing import TYPE_CHECKING
+
+from shared.diagnosis import InputProposal
+from shared.session import DiagnosisNow
+
+if TYPE_CHECKING:
+    from backend.live.room import Room
+    from backend.live.session import Session
+
+
+def diagnosis(session: "Session") -> DiagnosisNow:
+    """What the detector says of all rows so far."""
+    return session.watch.told(session.now.watched)
+
+
+async def proposal(room: "Room") -> InputProposal:
+    """An input that would tell the faults apart from here on. Raises Unwatchable where nothing is watched."""
+    copy = await room.alone(room.session.fork)
+    answer: asyncio.Future[InputProposal] = asyncio.get_running_loop().create_future()
+
+    def then(value: InputProposal | None, error: Exception | None) -> None:
+        if not answer.cancelled():
+            answer.set_result(value) if error is None else answer.set_exception(error)
+
+    room.house.workshop(lambda: copy.watch.proposed(copy.experiment, copy.now.state), then)
+    return await answer

@@ -1,0 +1,126 @@
+"""The detector in a live session: the one that runs are diagnosed with, over rows as they come."""
+
+from collections import OrderedDict
+from dataclasses import dataclass, replace
+from threading import Lock
+
+from backend.assembly.diagnosis import asked, calibration_key, span
+from backend.diagnosis.decisions import Found
+from backend.diagnosis.detector import Asked, Detector, detector, unwatchable
+from backend.diagnosis.diagnose import Diagnosed, follow, refitted
+from backend.diagnosis.findings import WINDOW, alarm, of_detector
+from backend.diagnosis.proposal import propose
+from backend.diagnosis.watcher import Watched
+from backend.engine.errors import Unwatchable
+from backend.engine.simulation import Experiment as Engine
+from backend.engine.simulation import Rows, State
+from shared import Experiment
+from shared.diagnosis import DiagnosisSettings, InputProposal, ObserverDiagnosis
+from shared.session import DiagnosisNow, Event
+
+_KEPT = 16  # detectors, shared by the sessions on the same experiment
+_made: OrderedDict[str, Detector] = OrderedDict()
+_lock = Lock()
+
+
+@dataclass(frozen=True)
+class Watch:
+    """What watches a session: the detector, or why there is none."""
+
+    made: Detector | None
+    asked: Asked
+    settings: DiagnosisSettings
+    horizon: float
+    note: str = ""
+
+    @classmethod
+    def over(cls, spec: Experiment, experiment: Engine) -> "Watch":
+        """For a session on a spec (with its plant in full) that begins as ``experiment``."""
+        settings, wanted = spec.diagnosis, asked(spec)
+        note = "none is asked for" if not settings.enabled else unwatchable(replace(experiment, steps=round(span(spec) / spec.step)), experiment.context)
+        made = None
+        if not note:
+            try:
+                made = _shared(spec, experiment, wanted)
+            except Unwatchable as error:
+                note = str(error)
+        return cls(made, wanted, settings, span(spec), note)
+
+    def begin(self) -> Watched | None:
+        """Before the first row."""
+        return self.made.begin() if self.made else None
+
+    def seen(self, watched: Watched | None, experiment: Engine, rows: Rows, record: float) -> tuple[Watched | None, list[Event]]:
+        """The newest rows taken in, and what was found in them."""
+        if self.made is None or watched is None or not len(rows.index):
+            return watched, []
+        made = refitted(self.made, experiment, self.asked.doubt)
+        after = follow(made, watched, experiment, rows)
+        return after, list(self._events(watched.standing.found, after.standing.found, record))
+
+    def _events(self, before: tuple[Found, ...], after: tuple[Found, ...], record: float):
+        for i, found in enumerate(after):
+            old = before[i] if i < len(before) else None
+            if old is None:
+                yield self._event(replace(found, cleared=None), found.at, "alarm", record)
+            if found.cleared is not None and (old is None or old.cleared is None):
+                yield self._event(found, found.cleared, "alarm-over", record)
+
+    def _event(self, found: Found, decision: int, kind: str, record: float) -> Event:
+        told = alarm(found, self.made, self.settings.confidence)
+        row = decision * self.made.stride
+        told["estimate"] = told["size"]
+        told["sigma"] = None if found.channel is None else found.deviation
+        subject = told["channel"] or told["output"].removeprefix("y.")
+        text = told["text"] if kind == "alarm" else f"alarm over: {subject}"
+        value = {k: list(v) if isinstance(v, tuple) else v for k, v in told.items() if k != "text"}
+        return Event(row=row, t=row * record, kind=kind, subject=subject, observer="detector", value=value, text=text)
+
+    def proposed(self, experiment: Engine, state: State) -> InputProposal:
+        """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""
+        if self.made is None:
+            raise Unwatchable(self.note)
+        made = refitted(self.made, experiment, self.asked.doubt)
+        among = tuple(dict.fromkeys(c for e in experiment.estimators for c in e.channels)) or None
+        window = WINDOW * self.horizon
+        found = propose(made.filter, experiment, state.plant, state.k, window, self.settings.accuracy, among)
+        return InputProposal.model_validate(vars(found))
+
+    def told(self, watched: Watched | None) -> DiagnosisNow:
+        """The diagnosis as it stands."""
+        found = Diagnosed(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
+        told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
+        return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
+
+
+def pinned(spec: Experiment) -> DiagnosisSettings:
+    """What is asked of the diagnosis, with the span that it has now: a run of a part of the session is judged alike."""
+    return spec.diagnosis.model_copy(update={"span": span(spec)})
+
+
+def bare(watched: Watched | None) -> Watched | None:
+    """What is kept for going far back: where the filter and the decisions stand. Windows then begin anew."""
+    if watched is None:
+        return None
+    rest = len(watched.t) - (watched.sums.last - watched.sums.first) * watched.stride
+    now = watched.standing
+    return Watched(
+        replace(now, start=max(now.start, watched.sums.last), detected=None), watched.sums.recent(1), watched.states[-1:].copy(),
+        watched.table[len(watched.t) - rest :].copy(), watched.t[len(watched.t) - rest :].copy(), watched.stride,
+    )  # fmt: skip
+
+
+def _shared(spec: Experiment, experiment: Engine, wanted: Asked) -> Detector:
+    key = calibration_key(spec)
+    with _lock:
+        found = _made.get(key)
+        if found is not None:
+            _made.move_to_end(key)
+            return found
+    whole = replace(experiment, steps=round(span(spec) / spec.step))
+    found = detector(whole, whole.context, wanted, key)
+    with _lock:
+        _made[key] = found
+        while len(_made) > _KEPT:
+            _made.popitem(last=False)
+    return found

@@ -1,0 +1,107 @@
+"""What a window tells about the faults, in numbers and in words."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from backend.diagnosis.excitation import band, excitation
+
+PAIR = np.outer([1, -0.7], [1, -0.7]) * 1e8
+
+
+def block(*parts: np.ndarray) -> np.ndarray:
+    """A matrix of blocks along its diagonal."""
+    size = sum(len(p) for p in parts)
+    whole, at = np.zeros((size, size)), 0
+    for p in parts:
+        whole[at : at + len(p), at : at + len(p)] = p
+        at += len(p)
+    return whole
+
+
+def test_two_faults_that_act_alike_are_named_with_what_shows():
+    """Of θ1 − 0.7 θ2 alone is known: neither is identifiable, and their combination is given."""
+    found = excitation(PAIR, ["theta1", "theta2"], [0.01, 0.015], 0.1)
+    apart = "theta1 and theta2 cannot be told apart with this input"
+    assert found.text == f"{apart}: only their combination theta1 − 0.7 theta2 shows"
+    assert found.level == 0.0
+    assert found.needed == pytest.approx(100)
+    assert found.identifiable == {"theta1": False, "theta2": False}
+    # in typical faults: 0.01 θ1 = 0.7 · 0.015 θ2 shows nothing
+    assert found.direction["theta2"] / found.direction["theta1"] == pytest.approx(0.01 / (0.7 * 0.015))
+    assert found.deviations == {"theta1": np.inf, "theta2": np.inf}
+
+
+def test_a_fault_without_excitation_is_named():
+    """A pump that stands still: nothing of its fault shows, the other's does."""
+    found = excitation(np.diag([1e4, 0.0]), ["pump1", "pump2"], [0.1, 0.1], 0.1)
+    assert found.text == "pump2 is not excited at all: its fault would not show in any output now"
+    assert found.identifiable == {"pump1": True, "pump2": False}
+    assert found.direction == {"pump2": 1.0}
+    both = excitation(np.zeros((2, 2)), ["pump1", "pump2"], [0.1, 0.1], 0.1)
+    assert both.text == "pump1 and pump2 are not excited at all: their faults would not show in any output now"
+
+
+def test_how_far_the_least_visible_stands_out():
+    """√λmin in typical faults: 12 where 10 are asked is enough, 3 is not."""
+    enough = excitation(np.diag([1.44e4, 1e6]), ["a", "b"], [0.1, 0.1], 0.1)
+    assert enough.text == "all faults can be told apart: the least visible combination stands out 12 times above the noise"
+    assert enough.level == pytest.approx(144)
+    assert not enough.groups
+    little = excitation(np.diag([900, 1e6]), ["a", "b"], [0.1, 0.1], 0.1)
+    assert little.text == "a shows too little now: a typical fault stands out 3 times above the noise, 10 times are asked for"
+    assert little.identifiable == {"a": False, "b": True}
+
+
+def test_several_groups_are_kept_apart():
+    """A pair with one visible combination, a triple with two, and one that is seen: each said by itself."""
+    a, b = np.array([1.0, 1.0, 1.0]), np.array([1.0, -1.0, 0.0])
+    J = block(PAIR, 1e6 * (np.outer(a, a) + np.outer(b, b)), np.diag([1e6]))
+    found = excitation(J, list("abcdef"), [0.01, 0.015, 1, 1, 1, 1], 0.1)
+    assert found.groups == (("a", "b"), ("c", "d", "e"))
+    assert found.text == ("a and b cannot be told apart with this input: only their combination a − 0.7 b shows; "
+                          "c, d and e cannot be told apart with this input: only 2 combinations of them show")  # fmt: skip
+    assert found.identifiable["f"]
+
+
+@given(st.lists(st.floats(0, 1e6), min_size=3, max_size=3), st.integers(0, 2**31), st.floats(0.02, 0.5))
+def test_an_identifiable_fault_is_known_as_well_as_asked(values, seed, accuracy):
+    """The deviations are those of J⁻¹, and a sufficient level makes every fault identifiable."""
+    rng = np.random.default_rng(seed)
+    Q, typical = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.uniform(0.1, 10, 3)
+    N = Q @ np.diag(np.array(values) + 1e-3) @ Q.T
+    found = excitation(N / np.outer(typical, typical), list("abc"), typical, accuracy)
+    true = np.sqrt(np.diag(np.linalg.inv(N)))
+    assert np.array(list(found.deviations.values())) == pytest.approx(true * typical, rel=1e-4)
+    if found.level > found.needed * (1 + 1e-6):
+        assert all(found.identifiable.values())
+        assert not found.groups
+    for group in found.groups:
+        assert not any(found.identifiable[c] for c in group)
+
+
+def test_the_order_of_channels_changes_no_finding():
+    """The same channels are grouped and identifiable however they are numbered."""
+    J, typical = block(PAIR, np.diag([50.0, 1e5])), np.array([0.01, 0.015, 1, 1])
+    order = [3, 1, 2, 0]
+    one = excitation(J, list("abcd"), typical, 0.1)
+    other = excitation(J[np.ix_(order, order)], [list("abcd")[i] for i in order], typical[order], 0.1)
+    assert one.identifiable == other.identifiable
+    assert {frozenset(g) for g in one.groups} == {frozenset(g) for g in other.groups}
+    assert one.level == other.level
+
+
+def test_nothing_to_say():
+    """No channels, or sums that are not finite, have no level."""
+    assert excitation(np.zeros((0, 0)), [], [], 0.1).text == "the plant has no fault channels"
+    assert excitation(np.array([[np.nan]]), ["a"], [1.0], 0.1).level is None
+
+
+def test_the_band_widens_to_what_was_known_before():
+    """Without excitation a fault may be as large as a typical one, along the confounded direction only."""
+    wide = band(np.stack([PAIR, np.zeros((2, 2)), np.diag([1e8, 1e8])]), [0.01, 0.015])
+    assert wide[1] == pytest.approx([0.01, 0.015])
+    assert wide[2] == pytest.approx([1e-4, 1e-4], rel=1e-3)
+    assert (wide[0] > 0.6 * np.array([0.01, 0.015])).all()
+    assert (wide[0] < [0.01, 0.015]).all()
