@@ -159,6 +159,8 @@ def outcome(finished: Finished) -> str:
     if rows:
         lines += ["", table(["OBSERVER", "FAULT", "TRUE", "ESTIMATE", "MEAN ERROR", "STD", "SETTLED"], rows), ""]
     lines += side_by_side(compared(result, spec), measures)
+    if result.diagnosis is not None:
+        lines += [f"Diagnosis: {result.diagnosis['detector']['sentence']}", ""]
     lines += [line for label, found in measures.items() for line in _sentences(label, found)]
     lines += [
         f"{o.label}: {c.name} fails: {c.text}" for o in result.observers for c in o.checks if c.verdict == "fails"
@@ -168,15 +170,16 @@ def outcome(finished: Finished) -> str:
 
 def side_by_side(comparison: Comparison, measures: dict[str, dict]) -> list[str]:
     """The observers that did not diverge, a line each: where there are several, or tests that looked for faults."""
-    rows = [row for row in comparison.observers if not measures[row.label]["diverged"]]
+    rows = [row for row in comparison.observers if not measures.get(row.label, {}).get("diverged")]
     if len(rows) < 2 and not any(row.faults for row in rows):
         return []
-    states = list(dict.fromkeys(state for row in rows for state in measures[row.label]["rmse"]))[:_STATES]
+    rmse = {row.label: measures.get(row.label, {}).get("rmse", {}) for row in rows}  # the detector has none
+    states = list(dict.fromkeys(state for row in rows for state in rmse[row.label]))[:_STATES]
     judged = any(row.faults is not None for row in rows)
     head = ["OBSERVER", *(_JUDGED if judged else ()), *(f"RMSE {state}" for state in states), "COST"]
     lines = [
         [row.label, *(_judged(row) if judged else ()),
-         *(number(measures[row.label]["rmse"].get(state), 3) for state in states), number(row.cost, 3)]
+         *(number(rmse[row.label].get(state), 3) for state in states), number(row.cost, 3)]
         for row in rows
     ]  # fmt: skip
     legend = "(cost in µs per simulated second, measured)"

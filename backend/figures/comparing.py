@@ -49,8 +49,8 @@ def _glance(scene: Scene, compared: Comparison) -> str:
         columns.append(("median delay (s)", delays, [_seconds(d) for d in delays]))
     wins, cells = _wins(rows)
     if len(rows) > 1:
-        texts = [f"{wins[row.label]} of {cells}" for row in rows]
-        columns.append(("smallest error in", [-wins[row.label] for row in rows], texts))
+        texts = [f"{wins[row.label]} of {cells}" if row.rmse else "–" for row in rows]
+        columns.append(("smallest error in", [-wins[row.label] if row.rmse else None for row in rows], texts))
     costs = [None if row.cost is None else 1e6 * row.cost for row in rows]
     columns.append(("computing time (µs per s)", costs, [number(c, 3) for c in costs]))
     return _columns(rows, columns, scene) + f"<p class=soft>{_legend(rows)}</p>"

@@ -124,7 +124,9 @@ def bracketed(text: str) -> str:
 
 
 def chip(scene: Scene, label: str) -> str:
-    """An observer's name with its colour."""
+    """An observer's name with its colour; the detector has none."""
+    if label not in scene.labels:
+        return f"<span class=who><b>{escape(label)}</b></span>"
     return f"<span class=who><span class=chip style='background:{scene.colour(label)}'></span><b>{escape(label)}</b></span>"
 
 

@@ -17,6 +17,7 @@ from backend.engine.timeline import Life, lives
 from shared.run import AssumptionCheck
 from shared.session import Assumptions, Event
 
+_LEAST = 200  # rows
 Parts = tuple[tuple[Engine, Rows], ...]
 
 
@@ -149,8 +150,11 @@ def _plain(value: float | None) -> float | None:
 
 
 def _tail_start(experiment: Engine, row: int) -> int:
-    """The row from which on rows must be kept for the rows from ``row`` on to be right: two whole windows before."""
-    start = row
+    """The row from which on rows must be kept for the rows from ``row`` on to be right: two whole windows before.
+
+    A few are kept in any case, for the checks of assumptions.
+    """
+    start = row - _LEAST
     for e in experiment.estimators:
         window = e.parameters.get("g.window")
         if window is not None:

@@ -60,7 +60,8 @@ def test_the_comparison_is_in_the_summary_and_by_itself_as_json_and_csv(client, 
     """The same numbers in all three; each line of the CSV names observer, measure and what it is of."""
     alone = client.get(run["links"]["comparison"])
     assert alone == run["summary"]["comparison"]
-    (row,) = alone["observers"]
+    row, detector = alone["observers"]
+    assert detector["label"] == "detector" and detector["rmse"] == {}
     assert alone["windows"] == [{"start": 0.0, "end": 5.0}]
     data = client.data(run["id"])
     error = data["adaptive.theta.theta3"] - data["theta.theta3"]

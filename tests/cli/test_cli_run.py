@@ -94,7 +94,7 @@ def test_several_observers_are_compared_on_the_screen_and_in_files(call, tmp_pat
     assert code == 0 and "RMSE x" in shown and "cost in µs per simulated second" in shown
     lines = list(csv.DictReader((tmp_path / "c.csv").open()))
     compared = json.loads((tmp_path / "c.json").read_text())
-    assert [row["label"] for row in compared["observers"]] == ["one", "two"]
+    assert [row["label"] for row in compared["observers"]] == ["one", "two", "detector"]
     assert compared["observers"][0]["rmse"] == compared["observers"][1]["rmse"]  # the same observer twice
     found = [float(line["value"]) for line in lines if (line["measure"], line["of"]) == ("rmse", "x.x")]
     assert found == 2 * compared["observers"][0]["rmse"]["x.x"]
