@@ -1,4 +1,4 @@
-"""The command line: `thetascope serve | run | trial | list | check`.
+"""The command line: `thetascope serve | run | trial | diagnose | list | check`.
 
 Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong use of the command, 130 interrupted.
 Modules are imported by the commands that need them, so that `--help` and mistakes answer at once.
@@ -58,6 +58,15 @@ def parser() -> argparse.ArgumentParser:
     trial.add_argument("--quiet", action="store_true", help="show no progress")
     trial.set_defaults(command=_trial)
 
+    diagnose = commands.add_parser("diagnose", help="look for faults in recorded data", description=_DIAGNOSE)
+    diagnose.add_argument("plant", metavar="PLANT|PLANTFILE", help="id of a library plant, or a YAML or JSON file")
+    diagnose.add_argument("data", metavar="DATA.csv", type=Path, help="columns t, inputs, known signals and outputs")
+    diagnose.add_argument("--learn", type=float, default=0.0, metavar="S", help="the first S seconds are known to be sound")
+    diagnose.add_argument("--false-alarms", type=float, metavar="RATE", help="an hour that are put up with (0.01)")
+    diagnose.add_argument("--doubt", type=float, metavar="SHARE", help="how far the plant's equations may be off (0.01)")
+    diagnose.add_argument("--json", type=Path, metavar="FILE", help="write the findings as JSON")
+    diagnose.set_defaults(command=_diagnose)
+
     listing = commands.add_parser("list", help="list the library's experiments and plants")
     listing.set_defaults(command=_list)
 
@@ -68,6 +77,7 @@ def parser() -> argparse.ArgumentParser:
 
 
 _TRIAL = "How often are alarms false, faults found and named, and how soon? One experiment with many seeds."
+_DIAGNOSE = "Which faults does a record show, since when, how large, and how sure is that? The noise is found in the record."
 _RUN = "Run an experiment and print how its observers did. The same spec gives the same numbers, bit for bit."
 
 
@@ -94,6 +104,12 @@ def _trial(options: argparse.Namespace) -> int:
     from backend.commands.trial import trial_command
 
     return trial_command(options)
+
+
+def _diagnose(options: argparse.Namespace) -> int:
+    from backend.commands.diagnose import diagnose_command
+
+    return diagnose_command(options)
 
 
 def _serve(options: argparse.Namespace) -> int:

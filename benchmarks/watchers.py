@@ -26,8 +26,11 @@ class Watcher:
     def command(self, text: str) -> None:
         """Send a command; `effect` becomes the time of the first frame with a row on which it acts."""
         self.effect, self._acts_at = None, None
-        data, mask = text.encode(), os.urandom(4)
-        length = struct.pack("!BBH", 0x81, 0xFE, len(data))
+        self._send(1, text.encode())
+
+    def _send(self, kind: int, data: bytes) -> None:
+        mask = os.urandom(4)
+        length = struct.pack("!BBH", 0x80 | kind, 0xFE, len(data)) if len(data) > 125 else bytes([0x80 | kind, 0x80 | len(data)])
         masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(data))
         self.socket.sendall(length + mask + masked)
 
@@ -56,6 +59,8 @@ class Watcher:
                 first, count = struct.unpack_from("<QI", data, 8)
                 if first + count > self._acts_at:
                     self.effect, self._acts_at = now, None
+        elif kind == 9:  # whoever does not answer a ping is taken for gone
+            self._send(10, data)
         elif kind == 1 and data.startswith(b'{"type":"ack"'):
             self._acts_at = int(data.partition(b'"row":')[2].partition(b",")[0])
 

@@ -9,6 +9,7 @@ import {mountFigures} from './views/figures.js';
 import {mountHead} from './views/head.js';
 import {mountSide} from './views/side.js';
 import {mountTop} from './views/top.js';
+import {mountVerdicts} from './views/verdicts.js';
 
 const store = createStore();
 let following = null; // the AbortController of the run that is followed
@@ -102,6 +103,7 @@ document.querySelector('.skip').textContent = text.skip;
 mountTop(document.querySelector('.top'), connection);
 mountChooser(document.querySelector('.chooser'), store, act);
 mountHead(document.querySelector('.head'), store, act);
+mountVerdicts(document.querySelector('.verdicts'), store);
 mountFigures(document.querySelector('.figures'), store);
 mountSide(document.querySelector('.side'), store);
 addEventListener('popstate', open);

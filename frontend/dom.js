@@ -19,13 +19,16 @@ const GREEK = Object.fromEntries(('alpha α beta β gamma γ delta δ epsilon ε
   + 'Sigma Σ Phi Φ Psi Ψ Omega Ω').split(' ').reduce((pairs, word, place, all) => (
   place % 2 ? pairs : [...pairs, [word, all[place + 1]]]), []));
 
+/** An italic letter with the hat of an estimate, which sits lower on a letter without ascender. */
+export const hatted = (letter) => h('i', {class: `hat${/^[acegm-su-zαγεηικμνοπρστυφχψω]/.test(letter) ? ' low' : ''}`}, letter);
+
 /** A name as mathematics: theta1 becomes an italic θ with the index 1; `hat` puts the hat of an estimate on it. */
 export function symbol(name, hat = false) {
   const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
   const [base, index] = match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1]))
     ? [match[1], match[2]] : [name, ''];
   const letter = Object.hasOwn(GREEK, base) ? GREEK[base] : base.replaceAll('_', ' ');
-  return h('span', {class: 'math'}, h('i', {class: hat ? 'hat' : null}, letter), index && h('sub', {}, index));
+  return h('span', {class: 'math'}, hat ? hatted(letter) : h('i', {}, letter), index && h('sub', {}, index));
 }
 
 /** A number to four significant digits, powers of ten as such. */

@@ -1,10 +1,11 @@
 // The words of the pages of runs and plants, Chinese.
 
-import {catalogue} from './live/i18n/zh-catalogue.js';
-import {names} from './live/i18n/zh-names.js';
+import {zh} from './live/i18n/zh.js';
+import {named, said} from './live/i18n/zh-said.js';
 
 export const chinese = {
-  named: (words) => names[words] ?? catalogue[words] ?? words,
+  named, said,
+  shapes: zh.shapes,
   page: {live: '实时', runs: '仿真', plants: '对象'},
   pages: '页面',
   languageHint: 'English',
@@ -81,6 +82,26 @@ export const chinese = {
   assumptions: '假设',
   verdicts: {holds: '成立', fails: '不成立', 'cannot tell': '无法判断'},
   found: (value, threshold) => `得到 ${value}` + (threshold === null ? '' : `，相对 ${threshold}`),
+  diagnosis: '诊断',
+  canSee: '能看到什么？',
+  howSure: '有多可靠？',
+  whoFound: '谁发现了什么',
+  whoFoundText: '报警由检测器给出。各观测器自身的估计以同样方式检验，以作比较。',
+  detector: '检测器',
+  measures: {found: ['发现', '故障开始后被报警指出的个数'], missed: ['漏报', '没有报警指出的故障'], false_alarms: ['误报', '没有故障时的报警'],
+    isolation_errors: ['错报', '故障期间未指出实际故障的报警'], delay: ['延迟', '从故障到指出它的报警的中位时间'],
+    cost: ['µs/s', '对象每秒所用的处理器时间，µs，实测']},
+  outcomes: {found: '发现用时', covered: '早已指出', missed: '漏报'},
+  asAlternative: '作为备选',
+  tests: {glr: 'GLR', cusum: 'CUSUM', threshold: '阈值', residual: '残差'},
+  thresholdOf: (limits) => `（${limits}）`,
+  andThen: '；',
+  ownEstimates: '各观测器的估计说明什么',
+  byWindow: '事件之间的误差',
+  peak: (value) => `最大 ${value}`,
+  settlingTimes: '进入每次阶跃的 10 % / 5 % 以内的秒数',
+  comparisonCsv: '比较',
+  comparisonHint: '比较表，CSV 格式',
   downloads: '带走',
   report: '报告',
   reportHint: '一个可离线打开的 HTML 文件',

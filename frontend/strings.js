@@ -2,11 +2,14 @@
 // the server; `named` gives what they are called in another language.
 
 import {language} from './language.js';
+import {en} from './live/i18n/en.js';
 import {chinese} from './strings-zh.js';
 
 const english = {
   title: 'Thetascope',
   named: (words) => words,
+  said: (words) => words,
+  shapes: en.shapes,
   page: {live: 'Live', runs: 'Runs', plants: 'Plants'},
   pages: 'Pages',
   languageHint: '中文',
@@ -83,6 +86,26 @@ const english = {
   assumptions: 'Assumptions',
   verdicts: {holds: 'holds', fails: 'fails', 'cannot tell': 'cannot tell'},
   found: (value, threshold) => `found ${value}` + (threshold === null ? '' : `, against ${threshold}`),
+  diagnosis: 'Diagnosis',
+  canSee: 'What can be seen?',
+  howSure: 'How sure?',
+  whoFound: 'Who found what',
+  whoFoundText: 'The detector raises the alarms. Each observer’s own estimates are tested alike, for comparison.',
+  detector: 'detector',
+  measures: {found: ['found', 'Faults that an alarm named after they began'], missed: ['missed', 'Faults that no alarm named'], false_alarms: ['false', 'Alarms while no fault was there'],
+    isolation_errors: ['wrong', 'Alarms during a fault that name none that is there'], delay: ['delay', 'Median time from a fault to the alarm that names it'],
+    cost: ['µs/s', 'Processor time in µs for a second of the plant, measured']},
+  outcomes: {found: 'found after', covered: 'named already', missed: 'missed'},
+  asAlternative: 'as an alternative',
+  tests: {glr: 'GLR', cusum: 'CUSUM', threshold: 'threshold', residual: 'residual'},
+  thresholdOf: (limits) => `(${limits})`,
+  andThen: '; ',
+  ownEstimates: 'What each observer’s estimates say',
+  byWindow: 'Errors between events',
+  peak: (value) => `largest ${value}`,
+  settlingTimes: 'Seconds until within 10 % / 5 % of each step',
+  comparisonCsv: 'Comparison',
+  comparisonHint: 'The table of the comparison as CSV',
   downloads: 'Take it with you',
   csv: 'CSV',
   mat: 'MATLAB .mat',

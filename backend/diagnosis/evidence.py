@@ -39,6 +39,7 @@ class Filter:
         self.program = innovations(experiment.plant)
         self.channels = tuple(i for i in experiment.plant.inputs if i.startswith("theta."))
         self.n, self.p, self.m = len(experiment.plant.states), len(self.channels), len(experiment.plant.outputs)
+        self.base = np.zeros(self.p)  # θ that belongs to the plant as it is; what is known comes on top
         self.outputs = tuple(experiment.plant.outputs)
         self.stds = noise_stds(experiment.measurement, context)
         outputs = tuple(self.program.outputs.values())
@@ -87,7 +88,7 @@ class Filter:
         rows = len(t)
         params = self._params.copy()
         for place, j in self._known:
-            params[place] = known[j]
+            params[place] = self.base[j] + known[j]
         ones, zeros = np.ones(rows, dtype=np.int64), np.zeros(rows)
         emitted = np.empty((rows, 1, len(self.layout.emitted)))
         out = np.empty((rows, len(state)))

@@ -14,12 +14,15 @@ const set = (app, values) => app.store.dispatch({type: 'set', ...values});
 
 const tell = (app, text, {kind = 'note', action = null} = {}) => set(app, {told: {text, kind, action, at: performance.now()}});
 
+/** A refusal in a line: what is wrong, what to do about it. */
+export const refused = (error, text) => [error.problem ?? error.detail ?? error.message, error.remedy].filter(Boolean).map(text.said).join(text.and);
+
 /** A command whose refusal is told on the page; the Ack, or null. */
 async function ask(app, command) {
   try {
     return await app.send(command);
   } catch (error) {
-    tell(app, [error.problem ?? error.message, error.remedy].filter(Boolean).join('; '), {kind: 'problem'});
+    tell(app, refused(error, app.text), {kind: 'problem'});
     return null;
   }
 }
@@ -91,6 +94,7 @@ function looks(app) {
       set(app, {language});
     },
     tell: (text, how) => tell(app, text, how),
+    refused: (error) => tell(app, refused(error, app.text), {kind: 'problem'}),
     figure: (what) => picture(app, what),
   };
 }

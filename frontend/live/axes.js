@@ -3,6 +3,8 @@
 const GLIDE = 380; // ms
 const PATIENCE = 2500; // ms for which a range must be too wide before it shrinks
 const MUCH = 0.5; // how little of it must be used
+const ROOM = 0.12; // of the range, added where it widens
+const EDGE = 0.015; // of it, which nothing may enter for long
 const still = matchMedia('(prefers-reduced-motion: reduce)');
 
 /** The round step of which about `count` fit between two values: 1, 2 or 5 times a power of ten. */
@@ -42,7 +44,11 @@ export class Range {
       return;
     }
     const [from, to] = this.target;
-    if (low < from || high > to) this.glide([Math.min(from, wanted[0]), Math.max(to, wanted[1])], now);
+    const ahead = ROOM * (wanted[1] - wanted[0]); // what has outgrown the axis goes on growing
+    const edge = EDGE * (to - from);
+    if (low < from + edge || high > to - edge) {
+      this.glide([low < from + edge ? wanted[0] - Math.ceil(ahead / step) * step : from, high > to - edge ? wanted[1] + Math.ceil(ahead / step) * step : to], now);
+    }
     const used = (wanted[1] - wanted[0]) / (this.target[1] - this.target[0]);
     if (used > MUCH) this.wide = 0;
     else if (this.wide === 0) this.wide = now;

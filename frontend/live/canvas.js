@@ -2,6 +2,9 @@
 
 import {fixed, raised} from './format.js';
 import {marks} from './axes.js';
+import {bandPath, PIECE, strokeTrace, WHOLE} from './traces.js';
+
+const SLIVER = 3; // px
 
 /** Colours and fonts as the style sheet has them, read once a theme. */
 export function palette() {
@@ -10,98 +13,9 @@ export function palette() {
   const size = parseFloat(style.fontSize) / 13.5;
   return {
     ink: read('--ink'), soft: read('--soft'), line: read('--line'), grid: read('--grid'), card: read('--card'), tint: read('--fault-soft'),
-    fault: read('--fault-line'), alarm: read('--alarm'), ok: read('--ok'), observers: [0, 1, 2, 3, 4, 5].map((place) => read(`--o${place}`)),
+    fault: read('--fault-line'), amber: read('--fault'), accent: read('--accent'), alarm: read('--alarm'), ok: read('--ok'), observers: [0, 1, 2, 3, 4, 5].map((place) => read(`--o${place}`)),
     number: `${10.5 * size}px ${read('--num')}`, size,
   };
-}
-
-/**
- * A column as a path on the canvas, put together in bins of 2^power rows. x = x0 + row·dx, y = y0 + value·dy; y is kept between the limits, so that
- * a curve that has left all bounds still ends at the edge.
- */
-export function tracePath(ctx, source, first, last, power, x0, dx, y0, dy, top, bottom) {
-  if (power === 0) return pointPath(ctx, source, first, last, x0, dx, y0, dy, top, bottom);
-  const {low, high, mask, pair} = source;
-  const each = 1 << power;
-  const end = Math.floor((last - 1) / each);
-  let down = false;
-  let before = 0;
-  for (let bin = Math.floor(first / each); bin <= end; bin += 1) {
-    const i = pair ? 2 * bin : bin;
-    let least = low[i & mask];
-    let most = high[i & mask];
-    if (pair) {
-      const a = low[(i + 1) & mask];
-      const b = high[(i + 1) & mask];
-      if (!(least <= a) && a === a && (i + 1) * (each / 2) < last) least = a;
-      if (!(most >= b) && b === b && (i + 1) * (each / 2) < last) most = b;
-    }
-    if (least !== least) {
-      down = false;
-      continue;
-    }
-    const x = x0 + Math.min(bin * each + each / 2, last - 1) * dx;
-    const y1 = Math.min(bottom, Math.max(top, y0 + least * dy));
-    const y2 = Math.min(bottom, Math.max(top, y0 + most * dy));
-    if (!down) ctx.moveTo(x, before = y1);
-    if (y1 - y2 < 0.7) ctx.lineTo(x, before = (y1 + y2) / 2);
-    else if (Math.abs(before - y1) <= Math.abs(before - y2)) {
-      if (down) ctx.lineTo(x, y1);
-      ctx.lineTo(x, before = y2);
-    } else {
-      if (down) ctx.lineTo(x, y2);
-      ctx.lineTo(x, before = y1);
-    }
-    down = true;
-  }
-  return down;
-}
-
-function pointPath(ctx, {low, mask}, first, last, x0, dx, y0, dy, top, bottom) {
-  let down = false;
-  for (let row = Math.max(0, Math.floor(first)); row < last; row += 1) {
-    const value = low[row & mask];
-    if (value !== value) {
-      down = false;
-      continue;
-    }
-    const y = Math.min(bottom, Math.max(top, y0 + value * dy));
-    if (down) ctx.lineTo(x0 + row * dx, y);
-    else ctx.moveTo(x0 + row * dx, y);
-    down = true;
-  }
-  return down;
-}
-
-/** The area between two columns (a confidence band) as one path. */
-function bandPath(ctx, lower, upper, first, last, power, x0, dx, y0, dy, top, bottom) {
-  const each = 1 << power;
-  const from = Math.floor(first / each);
-  const end = Math.floor((last - 1) / each);
-  const back = [];
-  let open = false;
-  const close = () => {
-    for (let i = back.length - 2; i >= 0; i -= 2) ctx.lineTo(back[i], back[i + 1]);
-    if (open) ctx.closePath();
-    back.length = 0;
-    open = false;
-  };
-  for (let bin = from; bin <= end; bin += 1) {
-    const i = lower.pair ? 2 * bin : bin;
-    const least = lower.low[i & lower.mask];
-    const most = upper.high[i & upper.mask];
-    if (least !== least || most !== most) {
-      close();
-      continue;
-    }
-    const x = x0 + Math.min(bin * each + (each - 1) / 2, last - 1) * dx;
-    const y = Math.min(bottom, Math.max(top, y0 + most * dy));
-    if (open) ctx.lineTo(x, y);
-    else ctx.moveTo(x, y);
-    open = true;
-    back.push(x, Math.min(bottom, Math.max(top, y0 + least * dy)));
-  }
-  close();
 }
 
 /**
@@ -109,7 +23,7 @@ function bandPath(ctx, lower, upper, first, last, power, x0, dx, y0, dy, top, bo
  * @param {CanvasRenderingContext2D} ctx
  * @param {object} strip      as strips.js makes it
  * @param {object} place      {left, width, height} of the plot area within the canvas, {full} width of the canvas
- * @param {object} view       {t0, t1, step} of the time axis; {samples, ghost, row0} of the data; marks: {faults, alarms}
+ * @param {object} view       {t0, t1, step} of the time axis; {samples, ghost, now, row} of the data, row the time between two; marks: {faults, alarms}
  * @param {import('./axes.js').Range} range
  * @param {object} colours    palette()
  */
@@ -125,7 +39,7 @@ export function drawStrip(ctx, strip, place, view, range, colours) {
   ctx.beginPath();
   ctx.rect(left, 0, width, height);
   ctx.clip();
-  ctx.lineJoin = 'round';
+  ctx.lineJoin = 'bevel'; // at this width nobody can tell it from round, which takes twice as long
   if (view.ghost) drawTraces(ctx, strip, place, {...view, samples: view.ghost}, range, colours, true);
   drawTraces(ctx, strip, place, view, range, colours, false);
   drawMarks(ctx, strip, place, view, scale, colours);
@@ -135,16 +49,25 @@ export function drawStrip(ctx, strip, place, view, range, colours) {
   ctx.strokeRect(left + 0.5, 0.5, width - 1, height - 1);
 }
 
-/** Tint of active faults, grid, zero line, threshold, marks of the vertical axis. */
+/** The times at which a fault acts, each once however many act together; one injected while time stands still shows as a sliver at the edge. */
+function drawTint(ctx, strip, {left, right, height}, view, scale, colours) {
+  if (strip.kind !== 'theta' && strip.kind !== 'residual') return;
+  ctx.fillStyle = colours.tint;
+  ctx.beginPath();
+  for (const fault of view.faults) {
+    if (fault.subject !== strip.subject || fault.onChannel !== (strip.kind === 'theta') || fault.onset > view.t1 + view.row) continue;
+    const edge = scale.x(Math.min(view.now, view.t1));
+    const from = Math.max(left, fault.active ? Math.min(scale.x(fault.onset), edge - SLIVER) : scale.x(fault.onset));
+    const to = Math.min(right, scale.x(Math.min(fault.end ?? Infinity, view.now)));
+    if (to > from) ctx.rect(from, 0, to - from, height);
+  }
+  ctx.fill();
+}
+
+/** Grid, zero line, threshold, marks of the vertical axis. */
 function drawGround(ctx, strip, {left, width, height}, view, range, scale, colours) {
   const right = left + width;
-  ctx.fillStyle = colours.tint;
-  for (const fault of view.faults) {
-    if (fault.subject !== strip.subject || fault.onset > view.t1 || !(strip.kind === 'theta' || (!fault.onChannel && strip.kind === 'residual'))) continue;
-    const from = Math.max(left, scale.x(fault.onset));
-    const to = Math.min(right, scale.x(Math.min(fault.end ?? Infinity, view.now)));
-    if (to > from) ctx.fillRect(from, 0, to - from, height);
-  }
+  drawTint(ctx, strip, {left, right, height}, view, scale, colours);
   ctx.strokeStyle = colours.grid;
   ctx.lineWidth = 1;
   ctx.beginPath();
@@ -160,8 +83,9 @@ function drawGround(ctx, strip, {left, width, height}, view, range, scale, colou
   ctx.textBaseline = 'middle';
   for (const value of strip.ticks) {
     const y = scale.y(value);
-    if (y < 6 * colours.size || y > height - 6 * colours.size) continue;
-    ctx.fillText(strip.log ? `10${raised(Math.round(value))}` : value === 0 ? '0' : fixed(value, strip.tickPlaces), left - 6, y);
+    if (y < 1 || y > height - 1) continue;
+    const half = 5 * colours.size; // at an edge the number moves inside
+    ctx.fillText(strip.log ? `10${raised(Math.round(value))}` : value === 0 ? '0' : fixed(value, strip.tickPlaces), left - 6, Math.min(height - half, Math.max(half, y)));
     if (value === 0 && !strip.log) continue;
     ctx.fillRect(left - 3, Math.round(y), 3, 1);
   }
@@ -192,26 +116,23 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
   if (last <= first) return;
   const power = samples.power(first, last, (last - first) * dx / 1.25);
   const limits = [-40, height + 40];
-  const draw = (column) => {
+  const draw = (column, piece) => {
     const source = samples.source(column, power);
-    if (!source) return;
-    ctx.beginPath();
-    tracePath(ctx, source, first, last, power, x0, dx, y0, dy, ...limits);
-    ctx.stroke();
+    if (source) strokeTrace(ctx, piece, source, first, last, power, x0, dx, y0, dy, ...limits);
   };
   if (!faint && view.bands) drawBands(ctx, strip, view, samples, [first, last, power, x0, dx, y0, dy, ...limits], colours);
   ctx.globalAlpha = faint ? 0.38 : 1;
   ctx.lineWidth = (faint ? 1 : 1.35) * colours.size;
   for (let i = strip.traces.length - 1; i >= 0; i -= 1) { // the first observer on top
     ctx.strokeStyle = strip.log && strip.traces.length === 1 ? colours.ok : colours.observers[strip.traces[i].place % 6];
-    draw(strip.traces[i].column);
+    draw(strip.traces[i].column, faint ? WHOLE : PIECE); // where pieces of a faint curve meet it would be less so
   }
   if (strip.truth) {
     ctx.strokeStyle = colours.ink;
     ctx.lineWidth = 1.2 * colours.size;
     ctx.setLineDash(faint ? [2, 4] : [5, 3]);
     ctx.lineDashOffset = first * dx; // dashes stay with the time they are at, instead of creeping along
-    draw(strip.truth);
+    draw(strip.truth, WHOLE); // dashes go on through the whole of it
     ctx.setLineDash([]);
   }
   ctx.globalAlpha = 1;
@@ -232,8 +153,9 @@ function drawBands(ctx, strip, view, samples, geometry, colours) {
   }
 }
 
-/** Where faults begin and end (on all strips), and alarms (on the strip that they accuse). */
-function drawMarks(ctx, strip, {height}, view, scale, colours) {
+/** Where faults begin and end, on all strips; where curves end; alarms. */
+function drawMarks(ctx, strip, {left, width, height}, view, scale, colours) {
+  const right = left + width;
   ctx.strokeStyle = colours.fault;
   for (const fault of view.faults) {
     const own = fault.subject === strip.subject && strip.kind === 'theta';
@@ -241,8 +163,8 @@ function drawMarks(ctx, strip, {height}, view, scale, colours) {
     ctx.lineWidth = 1;
     ctx.beginPath();
     for (const t of [fault.onset, fault.end]) {
-      if (t === null || t < view.t0 || t > Math.min(view.t1, view.now)) continue;
-      const x = Math.round(scale.x(t)) + 0.5;
+      if (t === null || t < view.t0 || t > Math.min(view.t1, view.now) + 1.01 * view.row) continue;
+      const x = Math.round(Math.min(scale.x(t), right - 2)) + 0.5;
       ctx.moveTo(x, 0);
       ctx.lineTo(x, height);
     }
@@ -250,16 +172,38 @@ function drawMarks(ctx, strip, {height}, view, scale, colours) {
   }
   ctx.globalAlpha = 1;
   for (const {fallen, place} of strip.traces) if (fallen !== null && fallen >= view.t0 && fallen <= view.t1) cross(ctx, scale.x(fallen), colours, place);
-  ctx.fillStyle = colours.alarm;
+  drawAlarms(ctx, strip, {left, right, height}, view, scale, colours);
+}
+
+/** Alarms on the strip that they name: a flag where it was raised, a line above for as long as it is on, and at the foot when the fault began. */
+function drawAlarms(ctx, strip, {left, right, height}, view, scale, colours) {
+  if (strip.kind !== 'theta' && strip.kind !== 'residual') return;
   const size = 5 * colours.size;
   for (const alarm of view.alarms) {
-    if (alarm.subject !== strip.subject || strip.kind !== 'theta' || alarm.t < view.t0 || alarm.t > view.t1) continue;
+    const named = strip.kind === 'theta' ? alarm.subjects.includes(strip.subject) : !alarm.explained && alarm.subject === strip.subject;
+    const end = Math.min(alarm.over ?? Infinity, view.now);
+    if (!named || alarm.from > view.t1 || end < view.t0) continue;
+    const second = alarm.subject !== strip.subject; // it would explain the data as well
+    ctx.fillStyle = ctx.strokeStyle = colours.alarm;
+    ctx.lineWidth = 1.2 * colours.size;
     const x = scale.x(alarm.t);
+    const from = Math.max(left, x);
+    ctx.globalAlpha = second ? 0.35 : 0.6;
+    ctx.fillRect(from, 0, Math.max(0, Math.min(right, scale.x(end)) - from), 2 * colours.size);
+    const foot = scale.x(alarm.from);
+    ctx.globalAlpha = second ? 0.25 : 0.5;
+    ctx.fillRect(foot, height - size, Math.max(3, scale.x(alarm.to) - foot), size);
+    ctx.globalAlpha = 1;
     ctx.beginPath();
-    ctx.moveTo(x - size, 0);
-    ctx.lineTo(x + size, 0);
+    ctx.moveTo(x - size, 0.5);
+    ctx.lineTo(x + size, 0.5);
     ctx.lineTo(x, size * 1.6);
-    ctx.fill();
+    ctx.closePath();
+    if (second) {
+      ctx.fillStyle = colours.card;
+      ctx.fill();
+      ctx.stroke();
+    } else ctx.fill();
   }
 }
 

@@ -12,7 +12,14 @@ function shown(app, name) {
 
 function make(app, strips, span = app.span()) {
   const {state, samples, text} = app;
-  return figureOf({samples, strips, faults: state.faults, text, t0: span[0], t1: span[1], title: strips.length > 1 ? state.spec.title || state.spec.id : null});
+  const inSight = strips.map((strip) => ({...strip, range: rangeOf(app, strip.name)}));
+  return figureOf({samples, strips: inSight, faults: state.faults, text, t0: span[0], t1: span[1], title: strips.length > 1 ? text.named(state.spec.title) || state.spec.id : null});
+}
+
+/** What the strip's own axis shows at present. */
+function rangeOf(app, name) {
+  const range = app.scope.rows.get(name)?.range;
+  return range && Number.isFinite(range.low) ? [range.low, range.high] : null;
 }
 
 /** A picture as a Blob: {strip: name or null for all that are shown, format: 'png' or 'svg'}. */
@@ -33,10 +40,10 @@ export async function openFigure(app, name) {
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   };
   const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
-  const dialog = h('dialog', {class: 'figure-dialog', 'aria-label': strip.title || strip.name, onclose: () => {
+  const dialog = h('dialog', {class: 'figure-dialog', 'aria-label': text.named(strip.title) || strip.name, onclose: () => {
     if (plot.data) window.Plotly.purge(plot);
     dialog.remove();
-  }}, h('div', {class: 'heading'}, h('h2', {}, strip.title || strip.name), h('span', {class: 'grow'}), button(text.savePng, () => keep('png')), button(text.saveSvg, () => keep('svg')),
+  }}, h('div', {class: 'heading'}, h('h2', {}, text.named(strip.title) || strip.name), h('span', {class: 'grow'}), button(text.savePng, () => keep('png')), button(text.saveSvg, () => keep('svg')),
     button(text.close, () => dialog.close())), plot);
   document.body.append(dialog);
   dialog.showModal();

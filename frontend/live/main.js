@@ -4,7 +4,7 @@ import {get} from '../api.js';
 import {actions, addressOf, languageNow} from './act.js';
 import {Edge, createLoop} from './loop.js';
 import {mountHysteresis} from './hysteresis.js';
-import {fetchMissed} from './missed.js';
+import {Arrivals} from './missed.js';
 import {mountNotice} from './notice.js';
 import {mountPanels} from './panels.js';
 import * as permalink from './permalink.js';
@@ -25,6 +25,8 @@ const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
+const TEXTS = Object.fromEntries(['en', 'zh'].map((language) => [language, {...words[language], ...scopeWords[language]}]));
+
 const store = createStore({...initial, theme: window.theme.now, language: languageNow()}, reduce);
 const loop = createLoop();
 let socket = null;
@@ -38,7 +40,7 @@ const app = {
   edge: new Edge(),
   first: FIRST.experiment,
   get state() { return store.state; },
-  get text() { return {...words[store.state.language], ...scopeWords[store.state.language]}; },
+  get text() { return TEXTS[store.state.language]; },
   get catalogue() { return (catalogue ??= get('/api/catalogue')); },
   subscribe: store.subscribe,
   wake: loop.wake,
@@ -72,16 +74,17 @@ function leave() {
 function join({id, control, experiment, plain, parent = null, fresh = false, then = () => {}}) {
   leave();
   token = control;
-  app.samples = new Samples(1);
+  const samples = app.samples = new Samples(1);
+  const arrivals = new Arrivals(samples, id, loop.wake);
   store.dispatch({type: 'begin', session: id, role: control ? 'control' : 'view', experiment, parent});
   store.dispatch({type: 'set', begunPlain: plain});
   let first = true;
   socket = connect({
     session: id, token: control,
     onConnection: (now) => store.dispatch({type: 'connection', now}),
-    onFrame: take(() => app.samples),
+    onFrame: (frame) => arrivals.frame(frame),
     onMessage(message) {
-      prepare(app.samples, message, id);
+      prepare(samples, arrivals, message);
       store.dispatch(message);
       if (message.type === 'hello' && first) {
         first = false;
@@ -98,50 +101,24 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
 }
 
 /** What a message means for the samples, before the store hears of it. */
-function prepare(samples, message, session) {
+function prepare(samples, arrivals, message) {
   if (message.type === 'hello') {
     if (samples.epoch !== message.epoch || samples.record !== message.record) samples.truncate(samples.epoch === undefined ? 0 : Math.min(samples.rows, message.row));
     samples.record = message.record;
   } else if (message.type === 'rewound') samples.truncate(message.row);
   if (message.type === 'hello' || message.type === 'columns') samples.setColumns(message.columns, derivedColumns(message.columns));
   if ('epoch' in message) samples.epoch = message.epoch;
-  if (message.type === 'jump' && samples.held === undefined) fillIn(samples, session, message);
+  if (message.type === 'jump') arrivals.jump(message);
 }
-
-/** Rows that are not sent are fetched; frames that come meanwhile wait. */
-async function fillIn(samples, session, {first, row, epoch}) {
-  samples.held = [];
-  try {
-    await fetchMissed({session, names: samples.sent, record: samples.record, first, last: row,
-      push: (...rows) => samples.epoch === epoch && samples.push(...rows)});
-  } catch {
-    // then the curves have a gap, which is what there is
-  }
-  const {held} = samples;
-  samples.held = undefined;
-  for (const frame of held) put(samples, frame);
-  loop.wake();
-}
-
-function put(samples, frame) {
-  if (frame.epoch === samples.epoch && frame.columns === samples.sent.length) samples.push(frame.first, frame.count, frame.data);
-}
-
-/** Frames of an epoch that is over are void: what replaces them is on its way. */
-const take = (samples) => (frame) => {
-  const into = samples();
-  if (into.held) into.held.push(frame);
-  else put(into, frame);
-  loop.wake();
-};
 
 /** The parent's curves, faintly behind: a second connection that only watches. */
 function watchParent(id) {
   const samples = new Samples(1, 24e6);
+  const arrivals = new Arrivals(samples, id, loop.wake);
   ghostSocket = connect({
-    session: id, token: null, onFrame: take(() => samples),
+    session: id, token: null, onFrame: (frame) => arrivals.frame(frame),
     onMessage(message) {
-      prepare(samples, message, id);
+      prepare(samples, arrivals, message);
       app.ghost = samples;
     },
     onConnection(now) {
@@ -168,13 +145,13 @@ const link = {
       const made = await fork(session, token, t);
       join({id: made.id, control: made.token, experiment, plain: begunPlain, parent: {id: session, t: now}, then: () => app.act.tell(app.text.forked(now.toFixed(1)))});
     } catch (error) {
-      app.act.tell(error.message, {kind: 'problem'});
+      app.act.refused(error);
     }
   },
 };
 
 function failed(error) {
-  const problem = {title: error.title ?? app.text.failed, detail: error.detail ?? error.message};
+  const problem = {title: app.text.said(error.title ?? app.text.failed), detail: app.text.said(error.detail ?? error.message)};
   store.dispatch({type: 'failed', problem});
 }
 
@@ -244,7 +221,7 @@ mountTimeline(place('timeline'), app);
 mountTransport(place('transport'), app);
 mountNotice(place('notice'), app);
 store.subscribe((state) => [state.spec, state.epoch, state.playing, state.session], addressSoon);
-store.subscribe((state) => state.spec?.title, (title) => { document.title = title ? `${title} · Thetascope` : 'Thetascope'; });
+store.subscribe((state) => [state.spec?.title, state.language], ([title]) => { document.title = title ? `${app.text.named(title)} · Thetascope` : 'Thetascope'; });
 addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));
 addEventListener('popstate', open);
 window.thetascope = app; // for the console, and for the tests

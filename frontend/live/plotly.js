@@ -2,6 +2,7 @@
 
 import {h} from '../dom.js';
 import {palette} from './canvas.js';
+import {plain} from './panels/symbols.js';
 
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
 const OPTIONS = {displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: '', modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage']};
@@ -54,7 +55,8 @@ export function figureOf({samples, strips, faults, text, t0, t1, title}) {
     const axis = `y${i ? i + 1 : ''}`;
     const high = (strip.weight / total) * (1 - 0.03 * (strips.length - 1));
     figure.layout[`yaxis${i ? i + 1 : ''}`] = {domain: [Math.max(0, top - high), top], title: {text: nameOf(strip, text), standoff: 6}, gridcolor: colours.grid,
-      linecolor: colours.line, zerolinecolor: colours.line, mirror: true, ...(strip.log ? {tickprefix: '10^', dtick: 1} : {})};
+      linecolor: colours.line, zerolinecolor: colours.line, mirror: true, ...(strip.range ? {range: strip.range} : {}),
+      ...(strip.log ? {tickprefix: '10<sup>', ticksuffix: '</sup>', dtick: 1} : {})};
     top -= high + 0.03;
     figure.data.push(...curvesOf(strip, axis, {samples, text, t0, t1, colours, named}));
     if (strip.kind === 'theta') figure.layout.shapes.push(...tintsOf(strip, axis, faults, t0, t1, samples.now));
@@ -64,10 +66,10 @@ export function figureOf({samples, strips, faults, text, t0, t1, title}) {
 
 function layoutOf({colours, title, t0, t1, axis}) {
   return {
-    paper_bgcolor: colours.card, plot_bgcolor: colours.card, margin: {l: 74, r: 16, t: title ? 40 : 14, b: 42}, hovermode: 'x unified', shapes: [],
+    paper_bgcolor: colours.card, plot_bgcolor: colours.card, margin: {l: 84, r: 16, t: title ? 74 : 40, b: 42}, hovermode: 'x unified', shapes: [],
     font: {family: 'system-ui, "Noto Sans", "DejaVu Sans", sans-serif', size: 12 * colours.size, color: colours.ink},
-    legend: {orientation: 'h', y: 1.02, yanchor: 'bottom', x: 1, xanchor: 'right'},
-    title: title ? {text: escaped(title), x: 0.01, font: {size: 14 * colours.size}} : undefined,
+    legend: {orientation: 'h', y: 1.005, yanchor: 'bottom', x: 0, xanchor: 'left'},
+    title: title ? {text: escaped(title), x: 0.01, y: 1, yref: 'container', yanchor: 'top', pad: {t: 14}, font: {size: 14 * colours.size}} : undefined,
     xaxis: {title: {text: 't / s'}, range: [t0, t1], gridcolor: colours.grid, linecolor: colours.line, zeroline: false, anchor: axis},
   };
 }
@@ -99,7 +101,7 @@ function tintsOf(strip, axis, faults, t0, t1, now) {
 const escaped = (words) => words.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
 
 function nameOf(strip, text) {
-  const words = {residual: `${strip.symbol}: ${text.residual}`, excitation: text.excitation}[strip.kind] ?? strip.symbol;
+  const words = {residual: `${plain(strip.symbol)}: ${text.residual}`, excitation: text.excitation}[strip.kind] ?? plain(strip.symbol);
   return escaped(words + (strip.unit ? ` / ${strip.unit}` : ''));
 }
 

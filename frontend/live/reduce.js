@@ -1,13 +1,20 @@
 // How events change the state of the live page. Pure: (state, event) → state. Events are the server's messages, as they come, and the page's own.
 
+import {alarmsOf} from './alarms.js';
+
 const COLOURS = 6; // --o0 … --o5
 const MOST_EVENTS = 5000;
+
+const EARLY = 1e-3; // of a row: times that differ by rounding only are the same
+
+/** What counts at present is what acts from the next row on: what was done while time stands still is shown at once. */
+const nextRow = ({t, record}) => t + record * (1 + EARLY);
 
 /** Observers that watch at time t, from the spec's own and its timed commands, with the colours they had. */
 export function observersAt(spec, t, before = [], log = []) {
   const watching = new Map(spec.observers.map((config) => [config.label, {config, gains: {...config.gains}, since: 0}]));
   for (const command of spec.commands ?? []) {
-    if (command.at > t + 1e-9) break;
+    if (command.at > t) break;
     if (command.command === 'add-observer') {
       watching.set(command.observer.label, {config: command.observer, gains: {...command.observer.gains}, since: command.at});
     } else if (command.command === 'remove-observer') watching.delete(command.label);
@@ -33,22 +40,8 @@ function free(taken) {
 export function faultsAt(spec, t) {
   return spec.faults.map((fault) => ({
     subject: fault.channel ?? fault.output, onChannel: 'channel' in fault, shape: fault.shape, fault, onset: fault.onset, end: fault.end ?? null,
-    active: fault.onset <= t + 1e-9 && (fault.end === null || fault.end === undefined || t < fault.end),
+    active: fault.onset <= t && (fault.end === null || fault.end === undefined || fault.end > t),
   }));
-}
-
-/** Alarms of a log: each from its event until its alarm-over. */
-export function alarmsOf(log) {
-  const alarms = [];
-  for (const event of log) {
-    if (event.kind === 'alarm') {
-      alarms.push({subject: event.subject, observer: event.observer, t: event.t, over: null, value: event.value, text: event.text});
-    } else if (event.kind === 'alarm-over') {
-      const open = alarms.findLast((alarm) => alarm.over === null && alarm.subject === event.subject && alarm.observer === event.observer);
-      if (open) open.over = event.t;
-    }
-  }
-  return alarms;
 }
 
 /** Keep the old array where nothing in it has changed, so that nobody is told for nothing. */
@@ -57,14 +50,14 @@ const steady = (before, now) => (JSON.stringify(before) === JSON.stringify(now) 
 /** What follows from spec, time and log. */
 function derived(state) {
   if (!state.spec) return state;
-  const t = state.t + state.record; // what was done while paused acts from the next row on, and is shown at once
+  const t = nextRow(state);
   return {...state, observers: steady(state.observers, observersAt(state.spec, t, state.observers, state.log)),
-    faults: steady(state.faults, faultsAt(state.spec, t)), alarms: steady(state.alarms, alarmsOf(state.log))};
+    faults: steady(state.faults, faultsAt(state.spec, t)), alarms: steady(state.alarms, alarmsOf(state.log, state.diagnosis))};
 }
 
 /** Whether a fault began or ended, or a command of the spec took effect, between two times. */
 function turned(spec, before, now) {
-  const between = (t) => t !== null && t !== undefined && ((t > before && t <= now + 1e-9) || (t > now && t <= before));
+  const between = (t) => t !== null && t !== undefined && t > Math.min(before, now) && t <= Math.max(before, now);
   return spec !== null && (spec.faults.some((fault) => between(fault.onset) || between(fault.end))
     || (spec.commands ?? []).some((command) => between(command.at)));
 }
@@ -83,25 +76,26 @@ const messages = {
     spec: hello.spec, plant: hello.spec.plant, columns: hello.columns, epoch: hello.epoch, step: hello.step, record: hello.record,
     row: hello.row, t: Math.max(0, hello.row - 1) * hello.record, playing: hello.playing, speed: hello.speed, log: hello.log.slice(-MOST_EVENTS),
     parent: hello.parent ? {id: hello.parent, t: state.parent?.id === hello.parent ? state.parent.t : null} : null,
-    checks: state.session === hello.session ? state.checks : {}, problem: null, ...(state.spec === null ? windowsFor(hello.spec, state) : {}),
+    checks: state.session === hello.session ? state.checks : {}, diagnosis: state.session === hello.session ? state.diagnosis : null, problem: null, ...(state.spec === null ? windowsFor(hello.spec, state) : {}),
   }),
   status: (state, status) => {
     const {type: _, ...rest} = status;
     const next = {...state, ...rest};
-    return turned(state.spec, state.t + state.record, status.t + state.record) ? derived(next) : next;
+    return turned(state.spec, nextRow(state), nextRow(next)) ? derived(next) : next;
   },
   event: (state, event) => derived({...state, log: [...state.log, event].slice(-MOST_EVENTS)}),
   columns: (state, {epoch, columns}) => ({...state, epoch, columns}),
   rewound: (state, {epoch, row, t}) => derived({...state, epoch, row, t, ended: false, selection: null, looking: null,
-    log: state.log.filter((event) => event.row <= row && !(row === 0 && event.kind !== 'reset'))}),
+    log: state.log.filter((event) => event.row <= row && !(row === 0 && event.kind !== 'reset')), diagnosis: state.diagnosis && {...state.diagnosis, alarms: []}}),
   spec: (state, {spec}) => derived({...state, spec, plant: steady(state.plant, spec.plant)}),
+  diagnosis: (state, {diagnosis}) => derived({...state, diagnosis: steady(state.diagnosis, diagnosis)}),
   assumptions: (state, {observer, checks}) => ({...state, checks: {...state.checks, [observer]: steady(state.checks[observer], checks)}}),
 };
 
 const own = {
   connection: (state, {now}) => ({...state, connection: now, playing: state.playing && (now === 'live' || now === 'reconnecting')}),
   begin: (state, {session, role, experiment, parent}) => ({...state, connection: 'starting', session, role, experiment, parent: parent ?? null,
-    spec: null, plant: null, columns: [], observers: [], faults: [], alarms: [], log: [], checks: {}, strips: {}, selection: null, looking: null, cursor: null,
+    spec: null, plant: null, columns: [], observers: [], faults: [], alarms: [], log: [], checks: {}, diagnosis: null, strips: {}, selection: null, looking: null, cursor: null,
     site: null, problem: null, ended: false, row: 0, t: 0}),
   failed: (state, {problem}) => ({...state, connection: 'failed', problem}),
   set: (state, {type: _, ...values}) => ({...state, ...values}),

@@ -10,7 +10,11 @@ export function mountHead(root, app, scope) {
   const menu = h('details', {class: 'menu strips-menu'});
   fill(root, legend, zoom, windows, menu);
 
-  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns], () => fill(legend, legendOf(app, scope)));
+  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns], () => {
+    fill(legend, legendOf(app, scope));
+    fitLegend(legend);
+  });
+  new ResizeObserver(() => fitLegend(legend)).observe(root);
   app.subscribe((state) => [state.window, state.selection, state.language, state.windows, state.looking], ([window, selection, , lengths, looking]) => {
     const {text} = app;
     windows.setAttribute('aria-label', text.window);
@@ -30,9 +34,19 @@ export function mountHead(root, app, scope) {
   });
 }
 
+/** On one line: where there is no room, marks that mean the same everywhere do without their words, the plainest first. */
+function fitLegend(legend) {
+  const plain = [...legend.children].filter((item) => !item.classList.contains('own')).sort((a, b) => SPOKEN.indexOf(a.dataset.mark) - SPOKEN.indexOf(b.dataset.mark));
+  for (const item of plain) item.classList.remove('mute');
+  for (const item of plain) {
+    if (legend.offsetHeight < 1.7 * item.offsetHeight) return;
+    item.classList.add('mute');
+  }
+}
+
 function legendOf(app, scope) {
   const {state, text} = app;
-  const item = (mark, words, extra = {}) => h('li', extra, mark, words);
+  const item = (mark, words, extra = {}) => h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
   const key = (name, style = null) => h('span', {class: `key ${name}`, style, 'aria-hidden': 'true'});
   return [
     item(key('dash'), text.truth),
@@ -44,6 +58,7 @@ function legendOf(app, scope) {
   ];
 }
 
+const SPOKEN = ['band', 'triangle', 'tinted', 'dash', 'ghost']; // which marks lose their words first
 const GROUPS = [['theta', 'channels'], ['state', 'states'], ['residual', 'residuals'], ['excitation', 'other']];
 
 function fillMenu(menu, app) {

@@ -7,6 +7,7 @@ import {openFigure} from './figure.js';
 import {decimals, fixed} from './format.js';
 import {mountHead} from './scope-head.js';
 import {mountPointer} from './scope-pointer.js';
+import {badges, split} from './panels/symbols.js';
 import {stripsOf} from './strips.js';
 
 const AIM = 300; // ms between looks at what the axes should show
@@ -22,7 +23,11 @@ export function mountScope(root, app) {
   app.subscribe((state) => [state.plant, state.selection, state.window, state.session], () => scope.refit());
   app.subscribe((state) => state.language, () => { scope.title.textContent = app.text.scope; });
   app.subscribe((state) => [state.theme, state.presentation], () => scope.restyle());
-  app.subscribe((state) => [state.connection, state.alarms, state.log.length], () => app.wake());
+  app.subscribe((state) => [state.connection, state.alarms, state.log.length], () => {
+    scope.still = '';
+    app.wake();
+  });
+  app.subscribe((state) => unseen(state).join(), () => scope.showUnseen());
   app.onFrame((now) => scope.draw(now));
   app.onTick(() => scope.showValues());
   return scope;
@@ -59,6 +64,7 @@ class Scope {
     if (wanted.length !== this.list.children.length || wanted.some((element, i) => this.list.children[i] !== element)) {
       this.list.replaceChildren(...wanted);
     }
+    this.showUnseen();
     this.measure();
     this.showEmpty();
     this.aimed = 0;
@@ -69,13 +75,13 @@ class Scope {
   label(row, text) {
     const {strip} = row;
     const words = {residual: text.residual, excitation: text.excitation}[strip.kind] ?? text.named(strip.title);
-    const sign = strip.kind === 'residual' ? h('span', {class: 'math'}, symbol(strip.symbol), ' − ', symbol(strip.symbol, true))
-      : strip.kind === 'excitation' ? h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min')) : symbol(strip.symbol);
+    const [letters, index] = split(strip.symbol);
+    const wordy = strip.kind === 'excitation' ? false : letters.length > 1 || index.length > 3;
     const unit = strip.unit ? ` ${strip.unit}` : '';
     const open = h('button', {type: 'button', class: 'open', title: text.openFigure, 'aria-label': `${text.openFigure}: ${words}`,
       onclick: () => openFigure(this.app, strip.name)}, h('svg', {viewBox: '0 0 16 16', width: 13, height: 13, fill: 'none', stroke: 'currentColor',
       'stroke-width': 1.5, 'stroke-linecap': 'round', 'aria-hidden': 'true'}, h('path', {d: 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4'})));
-    fill(row.label, h('span', {class: 'sign'}, sign), open, h('small', {title: words + unit}, words));
+    fill(row.label, h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)), open, h('small', {title: words + unit}, words));
     row.element.style.setProperty('--weight', strip.weight);
     row.element.dataset.kind = strip.kind;
     row.element.dataset.strip = strip.name;
@@ -85,6 +91,16 @@ class Scope {
     const own = strip.traces.map((trace) => h('span', {style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`, 'data-label': trace.label}));
     row.values.style.setProperty('--lines', Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2));
     fill(row.values, strip.truth && h('span', {class: 'truth'}), own);
+  }
+
+  /** Say which faults the input of the last window does not tell. */
+  showUnseen() {
+    const {state, text} = this.app;
+    const names = unseen(state);
+    for (const {strip, unseen: mark} of this.rows.values()) {
+      mark.textContent = text.notSeenNow;
+      mark.hidden = strip.kind !== 'theta' || !names.includes(strip.subject);
+    }
   }
 
   /** Axes look again, at once: the old ranges mean nothing to another plant or another window. */
@@ -135,12 +151,12 @@ class Scope {
     const moving = app.edge.move(now, samples.now, state.rate || state.speed || 1, state.playing && state.connection === 'live');
     if (this.rows.size === 0 || !this.place) return moving;
     const [t0, t1] = this.span();
-    const shown = `${samples.version} ${ghost?.version} ${t0} ${t1} ${state.alarms.length}`;
+    const shown = `${samples.version} ${ghost?.version} ${t0} ${t1}`;
     const gliding = this.aim(now, t0, t1);
     if (shown === this.still && !gliding && !moving) return false;
     this.still = shown;
     const step = niceStep(t1 - t0, Math.max(2, this.place.width / (78 * this.colours.size)));
-    const view = {t0, t1, step, samples, ghost, now: samples.now, faults: state.faults, alarms: state.alarms, bands: this.bands()};
+    const view = {t0, t1, step, samples, ghost, now: samples.now, row: samples.record, faults: state.faults, alarms: state.alarms, bands: this.bands()};
     for (const row of this.rows.values()) {
       if (row.place.height > 0) drawStrip(row.ctx, row.strip, row.place, view, row.range, this.colours);
     }
@@ -238,11 +254,24 @@ class Scope {
   }
 }
 
+/** Channels that are not identifiable now, from when on anything is judged. */
+const unseen = ({diagnosis, t}) => ((diagnosis?.calibration?.from_time ?? Infinity) > t ? [] : diagnosis.resolution.filter((one) => !one.identifiable).map((one) => one.channel));
+
+/** What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant. */
+function signOf({kind, symbol: name}, plant) {
+  if (kind === 'excitation') return h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min'));
+  if (kind === 'residual') return h('span', {class: 'math'}, symbol(name), ' − ', symbol(name, true));
+  if (kind !== 'theta') return symbol(name);
+  const [letters, index] = badges(plant.channels).get(name);
+  return h('span', {class: 'math'}, h('i', {}, letters), index && h('sub', {}, index));
+}
+
 function createRow() {
   const label = h('div', {class: 'strip-label'});
   const canvas = h('canvas', {role: 'img'});
   const values = h('div', {class: 'strip-values', 'aria-hidden': 'true'});
-  return {label, canvas, values, ctx: canvas.getContext('2d'), range: new Range(), element: h('div', {class: 'strip'}, label, h('div', {class: 'strip-plot'}, canvas), values),
+  const unseen = h('span', {class: 'unseen', hidden: true});
+  return {label, canvas, values, unseen, ctx: canvas.getContext('2d'), range: new Range(), element: h('div', {class: 'strip'}, label, h('div', {class: 'strip-plot'}, canvas, unseen), values),
     place: {left: 0, width: 0, height: 0, full: 0}};
 }
 

@@ -18,15 +18,7 @@
  * @property {object} fault         as the spec has it, times of the session
  * @property {number} onset
  * @property {number | null} end
- * @property {boolean} active       now
- *
- * @typedef {object} Alarm          from an alarm event until its alarm-over
- * @property {string} subject       channel that it accuses ('' where the alarm does not say)
- * @property {string} observer
- * @property {number} t
- * @property {number | null} over
- * @property {*} value
- * @property {string} text
+ * @property {boolean} active       from the next row on: what was injected while time stands still counts already
  *
  * @typedef {object} State
  * @property {'starting'|'live'|'reconnecting'|'ended'|'full'|'failed'} connection
@@ -47,7 +39,8 @@
  * @property {number} viewers
  * @property {boolean} ended              at the horizon, or the plant escaped
  * @property {object[]} log               Events, oldest first
- * @property {Alarm[]} alarms             oldest first, of the past that stands
+ * @property {import('./alarms.js').Alarm[]} alarms   of the detector, oldest first, of the past that stands
+ * @property {object | null} diagnosis    ObserverDiagnosis: how the detector sees the session (a little ahead of what is shown)
  * @property {Object<string, object[]>} checks    observer label → assumption checks
  * @property {ObserverState[]} observers
  * @property {FaultState[]} faults        oldest first
@@ -71,7 +64,7 @@
 export const initial = Object.freeze({
   connection: 'starting', session: null, role: 'control', experiment: null, spec: null, plant: null, columns: [], epoch: 0,
   step: 0, record: 0, row: 0, t: 0, playing: false, speed: 1, rate: null, viewers: 1, ended: false,
-  log: [], alarms: [], checks: {}, observers: [], faults: [], parent: null,
+  log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], parent: null,
   window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, strips: {}, site: null, presentation: false, theme: 'light', language: 'en',
   problem: null, told: null,
 });

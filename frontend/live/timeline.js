@@ -86,7 +86,7 @@ function draw(timeline) {
   ctx.fillStyle = colours.ink;
   ctx.fillRect(Math.round(x(now)) - 1, 0, 2, top + body + 3);
   if (state.looking !== null) {
-    ctx.fillStyle = getComputedStyle(timeline.root).getPropertyValue('--accent');
+    ctx.fillStyle = colours.accent;
     ctx.fillRect(Math.round(x(state.looking)) - 1, 0, 2, top + body + 3);
   }
   ctx.fillStyle = colours.soft;
@@ -112,7 +112,7 @@ function drawFaults({app, ctx, colours}, x, now, end, top, body) {
       ctx.fillRect(x(from), y, Math.max(2, x(to) - x(from)), tall);
       ctx.globalAlpha = 1;
     };
-    ctx.fillStyle = getComputedStyle(document.documentElement).getPropertyValue('--fault');
+    ctx.fillStyle = colours.amber;
     bar(fault.onset, Math.min(fault.end ?? now, now), 1);
     bar(Math.max(now, fault.onset), Math.min(fault.end ?? end, end), 0.28);
   }
@@ -156,8 +156,9 @@ function offer(timeline, t) {
     may && h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => act.fork(t)}, text.forkHere),
     h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, text.backToNow));
   const x = (t / reach(timeline)) * timeline.width;
-  const wide = choice.offsetWidth;
-  choice.style.left = `${Math.max(0, Math.min(x - wide / 2, root.clientWidth - wide))}px`;
+  const wide = choice.offsetWidth; // above the rail, in the empty middle of the header: nothing that is looked at is covered
+  const right = Math.min(root.clientWidth, (document.querySelector('.top .connection')?.getBoundingClientRect().left ?? Infinity) - root.getBoundingClientRect().left - 10);
+  choice.style.left = `${Math.max(0, Math.min(x - wide / 2, right - wide))}px`;
 }
 
 function listen(timeline) {

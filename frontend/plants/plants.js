@@ -28,7 +28,7 @@ function card(line, experiments, editor) {
       editor.scrollIntoView({block: 'center'});
       editor.focus();
     }}, text.copyPlant);
-    fill(body, h('p', {}, line.description), equations(plant), h('p', {class: 'links'}, open, take));
+    fill(body, h('p', {}, text.named(line.description)), equations(plant), h('p', {class: 'links'}, open, take));
   });
   return fold;
 }
@@ -44,8 +44,8 @@ async function checked(typed, result) {
   try {
     const [report, {plant: written}] = await Promise.all([post('/api/plants/check', plant), post('/api/equations', {plant, observers: []})]);
     return fill(result, h('p', {role: 'status'}, h('b', {}, text.valid), ` ${text.sizes(report.sizes)}.`), equations(written),
-      h('ul', {class: 'possible'}, report.observers.map((one) => h('li', {}, h('span', {class: `light ${one.possible ? 'ok' : 'bad'}`}), ` ${KINDS[one.kind] ?? one.kind} `,
-        h('span', {class: 'soft'}, one.possible ? text.canBuild : `${text.cannotBuild}: ${one.why}`)))));
+      h('ul', {class: 'possible'}, report.observers.map((one) => h('li', {}, h('span', {class: `light ${one.possible ? 'ok' : 'bad'}`}), ` ${text.named(KINDS[one.kind]) ?? one.kind} `,
+        h('span', {class: 'soft'}, one.possible ? text.canBuild : `${text.cannotBuild}: ${text.said(one.why)}`)))));
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     return fill(result, problemBlock(error));

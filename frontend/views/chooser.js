@@ -18,7 +18,7 @@ export function mountChooser(root, store, act) {
 
   function show() {
     const {experiments, chosen, spec} = store.state;
-    fill(fold.querySelector('.now'), spec?.title ?? '');
+    fill(fold.querySelector('.now'), text.named(spec?.title) ?? '');
     filter.hidden = (experiments?.length ?? 0) < MANY;
     if (experiments === null) return fill(list, h('p', {class: 'soft'}, text.loading));
     if (experiments.length === 0) return fill(list, h('p', {class: 'soft'}, text.noExperiments));
@@ -40,7 +40,7 @@ export function mountChooser(root, store, act) {
       act.choose(one.id);
     };
     return h('li', {}, h('a', {href: write({experiment: one.id}), 'aria-current': current ? 'true' : null, onclick: open,
-      title: one.description}, h('b', {}, text.named(one.title) || one.id), h('span', {class: 'soft'}, one.source)));
+      title: text.named(one.description)}, h('b', {}, text.named(one.title) || one.id), h('span', {class: 'soft'}, one.source)));
   }
 
   store.subscribe((state, before) => {

@@ -12,6 +12,7 @@ export function downloads({run, chosen, foreign, ranWith}) {
   return [
     h('p', {class: 'links'}, link(text.csv, data('csv'), {download: ''}), link(text.mat, data('mat'), {download: ''}),
       link(text.json, data('json'), {download: ''}), link(text.report, run.links.report, {title: text.reportHint, target: '_blank', rel: 'noopener'}),
+      run.summary?.comparison && link(text.comparisonCsv, `${run.links.comparison}?format=csv`, {download: '', title: text.comparisonHint}),
       link(text.spec, spec, {download: `${run.spec.id}.json`, title: text.specHint})),
     !foreign && command(chosen, JSON.parse(ranWith)),
     h('p', {class: 'soft small'}, `${text.runId} `, h('code', {}, run.id.slice(0, 12)), seconds ? `, ${text.took(number(seconds, 2))}` : ''),

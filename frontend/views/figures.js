@@ -69,7 +69,7 @@ export function mountFigures(root, store) {
       if (store.state.run !== run) return;
       const names = new Set(figures.map((one) => one.name));
       for (const [name, box] of boxes) if (!names.has(name)) remove(name, box);
-      fill(bar, figures.map((one) => h('a', {href: `#figure-${one.name}`, onclick: jump}, one.title)));
+      fill(bar, figures.map((one) => h('a', {href: `#figure-${one.name}`, onclick: jump}, text.named(one.title))));
       root.replaceChildren(bar, ...figures.map((one) => section(one, run)));
       for (const box of boxes.values()) near.observe(box.section);
     } catch (error) {
@@ -89,9 +89,9 @@ export function mountFigures(root, store) {
   }
 
   function create(one) {
-    const plot = h('div', {class: 'plot', role: 'img', 'aria-label': one.title});
+    const plot = h('div', {class: 'plot', role: 'img', 'aria-label': text.named(one.title)});
     const box = {plot, caption: h('figcaption'), drawn: null, section: h('figure', {class: 'card', id: `figure-${one.name}`, 'data-name': one.name})};
-    box.section.append(h('h2', {}, one.title), box.caption, plot);
+    box.section.append(h('h2', {}, text.named(one.title)), box.caption, plot);
     boxes.set(one.name, box);
     return box;
   }
@@ -114,8 +114,8 @@ export function mountFigures(root, store) {
         if (box.drawn !== wanted) return;
         box.failed?.remove();
         box.figure = figure;
-        fill(box.caption, figure.layout.meta.caption);
-        box.plot.setAttribute('aria-label', `${figure.layout.meta.title}. ${figure.layout.meta.caption}`);
+        fill(box.caption, text.named(figure.layout.meta.caption));
+        box.plot.setAttribute('aria-label', `${text.named(figure.layout.meta.title)}. ${text.named(figure.layout.meta.caption)}`);
         await Plotly.react(box.plot, figure.data, fitted(figure.layout, box.plot.clientWidth), OPTIONS);
         box.section.dataset.drawn = wanted;
       } catch (error) {

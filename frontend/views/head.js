@@ -31,7 +31,7 @@ export function mountHead(root, store, act) {
     }
     const observers = text.observers(spec.observers.length);
     fill(about, h('h1', {}, text.named(spec.title) || spec.id), spec.source && h('p', {class: 'soft'}, spec.source),
-      spec.description && h('p', {}, spec.description));
+      spec.description && h('p', {}, text.named(spec.description)));
     fill(plan, timeline(spec, plant), h('p', {class: 'soft'}, text.plan(spec.horizon, spec.step, observers)));
     return form.build();
   }

@@ -4,11 +4,11 @@ import {h} from '../dom.js';
 import {text} from '../strings.js';
 
 const titleOf = (problem) => (problem.status === 422 ? text.refused : problem.status === 404 ? text.notFound
-  : problem.title || text.failed);
+  : text.said(problem.title) || text.failed);
 
 /** The block for what no field of the form can show; `errors` are those of the problem that are left. */
 export function problemBlock(problem, errors = problem.errors) {
-  const detail = problem.errors.length ? null : h('p', {}, closed(problem.detail));
+  const detail = problem.errors.length ? null : h('p', {}, closed(text.said(problem.detail)));
   const rows = errors.map((error) => h('li', {},
     h('code', {}, error.field + (error.value === undefined || error.value === null ? '' : ` = ${JSON.stringify(error.value)}`)),
     ' ', sentence(error)));
@@ -17,7 +17,7 @@ export function problemBlock(problem, errors = problem.errors) {
 
 /** What is wrong and the remedy, as two short sentences. */
 export function sentence(error) {
-  return [closed(error.problem), ' ', h('span', {class: 'remedy'}, closed(`${text.remedy}: ${error.remedy}`))];
+  return [closed(text.said(error.problem)), ' ', h('span', {class: 'remedy'}, closed(`${text.remedy}: ${text.said(error.remedy)}`))];
 }
 
 /** A sentence with a capital and a full stop. */

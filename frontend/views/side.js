@@ -22,16 +22,16 @@ export function mountSide(root, store) {
 
 /** Notes of the run, and the divergence of the plant itself. */
 function troubles({diverged, notes}) {
-  const lines = [...(diverged ? [h('p', {class: 'alarm'}, text.plantDiverged(number(diverged.time), diverged.cause))] : []),
+  const lines = [...(diverged ? [h('p', {class: 'alarm'}, text.plantDiverged(number(diverged.time), text.said(diverged.cause)))] : []),
     ...notes.map((note) => h('p', {}, note))];
   return lines.length ? card(text.notes, lines) : null;
 }
 
 /** One column an observer, one row a measure: RMSE of each state, θ̂ at the end, settling after each step of a fault. */
 function comparison(observers, plant) {
-  const many = observers.length > 3;
+  const many = observers.length > 2;
   const head = h('tr', {}, h('td'), observers.map((one, place) => h('th', {scope: 'col'}, chip(place), one.label,
-    one.diverged && h('small', {class: 'alarm', title: one.diverged.cause}, text.diverged(number(one.diverged.time))))));
+    one.diverged && h('small', {class: 'alarm', title: text.said(one.diverged.cause)}, text.diverged(number(one.diverged.time))))));
   const units = new Map([...(plant?.states ?? []), ...(plant?.channels ?? [])].map((item) => [item.name, item.unit]));
   const row = (name, title, note, cells) => h('tr', {}, h('th', {scope: 'row', title: [title, units.get(name)].filter(Boolean).join(', ')},
     symbol(name), note && h('small', {}, note)), cells.map((cell) => h('td', {}, cell)));
@@ -59,15 +59,15 @@ function settled(entry) {
 function assumptions(one, place) {
   const lights = one.checks.map((check) => h('span', {class: `light ${verdict(check)}`}));
   const rows = one.checks.map((check) => h('li', {},
-    h('span', {class: `light ${verdict(check)}`}), h('b', {}, check.name.replaceAll('-', ' ')), ` ${text.verdicts[check.verdict]}`,
-    h('span', {class: 'soft'}, check.text, check.value === null ? ''
+    h('span', {class: `light ${verdict(check)}`}), h('b', {}, text.said(check.name)), ` ${text.verdicts[check.verdict]}`,
+    h('span', {class: 'soft'}, text.said(check.text), check.value === null ? ''
       : ` (${text.found(number(check.value), check.threshold === null ? null : number(check.threshold))})`,
     check.source ? `. ${check.source}` : '')));
   const count = (kind) => one.checks.filter((check) => check.verdict === kind).length;
   const spoken = Object.keys(text.verdicts).filter(count).map((kind) => `${count(kind)} ${text.verdicts[kind]}`).join(', ');
   return h('details', {class: 'checks'}, h('summary', {}, chip(place), h('b', {}, one.label),
     h('span', {class: 'lights', role: 'img', 'aria-label': spoken, title: spoken}, lights)),
-  one.title && h('p', {class: 'soft'}, one.title), h('ul', {}, rows));
+  one.title && h('p', {class: 'soft'}, text.named(one.title)), h('ul', {}, rows));
 }
 
 const verdict = (check) => ({holds: 'ok', fails: 'bad'}[check.verdict] ?? 'open');

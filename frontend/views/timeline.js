@@ -12,9 +12,10 @@ export function timeline(spec, plant) {
     const share = (time) => `${Math.min(100, (100 * time) / spec.horizon)}%`;
     const from = fault.onset;
     const to = fault.end ?? spec.horizon;
-    const words = channel?.title ? `${channel.title}, ${fault.shape}` : fault.shape;
-    return h('li', {title: text.faultText(channel?.title || name, fault.shape, from, fault.end)},
-      h('span', {class: 'name'}, symbol(name), h('small', {}, words)),
+    const title = text.named(channel?.title);
+    const shape = text.shapes[fault.shape] ?? fault.shape;
+    return h('li', {title: text.faultText(title || name, shape, from, fault.end)},
+      h('span', {class: 'name'}, symbol(name), h('small', {}, [title, shape].filter(Boolean).join(', '))),
       h('span', {class: 'track'}, h('span', {class: 'bar', style: `left:${share(from)};right:calc(100% - ${share(to)})`},
         h('small', {}, `${from} s`))));
   });

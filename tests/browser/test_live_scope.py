@@ -208,3 +208,54 @@ def test_bins_are_the_true_minima_and_maxima(page):
       return [wrong, levels, samples.capacity];
     }""")
     assert wrong == 0 and levels == 13 and capacity == 16384
+
+
+def test_a_fault_injected_while_paused_is_seen_at_once(page):
+    """While time stands still an injected fault counts and is drawn at the edge, everywhere alike; cleared, it is gone everywhere."""
+    opened = page("/?experiment=zhao-2012&t=15")
+    ready(opened)
+    lit = "document.querySelectorAll('svg.plant .site.on').length"
+    opened.wait_for_selector("svg.plant .site")
+    assert coloured(opened, "theta.theta1", "--fault-line") == 0
+    send(opened, "{type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.012}}")
+    until(opened, f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding.on').length === 1")
+    opened.wait_for_timeout(200)
+    assert not state(opened, "playing") and coloured(opened, "theta.theta1", "--fault-line") > 30
+    assert "fault-on" in opened.get_attribute('[data-strip="theta.theta1"]', "class")
+    send(opened, "{type: 'clear', channel: 'theta1'}")
+    until(opened, f"{lit} === 0 && !{APP}.state.faults.some(({{active}}) => active) && document.querySelectorAll('.finding').length === 0")
+
+
+def test_an_axis_keeps_ahead_of_what_grows(page):
+    """A value that grows steadily stays inside its axis nearly always, and the axis moves seldom."""
+    outside, moves = page("/").evaluate("""async () => {
+      const {Range} = await import('/live/axes.js');
+      const range = new Range();
+      let [outside, moves, before] = [0, 0, 0];
+      range.aim(0, 1, 0, true);
+      for (let k = 1; k <= 1200; k += 1) {
+        const now = k * 16;
+        const value = 1 + k / 100;
+        if (k % 18 === 0) range.aim(0, value, now);
+        range.move(now);
+        if (range.target[1] !== before) [moves, before] = [moves + 1, range.target[1]];
+        if (value > range.high) outside += 1;
+      }
+      return [outside, moves];
+    }""")
+    assert outside < 0.2 * 1200 and moves <= 14
+
+
+@pytest.mark.parametrize(("path", "width"), [("/", 1280), ("/?experiment=dc-motor", 1440), ("/?experiment=dts200", 1280)])
+def test_the_legend_stands_on_one_line(page, path, width):
+    """With three observers, too: what means the same everywhere gives up its words, and keeps them as a hint."""
+    opened = page(path, width=width, height=800)
+    ready(opened)
+    opened.wait_for_timeout(300)
+    rows, words = opened.evaluate(
+        "[new Set([...document.querySelectorAll('.legend li')].map((one) => one.offsetTop)).size,"
+        " [...document.querySelectorAll('.legend li')].map((one) => one.innerText || one.title)]"
+    )
+    assert rows == 1 and all(words) and "true" in words and "alarm" in words
+    for label in opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)"):
+        assert opened.locator(f".legend .own:has-text('{label}')").inner_text() == label

@@ -185,3 +185,35 @@ def test_an_observer_keeps_its_colour(page):
     until(opened, f"{APP}.state.observers.length === 3")
     assert {one["label"]: one["colour"] for one in state(opened, "observers")} == {
         "adaptive": "var(--o0)", "two": "var(--o2)", "three": "var(--o1)"}  # fmt: skip
+
+
+def test_rows_that_were_not_sent_are_fetched_in_order(page):
+    """Two gaps at once, the server refusing at first, frames coming meanwhile: afterwards every row is there and right."""
+    opened = page("/?experiment=zhao-2012&t=30")
+    ready(opened, rows=3000)
+    wrong, tries = opened.evaluate("""async () => {
+      const {Arrivals} = await import('/live/missed.js');
+      const {Samples} = await import('/live/ring.js');
+      const {state, samples: whole} = thetascope;
+      const samples = new Samples(state.record);
+      samples.setColumns(whole.sent);
+      samples.epoch = 7;
+      const arrivals = new Arrivals(samples, state.session, () => {});
+      const frame = (first, count) => ({epoch: 7, first, count, columns: whole.sent.length,
+        data: Float32Array.from(whole.sent.flatMap((name) => Array.from({length: count}, (_, i) => whole.value(name, first + i))))});
+      const asked = window.fetch;
+      let tries = 0;
+      window.fetch = (address, ...more) => (String(address).includes('/data?') && (tries += 1) === 1
+        ? Promise.resolve(new Response('{}', {status: 503, headers: {'content-type': 'application/json'}})) : asked(address, ...more));
+      arrivals.frame(frame(0, 100));
+      const first = arrivals.jump({first: 100, row: 900});
+      arrivals.frame(frame(900, 100));
+      arrivals.jump({first: 1000, row: 2500});
+      arrivals.frame(frame(2500, 100));
+      await first;
+      window.fetch = asked;
+      let wrong = 0;
+      for (const name of whole.sent) for (let row = 0; row < 2600; row += 1) if (!Object.is(samples.value(name, row), whole.value(name, row))) wrong += 1;
+      return [wrong, tries];
+    }""")
+    assert wrong == 0 and tries == 3

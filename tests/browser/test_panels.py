@@ -177,3 +177,27 @@ def test_a_click_in_the_log_shows_that_moment_and_gives_up_nothing(page):
     rows = live.evaluate("thetascope.state.row")
     live.locator("#panel-log .moment").first.click()
     assert live.evaluate("thetascope.state.selection !== null") and live.evaluate("thetascope.state.row") >= rows
+
+
+def test_the_longest_sentence_covers_nothing(page):
+    """With a sentence of three lines the findings stand below it, each on its lines, with nothing over anything."""
+    live = opened(page)
+    until(live, "/was found/.test(document.querySelector('.verdict').textContent)", 40)
+    live.evaluate("thetascope.act.pause()")
+    live.evaluate("thetascope.send({type: 'inject', fault: {output: 'y', shape: 'stuck', onset: 0, value: 0.1}})")
+    until(live, "/see the residual/.test(document.querySelector('.verdict').textContent)")
+    live.wait_for_timeout(300)
+    inside = live.evaluate("(() => { const box = document.querySelector('.verdict'); return box.scrollHeight <= box.clientHeight + 1; })()")
+    below = live.evaluate("document.querySelector('.finding').getBoundingClientRect().top >= document.querySelector('.verdict').getBoundingClientRect().bottom - 1")
+    lines = live.locator(".finding .line").evaluate_all("(all) => all.map((one) => one.clientHeight)")
+    assert inside and below and max(lines) < 30
+
+
+def test_the_same_letters_stand_for_a_fault_everywhere(page):
+    """A channel that is a word has one badge: in the plant, in the list and beside its strip; sentences call it by its title."""
+    live = opened(page, "/?experiment=dc-motor")
+    badge = live.locator("#fault-load_torque .badge").inner_text().replace("\n", "")
+    assert live.locator("svg.plant .site").nth(1).locator("text").text_content() == badge
+    assert live.locator('[data-strip="theta.load_torque"] .sign').inner_text() == badge
+    press(live, "load_torque")
+    until(live, "document.querySelector('#panel-log').textContent.includes('you injected unknown load torque')")

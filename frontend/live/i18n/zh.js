@@ -1,17 +1,17 @@
 // The words of the panels, Chinese.
 
-import {catalogue} from './zh-catalogue.js';
-import {names} from './zh-names.js';
+import {named, said} from './zh-said.js';
 
 const capital = (words) => words;
 
 export const zh = {
-  named: (words) => names[words] ?? catalogue[words] ?? words,
-  skip: '跳到曲线', wait: '正在加载……', close: '关闭', cancel: '取消', remedy: '解决办法', copy: '复制', copied: '已复制',
+  named, said,
+  skip: '跳到曲线', wait: '正在加载……', stop: '。', and: '；', close: '关闭', cancel: '取消', remedyIs: (words) => `解决办法：${words}`, copy: '复制', copied: '已复制',
 
   pages: '页面', page: {live: '实时', runs: '仿真', plants: '对象'},
   moreActions: '分享、导出、语言和外观',
   share: '分享', shareHint: '本会话的链接', export: '导出', exportHint: '本会话的数据、图片和报告',
+  present: '演示模式', look: '浅色或深色', help: '按键',
   presentHint: '演示模式：大号字体，适合投影 (P)', themeHint: '浅色或深色 (T)', helpHint: '页面按键 (?)',
   languageHint: '语言：English 或 中文 (L)',
   connections: {starting: '正在启动……', live: '实时', reconnecting: '连接断开，正在重试', ended: '已结束', full: '已满', failed: '没有会话'},
@@ -23,10 +23,10 @@ export const zh = {
   plant: '被控对象', equations: '方程', plantPicture: (title) => `${title}：输入、故障位置、输出和观测器`,
   blocks: {actuator: '执行器', plant: '对象', l1: 'L1', hysteresis: '迟滞', l2: 'L2', sensor: '传感器'},
   observersBlock: '观测器', fromInputs: '来自', fromOutputs: '来自', manyStates: (n) => `${n} 个状态`, every: (s) => `每 ${s} s`,
-  activeNow: '存在', siteOf: (title) => `注入：${title}`, siteOfOutput: (name) => `干扰 ${name} 的测量`,
+  activeNow: '存在', namedNow: '已发现', perhapsNow: '可能', siteOf: (title) => `注入：${title}`, siteOfOutput: (name) => `干扰 ${name} 的测量`,
 
   injectTitle: '注入故障', moreFaults: '+ 卡死、丢失……', fewerFaults: '− 卡死、丢失……', noChannels: '该对象没有故障通道。',
-  inject: '注入', clear: '清除', change: '更改', since: (t) => `自 ${t}`, shapeOf: (title) => `故障形状：${title}`,
+  inject: '注入', clear: '清除', change: '更改', since: (t) => `自 ${t}`, began: (from, to) => `始于 ${from}–${to}`, shapeOf: (title) => `故障形状：${title}`,
   kinds: {actuator: '执行器', process: '过程', sensor: '传感器', measurement: '测量'},
   measurementOf: (name) => capital(name), noise: '噪声', noiseOf: (name) => `${name} 的噪声标准差`, noiseHeld: (s) => `σ，保持 ${s} s`,
   moreOf: (title) => `故障的更多设置：${title}`, endsAfter: (s) => `持续 ${s} s`, endHint: '经过多少秒自行结束；留空则一直持续',
@@ -38,38 +38,49 @@ export const zh = {
 
   tryThis: '试一试', doIt: '执行',
 
-  diagnosis: '诊断', howSure: '有多可靠？', foundIn: '发现用时', notFound: '尚未发现', noFaultActs: '该处并无故障', isOver: '故障已结束，估计正在恢复',
-  invite: '点击对象图中的圆圈，或按“注入”。观测器只看到 u 和 y，看不到故障。',
-  inviteOutputs: '点击对象图中的圆圈，或按“注入”。观测器只看到 y，看不到故障。',
-  unknownSize: '大小未知',
-  howSureText: '± 是两倍标准差，来自观测器自身的协方差。它只计入测量噪声，不计模型误差。整条置信带离开零并保持在外时才报警。',
+  diagnosis: '诊断', findings: '诊断结果', howSure: '有多可靠？', canSee: '能看到什么？', or: '或', foundIn: '发现用时', notFound: '尚未发现', noFaultActs: '并无故障', faultElsewhere: '不是它',
+  isOver: '故障已结束', cleared: '已解除', ifIt: (name) => `若为 ${name}`, tooSmall: (size) => `小于目前可见的最小值 ${size}`, suspects: '怀疑传感器：卡死、丢失、延迟',
+  invite: '点击对象图中的圆圈，或按“注入”。诊断只看到 u 和 y，看不到故障。',
+  inviteOutputs: '点击对象图中的圆圈，或按“注入”。诊断只看到 y，看不到故障。',
+  unknownSize: '模型之外',
   sentences: {
-    nobody: () => '没有观测器。请添加一个。',
-    allDiverged: () => '所有观测器都已发散。请降低增益，或重新开始。',
+    noDiagnosis: ({note}) => `没有诊断：${note}。`,
+    early: ({from}) => `尚未发现故障；自 ${from} s 起判断。`,
     quiet: () => '没有故障，一切平静。',
     quietAgain: () => '所有故障都已结束。',
-    cannotName: () => '有故障存在，但这里没有观测器估计故障。请看残差。',
+    ending: () => '故障已结束，报警即将解除。',
+    one: ({name, kind, size, since}) => `${name}，${kind}故障：${size}，自 ${since} 起。`,
+    oneFound: ({name, kind, size, since, took}) => `${name}，${kind}故障：${size}，自 ${since} 起，${took} 后发现。`,
+    several: ({count: n}) => `${n} 个故障，全部识别。`,
     allNamed: ({count: n, name, took}) => `${n} 个故障，全部识别。${name} 在出现 ${took} 后被发现。`,
+    either: ({names}) => `${names.join(' 或 ')}：当前输入无法区分。`,
+    unexplained: ({name}) => `模型中没有故障能解释 ${name}。请怀疑其传感器。`,
     looking: ({name, count: n, open}) => (n > 0 ? `已识别 ${n} 个故障。${name} 尚未发现。` : `存在 ${open} 个故障，尚未发现。`),
-    measurement: ({name}) => `测量 ${name} 受到干扰。没有通道对应它：请看残差。`,
+    hidden: ({name, count: n}) => `${n > 0 ? `已识别 ${n} 个故障。` : ''}${name} 存在但不可见：当前输入下不可辨识。`,
+    measurement: ({name}) => `测量 ${name} 受到干扰，尚未发现。`,
     falseAlarm: ({name}) => `${name} 报警，但该处并无故障。`,
     blamed: ({name, otherName, onChannel}) => (onChannel ? `${otherName} 的故障被归咎于 ${name}。` : `测量 ${otherName} 的干扰被归咎于 ${name}。`),
   },
+  calibrated: (rate, threshold, runs, hours) => `要求：${rate}。由 ${runs} 次无故障仿真（共 ${hours} h）得到阈值 ${threshold}，并非人为给定。`,
+  oneIn: (hours) => `${hours} h 内一次误报`, perHour: (n) => `每小时 ${n} 次误报`,
+  plusMinus: (percent) => `± 是大小的 ${percent} % 区间，其他故障同样未知。`, judgedFrom: (s) => `${s} s 之前不作判断。`,
+  noiseSeen: (output, declared, seen) => `${output} 的噪声：${declared === null ? '未声明' : `声明为 ${declared}`}，实际 ${seen}。`,
+  bandsAre: '报警由一个检测器给出，与所用观测器无关。各观测器的置信带是其自身的：两侧各两倍标准差，输入提供的信息越少越宽。',
+  levelOf: (now, needed) => `最不可见者：高出噪声 ${now} 倍；要求 ${needed} 倍。`, overLast: (s) => `最近 ${s} s。`,
+  smallest: '可见自', smallestHint: '在最长窗口内可发现的最小阶跃，其他故障未知', typical: '典型',
+  canBeSeen: '可区分', underNoise: '淹没于噪声', notSeenNow: '目前不可辨识', hardlySeen: '难以区分',
+  propose: '建议一个输入', proposeHint: '在对象上试验若干输入，取能区分故障的最小者', proposing: '正在对象上试验输入……',
+  apply: '采用', dismiss: '关闭', applied: '已采用。请看激励水平上升。',
 
   observers: '观测器', add: '+ 添加', addObserver: '添加观测器', addIt: '添加', kind: '观测器类型', label: '标签', estimates: '估计', whichChannels: '全部故障……', notHere: '（不适用于该对象）', automatic: '自动',
   removeObserver: (label) => `移除 ${label}`, noObserver: '没有观测器。', moreGains: '更多增益', fellAt: (t) => `在 ${t} 发散`,
   assumptions: '假设', verdicts: {holds: '成立', fails: '不成立', 'cannot tell': '无法判断'},
-  checkNames: {'canonical form': '规范型', 'uniform observability': '一致可观性', 'A0 − k0 c0 stable': 'A0 − k0 c0 稳定', 'f globally Lipschitz': 'f 全局 Lipschitz',
-    'rho at least 1': 'ρ 不小于 1', 'persistent excitation': '持续激励', 'Gamma positive definite': 'Γ 正定', 'P positive definite': 'P 正定', 'S positive definite': 'S 正定',
-    observability: '可观性', 'matching condition': '匹配条件', 'Lyapunov inequality': 'Lyapunov 不等式', 'chain of integrators': '积分链', 'A − KC stable': 'A − KC 稳定',
-    'γ one-sided Lipschitz': 'γ 单边 Lipschitz', 'vector relative degree': '向量相对阶', 'decoupling matrix nonsingular': '解耦矩阵非奇异', 'α and F Lipschitz': 'α 和 F Lipschitz',
-    'no hysteresis': '无迟滞', 'every operator reaches its linear zones': '每个算子都到达线性区', 'innovations consistent with P and R': '新息与 P、R 一致'},
   kindNames: {'high-gain': '高增益', 'zhao-adaptive': '自适应，赵 (34)', 'nonsmooth-adaptive': '非光滑自适应', 'linear-adaptive': '线性自适应',
     'reduced-order': '降阶', 'full-order': '全阶', 'sandwich-nonsmooth': '三明治，非光滑', 'sandwich-conventional': '三明治，常规',
     'adaptive-kalman': '自适应卡尔曼', 'adaptive-kalman-discrete': '自适应卡尔曼，采样', 'joint-ekf': '联合 EKF', 'joint-ukf': '联合 UKF'},
 
   comparison: '比较', rmseHint: '所示窗口内状态的均方根误差', settle: '收敛', settleHint: '从故障出现到估计在 10 % 以内保持百分之一时长的时间',
-  noiseShort: '噪声', noiseHint: '窗口最后四分之一内估计相对其趋势的标准差', notYet: '尚未', whichState: '比较的状态', whichFault: '比较的故障',
+  noiseShort: '噪声', noiseHint: '窗口最后四分之一内估计相对其趋势的标准差', notYet: '尚未', whichState: '比较的状态', whichFault: '比较的故障', foundBy: '检测器发现用时', foundHint: '从故障出现到检测器报警指出它的时间；与观测器无关',
 
   log: '日志', emptyLog: '尚无事件。', showMoment: '显示这一时刻', backHere: '回到这里',
   events: {
@@ -79,7 +90,8 @@ export const zh = {
     gain: ({subject, gain, size}) => `您把 ${subject} 的 ${gain || '增益'} 设为 ${size}`,
     signal: ({name}) => `您改变了信号 ${name}`, noise: ({name, size}) => `您把 ${name} 的噪声设为 ${size}`,
     'observer-added': ({subject}) => `${subject} 开始观测`, 'observer-removed': ({subject}) => `${subject} 停止观测`,
-    alarm: ({name, size, observer}) => `报警：${name}${size === '' ? '' : `，大小 ${size}`}（${observer}）`, 'alarm-over': ({name, observer}) => `报警解除：${name}（${observer}）`,
+    alarm: ({names, explained, size}) => (explained ? `报警：${names.join(' 或 ')}${names.length > 1 ? '，无法区分' : `，${size}`}` : `报警：${names[0]}，模型无法解释`),
+    'alarm-over': ({names}) => `报警解除：${names.join(' 或 ')}`,
     diverged: ({subject}) => `${subject || '对象'} 发散`, rewound: ({t}) => `回到 ${t} s`, reset: () => '回到起点',
   },
 

@@ -68,7 +68,7 @@ function mark(menu, found, kinds, text) {
     const one = found.find(({kind}) => kind === option.value);
     if (!one || one.possible) continue;
     option.disabled = true;
-    option.title = one.why;
+    option.title = text.said(one.why);
     if (!option.textContent.endsWith(text.notHere)) option.textContent += text.notHere;
   }
   if (!menu.selectedOptions[0]?.disabled) return false;

@@ -1,6 +1,7 @@
 // The table that compares the observers over the window that the scope shows.
 
-import {fill, h, symbol} from '../../dom.js';
+import {fill, h, hatted, symbol} from '../../dom.js';
+import {finding} from '../alarms.js';
 import {noise, rmse, settled} from './metrics.js';
 import {chip, heading, steady, took} from './parts.js';
 import {badges, plain, split} from './symbols.js';
@@ -14,6 +15,7 @@ export function mount(element, app) {
   let channel = null;
   let cells = [];
   let last = 0;
+  let detector = null;
   const body = h('tbody');
 
   const build = () => {
@@ -25,7 +27,9 @@ export function mount(element, app) {
       theta && h('th', {scope: 'col', title: app.text.settleHint}, app.text.settle, ' ', picker(plant.channels, theta, app.text.whichFault, (name) => { channel = name; build(); })),
       theta && h('th', {scope: 'col', title: app.text.noiseHint}, app.text.noiseShort, ' ', short(theta, plant.channels, true)));
     cells = observers.map((observer) => ({observer, row: [h('td'), ...(theta ? [h('td'), h('td')] : [])]}));
-    fill(body, cells.map(({observer, row}) => h('tr', {}, h('th', {scope: 'row', title: observer.label}, chip(observer.colour), h('span', {class: 'said'}, observer.label)), row)));
+    detector = theta ? h('td') : null;
+    fill(body, cells.map(({observer, row}) => h('tr', {}, h('th', {scope: 'row', title: observer.label}, chip(observer.colour), h('span', {class: 'said'}, observer.label)), row)),
+      theta && app.state.diagnosis?.note === '' && h('tr', {class: 'detector', title: app.text.foundHint}, h('th', {scope: 'row', colspan: 2}, app.text.foundBy), detector, h('td')));
     fill(element, heading(app.text.comparison), h('div', {class: 'scroll'}, h('table', {}, h('caption', {class: 'said'}, app.text.comparison), h('thead', {}, head), body)));
     compute();
   };
@@ -44,6 +48,7 @@ export function mount(element, app) {
     const [from, to] = selection ?? [Math.max(0, t - (window ?? LONGEST * app.state.record)), t];
     const truth = app.window(`x.${x}`, from, to);
     const fault = app.state.faults.findLast((one) => one.subject === theta && one.onset <= t);
+    if (detector) put(detector, fault ? delay(fault) : '–');
     for (const {observer, row} of cells) {
       const mine = app.window(`${observer.label}.x.${x}`, from, to);
       put(row[0], mine.v.length === truth.v.length ? steady(rmse(mine.v, truth.v), undefined, 2) : '–');
@@ -52,6 +57,11 @@ export function mount(element, app) {
       put(row[1], fault ? settling(observer, theta, fault, t) : '–');
       put(row[2], steady(noise(estimate.t, estimate.v), undefined, 2));
     }
+  };
+  /** How soon the detector named it. */
+  const delay = (fault) => {
+    const found = finding(fault, app.state.alarms);
+    return found === null ? app.text.notYet : found.delay === null ? '–' : took(found.delay);
   };
   const settling = (observer, theta, fault, t) => {
     const from = fault.onset;
@@ -62,7 +72,7 @@ export function mount(element, app) {
     const time = settled(truth.t, truth.v, mine.v, fault.onset, app.state.spec.horizon / 100);
     return time === null ? app.text.notYet : took(time);
   };
-  app.subscribe((s) => [s.plant, s.language, s.observers, s.columns], build);
+  app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, s.diagnosis?.note], build);
   app.subscribe((s) => s.faults, build);
   app.onTick(() => {
     const now = performance.now();
@@ -81,7 +91,7 @@ function put(cell, words) {
 function short(name, items, hat = false) {
   if (split(name)[0].length === 1) return symbol(name, hat);
   const [letters, index] = badges(items).get(name);
-  return h('span', {class: 'math', title: plain(name)}, h('i', {class: hat ? 'hat' : null}, letters), index && h('sub', {}, index));
+  return h('span', {class: 'math', title: plain(name)}, hat ? hatted(letters) : h('i', {}, letters), index && h('sub', {}, index));
 }
 
 /** Which state or channel a column is about. */

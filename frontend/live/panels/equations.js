@@ -47,11 +47,11 @@ function plantPart(answer, plant, text) {
 }
 
 function observerPart(observer, answer, text) {
-  return h('section', {}, h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${answer.title}`)), h('p', {class: 'soft'}, answer.source),
+  return h('section', {}, h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${text.named(answer.title)}`)), h('p', {class: 'soft'}, answer.source),
     h('div', {class: 'equations'}, answer.equations.map(({number, math}) => h('div', {class: 'equation'}, mathml(math), h('span', {class: 'soft'}, number)))),
     answer.where.length > 0 && h('ul', {class: 'where'}, answer.where.map(({math, text: words}) => {
       const sign = mathml(math);
       sign.removeAttribute('display');
-      return h('li', {}, sign, h('span', {}, ` ${words}`));
+      return h('li', {}, sign, h('span', {}, ` ${text.named(words)}`));
     })));
 }

@@ -1,6 +1,7 @@
 // Take it with you: data and report of this session as an ordinary run, a picture of the scope, the specification.
 
 import {fill, h} from '../../dom.js';
+import {refused} from '../act.js';
 
 export function showExport(body, app) {
   const {text} = app;
@@ -23,7 +24,7 @@ export function showExport(body, app) {
       await act();
       status.textContent = text.exportNote;
     } catch (error) {
-      status.textContent = [error.problem ?? error.message, error.remedy].filter(Boolean).join('; ');
+      status.textContent = refused(error, text);
     } finally {
       target.disabled = false;
     }

@@ -1,65 +1,77 @@
-// What the alarms amount to: one finding a fault, and the sentence that says it. Pure: from the state, no document.
+// What the alarms amount to: one finding an alarm or an unfound fault, and the sentence that says it. Pure: from the state, no document.
+
+import {finding, names} from '../alarms.js';
+import {resolutionOf} from './sizes.js';
 
 /**
  * @typedef {object} Finding
+ * @property {'found'|'blamed'|'false'|'over'|'unseen'|'past'} verdict   an alarm on a fault that acts; on another than the one that acts; where none
+ *                                 acts; on one that has ended; a fault without an alarm; an alarm that is over
  * @property {string} subject
+ * @property {string[]} subjects   chips: the channel and its alternatives, or the one subject
  * @property {boolean} onChannel
- * @property {'named'|'unseen'|'false'|'over'} verdict   found; acts but not named; named but nothing acts; found and over
- * @property {number | null} began       when the fault began (the truth)
- * @property {number | null} found       when the first observer named it
- * @property {object | null} observer    ObserverState that named it first
+ * @property {import('../alarms.js').Alarm | null} alarm
+ * @property {object | null} fault    the one without an alarm
+ * @property {number | null} delay   from the fault to the alarm, where this alarm found it
  */
 
-/** Faults that act from the next row on: while time stands still, what was injected or cleared just now counts already. */
-export function acting({faults, t, record}) {
-  const next = t + record * 1.001;
-  return faults.filter((fault) => fault.onset <= next && (fault.end === null || fault.end > next));
+const MOST_PAST = 20;
+
+/** Findings for the present: alarms that are on, faults that were not found, alarms that are over. @returns {Finding[]} */
+export function findings({faults, alarms}) {
+  const active = faults.filter((fault) => fault.active);
+  const on = alarms.filter((alarm) => alarm.over === null);
+  const unseen = active.filter((fault) => !on.some((alarm) => names(alarm, fault)));
+  const past = alarms.filter((alarm) => alarm.over !== null).slice(-MOST_PAST).reverse();
+  const once = unseen.filter((fault, place) => unseen.findIndex((one) => one.subject === fault.subject) === place);
+  return [...on.map((alarm) => found(alarm, judged(alarm, faults, active), faults, alarms)),
+    ...once.map((fault) => ({verdict: 'unseen', subject: fault.subject, subjects: [fault.subject], onChannel: fault.onChannel, alarm: null, fault, delay: null})),
+    ...past.map((alarm) => found(alarm, 'past', faults, alarms))];
+}
+
+function found(alarm, verdict, faults, alarms) {
+  const mine = faults.filter((one) => one.onset <= alarm.t).map((fault) => finding(fault, alarms)).filter((one) => one?.alarm === alarm && one.delay !== null);
+  return {verdict, subject: alarm.subject, subjects: alarm.explained ? alarm.subjects : [alarm.subject], onChannel: alarm.explained, alarm, fault: null,
+    delay: mine.length ? mine.at(-1).delay : null};
+}
+
+/** An alarm that is on, held against the truth. */
+function judged(alarm, faults, active) {
+  if (active.some((fault) => names(alarm, fault))) return 'found';
+  const then = faults.filter((fault) => fault.onset <= alarm.t && (fault.end === null || fault.end >= alarm.from));
+  if (then.some((fault) => fault.active)) return 'blamed';
+  return then.length ? 'over' : 'false';
 }
 
 /**
- * Findings for the present: active faults first, in the order in which they began; then alarms without a fault.
- * @returns {Finding[]}
+ * The sentence: {key, …} of app.text.sentences.
+ * @param {Finding[]} all
+ * @param {{t: number, diagnosis: object | null}} state
  */
-export function findings(state) {
-  const {faults, alarms, observers} = state;
-  const active = new Map();
-  for (const fault of acting(state)) if (!active.has(fault.subject)) active.set(fault.subject, fault);
-  const standing = alarms.filter((alarm) => alarm.over === null && observers.some((one) => one.label === alarm.observer));
-  const watching = (alarm) => observers.find((one) => one.label === alarm.observer) ?? null;
-  const made = [...active.values()].map((fault) => {
-    const mine = alarms.filter((alarm) => alarm.subject === fault.subject && alarm.t >= fault.onset - 1e-9 && watching(alarm));
-    const held = standing.find((alarm) => alarm.subject === fault.subject);
-    const first = mine[0] ?? held;
-    return {subject: fault.subject, onChannel: fault.onChannel, verdict: first ? 'named' : 'unseen', began: fault.onset, found: first?.t ?? null, observer: first ? watching(held ?? first) : null};
-  });
-  const others = new Map();
-  for (const alarm of standing) if (!active.has(alarm.subject) && !others.has(alarm.subject)) others.set(alarm.subject, alarm);
-  return [...made, ...[...others.values()].map((alarm) => ({subject: alarm.subject, onChannel: true, verdict: acted(faults, alarm) ? 'over' : 'false',
-    began: null, found: alarm.t, observer: watching(alarm)}))];
-}
-
-/** Whether a fault that has ended explains an alarm that still stands. */
-const acted = (faults, alarm) => faults.some((fault) => fault.subject === alarm.subject && !fault.active && fault.onset <= alarm.t + 1e-9);
-
-/**
- * The sentence: {key, values} of app.text.sentences.
- * @param {Finding[]} found
- */
-export function sentence(found, {observers, faults, estimating}) {
-  const named = found.filter((one) => one.verdict === 'named');
-  const unseen = found.filter((one) => one.verdict === 'unseen');
-  const wrong = found.filter((one) => one.verdict === 'false');
-  if (observers.length === 0) return {key: 'nobody'};
-  if (observers.every((one) => one.diverged)) return {key: 'allDiverged'};
-  if (found.length === 0) return {key: faults.length && faults.some((one) => !one.active && one.end !== null) ? 'quietAgain' : 'quiet'};
-  if (!estimating) return {key: 'cannotName', count: unseen.length};
-  if (unseen.length === 0 && wrong.length === 0 && named.length) {
-    const last = named.reduce((a, b) => (b.began > a.began ? b : a));
-    return {key: 'allNamed', count: named.length, subject: last.subject, took: Math.max(0, last.found - last.began)};
+export function sentence(all, {t, diagnosis}) {
+  const of = (verdict) => all.filter((one) => one.verdict === verdict);
+  const [good, unseen] = [of('found'), of('unseen')];
+  const [blamed] = of('blamed');
+  const [wrong] = of('false');
+  if (diagnosis?.note) return {key: 'noDiagnosis', note: diagnosis.note};
+  const strange = all.find((one) => one.alarm?.over === null && !one.onChannel && one.verdict !== 'over');
+  if (strange) return {key: 'unexplained', subject: strange.subject};
+  const real = unseen[0] ?? good[0];
+  if (blamed && real) return {key: 'blamed', subject: blamed.subject, other: real.subject, onChannel: real.onChannel};
+  if (wrong) return {key: 'falseAlarm', subject: wrong.subject};
+  const either = good.findLast((one) => one.subjects.length > 1);
+  if (either) return {key: 'either', subjects: either.subjects};
+  if (unseen.length) {
+    const first = unseen.find((one) => one.onChannel) ?? unseen[0];
+    const hidden = first.onChannel && resolutionOf(first.subject, diagnosis)?.identifiable === false;
+    return {key: hidden ? 'hidden' : first.onChannel ? 'looking' : 'measurement', subject: first.subject, count: good.length, open: unseen.length};
   }
-  if (wrong.length && unseen.length) return {key: 'blamed', subject: wrong[0].subject, other: unseen[0].subject, onChannel: unseen[0].onChannel};
-  if (wrong.length) return {key: 'falseAlarm', subject: wrong[0].subject, count: named.length};
-  if (unseen.length === 0) return {key: 'quietAgain'};
-  const first = unseen.find((one) => one.onChannel) ?? unseen[0];
-  return {key: first.onChannel ? 'looking' : 'measurement', subject: first.subject, count: named.length, open: unseen.length};
+  if (good.length === 1) return {key: good[0].delay === null ? 'one' : 'oneFound', subject: good[0].subject, alarm: good[0].alarm, took: good[0].delay};
+  if (good.length) {
+    const last = good.filter((one) => one.delay !== null).at(-1);
+    return last ? {key: 'allNamed', count: good.length, subject: last.subject, took: last.delay} : {key: 'several', count: good.length};
+  }
+  if (all.length) return {key: of('over').length ? 'ending' : 'quietAgain'};
+  const from = diagnosis?.calibration?.from_time;
+  return from > t ? {key: 'early', from} : {key: 'quiet'};
 }

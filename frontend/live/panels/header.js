@@ -24,10 +24,10 @@ export function mount(element, app) {
   document.addEventListener('pointerdown', (event) => { if (!element.contains(event.target)) fold(false); });
   fill(element, h('a', {class: 'logo', href: '/', 'aria-label': 'Thetascope'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, 'Thetascope')), nav, h('span', {class: 'grow'}), state, actions, more);
 
-  const named = (one, name, hint, visible = true) => {
+  const named = (one, name, hint) => {
     one.title = hint;
     one.setAttribute('aria-label', hint);
-    one.lastChild.textContent = visible ? name : '';
+    one.lastChild.textContent = name;
   };
   const label = () => {
     const {text} = app;
@@ -38,9 +38,9 @@ export function mount(element, app) {
     more.setAttribute('aria-label', text.moreActions);
     named(share, text.share, text.shareHint);
     named(take, text.export, text.exportHint);
-    named(present, '', text.presentHint, false);
-    named(theme, '', text.themeHint, false);
-    named(help, '', text.helpHint, false);
+    named(present, text.present, text.presentHint);
+    named(theme, text.look, text.themeHint);
+    named(help, text.help, text.helpHint);
     const chinese = app.state.language === 'zh';
     fill(language, h('span', {class: chinese ? null : 'now', lang: 'en'}, 'EN'), ' · ', h('span', {class: chinese ? 'now' : null, lang: 'zh'}, '中文'));
     language.setAttribute('aria-label', text.languageHint);

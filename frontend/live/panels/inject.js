@@ -1,7 +1,6 @@
 // Inject a fault: a row for every channel, one for every output's measurement, and the noise.
 
 import {fill, h} from '../../dom.js';
-import {acting} from './findings.js';
 import {createRow} from './injectrow.js';
 import {badge, heading, link, slider, throttled} from './parts.js';
 import {logarithmic} from './scale.js';
@@ -22,7 +21,11 @@ export function mount(element, app) {
     if (!plant) return fill(element, heading(app.text.injectTitle));
     const channels = channelRows(app, plant, faults, rows);
     const outputs = outputRows(app, plant, faults, rows);
-    const toggle = link(app.text.moreFaults, () => show(!open), {'aria-expanded': 'false'});
+    const toggle = link(app.text.moreFaults, () => {
+      show(!open);
+      if (open) outputs[0]?.element.scrollIntoView({block: 'nearest'});
+      if (open) list.scrollTop = Math.max(list.scrollTop, list.scrollHeight - list.clientHeight);
+    }, {'aria-expanded': 'false'});
     const show = (now) => {
       open = now;
       toggle.setAttribute('aria-expanded', String(open));
@@ -38,7 +41,7 @@ export function mount(element, app) {
   };
   const update = () => {
     const {role, spec} = app.state;
-    const active = acting(app.state);
+    const active = app.state.faults.filter((fault) => fault.active);
     for (const [subject, row] of rows) row.show(active.findLast((fault) => fault.subject === subject), role, spec?.horizon);
     list.show?.(open);
   };
@@ -104,7 +107,7 @@ function noiseRow(app, output, ends) {
     try {
       await app.send({type: 'set-noise', output: output.name, std, sample_time: noise().sample_time});
     } catch (error) {
-      app.act.tell(error.message, {kind: 'problem'});
+      app.act.refused(error);
     }
   });
   const made = slider({name: text.noiseOf(output.name), scale: logarithmic(begin / 30, begin * 30, true), value: noise().std, low: 0, change: (std) => send(std)});

@@ -57,6 +57,6 @@ export function mount(element, app) {
     if (!channel && !found) return;
     event.preventDefault();
     if (channel) { app.act.site(null); app.act.site(channel.name); }
-    else Promise.resolve(found.act(app)).catch((error) => app.act.tell(error.message, {kind: 'problem'}));
+    else Promise.resolve(found.act(app)).catch(app.act.refused);
   });
 }

@@ -7,14 +7,20 @@ import {lines} from './words.js';
 
 export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
+  let made = new WeakMap(); // event → its line, so that a long log is not made anew with every event
   const build = () => {
+    made = new WeakMap();
     list.setAttribute('aria-label', app.text.log);
     fill(element, heading(app.text.log), list);
     update();
   };
   const update = () => {
-    const found = lines(app.state.log, app.text);
-    fill(list, found.length ? found.map(line) : h('li', {class: 'soft'}, app.text.emptyLog));
+    const found = lines(app.state.log, app.text, app.state.plant);
+    fill(list, found.length ? found.map(kept) : h('li', {class: 'soft'}, app.text.emptyLog));
+  };
+  const kept = (one) => {
+    if (!made.has(one.event)) made.set(one.event, line(one));
+    return made.get(one.event);
   };
   const line = ({t, words, alarm, own}) => h('li', {class: alarm ? 'alarm' : own ? 'own' : null},
     h('button', {type: 'button', class: 'moment', title: app.text.showMoment, onclick: () => look(t)}, h('span', {class: 'time'}, t.toFixed(app.state.spec?.horizon >= 1000 ? 0 : 1)), h('span', {}, words)),

@@ -71,7 +71,7 @@ export function createCard(app, observer, kind) {
     element, label: observer.label,
     update(next) {
       present = next ?? present;
-      fallen.textContent = present.diverged ? `${text.fellAt(seconds(present.diverged.t, app.state.spec?.horizon))}. ${present.diverged.text}` : '';
+      fallen.textContent = present.diverged ? `${text.fellAt(seconds(present.diverged.t, app.state.spec?.horizon))}. ${text.said(present.diverged.text.replace(`${present.label} diverged: `, ''))}` : '';
       show();
       card.checks();
     },
@@ -121,7 +121,7 @@ function showLights(lights, list, found, text) {
   if (list.hidden && found === list.shown) return;
   list.shown = found;
   fill(list, found.map((check) => h('li', {}, h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
-    h('b', {}, text.checkNames[check.name] ?? check.name), ` ${text.verdicts[check.verdict]}`,
+    h('b', {}, text.said(check.name)), ` ${text.verdicts[check.verdict]}`,
     check.value === null || check.value === undefined ? null : h('span', {class: 'num'}, ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`),
-    h('span', {class: 'soft'}, check.text), check.source && h('span', {class: 'soft source'}, check.source))));
+    h('span', {class: 'soft'}, text.said(check.text)), check.source && h('span', {class: 'soft source'}, check.source))));
 }

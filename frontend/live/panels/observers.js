@@ -52,7 +52,7 @@ export function mount(element, app) {
       if (mine === serial) for (const card of cards.values()) card.defaults(gains[card.label]);
     } catch { /* the gains that were set are shown all the same */ }
   };
-  app.catalogue.then((catalogue) => { kinds = catalogue.observers; build(); }, (error) => app.act.tell(error.message, {kind: 'problem'}));
+  app.catalogue.then((catalogue) => { kinds = catalogue.observers; build(); }, app.act.refused);
   app.subscribe((state) => [state.language, state.session], build);
   app.subscribe((state) => state.observers, update);
   app.subscribe((state) => [state.checks, state.role], () => { for (const card of cards.values()) card.checks(); });

@@ -10,9 +10,9 @@ export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2',
 export const link = (words, act, more = {}) => h('button', {type: 'button', class: 'link', onclick: act, ...more}, words);
 
 /** The round badge of a channel (or square one of an output), amber while its fault is active. */
-export function badge([letters, index], {square = false} = {}) {
+export function badge([letters, index], {square = false, lit = false} = {}) {
   const long = letters.length + index.length > 2;
-  return h('span', {class: `badge${square ? ' square' : ''}${long ? ' long' : ''}`, 'aria-hidden': 'true'}, h('i', {}, letters), index && h('sub', {}, index));
+  return h('span', {class: `badge${square ? ' square' : ''}${long ? ' long' : ''}${lit ? ' lit' : ''}`, 'aria-hidden': 'true'}, h('i', {}, letters), index && h('sub', {}, index));
 }
 
 /** The colour of an observer. */
@@ -21,6 +21,7 @@ export const chip = (colour) => h('span', {class: 'chip', style: `--c:${colour}`
 /** A number with so many decimals that numbers of its scale have four digits: it keeps its width while it changes. */
 export function steady(value, scale = value, digits = 4) {
   if (!Number.isFinite(value)) return '–';
+  if (value === 0 && scale === 0) return '0';
   const size = Math.abs(scale) || 1;
   if (size >= 1e5 || size < 1e-4) return number(value, digits);
   const decimals = Math.min(8, Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
@@ -90,7 +91,7 @@ export function throttled(send, pause = 200) {
 
 /** A refusal of the server in place: what is wrong, and the remedy. */
 export function refusal(element, error, text) {
-  const closed = (words) => words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!]$/.test(words) ? '' : '.'}`;
+  const closed = (words) => words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : text.stop}`;
   if (!error) return fill(element);
-  return fill(element, h('span', {}, closed(error.problem ?? error.message), ' '), error.remedy && h('span', {class: 'remedy'}, `${text.remedy}: ${closed(error.remedy)}`));
+  return fill(element, h('span', {}, closed(text.said(error.problem ?? error.message)), ' '), error.remedy && h('span', {class: 'remedy'}, text.remedyIs(closed(text.said(error.remedy)))));
 }

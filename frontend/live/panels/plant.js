@@ -3,7 +3,6 @@
 import {fill} from '../../dom.js';
 import {HALF, layout, WIDTH} from './diagram.js';
 import {open} from './dialogs.js';
-import {acting} from './findings.js';
 import {heading, link, steady} from './parts.js';
 import {letters, s} from './svg.js';
 import {badges} from './symbols.js';
@@ -22,11 +21,19 @@ export function mount(element, app) {
     tick();
     return made.svg;
   };
+  /** Amber: a fault acts there; a vermilion ring: an alarm names it, dashed where others explain the data as well. */
   const light = () => {
-    const active = new Set(acting(app.state).map((fault) => fault.subject));
-    for (const [subject, {group, title}] of sites) {
+    const {faults, alarms} = app.state;
+    const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
+    const on = alarms.filter((alarm) => alarm.over === null);
+    for (const [subject, {group, title, onChannel}] of sites) {
+      const mine = on.filter((alarm) => (onChannel ? alarm.subjects.includes(subject) : !alarm.explained && alarm.subject === subject));
+      const sure = mine.some((alarm) => alarm.subjects.length < 2);
       group.classList.toggle('on', active.has(subject));
-      group.setAttribute('aria-label', `${title}${active.has(subject) ? `, ${app.text.activeNow}` : ''}`);
+      group.classList.toggle('found', sure);
+      group.classList.toggle('perhaps', mine.length > 0 && !sure);
+      const said = [title, active.has(subject) && app.text.activeNow, mine.length > 0 && (sure ? app.text.namedNow : app.text.perhapsNow)];
+      group.setAttribute('aria-label', said.filter(Boolean).join(', '));
     }
   };
   const tick = () => {
@@ -37,7 +44,7 @@ export function mount(element, app) {
   };
   app.subscribe((state) => [state.plant, state.language], draw);
   app.subscribe((state) => state.observers.map((one) => one.colour).join(), draw);
-  app.subscribe((state) => state.faults, light);
+  app.subscribe((state) => [state.faults, state.alarms], light);
   app.subscribe((state) => state.site, (site) => {
     for (const [subject, {group}] of sites) group.setAttribute('aria-pressed', String(subject === site));
   });
@@ -107,6 +114,9 @@ function summary(names, width, text) {
   return names.flatMap((name) => [...letters(name, 12), ' ']);
 }
 
+/** A letter with its hat so much higher than a font puts it. */
+const hat = (letter, up) => [s('tspan', {class: 'letter'}, letter), s('tspan', {class: 'letter', dx: -5, dy: -up}, 'ˆ'), s('tspan', {dx: 1, dy: up}, '\u200b')];
+
 /** The observers below: they see u and y only. One stroke of colour each. */
 function watchers({foot, axis}, app) {
   const {observers, plant} = app.state;
@@ -115,10 +125,10 @@ function watchers({foot, axis}, app) {
   const step = Math.min(16, (w - 16) / Math.max(observers.length, 1));
   const begin = WIDTH / 2 - (step * observers.length) / 2;
   const sees = plant.inputs.length ? app.text.fromInputs : app.text.fromOutputs;
-  return [s('rect', {class: 'blk eye', x, y: foot - 22, width: w, height: 44, rx: 6, style: observers[0] && `stroke:${observers[0].colour}`}),
-    s('text', {class: 't', x: WIDTH / 2, y: foot - 7}, app.text.observersBlock),
-    s('text', {class: 'ts', x: WIDTH / 2, y: foot + 6}, s('tspan', {class: 'letter'}, 'x̂, θ̂ '), sees, s('tspan', {class: 'letter'}, plant.inputs.length ? ' u, y' : ' y')),
-    ...observers.map((one, place) => s('rect', {x: begin + place * step + 1.5, y: foot + 12, width: step - 3, height: 3.5, rx: 1.5, style: `fill:${one.colour}`}))];
+  return [s('rect', {class: 'blk eye', x, y: foot - 23, width: w, height: 46, rx: 6, style: observers[0] && `stroke:${observers[0].colour}`}),
+    s('text', {class: 't', x: WIDTH / 2, y: foot - 9}, app.text.observersBlock),
+    s('text', {class: 'ts', x: WIDTH / 2, y: foot + 6.5}, ...hat('x', 0.6), ', ', ...hat('θ', 3.1), ' ', sees, s('tspan', {class: 'letter'}, plant.inputs.length ? ' u, y' : ' y')),
+    ...observers.map((one, place) => s('rect', {x: begin + place * step + 1.5, y: foot + 13, width: step - 3, height: 3.5, rx: 1.5, style: `fill:${one.colour}`}))];
 }
 
 /** One fault site: round for a channel, a small square for what can happen to a measurement. */
@@ -131,10 +141,11 @@ function button(spot, short, app, sites) {
   const group = s('g', {class: `site${spot.onChannel ? '' : ' output'}`, role: 'button', tabindex: 0, 'aria-label': title, 'aria-pressed': 'false',
     transform: `translate(${spot.x.toFixed(1)} ${spot.y.toFixed(1)})`, onclick: press, onkeydown: key},
   s('title', {}, title),
+  spot.onChannel ? s('circle', {r: 12.6, class: 'ring'}) : s('rect', {class: 'ring', x: -7, y: -7, width: 14, height: 14, rx: 2.5, transform: 'rotate(45)'}),
   spot.onChannel ? [s('circle', {r: 14, class: 'hit'}), s('circle', {r: 10}), s('text', {y: 4, 'font-size': long ? 10 : 12}, s('tspan', {}, base),
     index && s('tspan', {dy: 2.5, 'font-size': long ? 7 : 8.5}, index))]
     : [s('circle', {r: 9, class: 'hit'}), s('rect', {x: -4.5, y: -4.5, width: 9, height: 9, rx: 1.5, transform: 'rotate(45)'})]);
-  sites.set(spot.subject, {group, title});
+  sites.set(spot.subject, {group, title, onChannel: spot.onChannel});
   return group;
 }
 

@@ -19,6 +19,22 @@ export function plain(name) {
   return base + [...index].map((digit) => '₀₁₂₃₄₅₆₇₈₉'[digit] ?? digit).join('');
 }
 
+/** What a sentence calls a channel, an output or a signal: its symbol, or where that is a word what the plant says it is. */
+export function called(name, plant, text) {
+  if (split(name)[0].length === 1) return plain(name);
+  const item = plant?.channels.find((one) => one.name === name);
+  return text.named(item?.title) || plain(name);
+}
+
+/** A sentence of the server with symbols for the plant's names: theta1 and theta2 → θ₁ and θ₂. */
+export function spoken(words, plant) {
+  const names = plant ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name) : [];
+  return String(words).replace(/[A-Za-z_]\w*/g, (word) => (names.includes(word) ? plain(word) : word));
+}
+
+/** With a capital letter at its beginning; a symbol stays as it is. */
+export const capital = (words) => words.replace(/^[a-z](?=[a-z ])/, (first) => first.toUpperCase());
+
 /**
  * What stands in the badge of each channel, two or three characters that tell it from the others: θ₁, gl for gain_loss,
  * lv₁ and lk₁ for level1 and leak1.

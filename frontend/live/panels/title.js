@@ -48,9 +48,9 @@ export function mount(element, app) {
   app.subscribe((state) => [state.spec?.title, state.plant, state.language], () => {
     const {spec, plant} = app.state;
     name.textContent = spec ? app.text.named(plant?.title) || app.text.named(spec.title) || spec.id : app.text.wait;
+    button.classList.toggle('long', name.textContent.length > 26);
     button.title = app.text.chooseExperiment;
-    sub.textContent = spec ? [app.text.named(spec.title), plant && app.text.sizes(plant.channels.length, spec.observers.length)].filter(Boolean).join(' · ') : '';
+    fill(sub, spec && [app.text.named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, spec.observers.length)}`)]);
     sub.title = [spec?.title, spec?.source].filter(Boolean).join('. ');
-    if (spec) document.title = `${spec.title || spec.id} · Thetascope`;
   });
 }

@@ -1,7 +1,7 @@
 // Try this: questions about the experiment at hand, each with what carries it out.
 
 import {get} from '../../api.js';
-import {fill, h} from '../../dom.js';
+import {fill, h, hatted} from '../../dom.js';
 import {heading} from './parts.js';
 import {icon} from './svg.js';
 
@@ -19,7 +19,7 @@ export function mount(element, app) {
     const {questions} = await lessons.get(experiment);
     if (experiment !== app.state.experiment) return;
     element.hidden = questions.length === 0;
-    fill(element, heading(app.text.tryThis), h('ol', {class: 'try scroll'}, questions.map((step) => question(step, language))));
+    fill(element, heading(app.text.tryThis), h('ol', {class: 'try scroll', tabindex: 0, 'aria-label': app.text.tryThis}, questions.map((step) => question(step, language))));
   };
   const question = ({question: words, do: commands}, language) => h('li', {}, h('span', {}, set(words[language] ?? words.en)),
     commands.length > 0 && h('button', {type: 'button', class: 'plain go control-only', title: app.text.doIt, 'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`, onclick: () => carryOut(commands)}, icon('go', 13)));
@@ -28,7 +28,7 @@ export function mount(element, app) {
       for (const command of commands) await app.send(command);
       if (!app.state.playing) app.act.play();
     } catch (error) {
-      app.act.tell([error.problem ?? error.message, error.remedy].filter(Boolean).join('; '), {kind: 'problem'});
+      app.act.refused(error);
     }
   };
   app.subscribe((state) => [state.experiment, state.language], draw);
@@ -41,7 +41,7 @@ function set(words) {
   for (const match of words.matchAll(SYMBOL)) {
     parts.push(words.slice(at, match.index));
     at = match.index + match[0].length;
-    parts.push(match[0] === 'λmin' ? [h('i', {}, 'λ'), h('sub', {}, 'min')] : [h('i', {}, match[1]), match[2] && h('sub', {}, match[2])]);
+    parts.push(match[0] === 'λmin' ? [h('i', {}, 'λ'), h('sub', {}, 'min')] : [match[1].length > 1 ? hatted(match[1][0]) : h('i', {}, match[1]), match[2] && h('sub', {}, match[2])]);
   }
   return [...parts, words.slice(at)];
 }

@@ -1,0 +1,80 @@
+"""`thetascope diagnose`: what was recorded on a plant, and which faults it shows."""
+
+import argparse
+import csv
+from pathlib import Path
+
+import numpy as np
+
+from backend import library
+from backend.assembly.recording import diagnose_recording, recording
+from backend.commands.terminal import number, table
+from backend.engine.errors import SpecError
+from backend.runs.documents import DocumentError, read
+from backend.runs.errors import from_engine, validated
+from backend.settings import load
+from shared.diagnosis import DiagnosisSettings, ObserverDiagnosis
+from shared.plant import Plant
+
+
+def diagnose_command(options: argparse.Namespace) -> int:
+    """Diagnose a recorded file and print, or write, what was found."""
+    plant = plant_named(options.plant)
+    asked = {"false_alarms": options.false_alarms, "doubt": options.doubt}
+    settings = validated(DiagnosisSettings, {k: v for k, v in asked.items() if v is not None})
+    try:
+        found = diagnose_recording(plant, recording(plant, columns_of(options.data)), settings, options.learn)
+    except SpecError as error:
+        raise from_engine(error) from None
+    if options.json is not None:
+        options.json.write_text(found.model_dump_json(indent=1), encoding="utf-8")
+    print(text(found))
+    return 0
+
+
+def plant_named(target: str) -> Plant:
+    """A plant of the library, or of a file."""
+    path = Path(target)
+    if not path.suffix and not path.exists():
+        return library.plant(target)
+    return validated(Plant, read(path, load().max_body).data)
+
+
+def columns_of(path: Path) -> dict[str, np.ndarray]:
+    """The columns of a CSV file with a line of names. Raises DocumentError with the line that is no row of numbers."""
+    try:
+        with path.open(newline="", encoding="utf-8-sig") as file:
+            lines = csv.reader(file)
+            names = [name.strip() for name in next(lines, [])]
+            rows = [(lines.line_num, line) for line in lines if line]
+    except OSError as error:
+        raise DocumentError(f"{path} cannot be read: {error.strerror}", "check the name and the permissions") from None
+    except (UnicodeDecodeError, csv.Error):
+        raise DocumentError(f"{path} is no CSV in UTF-8", "save it as CSV, comma separated") from None
+    if not names or len(set(names)) < len(names):
+        raise DocumentError(f"{path} has no line of names, or a name twice", "begin it with a line such as t,voltage,y_speed")
+    data = np.empty((len(rows), len(names)))
+    for place, (number_of_line, line) in enumerate(rows):
+        try:
+            data[place] = [float(cell) for cell in line]
+        except ValueError:
+            problem = f"line {number_of_line} is not a row of {len(names)} numbers"
+            raise DocumentError(problem, "give one number for every name, comma separated", name=str(path)) from None
+    return dict(zip(names, data.T, strict=True))
+
+
+def text(found: ObserverDiagnosis) -> str:
+    """What was found, as a table; then what it rests on."""
+    parts = [found.sentence, ""]
+    if found.alarms:
+        rows = [[number(a.t, 5), a.channel or f"not explained ({a.output})", ", ".join(a.alternatives) or "–", number(a.onset, 5),
+                 f"{a.onset_from:.5g} to {a.onset_to:.5g}", number(a.size), "–" if a.size is None else
+                 f"{a.size_from:.4g} to {a.size_to:.4g}", number(a.cleared, 5)] for a in found.alarms]  # fmt: skip
+        parts += [table(["ALARM AT", "FAULT", "OR AS WELL", "SINCE", "", "SIZE", "", "OVER AT"], rows), ""]
+    parts += [f"noise of {n.output}: {number(n.estimated, 3)} (from the record)" for n in found.noise]
+    if found.calibration is not None:
+        c = found.calibration
+        parts.append(f"thresholds for {c.false_alarms:g} false alarms an hour, from {c.seeds} simulated runs; judged from {c.from_time:.4g} s on")
+    if found.excitation is not None and found.excitation.text:
+        parts.append(f"at the end: {found.excitation.text}")
+    return "\n".join(parts)

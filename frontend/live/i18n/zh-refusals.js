@@ -1,0 +1,72 @@
+// Refusals of the server in Chinese: what is wrong, and what to do about it. The frequent ones; others stay English.
+
+const rule = (text, made) => [new RegExp(`^${text}$`, 's'), made];
+
+export const refusalRules = [
+  // observers
+  rule('an observer of that label is watching already', '已有使用该标签的观测器'), rule('give another label', '换一个标签'),
+  rule('no observer of that label is watching at that time', '此时没有使用该标签的观测器'),
+  rule("the label '(.+)' is the first part of the plant's own columns", '标签 $1 与对象自身各列的名称冲突'),
+  rule('there is no observer of that kind', '没有这种观测器'), rule('it is for continuous time and the plant (\\S+) is discrete', '它用于连续时间，而对象 $1 是离散的'),
+  rule('it is for discrete time and the plant (\\S+) is continuous', '它用于离散时间，而对象 $1 是连续的'),
+  rule('the plant (\\S+) has no fault channel of that name', '对象 $1 没有该名称的故障通道'), rule('a channel is named twice', '通道重复'), rule('name each once', '每个只写一次'),
+  rule('a sample period is a positive number of seconds', '采样周期是正的秒数'), rule('this gain is one number', '该增益是一个数'), rule('give a number, not a list', '请给一个数，而不是列表'),
+  rule('(.+): it must lie between (\\S+) and (\\S+)', '$1：须在 $2 和 $3 之间'), rule('give (-?[\\d.einf+-]+) to (-?[\\d.einf+-]+)', '请给 $1 至 $2'),
+  rule('it has (\\d+) entries; this plant needs (\\d+) \\((.+)\\)', '共有 $1 个数；该对象需要 $2 个'), rule('give (\\d+) numbers, or one for all', '请给 $1 个数，或给一个通用的数'),
+  rule('it is not one of the choices', '不在可选项之中'), rule('(.+): a whole number is needed', '$1：需要整数'), rule('(\\S+) has no such option', '$1 没有这个选项'), rule('(\\S+) has no such gain', '$1 没有这个增益'),
+  rule('this gain acts at the start, or on what is shown, only', '该增益只在开始时或对显示起作用'), rule('remove the observer and add it with the gain you want', '请移除该观测器，再以所需增益添加'),
+  rule('this plant has no canonical form \\(Zhao, Li & Li 2012, eq. 2\\): (.+)', '该对象没有规范型（赵、李、李 2012，式 2）：$1'),
+  rule('use adaptive-kalman, which needs no canonical form', '请用 adaptive-kalman，它不需要规范型'),
+  rule('this plant has no normal form \\(6\\): (.+)', '该对象没有标准型 (6)：$1'), rule('use adaptive-kalman or joint-ekf, which need no normal form', '请用 adaptive-kalman 或 joint-ekf，它们不需要标准型'),
+  rule('this plant is not of the form \\(1\\) of Shen & Hu 2015: (.+)', '该对象不具有沈、胡 2015 的形式 (1)：$1'),
+  rule('list the measured state first and choose process or actuator faults \\(options.channels\\), or use adaptive-kalman', '请把测量的状态列在首位，并选择过程或执行器故障 (options.channels)，或用 adaptive-kalman'),
+  rule('this plant is no sandwich system with backlash \\(Zhou & Tan 2012\\): (.+)', '该对象不是带间隙的三明治系统（周、谭 2012）：$1'),
+  rule('write operators as backlash.+', '请按 backlash(x, x - x_before, z_before, m1, m2, D1, D2) 书写算子，或选择其他观测器'),
+  rule('it has no backlash operator', '它没有间隙算子'), rule('it has (\\d+) outputs and the form is for one', '它有 $1 个输出，而该形式只适用于一个'), rule('it is a discrete-time plant', '它是离散时间对象'),
+  rule('the Lie derivatives depend on (.+), so the coordinates would move with time', 'Lie 导数依赖于 $1，坐标会随时间变动'),
+  rule('the Lie derivatives of the output have rank (\\d+), less than its (\\d+) states: some states cannot be told from the output', '输出的 Lie 导数的秩为 $1，小于状态数 $2：有的状态无法由输出得知'),
+  rule('its vector relative degree \\((.+)\\) sums to (\\d+), not to its (\\d+) states \\(Assumption 1\\)', '其向量相对阶 ($1) 之和为 $2，而不是状态数 $3（假设 1）'),
+  rule('its outputs and their derivatives depend on each other, so T has no inverse', '其输出及其导数相互依赖，T 不可逆'),
+  rule('the coordinates z = T\\(x, t\\) could not be solved for x: (.+)', '无法由坐标 z = T(x, t) 解出 x：$1'),
+  rule('an input or known signal enters its output (\\S+) directly', '有输入或已知信号直接进入其输出 $1'), rule('no input enters the first (\\d+) derivatives of (\\S+)', '$2 的前 $1 阶导数中没有输入'),
+  rule('its output is not its first state (\\S+) alone', '其输出不只是第一个状态 $1'), rule('no fault channel is left to estimate', '没有可估计的故障通道'),
+  rule('the fault (.+) enters the output, where \\(1\\) has no θ', '故障 $1 进入输出，而 (1) 的输出中没有 θ'),
+  rule('the fault does not enter the equation of the measured state (\\S+), so \\(8\\) of .+', '该故障不进入被测状态 $1 的方程，沈、胡 2015 的 (8) 使 g = 0，其估计永不变动'),
+  rule('leave it out of the channels, or use adaptive-kalman', '请从通道中去掉它，或用 adaptive-kalman'),
+  rule('these gains need steps of (\\S+) s to stay numerically stable, (\\S+) times shorter than asked', '这些增益需要 $1 s 的步长才能数值稳定，是所给步长的 $2 分之一'),
+  rule('set step to (\\S+) or lower the gains', '请把步长设为 $1 或降低增益'),
+
+  // faults, signals, noise, times
+  rule('the plant has no (?:channel|output) of that name', '对象没有该名称的通道或输出'), rule('the plant has no input or known signal of that name', '对象没有该名称的输入或已知信号'),
+  rule('the end (\\S+) s is not after the onset (\\S+) s', '结束时刻 $1 s 不在开始时刻 $2 s 之后'), rule('give an end above (\\S+), or null', '结束须大于 $1，或为空'),
+  rule('times\\[0\\] = (\\S+) lies before the onset', 'times[0] = $1 早于开始时刻'), rule('times count from the onset: start at 0 or later', '时刻自故障开始计：请从 0 或更晚开始'),
+  rule('times\\[(\\d+)\\] = (\\S+) is not after times\\[(\\d+)\\] = (\\S+)', 'times[$1] = $2 不在 times[$3] = $4 之后'), rule('sort the times and keep each once', '请将时刻排序且不重复'),
+  rule('(\\d+) times need (\\d+) values, and there are (\\d+)', '$1 个时刻需要 $2 个数值，现有 $3 个'), rule('give one value per time', '每个时刻给一个数值'),
+  rule('give one value more than times: values\\[0\\] holds before times\\[0\\]', '数值比时刻多一个：values[0] 在 times[0] 之前保持'),
+  rule('the width (\\S+) s is longer than the period (\\S+) s', '宽度 $1 s 长于周期 $2 s'), rule('(\\S+) s is not a multiple of the step (\\S+) s', '$1 s 不是步长 $2 s 的整数倍'), rule('for example (\\S+)', '例如 $1'),
+  rule('it must be a whole number of (\\w+)s of (\\S+) s', '须为 $2 s 的整数倍'), rule('(\\S+) = (\\S+) lies outside (.+)', '$1 = $2 超出 $3'), rule('choose a value in (.+)', '请选择 $1 内的值'),
+  rule('Input should be greater than (\\S+)', '须大于 $1'), rule('Input should be greater than or equal to (\\S+)', '须不小于 $1'), rule('Input should be less than (\\S+)', '须小于 $1'),
+  rule('Input should be less than or equal to (\\S+)', '须不大于 $1'), rule('Input should be a valid (?:number|integer)', '须为数'), rule('Field required', '缺少此项'), rule('unknown field', '没有这一项'),
+  rule('String should match pattern .+', '写法不合规定'), rule('String should have at least (\\d+) characters?', '至少 $1 个字符'), rule('String should have at most (\\d+) characters?', '至多 $1 个字符'),
+  rule('give this field', '请填写此项'), rule('give a number', '请给一个数'), rule('give a number, without quotes.*', '请给一个数，不带引号'), rule('give a whole number', '请给一个整数'), rule('give a finite number', '请给有限的数'),
+  rule('give a value above (\\S+)', '请给大于 $1 的值'), rule('give a value of at least (\\S+)', '请给不小于 $1 的值'), rule('give a value of at most (\\S+)', '请给不大于 $1 的值'),
+  rule('write it to match (.+)', '请按 $1 书写'), rule('give at least (\\d+)(?: characters)?', '至少 $1'), rule('give at most (\\d+)(?: characters)?', '至多 $1'),
+  rule('choose from (.+)', '请从中选择：$1'), rule('use one of: (.+)', '请用其中之一：$1'), rule('did you mean (.+)\\?', '是否指 $1？'), rule('give (-?[\\d.e+-]+)', '请给 $1'),
+  rule('leave it out: .+', '请去掉它'), rule('none is declared here: remove it', '这里没有声明：请去掉'), rule('none: it has none', '没有'),
+
+  // the session and the service
+  rule('this link only watches', '该链接只能观看'), rule('fork the session to have one of your own', '可从中分支，得到自己的会话'), rule('the session has come to its end', '会话已到终点'),
+  rule('go back to an earlier time, or reset it', '请回到较早的时刻，或重新开始'), rule('an error inside the program; its log tells more', '程序内部错误；详见其日志'), rule('report it', '请报告'),
+  rule('there is no session', '没有会话'), rule('open one', '请打开一个'), rule("there is no session '.*' \\(any more\\)", '没有这个会话（或已结束）'), rule('open another', '请另开一个'),
+  rule('the connection was lost before the answer came', '在收到答复前连接断开'), rule('there is no connection at the moment', '目前没有连接'), rule('wait until it is back', '请等待恢复'), rule('try again', '请重试'),
+  rule('a session has at most (\\S+) rows, that is (\\S+) s', '会话至多 $1 行，即 $2 s'), rule('give at most (\\S+), or raise THETASCOPE_SESSION_ROWS', '至多给 $1，或增大 THETASCOPE_SESSION_ROWS'),
+  rule('(\\d+) sessions are open', '已有 $1 个会话'), rule('try again when some have ended, or raise THETASCOPE_SESSIONS', '请在一些会话结束后重试，或增大 THETASCOPE_SESSIONS'),
+  rule("the library has no experiment '(.+)'", '库中没有实验“$1”'), rule("the library has no plant '(.+)'", '库中没有对象“$1”'), rule("there is no run '(.+)'", '没有仿真“$1”'),
+  rule('(\\d+) runs are waiting or under way', '有 $1 个仿真正在等待或运行'), rule('try again when some have ended', '请在一些结束后重试'),
+  rule('Too many sessions', '会话太多'), rule('Not Found', '未找到'), rule('The request was refused', '请求被拒绝'), rule('Forbidden', '不允许'), rule('Internal error', '内部错误'),
+
+  // expressions
+  rule('(.+) at column (\\d+)', '第 $2 列：$1'), rule('this is not arithmetic', '这不是算式'), rule('division by zero: this is the constant 0', '除以零：这是常数 0'), rule('this parenthesis is never closed', '括号没有闭合'),
+  rule("the name '(.+)' is not known", '名称 $1 未知'), rule("the character '(.+)' is not known", '字符 $1 未知'), rule("the name '(.+)' is reserved \\(.+\\)", '名称 $1 是保留字'),
+  rule('the state (\\S+) has no equation', '状态 $1 没有方程'), rule('add dynamics\\.(\\S+)', '请添加 dynamics.$1'), rule('the name (\\S+) is already used by (\\S+)', '名称 $1 已被 $2 使用'), rule('rename one of them', '请改其中一个的名称'),
+];

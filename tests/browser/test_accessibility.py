@@ -1,0 +1,84 @@
+"""The live page under axe: every state that it can be in, large and small, light and dark, in both languages."""
+
+from pathlib import Path
+
+import axe_playwright_python
+import pytest
+
+from tests.browser.live import opened
+
+AXE = (Path(axe_playwright_python.__file__).parent / "axe.min.js").read_text() + ";0"
+UNFOLD = "for (const one of document.querySelectorAll('.lights, .heading .link[aria-expanded], .dots')) one.click()"
+DIALOGS = {"equations": "e", "share": "s", "keys": "?"}
+STATES = {
+    "as it opens": ("0", "0"),
+    "unfolded": (UNFOLD, UNFOLD),
+    "export": ("document.querySelector('.actions button:nth-child(2)').click()", "document.querySelector('dialog[open]').close()"),
+    "experiments": ("document.querySelector('.experiment').click()", "document.querySelector('.experiment').click()"),
+    "strips": ("document.querySelector('.strips-menu').open = true", "document.querySelector('.strips-menu').open = false"),
+    "looking back": ("thetascope.act.look(1)", "thetascope.act.look(null)"),
+    "zoomed, told": ("thetascope.act.select(0.2, 0.8); thetascope.act.tell('a word')", "thetascope.act.select(null)"),
+    "presentation": ("thetascope.act.present(true)", "thetascope.act.present(false)"),
+}
+
+
+def serious(live) -> list:
+    live.wait_for_timeout(300)
+    found = live.evaluate("axe.run()")["violations"]
+    return [(one["id"], [node["target"] for node in one["nodes"]]) for one in found if one["impact"] in ("serious", "critical")]
+
+
+def with_faults(page, path: str, **more):
+    """The page of an experiment some seconds after a fault and a frozen sensor, with axe in it."""
+    live = opened(page, path, **more)
+    live.evaluate("""async () => {
+      const {plant: {channels: [channel], outputs: [output]}} = thetascope.state;
+      await thetascope.send({type: 'inject', fault: {channel: channel.name, shape: 'step', onset: 0, size: channel.typical}});
+      await thetascope.send({type: 'inject', fault: {output: output.name, shape: 'freeze', onset: 0}});
+      await thetascope.send({type: 'step', rows: 300});
+    }""")
+    live.evaluate(AXE)
+    return live
+
+
+@pytest.mark.parametrize(("path", "width", "theme", "language"), [
+    ("/", 1440, "light", "en"), ("/?experiment=zhou-tan-2012", 1440, "dark", "zh"),
+])  # fmt: skip
+def test_nothing_serious_in_any_state(page, path, width, theme, language):
+    """Lists unfolded, menus and dialogs open, looking back, zoomed, presented: axe finds nothing serious."""
+    live = with_faults(page, path, width=width, height=900, theme=theme)
+    live.evaluate(f"thetascope.act.language('{language}')")
+    found = {}
+    for name, (begin, end) in STATES.items():
+        live.evaluate(begin)
+        found[name] = serious(live)
+        live.evaluate(end)
+    for name, key in DIALOGS.items():
+        live.evaluate("document.activeElement.blur()")
+        live.keyboard.press(key)
+        live.wait_for_selector("dialog[open]")
+        found[name] = serious(live)
+        live.keyboard.press("Escape")
+    live.evaluate("document.querySelector('.strip .open').click()")
+    live.wait_for_selector(".figure-dialog .js-line", state="attached")
+    found["figure"] = serious(live)
+    assert {name: what for name, what in found.items() if what} == {}
+
+
+@pytest.mark.parametrize(("path", "theme", "language"), [("/", "dark", "en"), ("/?experiment=dts200", "light", "zh")])
+def test_nothing_serious_on_a_phone(page, path, theme, language):
+    """Every tab, unfolded, and the menu of actions at 390 pixels."""
+    live = with_faults(page, path, width=390, height=844, theme=theme)
+    live.evaluate(f"thetascope.act.language('{language}')")
+    live.evaluate(UNFOLD)
+    found = {}
+    for tab in ("curves", "inject", "observers", "diagnosis"):
+        live.click(f"#tab-{tab}")
+        found[tab] = serious(live)
+    live.click(".more-actions")
+    found["menu"] = serious(live)
+    live.click(".more-actions")
+    live.keyboard.press("e")
+    live.wait_for_selector("dialog[open] math")
+    found["equations"] = serious(live)
+    assert {name: what for name, what in found.items() if what} == {}
