@@ -16,7 +16,7 @@ from backend.engine.errors import Unwatchable
 from backend.engine.observers.weights import typical_sizes
 from backend.engine.run import Parts, spans_of
 from backend.engine.simulation import Estimator, Experiment, Rows, row_values
-from backend.engine.spread import Spreads, has_spread, sigma_columns
+from backend.engine.spread import Spreads, has_spread, latest, sigma_columns
 
 _RUNS = 4  # without faults, for the tests on estimates
 _SEED = 8_101
@@ -63,9 +63,9 @@ class Diagnosed:
     note: str = ""
 
 
-def follow(made: Watcher, watched: Watched, experiment: Experiment, rows: Rows) -> Watched:
-    """The watcher taken over recorded rows of an experiment."""
-    values = row_values(experiment, rows.index, rows.plant)
+def follow(made: Watcher, watched: Watched, experiment: Experiment, rows: Rows, values: dict | None = None) -> Watched:
+    """The watcher taken over recorded rows of an experiment; ``values``: signals along them, where they are known."""
+    values = values or row_values(experiment, rows.index, rows.plant)
     return made.advance(watched, made.filter.table(rows.index, rows.y, values), rows.index * experiment.step)
 
 
@@ -170,7 +170,8 @@ def _estimates(experiment: Experiment, substeps: int, stride: int) -> dict[str, 
     sigma: dict[str, list[np.ndarray]] = {}
     for _, rows in spans_of(experiment, substeps):
         values = row_values(experiment, rows.index, rows.plant)
-        columns, spreads = sigma_columns(experiment, rows, values, spreads)
+        columns, tables = sigma_columns(experiment, rows, values, spreads)
+        spreads = latest(tables)
         for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
             if has_spread(estimator):
                 place = {s: i for i, s in enumerate(estimator.program.states)}

@@ -9,7 +9,7 @@ from backend.engine.observers.base import Observed
 from backend.engine.probe import probe
 from backend.engine.result import Diverged, ObserverReport, Result
 from backend.engine.simulation import Experiment, Rows, at_rows, observed_values, row_numbers
-from backend.engine.spread import Spreads, sigma_columns
+from backend.engine.spread import Spreads, latest, sigma_columns
 from backend.engine.timeline import Life, final_estimator, lives, parameters_over
 
 EXPLODED = 1e12  # a state beyond this is taken as diverged: nothing physical is that large in the user's units
@@ -66,7 +66,9 @@ def confidence(parts: Sequence[tuple[Experiment, Rows]], values: dict) -> dict[s
     for experiment, rows in parts:
         here = slice(begin, begin + len(rows.index))
         begin = here.stop
-        some, spreads = sigma_columns(experiment, rows, {n: v[here] if np.ndim(v) else v for n, v in values.items()}, spreads)
+        mine = {n: v[here] if np.ndim(v) else v for n, v in values.items()}
+        some, tables = sigma_columns(experiment, rows, mine, spreads)
+        spreads = latest(tables)
         for name, column in some.items():
             found.setdefault(name, np.full(len(values["t"]), np.nan))[here] = column
     return found

@@ -18,6 +18,8 @@ from shared.session import (
     SetSignalNow,
 )
 
+_LATELY = 100  # events
+
 
 def timed(command: object, at: float) -> TimedCommand | None:
     """The timed command that a live one becomes at time ``at``; None for those that change faults."""
@@ -174,3 +176,9 @@ def _told(command: object) -> tuple[str, str, object, str]:
         case RemoveObserverNow():
             return "observer-removed", command.label, None, f"{command.label} removed"
     raise TypeError(type(command).__name__)
+
+
+def new(found: list[Event], log: list[Event]) -> list[Event]:
+    """Of what was found those events that are not told yet: rows that waited are looked at again after going back."""
+    told = {(e.kind, e.row, e.subject) for e in log[-_LATELY:]}
+    return [e for e in found if (e.kind, e.row, e.subject) not in told]

@@ -4,13 +4,10 @@ from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-
-from backend.diagnosis.watcher import Watched
 from backend.engine.simulation import Rows, Simulation, State
 from backend.engine.spread import Spreads
-from backend.live.view import View
-from backend.live.watch import bare
+from backend.live.view import Made, View
+from backend.live.watch import Seen, bare
 
 _RECENT = 6  # whole moments kept, for going back over rows that nobody has seen
 _BLOCKS = 2  # of them, with the columns of the rows that follow
@@ -25,28 +22,28 @@ class Moment:
     state: State
     stage: int
     view: View | None  # None in a bare moment: a view is found again by advancing from an earlier row
-    watched: Watched | None
+    watched: Seen | None
     told: int  # events in the log
     spreads: Spreads = field(default_factory=dict)  # of a bare moment; else the view has them
 
 
 @dataclass(frozen=True)
 class Block:
-    """The rows from ``first`` on, where a moment is: their columns (columns × rows), and what they were made of."""
+    """The rows from ``first`` on, where a moment is: what was recorded, and what was made of it."""
 
     first: int
-    data: np.ndarray
     recorded: Rows
+    made: Made
 
     def until(self, row: int) -> "Block":
         """The rows before a row."""
         count = row - self.first
-        return Block(self.first, self.data[:, :count], self.recorded.part(0, count))
+        return Block(self.first, self.recorded.part(0, count), self.made.until(count))
 
     def state_at(self, row: int, start: State, simulation: Simulation) -> State:
         """The state at a row in the block, or just after it; ``start``: at its beginning."""
         count = row - self.first
-        known = simulation.state_at(start, self.recorded, count) if count < self.data.shape[1] else None
+        known = simulation.state_at(start, self.recorded, count) if count < len(self.recorded.index) else None
         return known or simulation.advance(start, count * simulation.experiment.every)[0]
 
 
@@ -73,7 +70,7 @@ class Moments:
     def known(self, first: int, row: int) -> Block | None:
         """The block that begins at row ``first``, if it is kept and reaches to ``row``."""
         block = next((b for b in reversed(self._blocks) if b.first == first), None)
-        return block if block is not None and first < row <= first + block.data.shape[1] else None
+        return block if block is not None and first < row <= first + len(block.recorded.index) else None
 
     def whole(self, row: int) -> Moment | None:
         """The latest whole moment at or before a row."""

@@ -16,6 +16,7 @@ from backend.engine.errors import SpecError
 from backend.engine.run import needed_substeps
 from backend.engine.simulation import Experiment as Engine
 from backend.engine.simulation import Simulation
+from backend.engine.spread import latest
 from backend.engine.stability import MOST_SUBSTEPS
 from backend.engine.timeline import Stage, carry
 from backend.live import log as words
@@ -55,7 +56,7 @@ class Session:
         self._advances = 1  # since the last change, and one
         self._again = False  # rows are found again that were checked before
         self._moments = Moments()
-        self.watch = Watch.over(self.spec, first)
+        self.watch = Watch.over(self.spec, first, self.record)
         self.now = Moment(0, Simulation(first).initial(), 0, View.opening(first, 0), self.watch.begin(), 0)
         self.columns = self.now.view.columns
 
@@ -116,8 +117,11 @@ class Session:
             if needed > substeps:
                 self._take_substeps(min(MOST_SUBSTEPS, needed))
                 return self._advance(count)
-        view, data = now.view.extended(experiment, recorded)
-        watched, found = (now.watched, []) if view.plant_lost else self.watch.seen(now.watched, experiment, recorded, self.record)
+        view, made = now.view.extended(experiment, recorded)
+        data, watched, found = made.data, now.watched, []
+        if not view.plant_lost:
+            watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, count > _AT_ONCE)
+            found = words.new(found, self.log)
         scheduled = words.scheduled(self.spec, self.log, now.row, now.row + count, self.record)
         found = [*scheduled, *found, *view.lost_since(now.view, now.row, self.record)]
         found.sort(key=lambda e: e.row)
@@ -127,7 +131,7 @@ class Session:
         self.now = Moment(now.row + count, state, now.stage, view, watched, len(self.log))
         self.ended = view.plant_lost or self.row >= self._horizon
         if not view.plant_lost and (view.lost or {}) == (now.view.lost or {}):
-            self._moments.keep(Block(now.row, data, recorded))
+            self._moments.keep(Block(now.row, recorded, made))
         return data
 
     @property
@@ -269,8 +273,8 @@ class Session:
         """Advance to a row over rows that are known."""
         now, experiment, block = self.now, self.experiment, known.until(row)
         simulation = Simulation(experiment, self._substeps, remember=True)
-        view = now.view.continued(experiment, block.recorded)
-        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, self.record)
+        view = now.view.continued(experiment, block.recorded, latest(block.made.tables))
+        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, block.made.values, False)
         self.now = Moment(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
 
     def _found(self, row: int) -> Moment:

@@ -10,15 +10,29 @@ import numpy as np
 
 from backend.engine.gather import finite_rows, observer_columns, plant_columns, plant_values
 from backend.engine.observers.base import Observed
-from backend.engine.simulation import Estimator, Rows, row_values
+from backend.engine.simulation import Estimator, Rows
 from backend.engine.simulation import Experiment as Engine
-from backend.engine.spread import Spreads, has_spread, sigma_columns
+from backend.engine.spread import Spreads, has_spread, latest, sigma_columns
 from backend.engine.timeline import Life, lives
 from shared.run import AssumptionCheck
 from shared.session import Assumptions, Event
 
 _LEAST = 200  # rows
 Parts = tuple[tuple[Engine, Rows], ...]
+
+
+@dataclass(frozen=True)
+class Made:
+    """Of the newest rows: their columns (columns × rows), S of each observer at them and after, and t, signals, parameters."""
+
+    data: np.ndarray
+    tables: Spreads
+    values: dict
+
+    def until(self, count: int) -> "Made":
+        """Of the first rows only."""
+        return Made(self.data[:, :count], {k: v[: count + 1] for k, v in self.tables.items()},
+                    {n: v[:count] if np.ndim(v) else v for n, v in self.values.items()})  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -55,8 +69,8 @@ class View:
         """y in the newest row, if there is one."""
         return self.parts[-1][1].y[-1] if self.parts and len(self.parts[-1][1].y) else None
 
-    def extended(self, experiment: Engine, rows: Rows) -> tuple["View", np.ndarray]:
-        """The view with the newest rows, and their columns (columns × rows)."""
+    def extended(self, experiment: Engine, rows: Rows) -> tuple["View", "Made"]:
+        """The view with the newest rows, and what was made of them."""
         rows = self._without_lost(experiment, rows)
         parts = _with(self.parts, experiment, rows)
         plant = np.concatenate([r.plant for _, r in parts])
@@ -75,17 +89,16 @@ class View:
             if report.diverged is not None and life.label not in lost:
                 lost[life.label] = report.diverged.cause
         newest = {n: v[-count:] if np.ndim(v) else v for n, v in values.items()}
-        sure, spreads = sigma_columns(experiment, rows, newest, self.spreads) if count else ({}, self.spreads)
+        sure, tables = sigma_columns(experiment, rows, newest, self.spreads)
         columns |= {n: np.where(np.isfinite(columns[n.replace(".sigma.", ".theta.", 1)]), c, np.nan) for n, c in sure.items()}
         data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
         plant_lost = self.plant_lost or ended < len(plant)
-        after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=spreads)
-        return after._trimmed(experiment), data
+        after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=latest(tables))
+        return after._trimmed(experiment), Made(data, tables, newest)
 
-    def continued(self, experiment: Engine, rows: Rows) -> "View":
-        """The view with rows whose columns are known, and in which nothing is lost."""
+    def continued(self, experiment: Engine, rows: Rows, spreads: Spreads) -> "View":
+        """The view with rows whose columns are known, and in which nothing is lost; ``spreads``: after them."""
         rows = self._without_lost(experiment, rows)
-        _, spreads = sigma_columns(experiment, rows, row_values(experiment, rows.index, rows.plant), self.spreads)
         return replace(self, parts=_with(self.parts, experiment, rows), spreads=spreads)._trimmed(experiment)
 
     def _present(self, parts: Parts, experiment: Engine) -> list[Life]:

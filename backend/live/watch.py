@@ -18,9 +18,18 @@ from shared import Experiment
 from shared.diagnosis import DiagnosisSettings, InputProposal, ObserverDiagnosis
 from shared.session import DiagnosisNow, Event
 
+_MOST_WAITING = 8  # pieces of rows
 _KEPT = 16  # detectors, shared by the sessions on the same experiment
 _made: OrderedDict[str, Detector] = OrderedDict()
 _lock = Lock()
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was watched, and rows that wait to be: (experiment, rows, values along them)."""
+
+    watched: Watched
+    waiting: tuple[tuple[Engine, Rows, dict], ...] = ()
 
 
 @dataclass(frozen=True)
@@ -31,10 +40,11 @@ class Watch:
     asked: Asked
     settings: DiagnosisSettings
     horizon: float
+    record: float
     note: str = ""
 
     @classmethod
-    def over(cls, spec: Experiment, experiment: Engine) -> "Watch":
+    def over(cls, spec: Experiment, experiment: Engine, record: float) -> "Watch":
         """For a session on a spec (with its plant in full) that begins as ``experiment``."""
         settings, wanted = spec.diagnosis, asked(spec)
         note = "none is asked for" if not settings.enabled else unwatchable(replace(experiment, steps=round(span(spec) / spec.step)), experiment.context)
@@ -44,19 +54,30 @@ class Watch:
                 made = _shared(spec, experiment, wanted)
             except Unwatchable as error:
                 note = str(error)
-        return cls(made, wanted, settings, span(spec), note)
+        return cls(made, wanted, settings, span(spec), record, note)
 
-    def begin(self) -> Watched | None:
+    def begin(self) -> "Seen | None":
         """Before the first row."""
-        return self.made.begin() if self.made else None
+        return Seen(self.made.begin()) if self.made else None
 
-    def seen(self, watched: Watched | None, experiment: Engine, rows: Rows, record: float) -> tuple[Watched | None, list[Event]]:
-        """The newest rows taken in, and what was found in them."""
-        if self.made is None or watched is None or not len(rows.index):
-            return watched, []
-        made = refitted(self.made, experiment, self.asked.doubt)
-        after = follow(made, watched, experiment, rows)
-        return after, list(self._events(watched.standing.found, after.standing.found, record))
+    def seen(
+        self, seen: "Seen | None", experiment: Engine, rows: Rows, values: dict, now: bool
+    ) -> tuple["Seen | None", list[Event]]:
+        """The newest rows taken in, and what was found; unless ``now``, they wait: a command is not to be kept waiting."""
+        if seen is None:
+            return None, []
+        seen = Seen(seen.watched, (*seen.waiting, (experiment, rows, values)))
+        if not now and len(seen.waiting) < _MOST_WAITING:
+            return seen, []
+        after = self.caught_up(seen)
+        return Seen(after), list(self._events(seen.watched.standing.found, after.standing.found, self.record))
+
+    def caught_up(self, seen: "Seen") -> Watched:
+        """With the rows that waited."""
+        watched = seen.watched
+        for experiment, rows, values in seen.waiting:
+            watched = follow(refitted(self.made, experiment, self.asked.doubt), watched, experiment, rows, values)
+        return watched
 
     def _events(self, before: tuple[Found, ...], after: tuple[Found, ...], record: float):
         for i, found in enumerate(after):
@@ -86,8 +107,9 @@ class Watch:
         found = propose(made.filter, experiment, state.plant, state.k, window, self.settings.accuracy, among)
         return InputProposal.model_validate(vars(found))
 
-    def told(self, watched: Watched | None) -> DiagnosisNow:
+    def told(self, seen: "Seen | None") -> DiagnosisNow:
         """The diagnosis as it stands."""
+        watched = self.caught_up(seen) if seen else None
         found = Diagnosed(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
         told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
         return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
@@ -98,16 +120,18 @@ def pinned(spec: Experiment) -> DiagnosisSettings:
     return spec.diagnosis.model_copy(update={"span": span(spec)})
 
 
-def bare(watched: Watched | None) -> Watched | None:
+def bare(seen: Seen | None) -> Seen | None:
     """What is kept for going far back: where the filter and the decisions stand. Windows then begin anew."""
-    if watched is None:
+    if seen is None:
         return None
+    watched = seen.watched
     rest = len(watched.t) - (watched.sums.last - watched.sums.first) * watched.stride
     now = watched.standing
-    return Watched(
+    left = Watched(
         replace(now, start=max(now.start, watched.sums.last), detected=None), watched.sums.recent(1), watched.states[-1:].copy(),
         watched.table[len(watched.t) - rest :].copy(), watched.t[len(watched.t) - rest :].copy(), watched.stride,
     )  # fmt: skip
+    return Seen(left, seen.waiting)
 
 
 def _shared(spec: Experiment, experiment: Engine, wanted: Asked) -> Detector:

@@ -34,7 +34,7 @@ def test_an_injected_fault_is_seen_everywhere_and_named(page):
     until(live, "document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₁')")
     until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1')", 40)
-    until(live, "/named|found|blamed/.test(document.querySelector('.verdict').textContent)")
+    until(live, "/named|found in/.test(document.querySelector('.verdict').textContent)")
     until(live, "/[+−]0\\.0\\d+ ± 0\\.\\d+/.test(document.querySelector('.finding .value').textContent)")
     press(live, "theta1")
     until(live, "!document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
@@ -182,10 +182,10 @@ def test_a_click_in_the_log_shows_that_moment_and_gives_up_nothing(page):
 def test_the_longest_sentence_covers_nothing(page):
     """With a sentence of three lines the findings stand below it, each on its lines, with nothing over anything."""
     live = opened(page)
-    until(live, "/was found/.test(document.querySelector('.verdict').textContent)", 40)
+    until(live, "/found in/.test(document.querySelector('.verdict').textContent)", 40)
     live.evaluate("thetascope.act.pause()")
     live.evaluate("thetascope.send({type: 'inject', fault: {output: 'y', shape: 'stuck', onset: 0, value: 0.1}})")
-    until(live, "/see the residual/.test(document.querySelector('.verdict').textContent)")
+    until(live, "/y is disturbed/.test(document.querySelector('.verdict').textContent)")
     live.wait_for_timeout(300)
     inside = live.evaluate("(() => { const box = document.querySelector('.verdict'); return box.scrollHeight <= box.clientHeight + 1; })()")
     below = live.evaluate("document.querySelector('.finding').getBoundingClientRect().top >= document.querySelector('.verdict').getBoundingClientRect().bottom - 1")

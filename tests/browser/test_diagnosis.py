@@ -1,0 +1,178 @@
+"""The diagnosis on the live page: what the detector found in a sentence, on the strips, in the plant and in the log."""
+
+import re
+
+import pytest
+
+from tests.browser.live import opened, until
+
+VERDICT = "document.querySelector('.verdict').textContent"
+PAUSED = "/?experiment=zhao-2012&t=8"
+
+
+def started(page, path: str = PAUSED, **more):
+    """The live page at the time of its link, with the detector's state, at 10× once it plays."""
+    live = opened(page, path, **more)
+    until(live, "thetascope.state.diagnosis?.calibration", 40)
+    live.evaluate("thetascope.act.speed(10)")
+    return live
+
+
+def inject(live, fault: str) -> None:
+    live.evaluate(f"thetascope.send({{type: 'inject', fault: {{onset: 0, {fault}}}}})")
+
+
+def site(live, subject: str) -> str:
+    """The classes of a fault site in the plant's picture."""
+    place = live.evaluate(f"[...thetascope.state.plant.channels.filter((c) => c.kind !== 'sensor'), ...thetascope.state.plant.channels.filter((c) => c.kind === 'sensor')].findIndex((c) => c.name === '{subject}')")
+    return live.locator("svg.plant .site:not(.output)").nth(place).get_attribute("class")
+
+
+def test_a_sensor_fault_is_told_in_a_sentence(page):
+    """θ₃ injected: size with its interval, onset and delay in the sentence; its site has the ring, the log names it, θ̂ settles within 10 %."""
+    live = started(page)
+    inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
+    live.evaluate("thetascope.act.play()")
+    said = until(live, f"/found in/.test({VERDICT}) && {VERDICT}", 30)
+    size, half, since, delay = map(float, re.search(r"\+([\d.]+) ± ([\d.]+) since ([\d.]+).s, found in ([\d.]+).s", said).groups())
+    assert said.startswith("θ₃, sensor fault") and abs(size - 0.02) <= 2 * half and half < 0.002
+    assert since == pytest.approx(8, abs=0.6) and delay < 2
+    until(live, "Math.abs(thetascope.latest('adaptive.theta.theta3') - 0.02) < 0.002", 20)
+    assert "found" in site(live, "theta3") and "on" in site(live, "theta3").split()
+    assert live.evaluate("thetascope.state.log.some((event) => event.kind === 'alarm' && event.subject === 'theta3')")
+    assert "alarm: θ₃, +0.0" in live.locator("#panel-log").inner_text()
+    assert live.watch.errors == [] and live.watch.foreign == []
+
+
+def test_an_actuator_fault_is_named_and_clears(page):
+    """θ₁ is found and its estimate settles; once cleared the alarm goes out, its ring goes, and the finding stays as over."""
+    live = started(page)
+    inject(live, "channel: 'theta1', shape: 'step', size: 0.01")
+    live.evaluate("thetascope.act.play()")
+    until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1' && alarm.over === null)", 30)
+    until(live, "(() => { const {mean} = thetascope.range('adaptive.theta.theta1', thetascope.state.t - 4, thetascope.state.t); return thetascope.state.t > 14 && Math.abs(mean - 0.01) < 0.001; })()", 30)
+    live.evaluate("thetascope.send({type: 'clear'})")
+    until(live, "thetascope.state.alarms.every((alarm) => alarm.over !== null)", 40)
+    until(live, "document.querySelector('.finding.past') !== null")
+    assert "found" not in site(live, "theta1").split()
+    assert "over" in live.locator(".finding.past").first.inner_text()
+    assert "alarm over: θ₁" in live.locator("#panel-log").inner_text()
+
+
+def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
+    """With φ held still θ₁ and θ₂ enter alike: the sentence says either, both chips and both sites show it, the strips are marked."""
+    live = started(page)
+    for name in ("phi1", "phi2", "phi3"):
+        live.evaluate(f"thetascope.send({{type: 'set-signal', name: '{name}', signal: {{kind: 'constant', value: 1}}}})")
+    inject(live, "channel: 'theta2', shape: 'step', size: 0.015")
+    live.evaluate("thetascope.act.play()")
+    said = until(live, f"/does not tell them apart/.test({VERDICT}) && {VERDICT}", 40)
+    assert "θ₁ or θ₂" in said
+    assert live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
+    assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
+    assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
+    until(live, "document.querySelectorAll('.unseen:not([hidden])').length >= 2", 20)
+    assert "θ₁ or θ₂, not told apart" in live.locator("#panel-log").inner_text()
+
+
+def test_what_no_channel_explains_is_laid_to_the_sensor(page):
+    """A stuck measurement is not explained by the model: the sentence says so, and the flag stands on the residual."""
+    live = started(page)
+    inject(live, "output: 'y', shape: 'stuck', value: 0.11")
+    live.evaluate("thetascope.act.play()")
+    said = until(live, f"/explains y/.test({VERDICT}) && {VERDICT}", 40)
+    assert "sensor" in said
+    assert "found" in live.locator("svg.plant .site.output").get_attribute("class").split()
+    until(live, "[...document.querySelectorAll('.finding')].some((one) => /suspect the sensor/.test(one.textContent))")
+    marked = live.evaluate("""(() => {
+      const alarm = thetascope.state.alarms.find((one) => !one.explained);
+      return [alarm.subject, alarm.subjects.length];
+    })()""")
+    assert marked == ["y", 0]
+
+
+def test_what_can_be_seen_and_how_sure(page):
+    """The folds show the level against what is needed, every channel's resolution, the asked rate and the noise as declared and as seen."""
+    live = started(page)
+    told = live.evaluate("thetascope.state.diagnosis")
+    see, sure = live.locator("#panel-diagnosis .heading-links button").all()
+    see.click()
+    assert live.locator("#panel-diagnosis .seen tbody tr").count() == len(told["resolution"]) == 3
+    level = live.locator(".level").get_attribute("aria-label")
+    assert f"{told['excitation']['level'] ** 0.5:.2g} times" in level and "10 asked" in level
+    sure.click()
+    assert live.locator("#panel-diagnosis .seen").is_hidden()
+    words = live.locator(".fold-out:not([hidden])").inner_text()
+    assert "one false alarm in 100 h" in words and f"{told['calibration']['thresholds']['glr']:.3g}" in words
+    assert "0.001 declared" in words and f"{told['calibration']['seeds']} simulated runs" in words
+
+
+def test_a_proposed_input_is_applied(page):
+    """With its own input held the motor's faults are not told apart; the proposal is shown, and Apply sends it to the session."""
+    live = started(page, "/?experiment=dc-motor&t=2")
+    live.evaluate("thetascope.send({type: 'set-signal', name: 'voltage', signal: {kind: 'constant', value: 12}})")
+    live.evaluate("thetascope.act.step(2000)")
+    live.locator("#panel-diagnosis .heading-links button").first.click()
+    live.click(".proposal button")
+    live.wait_for_selector(".proposal .press:not(.quiet-press)", timeout=30_000)
+    assert "voltage" in live.locator(".proposal").inner_text()
+    live.click(".proposal .press:not(.quiet-press)")
+    until(live, "thetascope.state.spec.commands.filter((one) => one.command === 'set-signal').length === 2")
+    kind = live.evaluate("thetascope.state.spec.commands.at(-1).signal.kind")
+    assert kind in ("pulse", "sine", "prbs", "steps")
+    until(live, "/Applied/.test(document.querySelector('.proposal').textContent)")
+
+
+def test_the_time_to_the_first_alarm_that_names_a_fault_counts(page):
+    """Of several alarms the first raised after the fault that names it, also as an alternative, is the one that found it; earlier ones do not count."""
+    live = opened(page, PAUSED)
+    found = live.evaluate("""async () => {
+      const {finding} = await import('/live/alarms.js');
+      const {findings} = await import('/live/panels/findings.js');
+      const alarm = (t, subjects, over = null) => ({explained: true, subject: subjects[0], subjects, t, over, onset: t, from: t, to: t, size: 1, half: 0.1});
+      const fault = {subject: 'b', onChannel: true, onset: 10, end: null, active: true};
+      const alarms = [alarm(4, ['b'], 5), alarm(10.5, ['a']), alarm(11, ['a', 'b']), alarm(12, ['b'])];
+      const held = finding({...fault, onset: 13}, alarms);
+      const list = findings({faults: [fault], alarms});
+      return [finding(fault, alarms).delay, held.delay, held.alarm.t, finding({...fault, subject: 'c'}, alarms), list.map((one) => [one.alarm.t, one.verdict, one.delay])];
+    }""")
+    assert found == [1, None, 11, None, [[10.5, "blamed", None], [11, "found", 1], [12, "found", None], [4, "past", None]]]
+
+
+def test_the_diagnosis_is_said_in_chinese(page):
+    """What the server says of excitation, resolution and proposals becomes Chinese with its numbers."""
+    from backend.diagnosis.excitation import excitation  # noqa: PLC0415 - the words as they are made
+
+    names, typical = ["theta1", "theta2", "theta3"], [1.0, 1.0, 1.0]
+    cases = [[[400, 0, 0], [0, 400, 0], [0, 0, 400]], [[0, 0, 0], [0, 400, 0], [0, 0, 400]], [[200, 200, 0], [200, 200, 0], [0, 0, 400]],
+             [[20, 0, 0], [0, 400, 0], [0, 0, 400]], [[210, 200, 0], [200, 210, 0], [0, 0, 400]], [[0, 0, 0], [0, 0, 0], [0, 0, 400]],
+             [[1, 1, 1], [1, 1, 1], [1, 1, 1]], [[20, 0, 0], [0, 20, 0], [0, 0, 20]]]  # fmt: skip
+    texts = [excitation(J, names, typical, 0.1).text for J in cases]
+    texts += ["a square wave of voltage between 0 and 24 V with a period of 0.8 s would tell the faults apart: the least visible combination would "
+              "stand out 20.5 times above the noise instead of 0.54", "theta1: faults from 0.0006 on are found and told from the others",
+              "theta1 cannot be resolved at this noise: it takes 0.3 to be told from the other faults within a window, a typical fault is 0.01",
+              "the input as it is tells the faults apart as far as any does: none is proposed", "the plant has no fault channels"]  # fmt: skip
+    said = page("/").evaluate("(texts) => import('/live/i18n/zh-said.js').then(({said}) => texts.map(said))", texts)
+    assert [words for words in said if re.search(r"(?<![a-z])(?!theta|voltage)[a-z]{3,}", words)] == []
+    numbers = re.compile(r"\d+\.?\d*")
+    assert [sorted(numbers.findall(words)) for words in said] == [sorted(numbers.findall(text)) for text in texts]
+
+
+def test_a_run_shows_its_diagnosis(page):
+    """On the page of runs: the sentence, one line a finding, the detector first in who found what, and the numbers behind it."""
+    run = page("/runs/?experiment=zhao-2012")
+    run.click("button.run")
+    run.wait_for_selector(".verdicts .verdict", timeout=120_000)
+    assert "Three faults, all named" in run.locator(".verdicts .verdict").inner_text()
+    assert run.locator(".verdicts .finding.found").count() == 3
+    first = run.locator(".measures tbody tr").first.inner_text().split()
+    assert first[:5] == ["detector", "3", "0", "0", "0"]
+    summary = run.evaluate("fetch('/api/runs/' + new URLSearchParams(location.search).get('run')).then((a) => a.json()).then((a) => a.summary)")
+    adaptive = next(one for one in summary["comparison"]["observers"] if one["label"] == "adaptive")
+    row = run.locator(".measures tbody tr", has_text="adaptive").first.inner_text().split()
+    assert [int(n) for n in row[1:5]] == [adaptive[name] for name in ("found", "missed", "false_alarms", "isolation_errors")]
+    run.evaluate("document.querySelectorAll('.verdicts details').forEach((one) => { one.open = true; })")
+    text = run.locator(".verdicts").inner_text()
+    assert "one false alarm in 100 h" in text and f"{summary['diagnosis']['detector']['calibration']['thresholds']['glr']:.3g}" in text
+    assert run.locator(".verdicts .group").count() == len(adaptive["rmse"]) and "told apart" in text
+    assert run.watch.errors == [] and run.watch.foreign == []
