@@ -1,0 +1,88 @@
+"""`thetascope diagnose` and `thetascope trial`: recorded data, and one experiment with many seeds."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+
+
+def recorded(call, experiment: str, *changes: str) -> dict[str, np.ndarray]:
+    """What sensors would have recorded in a run: t, inputs, known signals and outputs."""
+    assert call("run", experiment, "--set", "diagnosis.enabled=false", *changes, "--no-store", "--out", "run.csv", "--quiet")[0] == 0
+    with open("run.csv", newline="") as file:
+        head, *rows = csv.reader(file)
+    data = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
+    return {n: v for n, v in data.items() if n == "t" or n.startswith(("u.", "signal.", "y."))}
+
+
+def write(columns: dict[str, np.ndarray], name: str = "rec.csv") -> None:
+    lines = [",".join(columns)] + [",".join(f"{v:.9g}" for v in row) for row in zip(*columns.values(), strict=True)]
+    with open(name, "w") as file:
+        file.write("\n".join(lines) + "\n")
+
+
+def test_a_record_shows_its_faults_though_nobody_said_how_noisy_it_is(call):
+    """Friction that rises tenfold at 10 s in a CSV file: named within 1 s, sized within its interval, the noise found to 15 %."""
+    write(recorded(call, "friction-motor", "--set", "seed=5"))
+    code, shown, _ = call("diagnose", "friction-motor", "rec.csv", "--json", "found.json")
+    found = json.load(open("found.json"))
+    (alarm,) = found["alarms"]
+    assert code == 0 and alarm["channel"] == "friction" and "friction" in shown
+    assert 10.0 < alarm["t"] < 11.0 and alarm["onset_from"] <= 10.1 and alarm["size_from"] < 9 < alarm["size_to"]
+    assert [n["estimated"] for n in found["noise"]] == pytest.approx([0.01, 0.01], rel=0.15)
+
+
+def test_a_sound_record_shows_none(call):
+    """The same motor without its fault, bare column names, at a doubled distance of samples."""
+    columns = recorded(call, "friction-motor", "--set", "faults=[]")
+    write({n.partition(".")[2] or n: v[::2] for n, v in columns.items()})
+    code, shown, _ = call("diagnose", "friction-motor", "rec.csv")
+    assert code == 0 and shown.startswith("no fault found")
+
+
+def test_an_offset_that_was_always_there_is_learnt(call):
+    """A model that is wrong by a constant: without learning an alarm, with it none but for what comes later."""
+    always = '{"channel": "friction", "shape": "step", "onset": 0, "size": 6}'
+    later = '{"channel": "friction", "shape": "step", "onset": 12, "size": 30}'
+    write(recorded(call, "friction-motor", "--set", f"faults=[{always}, {later}]"))
+    assert "friction" in call("diagnose", "friction-motor", "rec.csv")[1].splitlines()[0]
+    code, _, _ = call("diagnose", "friction-motor", "rec.csv", "--learn", "8", "--json", "found.json")
+    alarms = json.load(open("found.json"))["alarms"]
+    assert code == 0 and [a["channel"] for a in alarms] == ["friction"] and 12 < alarms[0]["t"] < 13.5
+
+
+@pytest.mark.parametrize(
+    ("spoil", "words"),
+    [
+        (lambda c: c.pop("y.y_speed"), "y.y_speed"),
+        (lambda c: c.pop("t"), "the record has no such column"),
+        (lambda c: c["t"].__setitem__(7, 0.0755), "equally spaced"),
+        (lambda c: c["y.y_speed"].__setitem__(3, np.nan), "holds no number"),
+        (lambda c: c.update({n: v[:50] for n, v in c.items()}), "fewer than 200 rows"),
+    ],
+)
+def test_a_record_that_does_not_do_is_refused_with_the_place(call, spoil, words):
+    """Exit code 1 and a sentence that names the column, the row and what to do."""
+    columns = recorded(call, "friction-motor", "--set", "horizon=5")
+    spoil(columns)
+    write(columns)
+    code, _, error = call("diagnose", "friction-motor", "rec.csv")
+    assert code == 1 and words in error and "Traceback" not in error
+
+
+def test_files_that_are_no_records_are_refused(call, tmp_path):
+    """A cell that is no number is named with its line; a plant or file that is not there is told."""
+    (tmp_path / "a.csv").write_text("t,y\n0,1\n1,high\n")
+    assert "line 3" in call("diagnose", "friction-motor", "a.csv")[2]
+    assert "cannot be read" in call("diagnose", "friction-motor", "none.csv")[2]
+    assert "did you mean" in call("diagnose", "friction-moter", "a.csv")[2]
+
+
+def test_a_trial_counts_false_and_right_alarms(call):
+    """Five seeds of the friction example: no false alarm, five faults found; the locked band is judged beside it."""
+    code, shown, _ = call("trial", "friction-motor", "--seeds", "5", "--lock", "7", "--quiet")
+    lines = {line.split("  ")[0]: line.split() for line in shown.splitlines()}
+    assert code == 0 and lines["detector"][1:3] == ["0", "(0"] and lines["detector"][7] == "5"
+    assert any(name.startswith("ekf: 3σ of what it was") for name in lines)
+    assert call("trial", "friction-motor", "--seeds", "0")[0] == 2
