@@ -25,7 +25,7 @@ from backend.engine.spread import noise_stds
 
 DECISIONS = 2000  # in the horizon, about
 SEEDS = (16, 48)  # runs without faults: at least, and at most
-_STEPS = 1_000_000  # base steps that they take together, about
+_STEPS = 500_000  # base steps that they take together, about
 _LONGEST = 200_000  # base steps of one of them
 _SEED = 7_001  # the first of theirs
 

@@ -11,12 +11,13 @@ _BACKEND = Path(__file__).parent.parent
 
 @cache
 def engine_version() -> str:
-    """Hash of the engine's and the assembly's source and of NumPy's version.
+    """Hash of the source of engine, diagnosis and assembly, and of NumPy's version.
 
-    Results are stored under it, so that a store never answers with numbers that this program would not compute.
+    Results are stored under it, so that a store never answers with numbers, or findings, that this program would not give.
     """
     digest = hashlib.sha256(np.__version__.encode())
-    for path in sorted([*(_BACKEND / "assembly").rglob("*.py"), *(_BACKEND / "engine").rglob("*.py")]):
+    folders = (_BACKEND / name for name in ("assembly", "diagnosis", "engine"))
+    for path in sorted(path for folder in folders for path in folder.rglob("*.py")):
         if path.exists():
             digest.update(path.relative_to(_BACKEND).as_posix().encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()[:16]

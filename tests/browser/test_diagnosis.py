@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from backend.diagnosis.excitation import excitation
 from tests.browser.live import opened, until
 
 VERDICT = "document.querySelector('.verdict').textContent"
@@ -141,15 +142,13 @@ def test_the_time_to_the_first_alarm_that_names_a_fault_counts(page):
 
 def test_the_diagnosis_is_said_in_chinese(page):
     """What the server says of excitation, resolution and proposals becomes Chinese with its numbers."""
-    from backend.diagnosis.excitation import excitation  # noqa: PLC0415 - the words as they are made
-
     names, typical = ["theta1", "theta2", "theta3"], [1.0, 1.0, 1.0]
     cases = [[[400, 0, 0], [0, 400, 0], [0, 0, 400]], [[0, 0, 0], [0, 400, 0], [0, 0, 400]], [[200, 200, 0], [200, 200, 0], [0, 0, 400]],
              [[20, 0, 0], [0, 400, 0], [0, 0, 400]], [[210, 200, 0], [200, 210, 0], [0, 0, 400]], [[0, 0, 0], [0, 0, 0], [0, 0, 400]],
              [[1, 1, 1], [1, 1, 1], [1, 1, 1]], [[20, 0, 0], [0, 20, 0], [0, 0, 20]]]  # fmt: skip
     texts = [excitation(J, names, typical, 0.1).text for J in cases]
-    texts += ["a square wave of voltage between 0 and 24 V with a period of 0.8 s would tell the faults apart: the least visible combination would "
-              "stand out 20.5 times above the noise instead of 0.54", "theta1: faults from 0.0006 on are found and told from the others",
+    texts += ["a step of voltage to 24 V would tell the faults apart: the least visible combination would stand out 20.5 times above the noise instead of 0.54",
+              "theta1: faults from 0.0006 on are found and told from the others",
               "theta1 cannot be resolved at this noise: it takes 0.3 to be told from the other faults within a window, a typical fault is 0.01",
               "the input as it is tells the faults apart as far as any does: none is proposed", "the plant has no fault channels"]  # fmt: skip
     said = page("/").evaluate("(texts) => import('/live/i18n/zh-said.js').then(({said}) => texts.map(said))", texts)
