@@ -50,6 +50,23 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--no-store", action="store_true", help="neither look the run up in the store nor keep it there")
     run.set_defaults(command=_run)
 
+    _judging(commands, changes)
+
+    listing = commands.add_parser("list", help="list the library's experiments and plants")
+    listing.set_defaults(command=_list)
+
+    check = commands.add_parser("check", help="check a plant file")
+    check.add_argument("plant", metavar="PLANTFILE", type=Path, help="a YAML or JSON file")
+    check.set_defaults(command=_check)
+    return top
+
+
+_TRIAL = "How often are alarms false, faults found and named, and how soon? One experiment with many seeds."
+_DIAGNOSE = "Which faults does a record show, since when, how large, and how sure is that? The noise is found in the record."
+
+
+def _judging(commands, changes: str) -> None:
+    """The commands about the diagnosis."""
     trial = commands.add_parser("trial", help="run an experiment with many seeds and judge the diagnosis", description=_TRIAL)
     trial.add_argument("experiment", metavar="EXPERIMENT|FILE", help="library id, or a YAML or JSON file")
     trial.add_argument("--seeds", type=_count, default=100, metavar="N", help="runs with the faults, and as many without (100)")
@@ -67,17 +84,7 @@ def parser() -> argparse.ArgumentParser:
     diagnose.add_argument("--json", type=Path, metavar="FILE", help="write the findings as JSON")
     diagnose.set_defaults(command=_diagnose)
 
-    listing = commands.add_parser("list", help="list the library's experiments and plants")
-    listing.set_defaults(command=_list)
 
-    check = commands.add_parser("check", help="check a plant file")
-    check.add_argument("plant", metavar="PLANTFILE", type=Path, help="a YAML or JSON file")
-    check.set_defaults(command=_check)
-    return top
-
-
-_TRIAL = "How often are alarms false, faults found and named, and how soon? One experiment with many seeds."
-_DIAGNOSE = "Which faults does a record show, since when, how large, and how sure is that? The noise is found in the record."
 _RUN = "Run an experiment and print how its observers did. The same spec gives the same numbers, bit for bit."
 
 

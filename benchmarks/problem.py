@@ -11,10 +11,10 @@ import numpy as np
 
 from backend import library
 from backend.assembly import prepare
-from backend.engine.graph import variables
 from backend.engine.grid import cut
-from backend.engine.kernel import Layout, kernel
-from backend.engine.simulation import Experiment, Simulation, Tables, joined
+from backend.engine.plans import plan
+from backend.engine.simulation import Experiment, Simulation, joined
+from backend.engine.tables import Tables
 from shared import Experiment as Spec
 
 HOLD = 10  # steps: noise and switching signals change on multiples of 0.01 s
@@ -53,10 +53,9 @@ def kernels_alone(e: Experiment) -> tuple[Callable[[], np.ndarray], tuple[str, .
     breaks = np.concatenate([s.breaks(0.0, e.steps * e.step) for s in signals.values()])
     grid = cut(0, e.steps, e.step, breaks, e.every, 1)
     tables = Tables(grid, signals, 4)
-    held, _ = tables.divide(variables(program.graph, program.update))
-    layout, values = Layout(held=held), e.parameters | e.estimators[0].parameters
-    params, table = np.array([values[p] for p in layout.shared_params(program)]), tables.held(held)
-    run, out = kernel(program, layout), np.empty((e.steps // e.every, len(program.states)))
+    call_of, values = plan(program, (), tables.kinds), e.parameters | e.estimators[0].parameters
+    params, table = np.array([values[p] for p in call_of.params]), tables.held(call_of.held)
+    run, out = call_of.kernel, np.empty((e.steps // e.every, len(program.states)))
     s = Simulation(e).initial()
     begin = np.concatenate([s.plant, s.observers[0]])
 

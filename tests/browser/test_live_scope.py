@@ -218,7 +218,7 @@ def test_a_fault_injected_while_paused_is_seen_at_once(page):
     opened.wait_for_selector("svg.plant .site")
     assert coloured(opened, "theta.theta1", "--fault-line") == 0
     send(opened, "{type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.012}}")
-    until(opened, f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding.on').length === 1")
+    until(opened, f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding .badge.lit').length === 1")
     opened.wait_for_timeout(200)
     assert not state(opened, "playing") and coloured(opened, "theta.theta1", "--fault-line") > 30
     assert "fault-on" in opened.get_attribute('[data-strip="theta.theta1"]', "class")

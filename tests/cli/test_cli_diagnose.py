@@ -2,6 +2,7 @@
 
 import csv
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -26,7 +27,7 @@ def test_a_record_shows_its_faults_though_nobody_said_how_noisy_it_is(call):
     """Friction that rises tenfold at 10 s in a CSV file: named within 1 s, sized within its interval, the noise found to 15 %."""
     write(recorded(call, "friction-motor", "--set", "seed=5"))
     code, shown, _ = call("diagnose", "friction-motor", "rec.csv", "--json", "found.json")
-    found = json.load(open("found.json"))
+    found = json.loads(Path("found.json").read_text())
     (alarm,) = found["alarms"]
     assert code == 0 and alarm["channel"] == "friction" and "friction" in shown
     assert 10.0 < alarm["t"] < 11.0 and alarm["onset_from"] <= 10.1 and alarm["size_from"] < 9 < alarm["size_to"]
@@ -48,7 +49,7 @@ def test_an_offset_that_was_always_there_is_learnt(call):
     write(recorded(call, "friction-motor", "--set", f"faults=[{always}, {later}]"))
     assert "friction" in call("diagnose", "friction-motor", "rec.csv")[1].splitlines()[0]
     code, _, _ = call("diagnose", "friction-motor", "rec.csv", "--learn", "8", "--json", "found.json")
-    alarms = json.load(open("found.json"))["alarms"]
+    alarms = json.loads(Path("found.json").read_text())["alarms"]
     assert code == 0 and [a["channel"] for a in alarms] == ["friction"] and 12 < alarms[0]["t"] < 13.5
 
 

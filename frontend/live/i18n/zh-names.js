@@ -63,4 +63,6 @@ export const names = {
   "enters x1' through phi1": "经 φ1 进入 x1'",
   "enters x1' through phi2": "经 φ2 进入 x1'",
   'An offset of the input u.': '输入 u 的偏移。',
+  'DC motor whose friction changes': '摩擦会改变的直流电机', 'Friction of a motor rises tenfold': '电机的摩擦升高十倍', 'added friction': '增加的摩擦', 'driving torque': '驱动力矩',
+  'friction beyond that of the healthy motor': '超出健康电机的摩擦', 'measured acceleration': '测得的加速度', 'viscous friction of the healthy motor': '健康电机的粘性摩擦',
 };

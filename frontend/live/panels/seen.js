@@ -51,7 +51,7 @@ export function createSeen(app) {
       found.input && h('button', {type: 'button', class: 'press control-only', onclick: apply}, text.apply),
       h('button', {type: 'button', class: 'press quiet-press', onclick: offer}, text.dismiss)), problem);
   };
-  app.subscribe((state) => state.session, () => { shown = null; offer(); });
+  app.subscribe((state) => [state.session, state.language], () => { shown = null; offer(); });
   return {element, show};
 }
 
