@@ -234,6 +234,7 @@ class Room:
             pace.reached(screen.shown)
             if not pace.moving:
                 self.tell_status()
+                self._check(0.0)
         if self._finished and self.ended and pace.moving:
             pace.pause()
             self.tell_status()

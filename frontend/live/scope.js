@@ -27,7 +27,7 @@ export function mountScope(root, app) {
     scope.still = '';
     app.wake();
   });
-  app.subscribe((state) => unseen(state).join(), () => scope.showUnseen());
+  app.subscribe((state) => unseen(state).map((one) => `${one.channel} ${one.smallest === null}`).join(), () => scope.showUnseen());
   app.onFrame((now) => scope.draw(now));
   app.onTick(() => scope.showValues());
   return scope;
@@ -96,10 +96,11 @@ class Scope {
   /** Say which faults the input of the last window does not tell. */
   showUnseen() {
     const {state, text} = this.app;
-    const names = unseen(state);
+    const lost = unseen(state);
     for (const {strip, unseen: mark} of this.rows.values()) {
-      mark.textContent = text.notSeenNow;
-      mark.hidden = strip.kind !== 'theta' || !names.includes(strip.subject);
+      const one = strip.kind === 'theta' ? lost.find(({channel}) => channel === strip.subject) : undefined;
+      mark.hidden = one === undefined;
+      mark.textContent = one?.smallest === null ? text.notSeenNow : text.underNoise;
     }
   }
 
@@ -254,13 +255,13 @@ class Scope {
   }
 }
 
-/** Channels that are not identifiable now, from when on anything is judged. */
-const unseen = ({diagnosis, t}) => ((diagnosis?.calibration?.from_time ?? Infinity) > t ? [] : diagnosis.resolution.filter((one) => !one.identifiable).map((one) => one.channel));
+/** Channels of which not even a typical fault can be told now, from when on anything is judged. */
+const unseen = ({diagnosis, t}) => ((diagnosis?.calibration?.from_time ?? Infinity) > t ? [] : diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable));
 
 /** What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant. */
 function signOf({kind, symbol: name}, plant) {
   if (kind === 'excitation') return h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min'));
-  if (kind === 'residual') return h('span', {class: 'math'}, symbol(name), ' − ', symbol(name, true));
+  if (kind === 'residual') return h('span', {class: 'math', style: split(name)[1].length > 5 && 'white-space:normal;font-size:1rem'}, symbol(name), ' − ', symbol(name, true));
   if (kind !== 'theta') return symbol(name);
   const [letters, index] = badges(plant.channels).get(name);
   return h('span', {class: 'math'}, h('i', {}, letters), index && h('sub', {}, index));

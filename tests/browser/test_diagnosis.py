@@ -36,7 +36,7 @@ def test_a_sensor_fault_is_told_in_a_sentence(page):
     live.evaluate("thetascope.act.play()")
     said = until(live, f"/found in/.test({VERDICT}) && {VERDICT}", 30)
     size, half, since, delay = map(float, re.search(r"\+([\d.]+) ± ([\d.]+) since ([\d.]+).s, found in ([\d.]+).s", said).groups())
-    assert said.startswith("θ₃, sensor fault") and abs(size - 0.02) <= 2 * half and half < 0.002
+    assert said.startswith("θ₃ sensor fault") and abs(size - 0.02) <= 2 * half and half < 0.002
     assert since == pytest.approx(8, abs=0.6) and delay < 2
     until(live, "Math.abs(thetascope.latest('adaptive.theta.theta3') - 0.02) < 0.002", 20)
     assert "found" in site(live, "theta3") and "on" in site(live, "theta3").split()
@@ -175,3 +175,14 @@ def test_a_run_shows_its_diagnosis(page):
     assert "one false alarm in 100 h" in text and f"{summary['diagnosis']['detector']['calibration']['thresholds']['glr']:.3g}" in text
     assert run.locator(".verdicts .group").count() == len(adaptive["rmse"]) and "told apart" in text
     assert run.watch.errors == [] and run.watch.foreign == []
+
+
+def test_faults_below_the_noise_are_said_to_be_unresolvable(page):
+    """At the noise that the paper prints, taken literally, the page says that θ₁ and θ₂ cannot be resolved, beside their strips, too."""
+    live = opened(page, "/?experiment=zhao-2012-variance-as-printed&t=30")
+    until(live, "/cannot be resolved at this noise/.test(document.querySelector('.hint')?.textContent)", 40)
+    assert live.locator(".hint").inner_text() == "θ₁ and θ₂ cannot be resolved at this noise."
+    marks = live.evaluate("[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.unseen').hidden)")
+    assert marks == [True, True, False]
+    live.click(".hint button")
+    assert live.locator("#panel-diagnosis .seen tbody tr", has_text="lost in the noise").count() == 2

@@ -49,8 +49,8 @@ export const en = {
     quiet: () => 'No fault. All is quiet.',
     quietAgain: () => 'All faults are over.',
     ending: () => 'The fault has ended; its alarm is about to clear.',
-    one: ({name, kind, size, since}) => `${capital(name)}, ${kind} fault: ${size} since ${since}.`,
-    oneFound: ({name, kind, size, since, took}) => `${capital(name)}, ${kind} fault: ${size} since ${since}, found in ${took}.`,
+    one: ({name, kind, size, since}) => `${capital(name)}${kind ? ` ${kind} fault` : ''}: ${size} since ${since}.`,
+    oneFound: ({name, kind, size, since, took}) => `${capital(name)}${kind ? ` ${kind} fault` : ''}: ${size} since ${since}, found in ${took}.`,
     several: ({count: n}) => `${count(n, 'fault, named', 'faults, all named')}.`,
     allNamed: ({count: n, name, took}) => `${count(n, 'fault, named', 'faults, all named')}. ${capital(name)} was found ${took} after it began.`,
     either: ({names}) => `${capital(names.join(' or '))}: this input does not tell them apart.`,
@@ -69,6 +69,7 @@ export const en = {
   levelOf: (now, needed) => `Least visible: ${now} times above the noise; ${needed} asked for.`, overLast: (s) => `Over the last ${s} s.`,
   smallest: 'shows from', smallestHint: 'The smallest step that is found within the longest window, the other faults unknown', typical: 'typical',
   canBeSeen: 'told apart', underNoise: 'lost in the noise', notSeenNow: 'not identifiable now', hardlySeen: 'hardly told apart',
+  unresolved: (names) => `${names.length > 1 ? `${names.slice(0, -1).join(', ')} and ${names.at(-1)}` : names[0]} cannot be resolved at this noise.`,
   propose: 'Propose an input', proposeHint: 'Tries some courses of the input on the plant, and takes the smallest that tells the faults apart', proposing: 'Trying inputs on the plant …',
   apply: 'Apply', dismiss: 'Close', applied: 'Applied. Watch the level rise.',
 

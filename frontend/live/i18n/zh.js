@@ -49,8 +49,8 @@ export const zh = {
     quiet: () => '没有故障，一切平静。',
     quietAgain: () => '所有故障都已结束。',
     ending: () => '故障已结束，报警即将解除。',
-    one: ({name, kind, size, since}) => `${name}，${kind}故障：${size}，自 ${since} 起。`,
-    oneFound: ({name, kind, size, since, took}) => `${name}，${kind}故障：${size}，自 ${since} 起，${took} 后发现。`,
+    one: ({name, kind, size, since}) => `${name}${kind ? ` ${kind}故障` : ''}：${size}，自 ${since} 起。`,
+    oneFound: ({name, kind, size, since, took}) => `${name}${kind ? ` ${kind}故障` : ''}：${size}，自 ${since} 起，${took} 后发现。`,
     several: ({count: n}) => `${n} 个故障，全部识别。`,
     allNamed: ({count: n, name, took}) => `${n} 个故障，全部识别。${name} 在出现 ${took} 后被发现。`,
     either: ({names}) => `${names.join(' 或 ')}：当前输入无法区分。`,
@@ -69,6 +69,7 @@ export const zh = {
   levelOf: (now, needed) => `最不可见者：高出噪声 ${now} 倍；要求 ${needed} 倍。`, overLast: (s) => `最近 ${s} s。`,
   smallest: '可见自', smallestHint: '在最长窗口内可发现的最小阶跃，其他故障未知', typical: '典型',
   canBeSeen: '可区分', underNoise: '淹没于噪声', notSeenNow: '目前不可辨识', hardlySeen: '难以区分',
+  unresolved: (names) => `${names.join('、')} 在此噪声下无法分辨。`,
   propose: '建议一个输入', proposeHint: '在对象上试验若干输入，取能区分故障的最小者', proposing: '正在对象上试验输入……',
   apply: '采用', dismiss: '关闭', applied: '已采用。请看激励水平上升。',
 

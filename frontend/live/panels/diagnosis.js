@@ -6,7 +6,7 @@ import {findings, sentence} from './findings.js';
 import {heading, link} from './parts.js';
 import {createSeen} from './seen.js';
 import {createSure} from './sure.js';
-import {spoken} from './symbols.js';
+import {plain, spoken} from './symbols.js';
 
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
@@ -35,9 +35,9 @@ export function mount(element, app) {
     const found = findings(state);
     const words = spell(sentence(found, state), app);
     if (verdict.textContent !== words) verdict.textContent = words;
-    const weak = weakness(state);
+    const weak = weakness(state, app.text);
     fill(list, found.map((one) => line(one, app)),
-      weak && h('p', {class: 'hint'}, h('span', {class: 'light open'}), h('button', {type: 'button', class: 'plain-words', onclick: () => open('canSee')}, app.text.said(spoken(weak, state.plant)))),
+      weak && h('p', {class: 'hint'}, h('span', {class: 'light open'}), h('button', {type: 'button', class: 'plain-words', onclick: () => open('canSee')}, weak)),
       found.length === 0 && state.plant.channels.length > 0 && h('p', {class: 'soft'}, state.plant.inputs.length ? app.text.invite : app.text.inviteOutputs));
     for (const fold of Object.values(folds)) if (!fold.element.hidden) fold.show();
   };
@@ -48,8 +48,11 @@ export function mount(element, app) {
 /** Whether it is too soon to judge: the sentence changes when that is over. */
 const early = ({t, diagnosis}) => (diagnosis?.calibration?.from_time ?? 0) > t;
 
-/** What the input does not tell now, in the server's words; '' where it tells enough. */
-function weakness(state) {
-  const {excitation} = state.diagnosis ?? {};
-  return excitation && !early(state) && state.diagnosis.resolution.some((one) => !one.identifiable) ? excitation.text : '';
+/** Which faults cannot be told now, not even typical ones; '' where all can. */
+function weakness(state, text) {
+  const {excitation, resolution = []} = state.diagnosis ?? {};
+  const lost = resolution.filter((one) => !one.identifiable && !one.resolvable);
+  if (!excitation || early(state) || lost.length === 0) return '';
+  if (lost.every((one) => one.smallest !== null)) return text.unresolved(lost.map((one) => plain(one.channel)));
+  return text.said(spoken(excitation.text, state.plant));
 }

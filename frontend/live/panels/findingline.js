@@ -12,7 +12,7 @@ export function spell(said, {state, text}) {
   const channel = alarm && state.plant.channels.find((one) => one.name === alarm.subject);
   return text.sentences[said.key]({...said, name: said.subject && nameOf(said.subject), otherName: said.other && nameOf(said.other), names: said.subjects?.map(nameOf),
     took: typeof said.took === 'number' && took(said.took), note: said.note && text.said(spoken(said.note, state.plant)), from: number(said.from, 3),
-    ...(alarm && {kind: text.kinds[channel.kind], size: amount(alarm, channel), since: seconds(alarm.onset, state.spec.horizon)})});
+    ...(alarm && {kind: split(alarm.subject)[0].length === 1 ? text.kinds[channel.kind] : null, size: amount(alarm, channel), since: seconds(alarm.onset, state.spec.horizon)})});
 }
 
 /** One finding: the size with its interval, and the story in a line. */

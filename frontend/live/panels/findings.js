@@ -63,7 +63,8 @@ export function sentence(all, {t, diagnosis}) {
   if (either) return {key: 'either', subjects: either.subjects};
   if (unseen.length) {
     const first = unseen.find((one) => one.onChannel) ?? unseen[0];
-    const hidden = first.onChannel && resolutionOf(first.subject, diagnosis)?.identifiable === false;
+    const known = first.onChannel && resolutionOf(first.subject, diagnosis);
+    const hidden = known && !known.identifiable && !known.resolvable;
     return {key: hidden ? 'hidden' : first.onChannel ? 'looking' : 'measurement', subject: first.subject, count: good.length, open: unseen.length};
   }
   if (good.length === 1) return {key: good[0].delay === null ? 'one' : 'oneFound', subject: good[0].subject, alarm: good[0].alarm, took: good[0].delay};

@@ -10,7 +10,8 @@ export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2',
 export const link = (words, act, more = {}) => h('button', {type: 'button', class: 'link', onclick: act, ...more}, words);
 
 /** The round badge of a channel (or square one of an output), amber while its fault is active. */
-export function badge([letters, index], {square = false, lit = false} = {}) {
+export function badge([letters, whole], {square = false, lit = false} = {}) {
+  const index = whole.slice(0, 2);
   const long = letters.length + index.length > 2;
   return h('span', {class: `badge${square ? ' square' : ''}${long ? ' long' : ''}${lit ? ' lit' : ''}`, 'aria-hidden': 'true'}, h('i', {}, letters), index && h('sub', {}, index));
 }

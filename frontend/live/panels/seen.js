@@ -86,6 +86,6 @@ function table(resolution, app) {
       return h('tr', {title: text.said(spoken(one.text, state.plant))}, h('th', {scope: 'row'}, badge(short.get(one.channel)), h('span', {class: 'said'}, text.named(title))),
         h('td', {}, one.smallest === null ? '–' : small(one.smallest)), h('td', {}, small(one.typical)),
         h('td', {class: 'words'}, h('span', {class: `light ${one.identifiable && one.resolvable ? 'ok' : 'open'}`}), ' ',
-          one.identifiable ? (one.resolvable ? text.canBeSeen : text.underNoise) : one.smallest === null ? text.notSeenNow : text.hardlySeen));
+          text[one.smallest === null ? 'notSeenNow' : !one.resolvable ? 'underNoise' : one.identifiable ? 'canBeSeen' : 'hardlySeen']));
     })));
 }

@@ -16,6 +16,7 @@ export function split(name) {
 /** A name as plain text: theta3 → θ₃. */
 export function plain(name) {
   const [base, index] = split(name);
+  if (/^[A-Za-z]{2}/.test(index)) return `${base}_${index}`;
   return base + [...index].map((digit) => '₀₁₂₃₄₅₆₇₈₉'[digit] ?? digit).join('');
 }
 
