@@ -16,11 +16,11 @@ from pydantic import ValidationError
 
 from backend.assembly.diagnosis import asked, calibration_key
 from backend.assembly.prepare import prepare
-from backend.diagnosis.decisions import Standing
 from backend.diagnosis.detector import Detector, detector, unwatchable
 from backend.diagnosis.diagnose import Diagnosed
 from backend.diagnosis.evidence import Filter
 from backend.diagnosis.findings import of_detector
+from backend.diagnosis.standing import Standing
 from backend.diagnosis.watcher import Watched
 from backend.diagnosis.windows import Sums
 from backend.engine.errors import SpecError, Unwatchable

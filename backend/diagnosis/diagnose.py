@@ -18,7 +18,8 @@ from backend.engine.run import Parts, spans_of
 from backend.engine.simulation import Estimator, Experiment, Rows, row_values
 from backend.engine.spread import Spreads, has_spread, latest, sigma_columns
 
-_RUNS = 4  # without faults, for the tests on estimates
+_RUNS = (4, 24)  # without faults, for the tests on estimates: at least, and at most
+_TOTAL = 800_000  # base steps that they take together, about
 _SEED = 8_101
 _STEPS = 100_000  # base steps of one of them at most
 
@@ -160,7 +161,8 @@ def _calm(z: np.ndarray) -> int:
 def _quiet(first: Experiment, substeps: int, stride: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """θ̂ − θ and σ at decisions in runs without faults, by observer: runs × decisions × channels each."""
     plain = replace(healthy(first), estimators=first.estimators, steps=min(first.steps, _STEPS))
-    runs = [_estimates(with_seed(plain, _SEED + k), substeps, stride) for k in range(_RUNS)]
+    count = int(np.clip(_TOTAL // max(plain.steps, 1), *_RUNS))
+    runs = [_estimates(with_seed(plain, _SEED + k), substeps, stride) for k in range(count)]
     return {label: tuple(np.stack([run[label][k] for run in runs]) for k in (0, 1)) for label in runs[0]}
 
 

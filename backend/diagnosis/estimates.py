@@ -5,7 +5,7 @@ Each estimate is divided by its standard deviation (engine/spread.py), so that i
     z = θ̂_c / σ_c,
 
 and one of three tests looks at it, decision by decision. Its threshold comes from runs of the same plant, observer and noise
-without faults, as in calibration.py. An alarm is raised when the statistic passes the threshold and is over when it is
+without faults, as in calibration.py, but with an allowance for their small number. An alarm is raised when the statistic passes the threshold and is over when it is
 below half of that, and z within its noise.
 
 - ``threshold``: |z|.
@@ -19,13 +19,17 @@ observer settles: where they name the wrong channel, that is the observer's isol
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import gammaincinv, ndtri
 
-from backend.diagnosis.calibration import level
 from backend.diagnosis.windows import lengths
 
 DRIFT = 0.5  # of σ: changes of the mean smaller than twice this are not looked for
 TESTS = ("glr", "cusum", "threshold")
 _FLOOR = 1e-3  # of v
+_FORGOTTEN = 0.2  # correlation
+_EXCURSIONS = 12  # that the tail is taken from, at least, where there are as many
+_UNSURE = 0.05
+_PARTS = 4
 _BACK = 3.0  # standard deviations within which an estimate is back
 
 
@@ -64,12 +68,55 @@ def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) 
     """From runs without faults: z (runs × decisions × channels). ``rate``: false alarms per hour of the whole observer."""
     count = z.shape[1]
     sizes = lengths(max(1, (count - begin) // 2))
-    means = [_means(z[:, begin:], int(n)) for n in sizes]
-    v = np.array([max(float(np.nanmean(m**2)), _FLOOR) for m in means])
+    v = np.array([max(_variance(_means(z[:, begin:], int(n))), _FLOOR) for n in sizes])
     bare = Judged(test, np.inf, begin, sizes, v)
-    found = np.stack([statistic(run, bare)[0].max(axis=1, initial=0.0) for run in z])[:, begin:]
+    stretch = memory(z[:, begin:])
+    louder = _louder(len(z) * max(1.0, (count - begin) / _PARTS / stretch))
+    found = np.stack([statistic(run * louder, bare)[0].max(axis=1, initial=0.0) for run in z])[:, begin:]
     hours = found.size * interval / 3600
-    return Judged(test, level(found, hours, rate), begin, sizes, v, len(z), hours)
+    threshold = _level(found, stretch, hours, rate)
+    least = -float(ndtri(min(0.5, rate * stretch * interval / 3600 / (2 * z.shape[2]))))  # of a Gaussian z of variance one
+    if test == "threshold":
+        threshold = max(threshold, least * louder * _variance(z[:, begin:]) ** 0.5)
+    elif test == "glr":
+        threshold = max(threshold, (least * louder) ** 2)
+    return Judged(test, threshold, begin, sizes, v, len(z), hours)
+
+
+def _variance(means: np.ndarray) -> float:
+    """Mean square of runs × times × channels, in the part of the time in which it is largest: estimates go on settling."""
+    parts = np.array_split(np.nan_to_num(means), min(_PARTS, means.shape[1]), axis=1)
+    return max(float(np.mean(p**2)) for p in parts)
+
+
+def _louder(numbers: float) -> float:
+    """By how much the standard deviation of so many independent numbers may be too small (95 %)."""
+    return float((numbers / 2 / gammaincinv(numbers / 2, _UNSURE)) ** 0.5)
+
+
+def memory(z: np.ndarray) -> int:
+    """Decisions after which an estimate has forgotten what it was: where its autocorrelation falls below a fifth."""
+    z = np.nan_to_num(z - np.nanmean(z, axis=1, keepdims=True))
+    count = z.shape[1]
+    spectrum = np.abs(np.fft.rfft(z, 2 * count, axis=1)) ** 2
+    correlation = np.fft.irfft(spectrum, axis=1)[:, :count].mean(axis=0)
+    correlation = (correlation / np.maximum(correlation[:1], 1e-300)).max(axis=1)
+    return int(np.argmax(correlation < _FORGOTTEN)) if (correlation < _FORGOTTEN).any() else count
+
+
+def _level(found: np.ndarray, stretch: int, hours: float, rate: float) -> float:
+    """The level that a statistic (runs × decisions) passes ``rate`` times an hour: as calibration.level, but estimates are
+    slow, so that few of their excursions are seen. Each counts once, and the mean by which they go beyond a high level is
+    taken as large as it may be (95 %, from the χ² distribution of a sum of exponential numbers)."""
+    runs, count = found.shape
+    stretch = min(max(stretch, 1), count)
+    peaks = found[:, : count // stretch * stretch].reshape(runs, -1, stretch).max(axis=2).ravel()
+    high = float(np.quantile(peaks, 1.0 - min(0.5, max(0.1, _EXCURSIONS / len(peaks)))))
+    above = peaks[peaks > high] - high
+    if not len(above):
+        return high
+    mean = float(above.sum() / gammaincinv(len(above), _UNSURE))
+    return high + mean * max(0.0, float(np.log(len(above) / hours / rate)))
 
 
 def statistic(z: np.ndarray, judged: Judged) -> tuple[np.ndarray, np.ndarray]:

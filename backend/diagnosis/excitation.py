@@ -125,16 +125,22 @@ def _words(group: list[int], N: np.ndarray, values: np.ndarray, weak: np.ndarray
         if seen < _BLIND:
             return them, "{} is not excited at all: its fault would not show in any output now"
         if seen < _UNSEEN or seen < needed**0.5:
-            return them, f"{{}} shows too little now: a typical fault stands out {seen:.2g} times above the noise, " + asked
-        return them, f"{{}} is told from the others too little now: it stands out {least:.2g} times, {asked}"
+            return them, f"{{}} shows too little now: a typical fault stands out {_times(seen)} times above the noise, " + asked
+        return them, f"{{}} is told from the others too little now: it stands out {_times(least)} times, {asked}"
     how = "cannot be told apart with this input" if least < _UNSEEN else "can hardly be told apart with this input"
     if hidden >= len(group):
-        return them, f"{{}} show too little now: the least {least:.2g} times above the noise, {asked}"
+        return them, f"{{}} show too little now: the least {_times(least)} times above the noise, {asked}"
     if least >= _UNSEEN:
-        return them, f"{{}} {how}: what tells them apart stands out {least:.2g} times above the noise, {asked}"
+        return them, f"{{}} {how}: what tells them apart stands out {_times(least)} times above the noise, {asked}"
     if len(group) - hidden == 1:
         return them, f"{{}} {how}: only their combination {_combination(group, part, names, T)} shows"
     return them, f"{{}} {how}: only {len(group) - hidden} combinations of them show"
+
+
+def _times(value: float) -> str:
+    """Rounded down, so that what is too little never reads as enough."""
+    digits = 10.0 ** (1 - int(np.floor(np.log10(value)))) if value > 0 else 1.0
+    return f"{np.floor(value * digits) / digits:.2g}"
 
 
 def _combination(group: list[int], part: np.ndarray, names: Sequence[str], T: np.ndarray) -> str:

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from backend.diagnosis.calibration import Calibrated
-from backend.diagnosis.decisions import Answer, Change, Look, Standing, decide
+from backend.diagnosis.decisions import decide
 from backend.diagnosis.evidence import Filter
+from backend.diagnosis.standing import Answer, Change, Look, Standing
 from backend.diagnosis.windows import LONGEST, Sums
 
 _BLOCK = 256  # decisions looked at at once

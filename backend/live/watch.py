@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 from threading import Lock
 
 from backend.assembly.diagnosis import asked, calibration_key, span
-from backend.diagnosis.decisions import Found
 from backend.diagnosis.detector import Asked, Detector, detector, unwatchable
 from backend.diagnosis.diagnose import Diagnosed, follow, refitted
 from backend.diagnosis.findings import WINDOW, alarm, of_detector
 from backend.diagnosis.proposal import propose
+from backend.diagnosis.standing import Found
 from backend.diagnosis.watcher import Watched
 from backend.engine.errors import Unwatchable
 from backend.engine.simulation import Experiment as Engine
