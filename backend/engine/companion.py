@@ -10,7 +10,7 @@ whatever its kind: no property of a paper's theorem is used. Observers at a samp
 each sample, S⁺ = A S Aᵀ + B R Bᵀ. S starts at how far the first estimates may be off. What is known
 of a fault fades while nothing is learnt of it: η, the noise that comes into its estimate divided by its variance, is twice the
 rate of learning where the two balance. Where η is far below what it was lately (h), the variance grows by FADING·h instead,
-so that the band widens when excitation is lost. Gains that are states themselves
+at most at the plant's pace, so that the band widens when excitation is lost. Gains that are states themselves
 (Γ, P, Υ) are taken as they are: what noise does to them meets a residual that is zero but for noise, and is of second order.
 """
 
@@ -97,7 +97,8 @@ def _fading(graph: Graph, noise: int, S: int, name: str, time: str) -> tuple[int
     """What is added to a variance while nothing is learnt, and h' (or its next value): h follows η in the time 1/``memory``."""
     h = graph.var(name)
     eta = graph.div(noise, graph.call("max", S, graph.const(1e-300)))
-    rate = graph.add(graph.mul(graph.const(FADING), h), graph.const(1e-12))
+    rate = graph.call("min", graph.mul(graph.const(FADING), h), graph.var("memory"))
+    rate = graph.add(rate, graph.const(1e-12))
     share = graph.div(rate, graph.add(graph.const(1.0), graph.power(graph.div(eta, rate), 4)))
     follows = graph.mul(graph.var("memory"), graph.sub(eta, h))
     return graph.mul(share, S), follows if time != DISCRETE else graph.add(h, follows)
