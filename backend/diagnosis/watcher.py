@@ -10,7 +10,7 @@ import numpy as np
 
 from backend.diagnosis.calibration import Calibrated
 from backend.diagnosis.decisions import decide
-from backend.diagnosis.evidence import Filter
+from backend.diagnosis.evidence import Filter, Innovations
 from backend.diagnosis.standing import Answer, Change, Look, Standing
 from backend.diagnosis.windows import LONGEST, Sums
 
@@ -60,7 +60,10 @@ class Watcher:
         """Decisions ``first`` + 1 … ``last``, or up to one after which the filter must be told something."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
         seen = self._over(now, first, last, now.states[-1], now.standing.known)
-        count = last - first
+        count = _finite(seen.nu, seen.states, stride)
+        if count == 0:
+            return self._restarted(now)
+        seen = Innovations(*(v[: count * stride] for v in (seen.omega, seen.nu, seen.states)))
         sums = now.sums.extended(seen.omega.reshape(count, stride, m, p), seen.nu.reshape(count, stride, m))
         states = np.concatenate([now.states, seen.states[stride - 1 :: stride]])
         now = replace(now, sums=sums, states=states)
@@ -73,6 +76,14 @@ class Watcher:
         states = states[: at - sums.first + 1].copy()
         states[-1] = self._told(states[-1], standing.change)
         return replace(now, standing=replace(standing, change=None), sums=sums.until(at), states=states)
+
+    def _restarted(self, now: Watched) -> Watched:
+        """Past a decision at which the filter has left what numbers hold (an outlier may do that): begun anew after it."""
+        p, m, stride = self.filter.p, self.filter.m, self.stride
+        sums = now.sums.extended(np.zeros((1, stride, m, p)), np.zeros((1, stride, m)))
+        at = sums.last + self.calibrated.begin
+        standing = replace(now.standing, at=at, start=at, again=at, detected=None)
+        return replace(now, sums=sums, states=np.concatenate([now.states, self.filter.start()[None, :]]), standing=standing)
 
     def _over(self, now: Watched, first: int, last: int, state: np.ndarray, known: np.ndarray):
         rows = slice((first - now.sums.first) * self.stride, (last - now.sums.first) * self.stride)
@@ -99,3 +110,9 @@ class Watcher:
         cut = sums.first - now.sums.first
         return replace(now, sums=sums, states=now.states[cut:], table=now.table[cut * self.stride :],
                        t=now.t[cut * self.stride :])  # fmt: skip
+
+
+def _finite(nu: np.ndarray, states: np.ndarray, stride: int) -> int:
+    """Decisions before the first with a number that is none."""
+    good = (np.isfinite(nu).all(axis=1) & np.isfinite(states).all(axis=1)).reshape(-1, stride).all(axis=1)
+    return len(good) if good.all() else int(np.argmin(good))
