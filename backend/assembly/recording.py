@@ -16,11 +16,11 @@ from pydantic import ValidationError
 
 from backend.assembly.diagnosis import asked, calibration_key
 from backend.assembly.prepare import prepare
+from backend.diagnosis.decisions import Standing
 from backend.diagnosis.detector import Detector, detector, unwatchable
 from backend.diagnosis.diagnose import Diagnosed
 from backend.diagnosis.evidence import Filter
 from backend.diagnosis.findings import of_detector
-from backend.diagnosis.standing import Standing
 from backend.diagnosis.watcher import Watched
 from backend.diagnosis.windows import Sums
 from backend.engine.errors import SpecError, Unwatchable
@@ -172,13 +172,14 @@ def _watched(made: Detector, experiment: Engine, record: Recording, learn: float
     """The record watched, from what was learnt of its beginning on."""
     index, table = _table(experiment, record, made.filter)
     t = index * experiment.step
+    made.filter.get_used(record.y)
     first = min(round(learn / made.interval), len(t) // made.stride - 2)
     if first <= made.calibrated.begin:
         return made.advance(made.begin(), table, t)
     rows = first * made.stride
     state, base = _learnt(made, table[:rows], t[:rows])
     made.filter.base = base
-    beginning = Standing.beginning(replace(made.calibrated, begin=first), made.filter.p)
+    beginning = Standing.beginning(replace(made.calibrated, begin=first), made.filter.p, made.filter.m)
     none = Sums.none(made.filter.p, made.filter.m)
     watched = Watched(beginning, replace(none, first=first), state[None, :], table[:0], t[:0], made.stride)
     return made.advance(watched, table[rows:], t[rows:])

@@ -1,22 +1,26 @@
 """From evidence to findings, decision by decision: is something there, what is it, since when, how large?
 
 1. *Watching*: the largest GLR over windows and channels, and the largest residual, are held against their thresholds.
-2. *Naming*: one is above. Which channel explains the data best from which onset, and which others do as well? Here the
-   filter is run again from each onset that comes into question, so that the answers to a fault that has just begun are
-   the true ones (Willsky & Jones 1976). A finding is given when one channel leads clearly, or after a while as it then
-   stands. Where the best channel leaves most of the residual unexplained, no fault of the model is it.
+2. *Naming* (naming.py): one is above. What explains the data best, and what else does as well? A finding is given when one
+   explanation leads clearly, or after a while as it then stands.
 3. Afterwards what was found is taken as known, and watching goes on for what changes from there: another fault, or the
-   end of this one. What is known is estimated anew as data come in.
+   end of this one. What was found last is looked at again as data come in: its size, and what else it might have been.
+   An output that cannot be trusted is not followed until it agrees again with what the filter makes of the others.
 """
 
 from dataclasses import replace
 
 import numpy as np
 
-from backend.diagnosis.naming import FIRST_ORDER, LEAST, name
-from backend.diagnosis.standing import GONE, Change, Look, Standing, cleared, with_found
-from backend.diagnosis.windows import LONGEST, scan
+from backend.diagnosis.knowledge import cleared, distrust
+from backend.diagnosis.naming import name, reviewed
+from backend.diagnosis.standing import Change, Found, Look, Standing
+from backend.diagnosis.windows import scan
 
+__all__ = ["Found", "Look", "Standing", "decide"]
+
+CALM = 20  # decisions at least that an output must agree again, since outliers come one at a time: an eighth of what it was off
+MOST_CALM = 100
 QUIET = 2.0  # standard deviations of the residual's energy: as loud as noise is
 
 
@@ -24,72 +28,73 @@ def decide(now: Standing, look: Look) -> Standing:
     """Go through the decisions that the sums reach, or up to one after which the filter must be told a change."""
     while now.at < look.sums.last and now.change is None:
         now = _watch(now, look) if now.detected is None else name(now, look)
+        if now.change is None and (stuck := _stuck(now, look)) is not None:
+            since = now.at - -int(-look.sums.still[now.at - look.sums.first, stuck] // look.rows)
+            now = distrust(now, look, stuck, since, float(look.sums.still[now.at - look.sums.first, stuck]))
     return now
 
 
+def _stuck(now: Standing, look: Look) -> int | None:
+    """An output that is heeded though it shows the same number all the time: noise does not."""
+    stuck = np.flatnonzero((look.sums.still[now.at - look.sums.first] > look.patience) * now.heed)
+    return int(stuck[0]) if len(stuck) else None
+
+
 def _watch(now: Standing, look: Look) -> Standing:
-    """Up to the first decision at which a test is above its threshold, or what is known is due to be estimated anew."""
+    """Up to the first decision at which a test is above its threshold, or what was found last is due to be looked at again."""
     cal, last = look.calibrated, look.sums.last
-    due = bool(_young(now))
-    if due:
-        last = min(last, max(now.again, now.at + 1))
+    if now.pending is not None:
+        last = min(last, max(now.pending.review, now.at + 1))
+    stuck = (look.sums.still[now.at + 1 - look.sums.first : last + 1 - look.sums.first] > look.patience) @ now.heed > 0
+    last = now.at + 1 + int(stuck.argmax()) if stuck.any() else last
+    calm = _calm(now, look, last)
+    last = last if calm is None else calm[0]
     ends = np.arange(now.at + 1, last + 1)
-    glr, residual = scan(look.sums, ends, now.start, now.memory, cal.noise, cal.within.given(now.known))
-    unexplained = [i for i in now.active if now.found[i].channel is None]
-    if unexplained:
-        calm = _calm(look, ends[ends > now.start])
-        return cleared(replace(now, at=calm), unexplained) if calm is not None else replace(now, at=last)
+    within = cal.within.given(now.known.level)
+    glr, residual = scan(look.sums, ends, now.start, now.memory, cal.noise, within)
     over = np.flatnonzero((glr > cal.glr) | (residual > cal.residual))
-    if len(over):
+    if len(over) and not _paused(now):
         at = int(ends[over[0]])
         return replace(now, at=at - 1, detected=at, again=at)
     now = replace(now, at=last)
-    return _refined(now, look) if due and last >= now.again else now
+    if calm is not None:
+        return _trusted(now, calm[1])
+    return reviewed(now, look) if now.pending is not None and last >= now.pending.review else now
 
 
-def _calm(look: Look, ends: np.ndarray) -> int | None:
-    """While something unexplained is on: the first decision at which the residual of a while is that of the noise."""
-    noise, settle = look.calibrated.noise, look.calibrated.settle
-    k = int(noise.nearest(max(LEAST, settle)))
-    length = int(noise.lengths[k])
-    ends = ends[ends - length >= look.sums.first]
-    if not len(ends):
-        return None
-    _, _, q = look.sums.over(ends - length, ends)
-    calm = np.flatnonzero(q < noise.energy[k] + QUIET * noise.scatter[k])
-    return int(ends[calm[0]]) if len(calm) else None
+def _unexplained(now: Standing) -> list[int]:
+    return [i for i in now.active if now.found[i].channel is None]
 
 
-def _young(now: Standing) -> list[int]:
-    """Findings still to be estimated more closely. Later they are left alone, lest they take up what comes after."""
-    active = [i for i in now.active if now.found[i].channel is not None]
-    return [i for i in active if now.again - now.found[i].at < LONGEST // 2]
+def _paused(now: Standing) -> bool:
+    """Whether something is on that neither a fault of the model nor one output explains: until it is over nothing else is."""
+    return bool(_unexplained(now)) and bool(now.heed.all())
 
 
-def _refined(now: Standing, look: Look) -> Standing:
-    """What was found lately, estimated together from what it was found with and what came since."""
-    held = [(i, now.found[i].channel) for i in _young(now)]
-    begin = max(now.start, look.sums.first)
-    picked = [c for _, c in held]
-    J, s, _ = look.sums.over(begin, now.at)
-    information = (J + now.trust)[np.ix_(picked, picked)]
-    scale = np.sqrt(np.maximum(np.diag(information), 1e-300))
-    covariance = np.linalg.pinv(information / np.outer(scale, scale), rcond=1e-9, hermitian=True) / np.outer(scale, scale)
-    step = np.zeros_like(now.known)
-    step[picked] = covariance @ s[picked]
-    trust = now.trust.copy()
-    trust[np.ix_(picked, picked)] = information
-    length = now.at - begin
-    noise = look.calibrated.noise
-    loud = now.loud + noise.v[noise.nearest(length)] * np.diag(J)
-    now = replace(now, known=now.known + step, trust=trust, loud=loud, memory=now.memory + length, start=now.at,
-                  again=now.at + max(2, 2 * length), change=Change(step, None))  # fmt: skip
-    over = []
-    for k, (i, c) in enumerate(held):
-        deviation = float(np.sqrt(max(covariance[k, k] * loud[c] / max(information[k, k], 1e-300), 0.0)))
-        size = float(now.known[c])
-        deviation = float(np.hypot(deviation, FIRST_ORDER * size))
-        if abs(size) < max(GONE * abs(now.found[i].size), 3.0 * deviation):
-            over.append(i)
-        now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation))
-    return cleared(now, over) if over else now
+def _calm(now: Standing, look: Look, last: int) -> tuple[int, int] | None:
+    """The first decision (up to ``last``) at which something unexplained has been over for a while, and which."""
+    noise, settle, best, first = look.calibrated.noise, look.calibrated.settle, None, look.sums.first
+    ends = np.arange(now.at + 1, last + 1)
+    for i in _unexplained(now):
+        found, m = now.found[i], len(now.heed)
+        k = noise.nearest(np.clip((ends - found.at) // 8, max(CALM, settle), max(MOST_CALM, settle)))
+        begins = ends - noise.lengths[k]
+        a, b = np.maximum(begins, first) - first, ends - first
+        if now.heed.all():
+            quiet = look.sums.e[b] - look.sums.e[a] < noise.energy[k] + QUIET * noise.scatter[k]
+        else:
+            q = look.sums.q[b, found.output] - look.sums.q[a, found.output]
+            quiet = q < noise.energy[k] / m + QUIET * noise.scatter[k] / m**0.5
+            stuck = look.sums.still[:, found.output] > look.patience[found.output]
+            quiet &= np.maximum.accumulate(np.where(stuck, np.arange(len(stuck)), -1))[b] <= a
+        quiet &= begins >= max(first, found.at)
+        if quiet.any() and (best is None or ends[quiet.argmax()] < best[0]):
+            best = int(ends[quiet.argmax()]), i
+    return best
+
+
+def _trusted(now: Standing, i: int) -> Standing:
+    """An unexplained finding is over: its output is heeded again."""
+    heed = now.heed.copy()
+    heed[now.found[i].output] = 1.0
+    return replace(cleared(now, [i]), heed=heed, change=Change(), start=now.at)

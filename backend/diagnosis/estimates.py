@@ -70,7 +70,7 @@ def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) 
     sizes = lengths(max(1, (count - begin) // 2))
     v = np.array([max(_variance(_means(z[:, begin:], int(n))), _FLOOR) for n in sizes])
     bare = Judged(test, np.inf, begin, sizes, v)
-    stretch = memory(z[:, begin:])
+    stretch = max(1, memory(z[:, begin:]))
     louder = _louder(len(z) * max(1.0, (count - begin) / _PARTS / stretch))
     found = np.stack([statistic(run * louder, bare)[0].max(axis=1, initial=0.0) for run in z])[:, begin:]
     hours = found.size * interval / 3600

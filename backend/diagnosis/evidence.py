@@ -13,6 +13,8 @@ from backend.engine.simulation import Experiment as Engine
 from backend.engine.spread import holds, noise_stds
 
 MOST_STATES = 12
+REPEATS = 10  # noisy values in a row that are the very same number: the output stands still
+_USUAL = 3.0  # times as long as nearly all repetitions in a record
 _EDGE = 1e-3  # of a state's size: how far inside the domain derivatives are taken (√x has none at 0)
 
 
@@ -31,6 +33,7 @@ class Innovations:
 class Filter:
     """The filter of one plant with one noise: values that do not change along a stretch of rows.
 
+    ``patience`` (m): rows after which an output that shows the same number stands still, ∞ where no noise is declared.
     ``doubt``: share of a state's size by which its equation may be off within the plant's time constant.
     """
 
@@ -44,20 +47,26 @@ class Filter:
         self.stds = noise_stds(experiment.measurement, context)
         outputs = tuple(self.program.outputs.values())
         used = variables(self.program.graph, [*self.program.update, *outputs])
-        self.names = tuple(sorted(used & set(self.program.inputs)))
-        self.layout = Layout(held=self.names, emitted=outputs)
+        given = used & set(self.program.inputs)
+        self._courses = [(name, int(j)) for name, j in (i.split(".") for i in sorted(given) if i.startswith(("known.", "profile.")))]
+        courses = tuple(f"{name}.{j}" for name, j in self._courses)
+        self.names = tuple(sorted(given - set(courses)))
+        self.layout = Layout(held=(*self.names, *courses), emitted=outputs)
         self.interval = experiment.every * experiment.step
+        self._measured = [self.names.index(f"measured.{o}") for o in self.outputs]
+        hold = np.maximum(1.0, holds(experiment.measurement, experiment.step) / self.interval)
+        self.patience = np.where(np.array(experiment.measurement.std) > 0, REPEATS * hold, np.inf)
         values = experiment.parameters | {"interval": self.interval}
         values |= {f"q.{i}": v * (doubt / DOUBT) ** 2 for i, v in enumerate(process_noise(context))}
         values |= {f"R.{k}": float(v) for k, v in enumerate(self._variance())}
-        values |= {f"known.{j}": 0.0 for j in range(self.p)}
+        values |= {f"heed.{k}": 1.0 for k in range(self.m)}
         for i, (state, scale) in enumerate(zip(context.model["states"], state_scales(context), strict=True)):
             low, high = state.get("domain") or (None, None)
             edge = _EDGE * scale
             values |= {f"low.{i}": -np.inf if low is None else low + edge, f"high.{i}": np.inf if high is None else high - edge}
         order = self.layout.shared_params(self.program)
         self._params = np.array([values[p] for p in order] or [0.0])
-        self._known = [(order.index(f"known.{j}"), j) for j in range(self.p) if f"known.{j}" in order]
+        self._heed = [order.index(f"heed.{k}") for k in range(self.m)]
 
     def _variance(self) -> np.ndarray:
         """Of one row's y, so that rows count as independent: noise that holds for several rows counts once."""
@@ -83,19 +92,33 @@ class Filter:
             table[:, c] = given[name]
         return table
 
-    def run(self, state: np.ndarray, known: np.ndarray, table: np.ndarray, t: np.ndarray) -> Innovations:
-        """Along rows with inputs ``table`` at times ``t``, θ₀ = ``known``."""
+    def run(self, state: np.ndarray, known: np.ndarray, table: np.ndarray, t: np.ndarray, profile: np.ndarray | None = None,
+            heed: np.ndarray | None = None) -> Innovations:  # fmt: skip
+        """Along rows with inputs ``table`` at times ``t``, θ₀ = ``known`` (p, or rows × p).
+
+        ``profile`` (rows × p): the course of the θ − θ₀ that Ω answers, constant by default; ``heed`` (m): outputs that the
+        filter follows, all by default.
+        """
         rows = len(t)
         params = self._params.copy()
-        for place, j in self._known:
-            params[place] = self.base[j] + known[j]
+        if heed is not None:
+            params[self._heed] = heed
+        courses = {"known": np.broadcast_to(self.base + known, (rows, self.p)), "profile": profile}
+        held = np.empty((rows, max(1, len(self.layout.held))))
+        held[:, : len(self.names)] = table[:, : len(self.names)]
+        for c, (name, j) in enumerate(self._courses, start=len(self.names)):
+            held[:, c] = 1.0 if courses[name] is None else courses[name][:, j]
         ones, zeros = np.ones(rows, dtype=np.int64), np.zeros(rows)
         emitted = np.empty((rows, 1, len(self.layout.emitted)))
         out = np.empty((rows, len(state)))
         kernel(self.program, self.layout)(Segments(ones, ones, t.copy(), zeros, zeros), state.copy(), params, 1, out,
-                                          held=np.ascontiguousarray(table), emitted=emitted)  # fmt: skip
+                                          held=held, emitted=emitted)  # fmt: skip
         shown = emitted[:, 0, :].reshape(rows, self.m, self.p + 1)  # of each output its Ω, then its ν
         return Innovations(shown[:, :, : self.p], shown[:, :, self.p], out)
+
+    def measured(self, table: np.ndarray) -> np.ndarray:
+        """What the outputs showed (rows × m), from a table."""
+        return table[:, self._measured]
 
     def unanswered(self, state: np.ndarray) -> np.ndarray:
         """The filter's state with V = 0: as if faults began here."""
@@ -107,9 +130,25 @@ class Filter:
         """V (n × p) of the filter's state."""
         return state[self.n : self.n * (1 + self.p)].reshape(self.n, self.p)
 
+    def with_answers(self, state: np.ndarray, V: np.ndarray) -> np.ndarray:
+        """The filter's state with another V (n × p)."""
+        other = state.copy()
+        other[self.n : self.n * (1 + self.p)] = V.ravel()
+        return other
+
+    def moved(self, state: np.ndarray, change: np.ndarray) -> np.ndarray:
+        """The filter's state had it known of a change of θ (p), to which V is the answer."""
+        return self.knowing(state, self.answers(state), change)
+
     def knowing(self, state: np.ndarray, V: np.ndarray, change: np.ndarray) -> np.ndarray:
-        """The filter's state had it known a change of θ whose answer is V."""
+        """The filter's state had it known of a change of θ (p) to which the answer is ``V``."""
         told = state.copy()
         told[: self.n] += V @ change
         return told
 
+    def get_used(self, y: np.ndarray) -> None:
+        """Take it as usual that outputs repeat numbers as often as in a record (rows, m): coarse sensors do."""
+        for k, column in enumerate(y.T):
+            ends = np.flatnonzero(np.diff(column) != 0)
+            if len(ends) > 1:
+                self.patience[k] = max(self.patience[k], _USUAL * np.quantile(np.diff(ends), 0.99))

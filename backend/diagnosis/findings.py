@@ -5,10 +5,10 @@ from statistics import NormalDist
 import numpy as np
 
 from backend.diagnosis.calibration import Calibrated
+from backend.diagnosis.decisions import Found
 from backend.diagnosis.detector import Detector
 from backend.diagnosis.diagnose import Diagnosed, Own
 from backend.diagnosis.excitation import Excitation, excitation
-from backend.diagnosis.standing import Found
 from backend.diagnosis.watcher import Watched
 from backend.diagnosis.windows import Sums
 

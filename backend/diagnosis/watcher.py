@@ -11,10 +11,11 @@ import numpy as np
 from backend.diagnosis.calibration import Calibrated
 from backend.diagnosis.decisions import decide
 from backend.diagnosis.evidence import Filter, Innovations
-from backend.diagnosis.standing import Answer, Change, Look, Standing
+from backend.diagnosis.standing import Look, Replay, Standing
 from backend.diagnosis.windows import LONGEST, Sums
 
 _BLOCK = 256  # decisions looked at at once
+_LARGEST = 1e60  # standard deviations: an innovation as large is a filter that is lost
 
 
 @dataclass(frozen=True)
@@ -42,7 +43,7 @@ class Watcher:
     def begin(self) -> Watched:
         """Before the first row."""
         p, names = self.filter.p, max(1, len(self.filter.names))
-        standing = Standing.beginning(self.calibrated, p)
+        standing = Standing.beginning(self.calibrated, p, self.filter.m)
         return Watched(standing, Sums.none(p, self.filter.m), self.filter.start()[None, :], np.empty((0, names)), np.empty(0),
                        self.stride)  # fmt: skip
 
@@ -59,22 +60,23 @@ class Watcher:
     def _block(self, now: Watched, first: int, last: int) -> Watched:
         """Decisions ``first`` + 1 … ``last``, or up to one after which the filter must be told something."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
-        seen = self._over(now, first, last, now.states[-1], now.standing.known)
-        count = _finite(seen.nu, seen.states, stride)
+        standing = now.standing
+        seen = self._over(now, first, last, now.states[-1], standing.known.course, None, standing.heed)
+        count, begin = _finite(seen, stride), (first - now.sums.first) * stride
         if count == 0:
             return self._restarted(now)
         seen = Innovations(*(v[: count * stride] for v in (seen.omega, seen.nu, seen.states)))
-        sums = now.sums.extended(seen.omega.reshape(count, stride, m, p), seen.nu.reshape(count, stride, m))
-        states = np.concatenate([now.states, seen.states[stride - 1 :: stride]])
-        now = replace(now, sums=sums, states=states)
-        known = now.standing.known
-        look = Look(sums, self.calibrated, lambda onset, at: self._answer(now, onset, at, known), sums.first, stride * m)
-        standing = decide(now.standing, look)
+        y = self.filter.measured(now.table[max(begin - 1, 0) : begin + count * stride])
+        y = y if begin else np.concatenate([y[:1] * np.nan, y])
+        sums = now.sums.extended(seen.omega.reshape(count, stride, m, p), seen.nu.reshape(count, stride, m), standing.heed, y)
+        now = replace(now, sums=sums, states=np.concatenate([now.states, seen.states[stride - 1 :: stride]]))
+        standing = decide(standing, self._look(now))
         if standing.change is None:
             return replace(now, standing=standing)
         at = standing.at
-        states = states[: at - sums.first + 1].copy()
-        states[-1] = self._told(states[-1], standing.change)
+        states = now.states[: at - sums.first + 1].copy()
+        if standing.change.state is not None:  # V goes on as it was: it answers what has been there for long
+            states[-1] = self.filter.with_answers(standing.change.state, self.filter.answers(states[-1]))
         return replace(now, standing=replace(standing, change=None), sums=sums.until(at), states=states)
 
     def _restarted(self, now: Watched) -> Watched:
@@ -82,28 +84,34 @@ class Watcher:
         p, m, stride = self.filter.p, self.filter.m, self.stride
         sums = now.sums.extended(np.zeros((1, stride, m, p)), np.zeros((1, stride, m)))
         at = sums.last + self.calibrated.begin
-        standing = replace(now.standing, at=at, start=at, again=at, detected=None)
+        standing = replace(now.standing, at=at, start=at, again=at, detected=None, pending=None)
         return replace(now, sums=sums, states=np.concatenate([now.states, self.filter.start()[None, :]]), standing=standing)
 
-    def _over(self, now: Watched, first: int, last: int, state: np.ndarray, known: np.ndarray):
+    def _look(self, now: Watched) -> Look:
+        def replay(state: np.ndarray, begin: int, at: int, known, profile, heed: np.ndarray, fresh: bool) -> Replay:
+            state = self.filter.unanswered(state) if fresh else state
+            if begin == at:
+                p, m = self.filter.p, self.filter.m
+                return Replay(np.zeros((p, p)), np.zeros(p), np.zeros((1, m)), state[None], heed, np.zeros(p))
+            seen = self._over(now, begin, at, state, known, profile, heed)
+            omega, nu = (seen.omega * heed[:, None]).reshape(-1, self.filter.p), (seen.nu * heed).ravel()
+            q = np.cumsum((seen.nu**2).reshape(at - begin, self.stride, -1).sum(axis=1), axis=0)
+            q = np.concatenate([np.zeros((1, self.filter.m)), q])
+            states = np.concatenate([state[None], seen.states[self.stride - 1 :: self.stride]])
+            early = omega[: 2 * self.calibrated.settle * self.stride * self.filter.m]
+            return Replay(omega.T @ omega, omega.T @ nu, q, states, heed, (early**2).sum(axis=0))
+
+        first = now.sums.first
+        return Look(now.sums, self.calibrated, replay, lambda d: now.states[d - first], self.filter.moved, first, self.stride, self.filter.patience)
+
+    def _over(self, now: Watched, first: int, last: int, state: np.ndarray, known, profile, heed: np.ndarray) -> Innovations:
+        """The filter along the rows of decisions; θ₀ and the profile are functions of time in decisions."""
         rows = slice((first - now.sums.first) * self.stride, (last - now.sums.first) * self.stride)
-        return self.filter.run(state, known, now.table[rows], now.t[rows])
-
-    def _answer(self, now: Watched, onset: int, at: int, known: np.ndarray) -> Answer:
-        """The filter run again from an onset with V = 0.
-
-        Where watching begins V is left as it is, begun with zero at t = 0: a fault may have been there from the start.
-        """
-        state = now.states[onset - now.sums.first]
-        if onset != self.calibrated.begin:
-            state = self.filter.unanswered(state)
-        seen = self._over(now, onset, at, state, known)
-        omega, nu = seen.omega.reshape(-1, self.filter.p), seen.nu.ravel()
-        return Answer(omega.T @ omega, omega.T @ nu, float(nu @ nu), self.filter.answers(seen.states[-1]))
-
-    def _told(self, state: np.ndarray, change: Change) -> np.ndarray:
-        V = self.filter.answers(state) if change.V is None else change.V
-        return self.filter.knowing(state, V, change.size)
+        d = np.arange(first * self.stride, last * self.stride) / self.stride
+        within = self.calibrated.within
+        course = np.clip(known(d), within.low, within.high)
+        seen = self.filter.run(state, course, now.table[rows], now.t[rows], None if profile is None else profile(d), heed)
+        return replace(seen, omega=_bounded(seen.omega), nu=_bounded(seen.nu))
 
     def _trimmed(self, now: Watched) -> Watched:
         sums = now.sums.recent(LONGEST + 1)
@@ -112,7 +120,12 @@ class Watcher:
                        t=now.t[cut * self.stride :])  # fmt: skip
 
 
-def _finite(nu: np.ndarray, states: np.ndarray, stride: int) -> int:
-    """Decisions before the first with a number that is none."""
-    good = (np.isfinite(nu).all(axis=1) & np.isfinite(states).all(axis=1)).reshape(-1, stride).all(axis=1)
+def _bounded(values: np.ndarray) -> np.ndarray:
+    """With numbers that can be squared and summed."""
+    return np.clip(np.nan_to_num(values, nan=_LARGEST), -_LARGEST, _LARGEST)
+
+
+def _finite(seen: Innovations, stride: int) -> int:
+    """Decisions before the first with numbers that are none."""
+    good = ((np.abs(seen.nu) < _LARGEST).all(axis=1) & np.isfinite(seen.states).all(axis=1)).reshape(-1, stride).all(axis=1)
     return len(good) if good.all() else int(np.argmin(good))

@@ -20,49 +20,72 @@ GROWTH = 1.35  # of the lengths of windows
 
 @dataclass(frozen=True)
 class Sums:
-    """Sums at decisions ``first``, ``first`` + 1, …: J (decisions, p, p), s (decisions, p), q (decisions, m) by output."""
+    """Sums at decisions ``first``, ``first`` + 1, …: J (decisions, p, p), s (decisions, p), q (decisions, m) by output.
+
+    J, s and ``e`` (decisions), the sum of q, are of the outputs that were heeded; q is of all. ``still`` (decisions, m), not
+    a sum: rows for which each output has been showing the very same number.
+    """
 
     first: int
     J: np.ndarray
     s: np.ndarray
     q: np.ndarray
+    e: np.ndarray
+    still: np.ndarray
 
     @classmethod
     def none(cls, p: int, m: int) -> "Sums":
         """Before anything was seen: decision 0 stands for sums of nothing."""
-        return cls(0, np.zeros((1, p, p)), np.zeros((1, p)), np.zeros((1, m)))
+        return cls(0, np.zeros((1, p, p)), np.zeros((1, p)), np.zeros((1, m)), np.zeros(1), np.zeros((1, m)))
 
     @property
     def last(self) -> int:
         """The number of the latest decision."""
         return self.first + len(self.q) - 1
 
-    def extended(self, omega: np.ndarray, x: np.ndarray) -> "Sums":
-        """With more decisions: ``omega`` (decisions, rows in each, m, p) and ``x`` (decisions, rows in each, m)."""
-        J, s = np.einsum("drmi,drmj->dij", omega, omega), np.einsum("drmi,drm->di", omega, x)
+    def extended(self, omega: np.ndarray, x: np.ndarray, heed: np.ndarray | None = None, y: np.ndarray | None = None) -> "Sums":
+        """With more decisions: ``omega`` (decisions, rows in each, m, p) and ``x`` (decisions, rows in each, m).
+
+        ``y``: what was measured (rows, m), the row before them first; without it nothing stands still.
+        """
         q = np.einsum("drm,drm->dm", x, x)
+        still = np.zeros_like(q) if y is None else _still(self.still[-1], y)[x.shape[1] - 1 :: x.shape[1]]
+        if heed is not None and not heed.all():
+            omega, x = omega * heed[:, None], x * heed
+        J, s, e = np.einsum("drmi,drmj->dij", omega, omega), np.einsum("drmi,drm->di", omega, x), np.einsum("drm,drm->d", x, x)
         # added one after the other, so that cutting a run into pieces changes no bit
-        grown = [np.cumsum(np.concatenate([old[-1:], new]), axis=0)[1:] for old, new in ((self.J, J), (self.s, s), (self.q, q))]
-        return replace(self, **{n: np.concatenate([getattr(self, n), g]) for n, g in zip("Jsq", grown)})
+        new = {n: _added(getattr(self, n)[-1:], v) for n, v in {"J": J, "s": s, "q": q, "e": e}.items()} | {"still": still}
+        return replace(self, **{n: np.concatenate([getattr(self, n), v]) for n, v in new.items()})
 
     def until(self, decision: int) -> "Sums":
         """As they were at a decision."""
-        cut = decision - self.first + 1
-        return Sums(self.first, self.J[:cut], self.s[:cut], self.q[:cut])
+        return self._cut(slice(None, decision - self.first + 1))
 
     def recent(self, keep: int) -> "Sums":
         """Without decisions that no window needs."""
         cut = max(0, len(self.q) - keep)
-        return self if cut == 0 else Sums(self.first + cut, self.J[cut:], self.s[cut:], self.q[cut:])
+        return self if cut == 0 else replace(self._cut(slice(cut, None)), first=self.first + cut)
+
+    def _cut(self, part: slice) -> "Sums":
+        return replace(self, **{n: getattr(self, n)[part] for n in ("J", "s", "q", "e", "still")})
 
     def over(self, begin: np.ndarray | int, end: np.ndarray | int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """J, s, q (of all outputs) of what came after decision ``begin``, up to ``end``."""
+        """J, s, e of what came after decision ``begin``, up to ``end``."""
         a, b = np.asarray(begin) - self.first, np.asarray(end) - self.first
-        return self.J[b] - self.J[a], self.s[b] - self.s[a], (self.q[b] - self.q[a]).sum(axis=-1)
+        return self.J[b] - self.J[a], self.s[b] - self.s[a], self.e[b] - self.e[a]
 
-    def loudest(self, begin: int, end: int) -> int:
-        """The output with the largest residual in a window."""
-        return int((self.q[end - self.first] - self.q[begin - self.first]).argmax())
+
+def _added(last: np.ndarray, new: np.ndarray) -> np.ndarray:
+    return np.cumsum(np.concatenate([last, new]), axis=0)[1:]
+
+
+def _still(before: np.ndarray, y: np.ndarray) -> np.ndarray:
+    """Rows for which y has not changed, counted on from ``before``: rows − 1, m."""
+    same = y[1:] == y[:-1]
+    count = np.cumsum(same, axis=0)
+    since = np.maximum.accumulate(np.where(same, 0, count), axis=0)
+    carried = np.where(np.logical_and.accumulate(same, axis=0), before, 0.0)
+    return count - since + carried
 
 
 def lengths(most: int) -> np.ndarray:
@@ -125,8 +148,7 @@ def scan(
     whole = begins >= max(start, sums.first)
     a, b = np.where(whole, begins, ends[:, None]) - sums.first, ends[:, None] - sums.first
     D = np.einsum("dii->di", sums.J)
-    total = sums.q.sum(axis=-1)
-    q = total[b] - total[a]
+    q = sums.e[b] - sums.e[a]
     glr = (explained(D[b] - D[a], sums.s[b] - sums.s[a], within) / noise.v).max(axis=-1, initial=0.0) / (1.0 + noise.lengths / memory)
     excess = (q - noise.energy) / noise.scatter
     return np.where(whole, glr, 0.0).max(axis=1, initial=0.0), np.where(whole, excess, -np.inf).max(axis=1, initial=-np.inf)

@@ -8,7 +8,8 @@ An extended Kalman filter for x that takes θ to be θ₀, what is known of it (
 V being how the filter's estimate of x answers a constant θ (Zhang 2002; Zhao, Li & Li 2012, (34a) and (35), with the
 filter's gain). Begun with V = 0 at some instant, it answers a θ that was there from that instant on. Outputs are taken
 one after the other (their noises are independent), so each gives a scalar of variance one: ν/σ = (Ω/σ) (θ − θ₀) + white
-noise. Sums of ΩᵀΩ/σ² and Ωᵀν/σ² over any window are all that decisions need.
+noise. Sums of ΩᵀΩ/σ² and Ωᵀν/σ² over any window are all that decisions need. With G and Ψ multiplied by a course over
+time, the same answers a θ of this course; an output that is not heeded has ν and Ω, but the filter does not follow it.
 
 Between rows x moves by x + φ₁(AΔ) f Δ, exact where f is affine; where x is outside the physical domain, f and its
 derivatives are taken at the nearest point inside. The filter trusts each state equation to a share of the state's size
@@ -29,10 +30,13 @@ Matrix = list[list[int]]
 
 @lru_cache(maxsize=128)
 def innovations(plant: Program) -> Program:
-    """The filter for a plant, one step a row: inputs are the plant's (θ apart), ``measured.y.*``, and ``fresh``.
+    """The filter for a plant, one step a row.
 
-    Parameters: those of the plant, the bounds ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y), ``known.j`` (θ₀) and ``interval``. Outputs
-    ``omega.k.j`` and ``nu.k``, both divided by the innovation's standard deviation.
+    Inputs: those of the plant (θ apart), ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀) and
+    ``profile.j``: V and Ω answer a θ_j − θ₀_j that goes as a constant times this. Parameters: those of the plant, the bounds
+    ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y), ``heed.k`` (0: the filter does not
+    follow this output) and ``interval``. Outputs ``omega.k.j`` and ``nu.k``, both divided by the innovation's standard
+    deviation.
     """
     return derived(["innovations", plant.digest], lambda: _Writer(plant).program())
 
@@ -66,16 +70,17 @@ class _Writer:
             time=DISCRETE,
             states=(*(f"prior.{i}" for i in range(n)), *(f"V.{i}.{j}" for i in range(n) for j in range(p)),
                     *(f"P.{i}.{j}" for i in range(n) for j in range(i, n))),
-            inputs=(*(i for i in plant.inputs if i not in self.theta), *(f"measured.{o}" for o in self.y), "fresh"),
+            inputs=(*(i for i in plant.inputs if i not in self.theta), *(f"measured.{o}" for o in self.y), "fresh",
+                    *(f"known.{j}" for j in range(p)), *(f"profile.{j}" for j in range(p))),
             parameters=(*plant.parameters, *per_state, *(f"R.{k}" for k in range(self.m)),
-                        *(f"known.{j}" for j in range(p)), "interval"),
+                        *(f"heed.{k}" for k in range(self.m)), "interval"),
             graph=g,
             update=(*prior, *(V[i][j] for i in range(n) for j in range(p)), *P),
             outputs=outputs,
         )  # fmt: skip
 
     def _linear(self, roots: list[int]) -> tuple[list[int], Matrix, Matrix]:
-        """Values, and their Jacobians in x and θ, at the present estimate (``self.prior``) and θ₀."""
+        """Values, and their Jacobians in x and (times its profile) θ, at the present estimate (``self.prior``) and θ₀."""
         plant, g = self.plant, self.graph
         source = Graph(plant.graph.nodes)
         slopes = derivatives(source, roots, (*plant.states, *self.theta))
@@ -87,7 +92,7 @@ class _Writer:
         # outside the domain: the value at the nearest point inside, and on along the tangent there
         values = [g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside)]))
                   for r, row in zip(roots, J)]  # fmt: skip
-        return values, J, H
+        return values, J, [[g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(row)] for row in H]
 
     def _correct(self, level: list[int], C: Matrix, Psi: Matrix) -> dict[str, int]:
         """Take the outputs one after the other; give Ω/σ and ν/σ of each. Changes prior, V and P."""
@@ -103,7 +108,8 @@ class _Writer:
             weight = g.div(fresh, g.call("sqrt", variance))
             outputs |= {f"omega.{k}.{j}": g.mul(o, weight) for j, o in enumerate(omega)}
             outputs[f"nu.{k}"] = g.mul(nu, weight)
-            gain = [g.mul(g.div(fresh, variance), b) for b in cP]
+            followed = g.div(g.mul(fresh, g.var(f"heed.{k}")), variance)
+            gain = [g.mul(followed, b) for b in cP]
             self.prior = [g.add(x, g.mul(K, nu)) for x, K in zip(self.prior, gain)]
             self.V = [[g.sub(v, g.mul(K, o)) for v, o in zip(row, omega)] for row, K in zip(self.V, gain)]
             upper = {(i, j): g.sub(self.P[i][j], g.mul(gain[i], cP[j])) for i in range(n) for j in range(i, n)}

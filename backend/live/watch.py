@@ -9,7 +9,7 @@ from backend.diagnosis.detector import Asked, Detector, detector, unwatchable
 from backend.diagnosis.diagnose import Diagnosed, follow, refitted
 from backend.diagnosis.findings import WINDOW, alarm, of_detector
 from backend.diagnosis.proposal import propose
-from backend.diagnosis.standing import Found
+from backend.diagnosis.standing import Found, Standing
 from backend.diagnosis.watcher import Watched
 from backend.engine.errors import Unwatchable
 from backend.engine.simulation import Experiment as Engine
@@ -70,7 +70,7 @@ class Watch:
         if not now and len(seen.waiting) < _MOST_WAITING:
             return seen, []
         after = self.caught_up(seen)
-        return Seen(after), list(self._events(seen.watched.standing.found, after.standing.found, self.record))
+        return Seen(after), list(self._events(seen.watched.standing.found, after.standing, self.record))
 
     def caught_up(self, seen: "Seen") -> Watched:
         """With the rows that waited."""
@@ -79,11 +79,13 @@ class Watch:
             watched = follow(refitted(self.made, experiment, self.asked.doubt), watched, experiment, rows, values)
         return watched
 
-    def _events(self, before: tuple[Found, ...], after: tuple[Found, ...], record: float):
-        for i, found in enumerate(after):
+    def _events(self, before: tuple[Found, ...], now: Standing, record: float):
+        for i, found in enumerate(now.found):
             old = before[i] if i < len(before) else None
             if old is None:
                 yield self._event(replace(found, cleared=None), found.at, "alarm", record)
+            elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
+                yield self._event(found, now.at, "alarm", record)  # it has got another name, or was not over after all
             if found.cleared is not None and (old is None or old.cleared is None):
                 yield self._event(found, found.cleared, "alarm-over", record)
 
@@ -128,7 +130,7 @@ def bare(seen: Seen | None) -> Seen | None:
     rest = len(watched.t) - (watched.sums.last - watched.sums.first) * watched.stride
     now = watched.standing
     left = Watched(
-        replace(now, start=max(now.start, watched.sums.last), detected=None), watched.sums.recent(1), watched.states[-1:].copy(),
+        replace(now, start=max(now.start, watched.sums.last), detected=None, pending=None), watched.sums.recent(1), watched.states[-1:].copy(),
         watched.table[len(watched.t) - rest :].copy(), watched.t[len(watched.t) - rest :].copy(), watched.stride,
     )  # fmt: skip
     return Seen(left, seen.waiting)

@@ -1,0 +1,147 @@
+"""What was found is taken as known: findings get their sizes and their ends, and the filter is told."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from backend.diagnosis.hypotheses import Explained
+from backend.diagnosis.scene import Scene
+from backend.diagnosis.screening import onsets
+from backend.diagnosis.standing import Change, Event, Found, Known, Look, Pending, Standing, Young
+from backend.diagnosis.windows import LONGEST
+
+GONE = 0.2  # of its size: a fault whose estimate falls below is over
+LEAST = 4  # decisions that an answer takes: a single outlier looks like anything over one
+SOON = 20  # decisions after which a fault may have changed since it was named
+RECENT = 100  # decisions within which an output that fails again has not been well
+
+
+def take(now: Standing, look: Look, fit: Explained) -> Standing:
+    """Take what is pending as known, with the sizes of a fit; findings are told them."""
+    pending, noise = _levelled(now.pending, fit), look.calibrated.noise
+    sizes = {(e.channel, e.onset): e for e in fit.events}
+    young = tuple(replace(y, event=sizes.get((y.event.channel, y.event.onset), y.event)) for y in pending.young)
+    events = tuple(y.event for y in young)
+    known = pending.base.plus(events, now.at).inside(look.calibrated.within)
+    length = now.at - fit.onset
+    memory = float(length) / (4 if any(e.endless for e in fit.events) else 1)
+    before = {i: now.found[i] for i in now.active}
+    now = replace(now, known=known, pending=replace(pending, young=young), memory=memory, start=now.at, change=Change(fit.state))
+    for i in now.active:  # an event that is seen otherwise now may have been a change of an older fault
+        if now.found[i].channel is not None:
+            now = with_found(now, i, replace(now.found[i], size=float(known.level[now.found[i].channel])))
+    known_before = [f for f in before.values() if f.channel is not None]
+    over = []
+    for k, event in enumerate(fit.events):
+        i = next((y.found for y in young if y.event == event), None)
+        if i is None:  # it is part of another event now, which will be estimated anew
+            continue
+        settling, long = (float(noise.v[noise.nearest(n), event.channel]) for n in (2 * look.calibrated.settle, length))
+        v = long + float(fit.early[k]) * max(settling - long, 0.0)
+        reach = abs(float(event.course(np.array(now.at))))
+        others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known_before if f.channel != event.channel)
+        variance = max(v * fit.covariance[k, k], 0.0)
+        deviation = float(np.sqrt(variance + min(others, variance)) * reach)  # errors of old standing are partly taken up by x
+        size = float(known.level[event.channel])
+        had = float(pending.base.plus(tuple(e for e in events if e != event), event.onset).level[event.channel])
+        least = max(GONE * abs(had or before[i].size), 3.0 * deviation)
+        settled = now.at - now.found[i].at >= SOON or any(y.found == i and not y.own for y in young)  # not a moment after
+        if settled and abs(size) < least and abs(known.slope[event.channel]) * max(length, LEAST) < least:
+            over.append(i)
+            now = with_found(now, i, replace(before[i], size=had or before[i].size))
+        else:
+            now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation))
+    return cleared(now, over) if over else now
+
+
+def _levelled(pending: Pending, fit: Explained) -> Pending:
+    """A rise that a later event of its channel brings to an end is one event: a rise with an end."""
+    last = pending.young[-1]
+    sizes = {(e.channel, e.onset): (e, fit.covariance[k, k]) for k, e in enumerate(fit.events)}
+    for k, young in enumerate(pending.young[:-1]):
+        one = young.event
+        two, variance = sizes.get((last.event.channel, last.event.onset), (last.event, 0.0))
+        rising = one.endless and two.endless and one.channel == two.channel and two.onset > one.onset
+        if rising and abs(one.size + two.size) < max(3.0 * variance**0.5, GONE * abs(one.size)):
+            rise = float(two.onset - one.onset)
+            event = Event(one.channel, one.onset, rise, one.size * rise)
+            rest = (*pending.young[:k], replace(young, event=event, options=(event,)), *pending.young[k + 1 : -1])
+            return replace(pending, young=rest)
+    return pending
+
+
+def cleared(now: Standing, which: list[int]) -> Standing:
+    """Findings that are over; what the filter took as known of them becomes zero."""
+    level, slope = now.known.at(now.at).copy(), now.known.slope.copy()
+    for i in which:
+        channel = now.found[i].channel
+        if channel is not None:
+            level[channel] = slope[channel] = 0.0
+        now = with_found(now, i, replace(now.found[i], cleared=now.at))
+    active = tuple(k for k in now.active if k not in which)
+    memory = now.memory if any(now.found[k].channel is not None for k in active) else np.inf
+    change = Change() if now.change is None else now.change
+    return replace(now, known=Known(level, slope, now.at), active=active, memory=memory, change=change, start=now.at, pending=None)
+
+
+def with_found(now: Standing, i: int, found: Found) -> Standing:
+    return replace(now, found=(*now.found[:i], found, *now.found[i + 1 :]))
+
+
+def finding(now: Standing, scene: Scene, statistic: float, event: Event, options: tuple[Event, ...], own: int | None):
+    """The finding that an event belongs to: its ``own`` under a better name, that of its channel, or a new one."""
+    others = tuple(dict.fromkeys(o.channel for o in options if o.channel != event.channel))
+    held = [i for i in now.active if now.found[i].channel == event.channel and i != own]
+    if held:
+        return (now if own is None else cleared(now, [own])), held[0], False
+    span = onsets(scene, event)
+    if own is not None:
+        found = replace(now.found[own], channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0],
+                        onset_to=span[1])  # fmt: skip
+        return with_found(now, own, found), own, True
+    found = Found(now.at, event.channel, others, event.onset, *span, 0.0, 0.0, statistic)
+    now = replace(now, found=(*now.found, found), active=(*now.active, len(now.found)))
+    return now, len(now.found) - 1, True
+
+
+def withdrawn(now: Standing, young: Young) -> Standing:
+    """What was named last turns out to be something else altogether: its own finding is over."""
+    return cleared(now, [young.found]) if young.own and young.found in now.active else now
+
+
+def distrust(now: Standing, look: Look, output: int, onset: int, statistic: float) -> Standing:
+    """An output is not followed from an onset on. What was named since, or just before, was named because of it."""
+    now = remembered(now, look)
+    onset = max(onset, oldest(now, look), look.calibrated.begin)
+    pending, young = now.pending, () if now.pending is None else now.pending.young
+    mistaken = tuple(y for y in young if y.event.first >= onset - LEAST or (y.own and now.at - now.found[y.found].at < SOON))
+    own = [y.found for y in mistaken if y.own and y.found in now.active]
+    if mistaken:
+        onset = max(min(onset, *(y.event.first for y in mistaken)), pending.begin)
+        rest = tuple(y.event for y in pending.young if y not in mistaken)
+        known = pending.base.plus(rest, onset)
+    else:
+        known = now.known
+    heed = now.heed.copy()
+    heed[output] = 0.0
+    state = look.replay(look.state(onset), onset, now.at, known.course, None, heed, False).states[-1]
+    now = cleared(now, own[1:]) if own[1:] else now
+    now = replace(now, known=Known(known.at(now.at), known.slope, now.at), pending=None, detected=None, start=now.at, heed=heed,
+                  change=Change(state))  # fmt: skip
+    found = Found(now.at, None, (), onset, onset, onset, np.nan, np.nan, statistic, output)
+    again = [i for i, f in enumerate(now.found) if f.output == output and f.cleared is not None and now.at - f.cleared < RECENT]
+    if own:
+        return with_found(now, own[0], replace(found, at=now.found[own[0]].at))
+    if again:
+        return replace(with_found(now, again[-1], replace(now.found[again[-1]], cleared=None)), active=(*now.active, again[-1]))
+    return replace(now, found=(*now.found, found), active=(*now.active, len(now.found)))
+
+
+def oldest(now: Standing, look: Look) -> int:
+    """The earliest decision from which the filter can be run again, however the rows came in."""
+    return max(look.oldest, now.at - LONGEST)
+
+
+def remembered(now: Standing, look: Look) -> Standing:
+    """Without what is pending, if it began too long ago."""
+    return replace(now, pending=None) if now.pending is not None and now.pending.begin < oldest(now, look) else now

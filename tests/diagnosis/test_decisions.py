@@ -1,0 +1,144 @@
+"""What the detector decides on library experiments: which fault, since when, how large, and when it is over."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from backend import library
+from backend.assembly import prepare
+from tests.diagnosis.watching import names, step, watching
+
+
+@pytest.fixture(scope="module")
+def zhao():
+    """The alarms of zhao-2012 for twenty seeds."""
+    return [watching("zhao-2012").alarms(seed) for seed in range(1, 21)]
+
+
+def test_zhao_three_faults_are_named_and_nothing_else(zhao):
+    """Twenty seeds: theta3, theta1 and theta2, each within a second, without a rival, and no other alarm."""
+    for alarms in zhao:
+        assert names(alarms) == ["theta3", "theta1", "theta2"]
+        assert all(a["alternatives"] == () and a["cleared"] is None for a in alarms)
+        assert all(0 <= a["t"] - onset < 1.5 for a, onset in zip(alarms, (20, 40, 70), strict=True))
+
+
+def test_intervals_cover_the_truth(zhao):
+    """Of sixty intervals of onsets and of sizes (95 %) at least 90 % cover, and nearly all are narrow."""
+    truth = [(20, 0.02), (40, 0.01), (70, 0.015)]
+    pairs = [(a, t) for alarms in zhao for a, t in zip(alarms, truth, strict=True)]
+    sizes = np.mean([a["size_from"] <= size <= a["size_to"] for a, (_, size) in pairs])
+    onsets = np.mean([a["onset_from"] <= onset <= a["onset_to"] for a, (onset, _) in pairs])
+    assert sizes >= 0.9 and onsets >= 0.9
+    assert np.quantile([(a["size_to"] - a["size_from"]) / a["size"] for a, _ in pairs], 0.9) < 0.08
+    assert max(a["onset_to"] - a["onset_from"] for a, _ in pairs) < 2.0
+
+
+def test_friction_is_found_early_and_without_false_alarms():
+    """Forty seeds of the tutorial's motor: no alarm without the fault, all found, median delay at most 0.6 s."""
+    motor = watching("friction-motor")
+    assert [motor.alarms(seed, faults=False) for seed in range(1, 41)] == [[]] * 40
+    found = [motor.alarms(seed) for seed in range(1, 41)]
+    assert all(names(a) == ["friction"] for a in found)
+    assert np.median([a[0]["t"] - 10 for a in found]) <= 0.6
+
+
+@pytest.mark.parametrize("name", ["dc-motor", "dts200", "quadruple-tank"])
+def test_no_alarm_without_a_fault(name):
+    """Five seeds of each plant without its faults: silence."""
+    assert [watching(name).alarms(seed, faults=False) for seed in range(1, 6)] == [[]] * 5
+
+
+def test_what_cannot_be_told_apart_is_said_so():
+    """At the literal noise variance theta1 and theta2 look alike: neither is resolvable, and they are named together."""
+    result = prepare(library.experiment("zhao-2012-variance-as-printed")).run()
+    told = result.diagnosis["detector"]
+    able = {r["channel"]: r["resolvable"] for r in told["resolution"]}
+    assert able == {"theta1": False, "theta2": False, "theta3": True}
+    later = [a for a in told["alarms"] if a["t"] > 40]
+    assert later and all({a["channel"], *a["alternatives"]} >= {"theta1", "theta2"} for a in later)
+    assert all("not separable" in a["text"] for a in later)
+
+
+@pytest.mark.parametrize(
+    ("name", "channel", "size", "onset", "end", "again"),
+    [("zhao-2012", "theta1", 0.01, 30, 50, 70), ("zhao-2012", "theta3", 0.02, 30, 50, 70),
+     ("dc-motor", "gain_loss", 0.15, 6, 12, 18), ("dc-motor", "speed_bias", 5, 6, 12, 18),
+     ("quadruple-tank", "leak1", 0.006, 600, 1200, 2000), ("dts200", "clog32", 0.3, 600, 1200, 2000)],
+)  # fmt: skip
+def test_a_fault_that_ends_and_comes_back(name, channel, size, onset, end, again):
+    """One alarm each time, with the size that the fault had; the first is over soon after the fault is."""
+    horizon = library.experiment(name).horizon
+    seen = watching(name, [step(channel, onset, size, end=end), step(channel, again, size)])
+    for seed in (1, 2):
+        first, second = seen.alarms(seed)
+        assert names([first, second]) == [channel, channel] and first["cleared"] and second["cleared"] is None
+        assert end <= first["cleared"] <= end + 0.03 * horizon
+        assert all(abs(a["size"] / size - 1) < 0.1 for a in (first, second))
+        standing = seen.watched(seed).standing
+        assert np.count_nonzero(standing.known.level) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "one", "two"),
+    [("zhao-2012", ("theta1", 0.01), ("theta3", 0.02)), ("zhao-2012", ("theta2", 0.015), ("theta3", 0.02)),
+     ("dc-motor", ("gain_loss", 0.15), ("current_bias", 0.5)), ("dc-motor", ("load_torque", 0.08), ("speed_bias", 10)),
+     ("quadruple-tank", ("pump1", 0.1), ("level2", 0.2))],
+)  # fmt: skip
+def test_two_faults_at_one_instant(name, one, two):
+    """Both are named, with their sizes, and no other."""
+    onset = 0.3 * library.experiment(name).horizon
+    seen = watching(name, [step(c, onset, size) for c, size in (one, two)])
+    for seed in (1, 2):
+        alarms = seen.alarms(seed)
+        assert sorted(names(alarms)) == sorted((one[0], two[0]))
+        sizes = {a["channel"]: a["size"] for a in alarms}
+        assert all(abs(sizes[c] / size - 1) < 0.15 for c, size in (one, two))
+
+
+@pytest.mark.parametrize(
+    ("name", "fault"),
+    [("zhao-2012", {"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}),
+     ("zhao-2012", {"channel": "theta3", "shape": "exponential", "onset": 30, "size": 0.02, "time_constant": 5}),
+     ("dc-motor", {"channel": "gain_loss", "shape": "ramp", "onset": 8, "size": 0.15, "duration": 3}),
+     ("dc-motor", {"channel": "current_bias", "shape": "exponential", "onset": 8, "size": 0.6, "time_constant": 2}),
+     ("quadruple-tank", {"channel": "level1", "shape": "ramp", "onset": 1000, "size": 0.3, "duration": 300}),
+     ("quadruple-tank", {"channel": "pump2", "shape": "ramp", "onset": 1000, "size": 0.1, "duration": 300}),
+     ("dts200", {"channel": "leak1", "shape": "ramp", "onset": 1000, "size": 0.06, "duration": 200}),
+     ("dts200", {"channel": "level2", "shape": "ramp", "onset": 1000, "size": 2, "duration": 200})],
+)  # fmt: skip
+def test_a_slow_fault_is_one_finding(name, fault):
+    """A fault that grows is named once, and in the end with the size that it has reached."""
+    (found,) = watching(name, [fault]).alarms(1)
+    assert found["channel"] == fault["channel"] and found["cleared"] is None
+    assert abs(found["size"] / fault["size"] - 1) < 0.05
+
+
+def test_onsets_are_found_to_the_row():
+    """A large fault of a sensor that begins between two decisions: its onset is found to a row."""
+    (found,) = watching("zhao-2012", [step("theta3", 8.17, 0.02)]).alarms(2)
+    assert names([found]) == ["theta3"] and found["onset"] == pytest.approx(8.17, abs=0.011)
+
+
+def test_a_fault_from_the_start():
+    """A fault that was there before watching begins is found as it begins, with its size."""
+    first = watching("zhao-2012", [step("theta1", 0.5, 0.01)]).alarms(1)
+    assert names(first) == ["theta1"] and first[0]["t"] < 4 and first[0]["size"] == pytest.approx(0.01, rel=0.05)
+
+
+@given(st.lists(st.integers(1, 700), min_size=1, max_size=30), st.sampled_from(["own", "stuck", "ramp"]))
+@settings(max_examples=6)
+def test_cutting_rows_changes_no_decision(pieces, kind):
+    """Rows taken in pieces of any size: the same findings and the same filter, bit for bit."""
+    faults = {"own": None, "stuck": [{"output": "y", "shape": "stuck", "onset": 45, "end": 60, "value": 0.1}],
+              "ramp": [{"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}]}[kind]  # fmt: skip
+    made = watching("zhao-2012", faults).made
+    table, t = watching("zhao-2012", faults).rows(3)
+    whole, cut, at, k = made.advance(made.begin(), table, t), made.begin(), 0, 0
+    while at < len(t):
+        cut = made.advance(cut, table[at : at + pieces[k % len(pieces)]], t[at : at + pieces[k % len(pieces)]])
+        at, k = at + pieces[k % len(pieces)], k + 1
+    assert repr(cut.standing.found) == repr(whole.standing.found)
+    np.testing.assert_array_equal(cut.states[-1], whole.states[-1])
+    np.testing.assert_array_equal(cut.standing.known.level, whole.standing.known.level)

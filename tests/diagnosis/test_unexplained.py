@@ -1,0 +1,74 @@
+"""Faults of the measurement that the model does not know: told apart from those in its channels."""
+
+import numpy as np
+import pytest
+
+from backend.diagnosis.windows import Sums
+from tests.diagnosis.watching import names, step, watching
+
+ZHAO = {"stuck": {"value": 0.1}, "freeze": {}, "dropout": {"probability": 0.9, "sample_time": 0.1},
+        "outliers": {"probability": 0.05, "size": 0.02, "sample_time": 0.01}, "noise-burst": {"std": 0.005, "sample_time": 0.01},
+        "quantisation": {"resolution": 0.01}}  # fmt: skip
+MOTOR = {"stuck": {"value": 150}, "freeze": {}, "dropout": {"probability": 0.9, "sample_time": 0.02},
+         "outliers": {"probability": 0.03, "size": 20, "sample_time": 0.005}, "noise-burst": {"std": 3, "sample_time": 0.005},
+         "quantisation": {"resolution": 5}, "delay": {"delay": 0.1}}  # fmt: skip
+
+
+@pytest.mark.parametrize("shape", ZHAO)
+def test_a_single_output_is_not_blamed_on_a_channel(shape):
+    """The only output fails for 15 s: one alarm, not explained by the model, over soon after."""
+    fault = {"output": "y", "shape": shape, "onset": 45, "end": 60} | ZHAO[shape]
+    (found,) = watching("zhao-2012", [fault]).alarms(1)
+    assert (found["kind"], found["output"]) == ("unexplained", "y.y")
+    assert 45 < found["t"] < 48 and 60 <= found["cleared"] < 64
+
+
+@pytest.mark.parametrize("shape", MOTOR)
+def test_the_right_output_of_two_is_named(shape):
+    """One sensor of two fails: it is named within 0.3 s and no channel is, though there is one for its bias."""
+    fault = {"output": "y_speed", "shape": shape, "onset": 12, "end": 16} | MOTOR[shape]
+    for seed in (1, 2):
+        alarms = watching("dc-motor", [fault]).alarms(seed)
+        assert set(names(alarms)) == {"y_speed"} and 12 < alarms[0]["t"] < 12.3
+        assert 15.8 <= alarms[-1]["cleared"] < 17  # what is rounded may look right before it is
+
+
+def test_a_fault_is_found_while_an_output_fails():
+    """While the speed sensor is frozen, a fault that the current shows is found all the same."""
+    frozen = {"output": "y_speed", "shape": "freeze", "onset": 10, "end": None}
+    alarms = watching("dc-motor", [frozen, step("gain_loss", 18, 0.3)]).alarms(1)
+    assert names(alarms)[0] == "y_speed" and "gain_loss" in names(alarms)[1:]
+    named = alarms[names(alarms).index("gain_loss")]
+    assert 18 < named["t"] < 19 and named["size"] == pytest.approx(0.3, rel=0.1)
+
+
+def test_readings_that_no_filter_survives_are_reported():
+    """Outliers of 500 standard deviations drive the filter out of all numbers: it begins anew, and they are unexplained."""
+    fault = {"output": "y", "shape": "outliers", "onset": 30, "probability": 0.02, "size": 0.5, "sample_time": 0.1}
+    seen = watching("zhao-2012", [fault])
+    assert seen.alarms(1)[0]["kind"] == "unexplained"
+    assert np.isfinite(seen.watched(1).states[-1]).all()
+
+
+def test_repeated_numbers_are_counted():
+    """`still` counts rows that repeat the one before, on from one piece to the next."""
+    y = np.array([1.0, 1, 1, 2, 2, 3, 3, 3, 3])[:, None]
+    none = Sums.none(1, 1)
+    whole = none.extended(np.zeros((8, 1, 1, 1)), np.zeros((8, 1, 1)), y=y)
+    assert whole.still[:, 0].tolist() == [0, 1, 2, 0, 1, 0, 1, 2, 3]
+    cut = none.extended(np.zeros((2, 1, 1, 1)), np.zeros((2, 1, 1)), y=y[:3])
+    cut = cut.extended(np.zeros((6, 1, 1, 1)), np.zeros((6, 1, 1)), y=y[2:])
+    np.testing.assert_array_equal(cut.still, whole.still)
+
+
+def test_coarse_sensors_are_not_stuck():
+    """A sensor that repeats numbers as a matter of course is not called stuck for doing so."""
+    filter_ = watching("zhao-2012").made.filter
+    before = filter_.patience.copy()
+    try:
+        draw = np.random.default_rng(1)
+        y = np.repeat(draw.normal(size=200), draw.integers(5, 40, 200))[:, None]
+        filter_.get_used(y)
+        assert filter_.patience[0] >= 39
+    finally:
+        filter_.patience = before

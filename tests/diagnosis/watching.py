@@ -1,0 +1,68 @@
+"""Library experiments watched by the detector alone, without their observers: what tests of decisions share."""
+
+import json
+from functools import cache
+
+import numpy as np
+
+from backend import library
+from backend.assembly import prepare
+from backend.assembly.diagnosis import asked, calibration_key
+from backend.diagnosis.detector import Detector, detector, healthy
+from backend.diagnosis.diagnose import follow
+from backend.diagnosis.findings import alarm
+from backend.engine.batch import with_seed
+from backend.engine.run import spans_of
+from backend.engine.simulation import Experiment as Engine
+from backend.engine.simulation import row_values
+from shared import Experiment
+
+
+class Watching:
+    """An experiment and its detector; rows are the same for the same seed."""
+
+    def __init__(self, name: str, changes: str):
+        spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": []} | json.loads(changes)
+        prepared = prepare(Experiment.model_validate(spec))
+        self.spec = prepared.spec.with_plant(prepared.plant)
+        self.engine: Engine = prepared.stages[0].experiment
+        self.made: Detector = detector(self.engine, self.engine.context, asked(self.spec), calibration_key(self.spec))
+
+    def watched(self, seed: int = 1, faults: bool = True):
+        """What was watched after a whole run."""
+        experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
+        watched = self.made.begin()
+        for now, rows in spans_of(experiment, 1):
+            watched = follow(self.made, watched, now, rows)
+        return watched
+
+    def alarms(self, seed: int = 1, faults: bool = True) -> list[dict]:
+        return [alarm(f, self.made, 0.95) for f in self.watched(seed, faults).standing.found]
+
+    def rows(self, seed: int = 1, faults: bool = True) -> tuple[np.ndarray, np.ndarray]:
+        """What the filter is given along a run, and when."""
+        experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
+        parts = [(rows, row_values(now, rows.index, rows.plant)) for now, rows in spans_of(experiment, 1)]
+        table = np.concatenate([self.made.filter.table(rows.index, rows.y, values) for rows, values in parts])
+        return table, np.concatenate([rows.index for rows, _ in parts]) * experiment.step
+
+
+@cache
+def _watching(name: str, changes: str) -> Watching:
+    return Watching(name, changes)
+
+
+def watching(name: str, faults: list[dict] | None = None, **changes) -> Watching:
+    """A library experiment with other faults (None: its own) and other changes; made once for all tests."""
+    if faults is not None:
+        changes["faults"] = faults
+    return _watching(name, json.dumps(changes, sort_keys=True))
+
+
+def step(channel: str, onset: float, size: float, **more) -> dict:
+    return {"channel": channel, "shape": "step", "onset": onset, "size": size} | more
+
+
+def names(alarms: list[dict]) -> list[str]:
+    """The channel of each finding, or the output where it is not explained."""
+    return [a["channel"] or a["output"].removeprefix("y.") for a in alarms]
