@@ -15,6 +15,12 @@ def diagnosis(scene: Scene, findings: Mapping[str, object]) -> str:
     return "".join(_observer(scene, label, findings[label]) for label in labels if label in findings)
 
 
+def visible(structure: str, along: str) -> str:
+    """What the outputs show of states and faults: by the equations alone, and along the run."""
+    return (f"<h3>Observability of states and faults</h3><p><span class=soft>By the equations:</span> {escape(structure)}.</p>"
+            f"<p><span class=soft>Along this run (empirical Gramian, in units of typical sizes):</span> {escape(along)}.</p>")
+
+
 def _observer(scene: Scene, label: str, found) -> str:
     title = "Detector" if label == DETECTOR else f"{chip(scene, label)}: its own estimates"
     out = f"<h3>{title}</h3>"

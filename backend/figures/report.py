@@ -10,13 +10,14 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from backend.assembly.diagnosis import findings
+from backend.assembly.observability import observability
 from backend.diagnosis import metrics
 from backend.diagnosis.comparison import compare
 
 from . import prose
 from .assumptions import observers
 from .comparing import comparison
-from .diagnosing import diagnosis
+from .diagnosing import diagnosis, visible
 from .scene import Scene
 from .symbols import escape
 
@@ -81,7 +82,7 @@ def report(result, spec, plant, run_meta: Mapping[str, object]) -> str:
     drawings = [_section(None, _figure(place, drawn["layout"]["meta"])) for place, drawn in enumerate(figures)]
     parts = [_head(spec), _outcome(scene), _section("Errata of the source", _list(spec.errata)) if spec.errata else "",
              _section("Plant", _plant(plant, spec)), _section("Faults and noise", prose.timeline(scene)),
-             _section("Diagnosis", diagnosis(scene, found)) if found else "", *drawings,
+             _section("Diagnosis", diagnosis(scene, found) + visible(*observability(spec, plant))) if found else "", *drawings,
              _section("Comparison", comparison(scene, compared, summary)) if summary else "",
              _section("Observers and their assumptions", observers(scene)) if summary else "",
              _section("Reproduce", _reproduce(result, spec, run_meta))]

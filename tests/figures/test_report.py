@@ -179,6 +179,7 @@ def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, pla
     found = {"sentence": "A sensor bias since 20.0 s.", "noise": noise, "excitation": excitation}
     html = report(diagnosed(result(spec), adaptive=found, slow={"alarms": [], "note": "It estimates no faults."}), spec, plant, {})
     text = sections(html)["Diagnosis"]
+    assert "all can be told from the outputs in principle" in text and "rank " in text and "condition " in text
     for part in ("A sensor bias since 20.0 s.", "20.6", "(19.9 to 20.1)", "0.02 1/h (0.0197 to 0.0203)", "41 over 29.5", "still on",
                  "glr 29.5, residual 33, set for 0.01 false alarms per hour", "32 simulated runs", "0.8 hours", "before 6 s",
                  "0.0011", "would be needed", "0.71", "cannot be told apart", "square wave of period 4 s", "0.00098",
