@@ -122,6 +122,8 @@ class Watcher:
 
 def _bounded(values: np.ndarray) -> np.ndarray:
     """With numbers that can be squared and summed."""
+    if np.abs(values).max(initial=0.0) < _LARGEST:
+        return values
     return np.clip(np.nan_to_num(values, nan=_LARGEST), -_LARGEST, _LARGEST)
 
 
