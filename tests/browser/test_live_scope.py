@@ -145,7 +145,7 @@ def test_the_sandwich_plant_shows_its_hysteresis(page):
     """The loop and seven operators are drawn for the sandwich plant, with their zones in words, and for no other plant."""
     opened = page("/?experiment=zhou-tan-2012&t=2")
     ready(opened)
-    until(opened, "/memory \\d/.test(document.querySelector('#hysteresis .num').textContent)")
+    until(opened, "/[1-9].*memory/.test(document.querySelector('#hysteresis .num').textContent)")
     zones = [int(digit) for digit in re.findall(r"\d+", opened.inner_text("#hysteresis .num"))]
     assert sum(zones) == 7
     other = page(PAUSED)
