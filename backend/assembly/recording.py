@@ -16,11 +16,11 @@ from pydantic import ValidationError
 
 from backend.assembly.diagnosis import asked, calibration_key
 from backend.assembly.prepare import prepare
-from backend.diagnosis.decisions import Standing
 from backend.diagnosis.detector import Detector, detector, unwatchable
 from backend.diagnosis.diagnose import Diagnosed
 from backend.diagnosis.evidence import Filter
 from backend.diagnosis.findings import of_detector
+from backend.diagnosis.standing import Standing
 from backend.diagnosis.watcher import Watched
 from backend.diagnosis.windows import Sums
 from backend.engine.errors import SpecError, Unwatchable
@@ -194,4 +194,4 @@ def _learnt(made: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarra
     typical = np.array([float(c.get("typical", 1.0)) for c in filter_.context.model["channels"]])
     base = np.linalg.solve(omega.T @ omega + np.diag(typical**-2.0), omega.T @ nu)
     last = seen.states[-1]
-    return filter_.knowing(last, filter_.answers(last), base), base
+    return filter_.moved(last, base), base

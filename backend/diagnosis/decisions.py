@@ -14,10 +14,8 @@ import numpy as np
 
 from backend.diagnosis.knowledge import cleared, distrust
 from backend.diagnosis.naming import name, reviewed
-from backend.diagnosis.standing import Change, Found, Look, Standing
+from backend.diagnosis.standing import Change, Look, Standing
 from backend.diagnosis.windows import scan
-
-__all__ = ["Found", "Look", "Standing", "decide"]
 
 CALM = 20  # decisions at least that an output must agree again, since outliers come one at a time: an eighth of what it was off
 MOST_CALM = 100

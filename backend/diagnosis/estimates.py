@@ -5,8 +5,8 @@ Each estimate is divided by its standard deviation (engine/spread.py), so that i
     z = θ̂_c / σ_c,
 
 and one of three tests looks at it, decision by decision. Its threshold comes from runs of the same plant, observer and noise
-without faults, as in calibration.py, but with an allowance for their small number. An alarm is raised when the statistic passes the threshold and is over when it is
-below half of that, and z within its noise.
+without faults, as in calibration.py, but with an allowance for their small number. An alarm is raised when the statistic
+passes the threshold and is over when it is below half of that, or z within its noise, for a while.
 
 - ``threshold``: |z|.
 - ``cusum``: the larger of two sums max(0, g ± z − DRIFT) (Page, Biometrika 41, 1954); the onset is where it was last zero.
@@ -24,7 +24,6 @@ from scipy.special import gammaincinv, ndtri
 from backend.diagnosis.windows import lengths
 
 DRIFT = 0.5  # of σ: changes of the mean smaller than twice this are not looked for
-TESTS = ("glr", "cusum", "threshold")
 _FLOOR = 1e-3  # of v
 _FORGOTTEN = 0.2  # correlation
 _EXCURSIONS = 12  # that the tail is taken from, at least, where there are as many

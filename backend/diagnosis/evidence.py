@@ -137,13 +137,9 @@ class Filter:
         return other
 
     def moved(self, state: np.ndarray, change: np.ndarray) -> np.ndarray:
-        """The filter's state had it known of a change of θ (p), to which V is the answer."""
-        return self.knowing(state, self.answers(state), change)
-
-    def knowing(self, state: np.ndarray, V: np.ndarray, change: np.ndarray) -> np.ndarray:
-        """The filter's state had it known of a change of θ (p) to which the answer is ``V``."""
+        """The filter's state had it known of a change of θ (p), to which its V is the answer."""
         told = state.copy()
-        told[: self.n] += V @ change
+        told[: self.n] += self.answers(state) @ change
         return told
 
     def get_used(self, y: np.ndarray) -> None:

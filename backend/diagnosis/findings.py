@@ -5,10 +5,10 @@ from statistics import NormalDist
 import numpy as np
 
 from backend.diagnosis.calibration import Calibrated
-from backend.diagnosis.decisions import Found
 from backend.diagnosis.detector import Detector
 from backend.diagnosis.diagnose import Diagnosed, Own
 from backend.diagnosis.excitation import Excitation, excitation
+from backend.diagnosis.standing import Found
 from backend.diagnosis.watcher import Watched
 from backend.diagnosis.windows import Sums
 
@@ -84,10 +84,15 @@ def resolution(made: Detector, seen: Excitation) -> list[dict]:
         deviation = seen.deviations.get(name, np.inf) * v[j] ** 0.5
         sigma = float(deviation) if np.isfinite(deviation) else None
         smallest = None if sigma is None else sigma * threshold**0.5
-        able = smallest is not None and smallest <= typical
-        answer.append({"channel": name, "sigma": sigma, "typical": typical, "smallest": smallest, "resolvable": able,
-                       "identifiable": seen.identifiable.get(name, False), "text": _able(name, smallest, typical)})  # fmt: skip
+        text = _able(name, smallest, typical)
+        answer.append(_resolved(name, sigma, typical, smallest, seen.identifiable.get(name, False), text))
     return answer
+
+
+def _resolved(name: str, sigma: float | None, typical: float, smallest: float | None, identifiable: bool, text: str) -> dict:
+    able = smallest is not None and smallest <= typical
+    return {"channel": name, "sigma": sigma, "typical": typical, "smallest": smallest, "resolvable": able,
+            "identifiable": identifiable, "text": text}  # fmt: skip
 
 
 def _able(name: str, smallest: float | None, typical: float) -> str:
@@ -180,9 +185,8 @@ def _own_resolution(own: Own) -> list[dict]:
         sigma = float(own.sigma[-1, k])
         typical = own.typical[k]
         smallest = sigma * reach if np.isfinite(sigma) else None
-        answer.append({"channel": name, "sigma": sigma if np.isfinite(sigma) else None, "typical": typical,
-                       "smallest": smallest, "resolvable": smallest is not None and smallest <= typical,
-                       "identifiable": True, "text": _own_able(name, smallest, typical, sigma)})  # fmt: skip
+        known = sigma if np.isfinite(sigma) else None
+        answer.append(_resolved(name, known, typical, smallest, True, _own_able(name, smallest, typical, sigma)))
     return answer
 
 

@@ -1,10 +1,12 @@
 """Sums of evidence, and what they say over windows that end now: the part that batch and live share, row for row.
 
-Evidence is a regression x(k) = Ω(k) θ + noise. Its sums J = Σ ΩᵀΩ, s = Σ Ωᵀx, q = Σ xᵀx are kept at *decisions*, every
-so many rows. A window of ℓ decisions then has b = s − Jθ₀ over it, where θ₀ is what is known so far (zero: no fault),
-and for each channel j the generalised likelihood ratio of "θ_j has changed by something since then" against "nothing has":
+Evidence is a regression x(k) = Ω(k) (θ − θ₀) + noise of variance one, θ₀ being what is known so far (zero: no fault). Its
+sums J = Σ ΩᵀΩ, s = Σ Ωᵀx, q = Σ xᵀx are kept at *decisions*, every so many rows. Over a window of decisions the generalised
+likelihood ratio of "θ_j has changed by something" against "nothing has" is, for each channel j,
 
-    u = b/√J_ii,  M = J/√J_ii,  GLR_j = (M_jᵀ W u)² / (M_jᵀ W M_j),  W the inverse of the covariance of u (simulated).
+    GLR_j = max over δ within bounds of (2 s_j δ − J_jj δ²) / v_j,    s_j²/(J_jj v_j) where no bound forbids it,
+
+v_j being the variance of s_j/√J_jj that simulation shows without faults: one, were the noise white and the filter exact.
 
 Willsky & Jones, IEEE TAC 21(1), 1976; Basseville & Nikiforov, Detection of Abrupt Changes, 1993, §2.4.3 and ch. 7.
 Windows have a few lengths, each a third longer than the one before: Lai, JRSS B 57(4), 1995, shows that this loses little.

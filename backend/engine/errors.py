@@ -61,10 +61,6 @@ class ExpressionError(SpecError):
         )
 
 
-class LimitError(SpecError):
-    """More work or memory than the limits allow; refused before it starts."""
-
-
 class Cancelled(ThetascopeError):
     """The run was cancelled."""
 

@@ -185,16 +185,6 @@ def variables(graph: Graph, roots: Iterable[int]) -> set[str]:
     return {graph.nodes[i][1] for i in topological(graph, roots) if graph.nodes[i][0] == "var"}
 
 
-def dependent(graph: Graph, roots: Iterable[int], names: set[str]) -> set[int]:
-    """Nodes below the roots whose value depends on one of the named variables."""
-    found: set[int] = set()
-    for i in topological(graph, roots):
-        node = graph.nodes[i]
-        if (node[0] == "var" and node[1] in names) or (node[0] not in LEAVES and any(a in found for a in node[1:])):
-            found.add(i)
-    return found
-
-
 def contract(graph: Graph, roots: list[int], rank: Callable[[int], int] = lambda i: 0) -> tuple[Graph, list[int]]:
     """Turn a·b + c into one fused multiply-add wherever the product is used once; of two products that of higher rank.
 

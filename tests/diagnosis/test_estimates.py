@@ -1,9 +1,12 @@
 """Tests on estimates: on sequences whose answer is known."""
 
+from typing import get_args
+
 import numpy as np
 import pytest
 
-from backend.diagnosis.estimates import TESTS, Judged, alarms, prepare, statistic
+from backend.diagnosis.estimates import Judged, alarms, prepare, statistic
+from shared.diagnosis import Test
 
 RATE, INTERVAL, BEGIN = 1.0, 0.1, 10
 
@@ -13,7 +16,7 @@ def noise(runs: int, count: int, channels: int = 1, seed: int = 0) -> np.ndarray
     return np.random.default_rng(seed).standard_normal((runs, count, channels))
 
 
-@pytest.mark.parametrize("test", TESTS)
+@pytest.mark.parametrize("test", get_args(Test))
 def test_a_step_is_found_where_it_is_and_cleared_where_it_ends(test: str):
     """Six standard deviations from decision 300 to 500: one alarm, its onset within 3 decisions, over soon after."""
     judged = prepare(noise(16, 1000), test, INTERVAL, RATE, BEGIN)
@@ -24,7 +27,7 @@ def test_a_step_is_found_where_it_is_and_cleared_where_it_ends(test: str):
     assert 500 <= found.cleared <= 700
 
 
-@pytest.mark.parametrize("test", TESTS)
+@pytest.mark.parametrize("test", get_args(Test))
 def test_thresholds_keep_the_rate_asked_for(test: str):
     """100 fresh runs of 100 s each with one false alarm per hour asked: at most 3 times what is due on average."""
     judged = prepare(noise(24, 1000), test, INTERVAL, RATE, BEGIN)
