@@ -15,7 +15,7 @@ import numpy as np
 from backend.diagnosis.knowledge import cleared, distrust
 from backend.diagnosis.naming import name, reviewed
 from backend.diagnosis.standing import Change, Look, Standing
-from backend.diagnosis.windows import scan
+from backend.diagnosis.windows import Range, scan
 
 CALM = 20  # decisions at least that an output must agree again, since outliers come one at a time: an eighth of what it was off
 MOST_CALM = 100
@@ -54,10 +54,21 @@ def _watch(now: Standing, look: Look) -> Standing:
     if len(over) and not _paused(now):
         at = int(ends[over[0]])
         return replace(now, at=at - 1, detected=at, again=at)
-    now = replace(now, at=last)
+    now = _grown(replace(now, at=last), cal.within)
     if calm is not None:
         return _trusted(now, calm[1])
     return reviewed(now, look) if now.pending is not None and last >= now.pending.review else now
+
+
+def _grown(now: Standing, within: Range) -> Standing:
+    """With the sizes that faults which are known to grow have reached by now."""
+    if not (now.known.slope.any() or now.known.rest.any()):
+        return now
+    size, found = np.clip(now.known.at(now.at), within.low, within.high), list(now.found)
+    for i in now.active:
+        if found[i].channel is not None:
+            found[i] = replace(found[i], size=float(size[found[i].channel]))
+    return replace(now, found=tuple(found))
 
 
 def _unexplained(now: Standing) -> list[int]:

@@ -4,12 +4,13 @@ from dataclasses import replace
 
 import numpy as np
 
-from backend.diagnosis.hypotheses import Explained
+from backend.diagnosis.fits import Explained
 from backend.diagnosis.scene import Scene
 from backend.diagnosis.screening import onsets
-from backend.diagnosis.standing import Change, Event, Found, Known, Look, Pending, Standing, Young
+from backend.diagnosis.standing import NEVER, Change, Event, Found, Look, Pending, Standing, Young
 from backend.diagnosis.windows import LONGEST
 
+VAGUEST = 3.0  # times as uncertain as if its shape were known is a rise that is still going on
 GONE = 0.2  # of its size: a fault whose estimate falls below is over
 LEAST = 4  # decisions that an answer takes: a single outlier looks like anything over one
 SOON = 20  # decisions after which a fault may have changed since it was named
@@ -19,14 +20,16 @@ RECENT = 100  # decisions within which an output that fails again has not been w
 def take(now: Standing, look: Look, fit: Explained) -> Standing:
     """Take what is pending as known, with the sizes of a fit; findings are told them."""
     pending, noise = _levelled(now.pending, fit), look.calibrated.noise
-    sizes = {(e.channel, e.onset): e for e in fit.events}
-    young = tuple(replace(y, event=sizes.get((y.event.channel, y.event.onset), y.event)) for y in pending.young)
+    sizes = {e.course_key: e for e in fit.events}
+    young = tuple(replace(y, event=sizes.get(y.event.course_key, y.event)) for y in pending.young)
     events = tuple(y.event for y in young)
     known = pending.base.plus(events, now.at).inside(look.calibrated.within)
     length = now.at - fit.onset
     memory = float(length) / (4 if any(e.endless for e in fit.events) else 1)
     before = {i: now.found[i] for i in now.active}
-    now = replace(now, known=known, pending=replace(pending, young=young), memory=memory, start=now.at, change=Change(fit.state))
+    now = replace(now, known=known, pending=replace(pending, young=young), memory=memory, start=now.at)
+    scene = Scene.of(look, pending.base, events, pending.begin, now.at, now.heed)
+    now = replace(now, change=Change(scene.track.states[1:]))
     for i in now.active:  # an event that is seen otherwise now may have been a change of an older fault
         if now.found[i].channel is not None:
             now = with_found(now, i, replace(now.found[i], size=float(known.level[now.found[i].channel])))
@@ -38,15 +41,17 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
             continue
         settling, long = (float(noise.v[noise.nearest(n), event.channel]) for n in (2 * look.calibrated.settle, length))
         v = long + float(fit.early[k]) * max(settling - long, 0.0)
-        reach = abs(float(event.course(np.array(now.at))))
+        reach = abs(event.reached(now.at))
         others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known_before if f.channel != event.channel)
         variance = max(v * fit.covariance[k, k], 0.0)
         deviation = float(np.sqrt(variance + min(others, variance)) * reach)  # errors of old standing are partly taken up by x
+        deviation *= _vaguer(scene, event, deviation, v)
         size = float(known.level[event.channel])
         had = float(pending.base.plus(tuple(e for e in events if e != event), event.onset).level[event.channel])
         least = max(GONE * abs(had or before[i].size), 3.0 * deviation)
         settled = now.at - now.found[i].at >= SOON or any(y.found == i and not y.own for y in young)  # not a moment after
-        if settled and abs(size) < least and abs(known.slope[event.channel]) * max(length, LEAST) < least:
+        coming = max(abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.rest[event.channel]))
+        if settled and abs(size) < least and coming < least:
             over.append(i)
             now = with_found(now, i, replace(before[i], size=had or before[i].size))
         else:
@@ -54,13 +59,22 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
     return cleared(now, over) if over else now
 
 
+def _vaguer(scene: Scene, event: Event, deviation: float, v: float) -> float:
+    """By how much less is known of the size of a rise since its shape is estimated as well: it is known by what came after it."""
+    if not 0 < event.rise < np.inf:
+        return 1.0
+    end = min(int(event.onset + event.rise * (2 if event.bent else 1)), scene.at - 1)
+    J = float(scene.ahead.ww[max(end - scene.begin, 0), event.channel, event.channel])
+    return float(np.clip((v / max(J, 1e-300)) ** 0.5 / max(deviation, 1e-300), 1.0, VAGUEST))
+
+
 def _levelled(pending: Pending, fit: Explained) -> Pending:
     """A rise that a later event of its channel brings to an end is one event: a rise with an end."""
     last = pending.young[-1]
-    sizes = {(e.channel, e.onset): (e, fit.covariance[k, k]) for k, e in enumerate(fit.events)}
+    sizes = {e.course_key: (e, fit.covariance[k, k]) for k, e in enumerate(fit.events)}
     for k, young in enumerate(pending.young[:-1]):
         one = young.event
-        two, variance = sizes.get((last.event.channel, last.event.onset), (last.event, 0.0))
+        two, variance = sizes.get(last.event.course_key, (last.event, 0.0))
         rising = one.endless and two.endless and one.channel == two.channel and two.onset > one.onset
         if rising and abs(one.size + two.size) < max(3.0 * variance**0.5, GONE * abs(one.size)):
             rise = float(two.onset - one.onset)
@@ -72,16 +86,13 @@ def _levelled(pending: Pending, fit: Explained) -> Pending:
 
 def cleared(now: Standing, which: list[int]) -> Standing:
     """Findings that are over; what the filter took as known of them becomes zero."""
-    level, slope = now.known.at(now.at).copy(), now.known.slope.copy()
+    known = now.known.plus((), now.at).without([now.found[i].channel for i in which if now.found[i].channel is not None])
     for i in which:
-        channel = now.found[i].channel
-        if channel is not None:
-            level[channel] = slope[channel] = 0.0
         now = with_found(now, i, replace(now.found[i], cleared=now.at))
     active = tuple(k for k in now.active if k not in which)
     memory = now.memory if any(now.found[k].channel is not None for k in active) else np.inf
     change = Change() if now.change is None else now.change
-    return replace(now, known=Known(level, slope, now.at), active=active, memory=memory, change=change, start=now.at, pending=None)
+    return replace(now, known=known, active=active, memory=memory, change=change, start=now.at, pending=None)
 
 
 def with_found(now: Standing, i: int, found: Found) -> Standing:
@@ -96,8 +107,9 @@ def finding(now: Standing, scene: Scene, statistic: float, event: Event, options
         return (now if own is None else cleared(now, [own])), held[0], False
     span = onsets(scene, event)
     if own is not None:
-        found = replace(now.found[own], channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0],
-                        onset_to=span[1])  # fmt: skip
+        found = now.found[own]
+        size = found.size if found.channel == event.channel else 0.0  # what it was as another fault says nothing of this one
+        found = replace(found, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1], size=size)
         return with_found(now, own, found), own, True
     found = Found(now.at, event.channel, others, event.onset, *span, 0.0, 0.0, statistic)
     now = replace(now, found=(*now.found, found), active=(*now.active, len(now.found)))
@@ -124,10 +136,10 @@ def distrust(now: Standing, look: Look, output: int, onset: int, statistic: floa
         known = now.known
     heed = now.heed.copy()
     heed[output] = 0.0
-    state = look.replay(look.state(onset), onset, now.at, known.course, None, heed, False).states[-1]
+    states = look.replay(look.state(onset), onset, now.at, known.course, heed, False).states
     now = cleared(now, own[1:]) if own[1:] else now
-    now = replace(now, known=Known(known.at(now.at), known.slope, now.at), pending=None, detected=None, start=now.at, heed=heed,
-                  change=Change(state))  # fmt: skip
+    now = replace(now, known=known.plus((), now.at), pending=None, detected=None, start=now.at, heed=heed,
+                  change=Change(states))  # fmt: skip
     found = Found(now.at, None, (), onset, onset, onset, np.nan, np.nan, statistic, output)
     again = [i for i, f in enumerate(now.found) if f.output == output and f.cleared is not None and now.at - f.cleared < RECENT]
     if own:
@@ -143,5 +155,12 @@ def oldest(now: Standing, look: Look) -> int:
 
 
 def remembered(now: Standing, look: Look) -> Standing:
-    """Without what is pending, if it began too long ago."""
-    return replace(now, pending=None) if now.pending is not None and now.pending.begin < oldest(now, look) else now
+    """With what is pending since longer ago than the filter can be run again from left as it is, or without what was before it."""
+    pending, begin = now.pending, oldest(now, look)
+    if pending is None or pending.begin >= begin:
+        return now
+    if all(y.event.first > begin for y in pending.young):
+        return replace(now, pending=replace(pending, begin=begin, base=pending.base.plus((), begin)))
+    over = tuple(y for y in pending.young if y.event.over(begin))
+    young = tuple(y for y in pending.young if y not in over)
+    return replace(now, pending=Pending(begin, pending.base.plus(tuple(y.event for y in over), begin), young, NEVER, settled=True))

@@ -4,11 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from backend.diagnosis.hypotheses import AS_WELL, CLEAR, Explained, distrusted, fitted, pairs, singles
+from backend.diagnosis.fits import CLEAR, Explained, fitted, price
+from backend.diagnosis.hypotheses import AS_WELL, distrusted, pairs, singles
 from backend.diagnosis.knowledge import LEAST, SOON, distrust, finding, oldest, remembered, take, withdrawn
 from backend.diagnosis.scene import Scene
 from backend.diagnosis.screening import case
-from backend.diagnosis.standing import Change, Event, Found, Look, Pending, Standing, Young
+from backend.diagnosis.standing import NEVER, Change, Event, Found, Look, Pending, Standing, Young
 from backend.diagnosis.windows import LONGEST
 
 SHARE = 0.7  # of the energy above the noise that a fault of the model has to explain
@@ -22,11 +23,11 @@ MOST_YOUNG = 3  # events that may still be seen otherwise
 
 @dataclass(frozen=True)
 class _Choice:
-    """Explanations of the same data, the best first; ``revised``: the event that is pending whose place they take."""
+    """Explanations of the same data, the best first; ``revised``: the events that are pending whose place they take."""
 
     scene: Scene
     answers: list[Explained]
-    revised: int | None = None
+    revised: tuple[Young, ...] = ()
 
     @property
     def leader(self) -> Explained:
@@ -40,18 +41,31 @@ def name(now: Standing, look: Look) -> Standing:
     waited = at - now.detected
     if at < now.again:
         return now
-    choice = _choice(now, look)
+    choice = _new(now, look)
+    if now.pending is not None and not now.pending.settled and (_now_and_then(waited) or _ready(choice, now, look, waited)):
+        choice = _otherwise(now, look, choice)
     leader = choice.leader
-    length = at - leader.onset
     if max(e.statistic for e in choice.answers) < 0.5 * cal.glr and leader.output is None and leader.left < 0.5 * cal.residual and waited > cal.settle:
         return replace(now, detected=None, start=max(now.start, at - cal.settle))  # it went away again
-    believable = leader.left < BELIEVED
-    formed = length >= (LEAST if len(leader.events) == 1 else 2 * LEAST) and (leader.output is not None or leader.statistic > cal.glr)
-    if not (_sure(choice, now) and formed and believable) and waited < _patience(choice, now, look):
-        return replace(now, again=at + max(1, waited // 3))
-    if leader.output is None and leader.statistic > 0.5 * cal.glr and (believable or leader.share >= SHARE):
+    if not _ready(choice, now, look, waited):
+        return replace(now, again=at + max(1, waited // 2))
+    if leader.output is None and leader.statistic > 0.5 * cal.glr and (leader.left < BELIEVED or leader.share >= SHARE):
         return _raised(now, look, choice)
     return _unexplained(now, look, choice)
+
+
+def _now_and_then(waited: int) -> bool:
+    """When what was named last is looked at again though nothing is to be said yet: it takes long."""
+    return waited >= LEAST and waited & (waited - 1) == 0
+
+
+def _ready(choice: _Choice, now: Standing, look: Look, waited: int) -> bool:
+    """Whether an answer is given: it is sure and has taken its form, or it has been waited for long enough."""
+    leader = choice.leader
+    formed = now.at - leader.onset >= (LEAST if len(leader.events) == 1 else 2 * LEAST)
+    formed &= leader.output is not None or leader.statistic > look.calibrated.glr
+    formed &= waited >= 2 * LEAST or not any(e.rise for e in leader.events)  # a slow fault does not show from its onset on
+    return (_sure(choice, now) and formed and leader.left < BELIEVED) or waited >= _patience(choice, now, look)
 
 
 def _patience(choice: _Choice, now: Standing, look: Look) -> int:
@@ -66,44 +80,67 @@ def _patience(choice: _Choice, now: Standing, look: Look) -> int:
 def _sure(choice: _Choice, now: Standing) -> bool:
     """Whether the leader has no rival, or what it could be is known already."""
     leader = choice.leader
-    again = None if choice.revised is None else now.pending.young[choice.revised]
-    if again is not None and leader.output is None and {e.channel for e in leader.events} <= again.channels:
+    if choice.revised and leader.output is None and {e.channel for e in leader.events} <= _channels(choice.revised):
         return True
     rivals = [e for e in choice.answers[1:] if e.output is None or leader.output is None]
     return not rivals or rivals[0].cost - leader.cost > CLEAR
 
 
-def _choice(now: Standing, look: Look) -> _Choice:
-    """What may explain the data: something new, or what was named last named otherwise."""
+def _new(now: Standing, look: Look) -> _Choice:
+    """What new events may explain the data."""
     held = {now.found[i].channel for i in now.active} - {None}
     pending = now.pending
     if pending is None:
         scene = Scene.of(look, now.known, (), max(now.start, oldest(now, look)), now.at, now.heed)
         return _Choice(scene, _answers(scene, now.memory, held))
     scene = Scene.of(look, pending.base, pending.events, pending.begin, now.at, now.heed)
-    new = _Choice(scene, _answers(scene, np.inf, held))
-    open_ = [k for k, y in enumerate(pending.young) if len(y.options) > 1][-1:]
-    tried = [_instead(now, look, k) for k in sorted({*open_, len(pending.young) - 1})]
-    instead = min(tried, key=lambda c: c.leader.cost)
+    return _Choice(scene, _answers(scene, now.memory if pending.settled else np.inf, held))
+
+
+def _otherwise(now: Standing, look: Look, new: _Choice) -> _Choice:
+    """What was named last named otherwise, if that explains the data better than new events do."""
+    pending = now.pending
+    groups = dict.fromkeys(group for y in (*_open(pending), pending.young[-1]) for group in ((y,), _together(pending, y)))
+    instead = min((_instead(now, look, group) for group in groups), key=lambda c: c.leader.cost - _price(c.revised))
     # a fault named a moment ago was named wrongly, rather than that it has changed by now
-    last = pending.young[instead.revised]
-    changed = last.own and {e.channel for e in new.leader.events} == {last.event.channel}
-    more = CLEAR if changed and now.at - now.found[last.found].at < SOON else 0.0
-    return instead if instead.leader.cost < new.leader.cost + CLEAR + more else new
+    group = instead.revised
+    changed = any(y.own for y in group) and {e.channel for e in new.leader.events} == {group[-1].event.channel}
+    more = CLEAR if changed and now.at - now.found[group[-1].found].at < SOON else 0.0
+    return instead if instead.leader.cost < new.leader.cost + _price(group) + more else new
 
 
-def _instead(now: Standing, look: Look, k: int) -> _Choice:
-    """What else an event that is pending may have been."""
-    pending, young = now.pending, now.pending.young[k]
-    others = tuple(y.event for i, y in enumerate(pending.young) if i != k)
+def _open(pending: Pending) -> list[Young]:
+    """The latest event that could be something else."""
+    return [y for y in pending.young if len(y.options) > 1][-1:]
+
+
+def _together(pending: Pending, young: Young) -> tuple[Young, ...]:
+    """The events that are seen as one fault with another: if that is wrong, so are they."""
+    return tuple(y for y in pending.young if y.found == young.found)
+
+
+def _price(young: tuple[Young, ...]) -> float:
+    """What events cost themselves, in twice the log of a likelihood."""
+    return sum(price(y.event) for y in young)
+
+
+def _channels(young: tuple[Young, ...]) -> set[int]:
+    return set().union(*(y.channels for y in young))
+
+
+def _instead(now: Standing, look: Look, group: tuple[Young, ...]) -> _Choice:
+    """What else events that are pending may have been: one of another shape, or another fault."""
+    pending, own = now.pending, any(y.own for y in group)
+    others = tuple(y.event for y in pending.young if y not in group)
     scene = Scene.of(look, pending.base, others, pending.begin, now.at, now.heed)
-    held = {now.found[i].channel for i in now.active} - {None, young.event.channel if young.own else None}
-    return _Choice(scene, _kept(_answers(scene, np.inf, held, young.options), young), k)
+    held = {now.found[i].channel for i in now.active} - {None, group[-1].event.channel if own else None}
+    options = tuple(dict.fromkeys(o for y in group for o in y.options))
+    return _Choice(scene, _kept(_answers(scene, np.inf, held, options), group[-1].event.channel), group)
 
 
-def _kept(answers: list[Explained], last: Young) -> list[Explained]:
+def _kept(answers: list[Explained], channel: int) -> list[Explained]:
     """The name that was given comes first as long as it explains the data as well."""
-    same = [e for e in answers if [v.channel for v in e.events] == [last.event.channel]]
+    same = [e for e in answers if [v.channel for v in e.events] == [channel]]
     if same and same[0].cost < answers[0].cost + AS_WELL:
         return [same[0], *(e for e in answers if e is not same[0])]
     return answers
@@ -127,25 +164,34 @@ def _raised(now: Standing, look: Look, choice: _Choice) -> Standing:
     """The leading explanation is it. The filter is to be told."""
     leader, scene, pending = choice.leader, choice.scene, now.pending
     old: tuple[Young, ...] = () if pending is None else pending.young
-    again: Young | None = None
-    if choice.revised is not None:
-        again, old = old[choice.revised], (*old[: choice.revised], *old[choice.revised + 1 :])
-        if not again.own or not {e.channel for e in leader.events} & again.channels:
-            now, again = withdrawn(now, again), None
+    again = next((y for y in choice.revised if y.own), None)
+    old = tuple(y for y in old if y not in choice.revised)
+    if again is not None and not {e.channel for e in leader.events} & _channels(choice.revised):
+        now, again = withdrawn(now, again), None
     young = []
     for event in leader.events:
         options = (event, *_others(choice, event))
-        mine = again is not None and event.channel in again.channels
+        mine = again is not None and event.channel in _channels(choice.revised)
         now, i, own = finding(now, scene, leader.statistic, event, options, again.found if mine else None)
         again = None if mine else again
         young.append(Young(event, i, own, options))
-    begin = scene.begin if pending is not None else max(scene.begin, leader.onset - 2 * (now.at - leader.onset))
-    base, review = scene.base, now.at + max(2, now.at - leader.onset)
-    if len(old) + len(young) > MOST_YOUNG or now.at - begin > YOUNG:  # the older ones are left as they are
-        begin = max(begin, min(y.event.first for y in young))
-        base, old = base.plus(tuple(y.event for y in old), begin), ()
+    begin, base, review = scene.begin, scene.base, now.at + max(2, now.at - leader.onset)
+    if pending is None or len(old) + len(young) > MOST_YOUNG or now.at - begin > YOUNG:
+        begin = max(begin, _since(now, old, young))
+        over = tuple(y for y in old if y.event.first < begin and y.event.over(begin))  # left as they are
+        base, old = base.plus(tuple(y.event for y in over), begin), tuple(y for y in old if y not in over)
     now = replace(now, detected=None, pending=Pending(begin, base, (*old, *young), review))
     return take(now, look, leader)
+
+
+def _since(now: Standing, old: tuple[Young, ...], young: list[Young]) -> int:
+    """The decision from which on data are needed: before what is new, and what belongs to it; no rise is cut in two."""
+    new = min(y.event.first for y in young)
+    faults = {y.found for y in young}
+    first = min([new, *(y.event.first for y in old if y.event.endless or y.found in faults)]) - (now.at - new)
+    for event in sorted((y.event for y in old), key=lambda e: -e.onset):
+        first = first if event.over(first) else min(first, event.first)
+    return first
 
 
 def _others(choice: _Choice, event: Event) -> list[Event]:
@@ -180,21 +226,52 @@ def _unexplained(now: Standing, look: Look, choice: _Choice) -> Standing:
 def reviewed(now: Standing, look: Look) -> Standing:
     """What is pending, with the data that came since: what else it may have been, and how large it is."""
     now = remembered(now, look)
-    if now.pending is None:
+    if now.pending is None or now.pending.settled:
         return now
     pending, last = now.pending, now.pending.young[-1]
-    for k in [k for k, y in enumerate(pending.young) if len(y.options) > 1][-1:]:
-        choice = _instead(now, look, k)
-        if choice.leader.output is None and len(choice.leader.events) == 1:
+    for group in dict.fromkeys(group for y in _open(pending) for group in (_together(pending, y), (y,))):
+        choice = _instead(now, look, group)
+        better = len(group) == 1 or choice.leader.cost < _present(now, look) + _price(group)
+        if choice.leader.output is None and len(choice.leader.events) == 1 and better:
             return _settled(_raised(now, look, choice))
-    # each channel's latest event is estimated anew; what came before it in the same channel stays
-    latest = {y.event.channel: y.event for y in pending.young}
-    fixed = tuple(e for e in pending.events if e not in latest.values())
-    fit = fitted(Scene.of(look, pending.base, fixed, pending.begin, now.at, now.heed), tuple(latest.values()))
-    now = replace(now, pending=replace(pending, review=now.at + max(2, now.at - last.event.first)))
+    now, fit = _pruned(now, look)
+    now = replace(now, pending=replace(now.pending, review=now.at + max(2, now.at - last.event.first)))
     return _settled(take(now, look, fit))
 
 
+def _pruned(now: Standing, look: Look) -> tuple[Standing, Explained]:
+    """Without events that are not needed: the others explain as much, but for what it costs. And the sizes of these."""
+    fit = _refitted(now, look, now.pending.young)
+    while len(young := now.pending.young) > 1:
+        rest = [tuple(y for y in young if y is not without) for without in young]
+        fits = [_refitted(now, look, others) for others in rest]
+        more = [f.energy - fit.energy - price(y.event) for f, y in zip(fits, young, strict=True)]
+        k = int(np.argmin(more))
+        if more[k] >= 0:
+            break
+        pending = replace(now.pending, young=rest[k])
+        alone = all(y.found != young[k].found for y in rest[k])
+        now, fit = replace(withdrawn(now, young[k]) if alone else now, pending=pending), fits[k]
+    return now, fit
+
+
+def _refitted(now: Standing, look: Look, young: tuple[Young, ...]) -> Explained:
+    """Each channel's latest event estimated anew; what came before it in the same channel stays."""
+    latest = {y.event.channel: y.event for y in young}
+    fixed = tuple(y.event for y in young if y.event not in latest.values())
+    scene = Scene.of(look, now.pending.base, fixed, now.pending.begin, now.at, now.heed)
+    return fitted(scene, [tuple(latest.values())]).explained(0)
+
+
+def _present(now: Standing, look: Look) -> float:
+    """What is left by what is pending, in twice the log of a likelihood."""
+    pending = now.pending
+    scene = Scene.of(look, pending.base, pending.events, pending.begin, now.at, now.heed)
+    return float(scene.energy[-1]) / scene.unit
+
+
 def _settled(now: Standing) -> Standing:
-    """Without what is pending, if that is no longer young."""
-    return replace(now, pending=None) if now.pending is not None and now.at - now.pending.begin > YOUNG else now
+    """With what is pending left as it is, if that is no longer young: what comes may have begun before."""
+    if now.pending is None or now.at - now.pending.young[-1].event.first <= YOUNG:
+        return now
+    return replace(now, pending=replace(now.pending, settled=True, review=NEVER))

@@ -1,9 +1,11 @@
 """A stretch of data with what is known of it, over which the filter can be run again under other assumptions."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
+from backend.diagnosis.evidence import Ahead, Sought, Told
 from backend.diagnosis.standing import Event, Known, Look, Replay
 from backend.diagnosis.windows import Range
 
@@ -25,29 +27,74 @@ class Scene:
         def known(d):
             return _course(base, fixed, d)
 
-        return cls(look, base, fixed, begin, at, heed, look.replay(look.state(begin), begin, at, known, None, heed, False))
+        state, change = look.state(begin), np.zeros(len(base.level))
+        if begin == look.calibrated.begin:
+            for e in fixed:  # see `first`
+                change[e.channel] += e.size * (e.onset == begin and not e.rise)
+            state = look.moved(state, change) if change.any() else state
+        return cls(look, base, fixed, begin, at, heed, look.replay(state, begin, at, known, heed, False))
 
-    def run(self, onset: int, events: tuple[Event, ...], profile, heed: np.ndarray | None = None, abrupt: bool = True) -> Replay:
-        """The filter from an onset on, as if the events were so; Ω answers the profile.
+    def known(self, d: np.ndarray) -> np.ndarray:
+        """What is known of θ at times ``d`` (in decisions): times × p."""
+        return _course(self.base, self.fixed, d)
 
-        Where watching begins, what begins there is taken to have been there from t = 0 on, if it is ``abrupt``.
-        """
-        first = onset == self.look.calibrated.begin and abrupt
+    @cached_property
+    def _handed(self) -> np.ndarray:
+        return self.look.handed(self.track.states[0], self.begin, self.at, self.known, self.heed)
 
-        def known(d):
-            return _course(self.base, (*self.fixed, *events), d)
+    @cached_property
+    def ahead(self) -> Ahead:
+        """The evidence still to come at each decision from ``begin`` to ``at``."""
+        return self.look.ahead(self._handed, self.heed, self.look.rows)
 
-        state = self.track.states[onset - self.begin]
-        if first:
-            change = np.zeros(len(self.base.level))
-            for e in events:
-                change[e.channel] += e.size * (e.onset == onset)
-            state = self.look.moved(state, change)
-        return self.look.replay(state, onset, self.at, known, profile, self.heed if heed is None else heed, not first)
+    def bending(self, tau: float) -> tuple[np.ndarray, np.ndarray]:
+        """D and s (decisions × p) of rises that bend to their end within ``tau`` decisions."""
+        return self.look.bending(self._handed, self.heed, self.look.rows, tau)
 
-    def spent(self, onset: int) -> float:
-        """Energy before an onset."""
-        return float(self.track.energy[onset - self.begin])
+    def first(self, onset: int, abrupt: bool) -> bool:
+        """Whether what begins there is taken to have been there from t = 0 on: where watching begins, if it is ``abrupt``."""
+        return onset == self.look.calibrated.begin and abrupt
+
+    def supposing(self, tries: list[tuple[Event, ...]], size: np.ndarray) -> Sought:
+        """The filter from the onset of each try on, as if its events were so, of sizes ``size`` (tries × events); Ω answers them, and
+        constants in other channels."""
+        onset = np.array([min(e.first for e in events) for events in tries])
+        p, count, start = len(self.base.level), len(tries), min(int(onset.min()), self.at - 1)
+        told = np.empty((count, p, 7))
+        told[:] = np.stack([onset, *(np.full(count, v) for v in (*Event(0, 0).form, 0.0))], axis=1)[:, None]
+        told[np.arange(count)[:, None], [[e.channel for e in events] for events in tries]] = [
+            [(e.onset, *e.form, v) for e, v in zip(events, sizes, strict=True)] for events, sizes in zip(tries, size, strict=True)]  # fmt: skip
+        states = np.repeat(self.look.unanswered(self.track.states[start - self.begin])[None], count, axis=0)
+        for k, events in enumerate(tries):
+            if onset[k] == start and self.first(start, not any(e.rise for e in events)):
+                change = np.zeros(p)
+                for e, v in zip(events, size[k], strict=True):
+                    change[e.channel] += v * (e.onset == start)
+                states[k] = self.look.moved(self.track.states[start - self.begin], change)
+        return self._suppose(states, start, told, onset, np.array([self.at - start]))
+
+    def rising(self, onsets: list[int], stops: np.ndarray) -> Sought:
+        """The filter with Ω answering rises without end, of one a decision, from ``onsets`` on in all channels; at decisions ``stops``."""
+        p, count, start = len(self.base.level), len(onsets), min(onsets)
+        told = np.empty((count, p, 7))
+        told[:, :, 0], told[:, :, 1:] = np.array(onsets, dtype=float)[:, None], (*Event(0, 0, np.inf).form, 0.0)
+        states = np.repeat(self.look.unanswered(self.track.states[start - self.begin])[None], count, axis=0)
+        return self._suppose(states, start, told, np.array(onsets), stops - start)
+
+    def _suppose(self, states: np.ndarray, start: int, told: np.ndarray, onset: np.ndarray, stops: np.ndarray) -> Sought:
+        cal = self.look.calibrated
+        told[:, :, 5] = np.exp(-told[:, :, 5] / self.look.rows)
+        told = Told(*np.moveaxis(told, 2, 0), cal.within.low, cal.within.high, onset * 1.0, onset + 2.0 * cal.settle)
+        return self.look.suppose(states, start, self.known, told, self.heed, stops)
+
+    def unheeded(self, onset: int, heed: np.ndarray) -> Replay:
+        """The filter from an onset on, following other outputs."""
+        return self.look.replay(self.track.states[onset - self.begin], onset, self.at, self.known, heed, not self.first(onset, True))
+
+    @cached_property
+    def energy(self) -> np.ndarray:
+        """Of the outputs heeded, from the beginning to each decision."""
+        return self.track.energy
 
     def expected(self, length: int, heed: np.ndarray | None = None) -> tuple[float, float]:
         """Energy that noise has over so many decisions, and its standard deviation."""
@@ -56,10 +103,16 @@ class Scene:
         share = float(np.mean(self.heed if heed is None else heed)) * length / noise.lengths[k]
         return float(noise.energy[k]) * share, float(noise.scatter[k]) * share**0.5
 
-    def unit(self, length: int) -> float:
+    @cached_property
+    def unit(self) -> float:
         """Energy of one number that noise is."""
-        numbers = length * self.look.rows * float(self.heed.sum())
-        return max(self.expected(length)[0], 1e-300) / max(numbers, 1.0)
+        numbers = (self.at - self.begin) * self.look.rows * float(self.heed.sum())
+        return max(self.expected(self.at - self.begin)[0], 1e-300) / max(numbers, 1.0)
+
+    @cached_property
+    def within(self) -> Range:
+        """Bounds of what θ may be besides what is known at the end."""
+        return self.look.calibrated.within.given(self.known(np.array([float(self.at)]))[0])
 
 
 def _course(base: Known, events: tuple[Event, ...], d: np.ndarray) -> np.ndarray:
@@ -67,8 +120,3 @@ def _course(base: Known, events: tuple[Event, ...], d: np.ndarray) -> np.ndarray
     for e in events:
         values[:, e.channel] += e.size * e.course(d)
     return values
-
-
-def within(scene: Scene) -> Range:
-    """Bounds of what θ may be besides what is known at the end."""
-    return scene.look.calibrated.within.given(_course(scene.base, scene.fixed, np.array([float(scene.at)]))[0])

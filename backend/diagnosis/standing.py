@@ -1,12 +1,16 @@
 """What decisions are about, and where they stand: plain values."""
 
+import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from backend.diagnosis.calibration import Calibrated
+from backend.diagnosis.evidence import Ahead, Sought
 from backend.diagnosis.windows import Range, Sums
+
+NEVER = 1 << 62  # a decision that does not come
 
 
 @dataclass(frozen=True)
@@ -30,13 +34,14 @@ class Found:
 class Event:
     """One change of one channel's θ from decision ``onset`` on: by ``size`` within ``rise`` decisions (0: a step).
 
-    A rise that has no end (inf) goes up by ``size`` in every decision.
+    A rise that has no end (inf) goes up by ``size`` in every decision; one that is ``bent`` goes as 1 − exp(−time/rise).
     """
 
     channel: int
     onset: float  # at a row, which may be between two decisions
     rise: float = 0.0
     size: float = 0.0
+    bent: bool = False
 
     @property
     def first(self) -> int:
@@ -47,45 +52,93 @@ class Event:
     def endless(self) -> bool:
         return self.rise == np.inf
 
+    @property
+    def course_key(self) -> tuple[int, float, float, bool]:
+        """What tells it from other events, whatever its size: two may begin in one channel at one time."""
+        return self.channel, self.onset, self.rise, self.bent
+
+    @property
+    def ends(self) -> bool:
+        """Whether it goes up evenly to an end."""
+        return 0 < self.rise < np.inf and not self.bent
+
+    @property
+    def form(self) -> tuple[float, float, float, float, float]:
+        """Its course for size 1: where it starts, by how much it goes up in a decision, where it ends, whether it bends (1), and how
+        quickly."""
+        if self.bent:
+            return 0.0, 0.0, np.inf, 1.0, 1.0 / self.rise
+        if self.endless:
+            return 0.0, 1.0, np.inf, 0.0, 0.0
+        return (0.0, 1.0 / self.rise, 1.0, 0.0, 0.0) if self.rise else (1.0, 0.0, np.inf, 0.0, 0.0)
+
     def course(self, d: np.ndarray) -> np.ndarray:
         """What it is at each time ``d`` (in decisions), for size 1."""
-        since = d - self.onset
-        if self.endless:
-            return np.maximum(since, 0.0)
-        return np.clip(since / self.rise, 0.0, 1.0) if self.rise else (since >= 0) * 1.0
+        start, rate, top, bend, pace = self.form
+        since = np.asarray(d - self.onset)
+        return np.where(since >= 0, np.minimum(start + rate * since, top) - bend * np.expm1(-pace * np.maximum(since, 0.0)), 0.0)
 
-    def at(self, decision: int) -> float:
+    def over(self, decision: int) -> bool:
+        """Whether from a decision on it goes on as `Known` can say."""
+        return self.onset + (self.rise if self.ends else 0.0) <= decision
+
+    def reached(self, decision: float) -> float:
+        """How far it has come at a decision, for size 1."""
+        start, rate, top, bend, pace = self.form
+        since = decision - self.onset
+        return min(start + rate * since, top) - bend * math.expm1(-pace * since) if since >= 0 else 0.0
+
+    def at(self, decision: float) -> float:
         """By how much θ has changed at a decision."""
-        return float(self.size * self.course(np.array(decision)))
+        return self.size * self.reached(decision)
 
 
 @dataclass(frozen=True)
 class Known:
-    """θ₀, what is known of θ: ``level`` (p) at decision ``since``, going up by ``slope`` (p) in every decision."""
+    """θ₀, what is known of θ: ``level`` (p) at decision ``since``, going up by ``slope`` (p) in every decision, and by ``rest`` (p) in
+    the end, at ``pace`` (p)."""
 
     level: np.ndarray
     slope: np.ndarray
+    rest: np.ndarray
+    pace: np.ndarray
     since: int
+
+    @classmethod
+    def nothing(cls, channels: int, since: int) -> "Known":
+        return cls(*np.zeros((4, channels)), since)
 
     def course(self, d: np.ndarray) -> np.ndarray:
         """θ₀ at times ``d`` (in decisions): times × p."""
-        return self.level + self.slope * (d - self.since)[:, None]
+        after = (d - self.since)[:, None]
+        return self.level + self.slope * after - self.rest * np.expm1(-self.pace * after)
 
     def at(self, decision: int) -> np.ndarray:
-        return self.level + self.slope * (decision - self.since)
+        return self.course(np.array([decision]))[0]
 
     def inside(self, within: Range) -> "Known":
         """Within bounds, where it does not move on."""
         level = np.clip(self.level, within.low, within.high)
-        return Known(level, np.where(level == self.level, self.slope, 0.0), self.since)
+        moves = level == self.level
+        return replace(self, level=level, slope=self.slope * moves, rest=self.rest * moves)
+
+    def without(self, channels: list[int]) -> "Known":
+        """With nothing known of these channels."""
+        level, slope, rest = self.level.copy(), self.slope.copy(), self.rest.copy()
+        level[channels] = slope[channels] = rest[channels] = 0.0
+        return replace(self, level=level, slope=slope, rest=rest)
 
     def plus(self, events: tuple[Event, ...], decision: int) -> "Known":
         """With events that began before ``decision``, from there on."""
-        level, slope = self.at(decision), self.slope.copy()
+        level, slope, pace = self.at(decision), self.slope.copy(), self.pace.copy()
+        rest = self.rest * np.exp(-self.pace * (decision - self.since))
         for e in events:
             level[e.channel] += e.at(decision)
             slope[e.channel] += e.size * e.endless
-        return Known(level, slope, decision)
+            if e.bent:
+                rest[e.channel] += e.size - e.at(decision)
+                pace[e.channel] = 1.0 / e.rise
+        return Known(level, slope, rest, pace, decision)
 
 
 @dataclass(frozen=True)
@@ -107,12 +160,13 @@ class Young:
 
 @dataclass(frozen=True)
 class Pending:
-    """Events since decision ``begin``, before which ``base`` was known; looked at again at decision ``review``."""
+    """Events since decision ``begin``, before which ``base`` was known; looked at again at decision ``review``, unless ``settled``."""
 
     begin: int
     base: Known
     young: tuple[Young, ...]
     review: int
+    settled: bool = False
 
     @property
     def events(self) -> tuple[Event, ...]:
@@ -137,27 +191,24 @@ class Standing:
 
     @classmethod
     def beginning(cls, calibrated: Calibrated, channels: int, outputs: int) -> "Standing":
-        nothing = Known(np.zeros(channels), np.zeros(channels), calibrated.begin)
-        return cls(calibrated.begin, calibrated.begin, nothing, np.ones(outputs))
+        return cls(calibrated.begin, calibrated.begin, Known.nothing(channels, calibrated.begin), np.ones(outputs))
 
 
 @dataclass(frozen=True)
 class Change:
-    """The filter is to go on otherwise: from estimates of x and P as in ``state``, None: as they are."""
+    """The filter is to go on otherwise: ``states`` are its states at the decisions up to this one as they ought to have been, None: as
+    they are."""
 
-    state: np.ndarray | None = None
+    states: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
 class Replay:
-    """The filter run again over decisions: sums of all outputs, and its states at each decision, the first included."""
+    """The filter run again over decisions: the energy of all outputs and its states at each decision, the first included."""
 
-    J: np.ndarray
-    s: np.ndarray
     q: np.ndarray  # decisions + 1, m: from the first on
     states: np.ndarray
     heed: np.ndarray
-    early: np.ndarray  # p: the diagonal of J while answers take their form
 
     @property
     def energy(self) -> np.ndarray:
@@ -169,15 +220,22 @@ class Replay:
 class Look:
     """What decisions are made from.
 
-    ``replay(state, begin, at, known, profile, heed)`` runs the filter again from a state, θ₀ and the profile being functions
-    of time in decisions; ``state(decision)`` is the filter's as it was; ``answers(state)`` its V (n × p).
+    ``replay(state, begin, at, known, heed, fresh)`` runs the filter again from a state, what is known of θ being a function of time
+    in decisions; ``suppose`` does so with many suppositions, ``handed`` what ``ahead`` and ``bending`` go by. ``state(decision)`` is the
+    filter's as it was. These and ``moved``, ``answers`` and ``unanswered`` are `Filter`'s.
     """
 
     sums: Sums
     calibrated: Calibrated
     replay: Callable[..., Replay]
+    suppose: Callable[..., Sought]
+    handed: Callable[..., np.ndarray]
+    ahead: Callable[..., Ahead]
+    bending: Callable[..., tuple[np.ndarray, np.ndarray]]
     state: Callable[[int], np.ndarray]
     moved: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    answers: Callable[[np.ndarray], np.ndarray]
+    unanswered: Callable[[np.ndarray], np.ndarray]
     oldest: int  # the earliest onset for which that can be done
     rows: int  # rows of evidence in one decision
     patience: np.ndarray  # m: rows after which an output that shows the same number stands still

@@ -10,7 +10,7 @@ import numpy as np
 
 from backend.diagnosis.calibration import Calibrated
 from backend.diagnosis.decisions import decide
-from backend.diagnosis.evidence import Filter, Innovations
+from backend.diagnosis.evidence import Filter, Innovations, Sought, Told
 from backend.diagnosis.standing import Look, Replay, Standing
 from backend.diagnosis.windows import LONGEST, Sums
 
@@ -61,7 +61,7 @@ class Watcher:
         """Decisions ``first`` + 1 … ``last``, or up to one after which the filter must be told something."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
         standing = now.standing
-        seen = self._over(now, first, last, now.states[-1], standing.known.course, None, standing.heed)
+        seen = self._over(now, first, last, now.states[-1], standing.known.course, standing.heed)
         count, begin = _finite(seen, stride), (first - now.sums.first) * stride
         if count == 0:
             return self._restarted(now)
@@ -75,8 +75,8 @@ class Watcher:
             return replace(now, standing=standing)
         at = standing.at
         states = now.states[: at - sums.first + 1].copy()
-        if standing.change.state is not None:  # V goes on as it was: it answers what has been there for long
-            states[-1] = self.filter.with_answers(standing.change.state, self.filter.answers(states[-1]))
+        if standing.change.states is not None:  # those before as well: what is looked at later may begin there
+            states[-len(standing.change.states) :] = standing.change.states
         return replace(now, standing=replace(standing, change=None), sums=sums.until(at), states=states)
 
     def _restarted(self, now: Watched) -> Watched:
@@ -88,29 +88,40 @@ class Watcher:
         return replace(now, sums=sums, states=np.concatenate([now.states, self.filter.start()[None, :]]), standing=standing)
 
     def _look(self, now: Watched) -> Look:
-        def replay(state: np.ndarray, begin: int, at: int, known, profile, heed: np.ndarray, fresh: bool) -> Replay:
-            state = self.filter.unanswered(state) if fresh else state
+        made, first, stride = self.filter, now.sums.first, self.stride
+
+        def replay(state: np.ndarray, begin: int, at: int, known, heed: np.ndarray, fresh: bool) -> Replay:
+            state = made.unanswered(state) if fresh else state
             if begin == at:
-                p, m = self.filter.p, self.filter.m
-                return Replay(np.zeros((p, p)), np.zeros(p), np.zeros((1, m)), state[None], heed, np.zeros(p))
-            seen = self._over(now, begin, at, state, known, profile, heed)
-            omega, nu = (seen.omega * heed[:, None]).reshape(-1, self.filter.p), (seen.nu * heed).ravel()
-            q = np.cumsum((seen.nu**2).reshape(at - begin, self.stride, -1).sum(axis=1), axis=0)
-            q = np.concatenate([np.zeros((1, self.filter.m)), q])
-            states = np.concatenate([state[None], seen.states[self.stride - 1 :: self.stride]])
-            early = omega[: 2 * self.calibrated.settle * self.stride * self.filter.m]
-            return Replay(omega.T @ omega, omega.T @ nu, q, states, heed, (early**2).sum(axis=0))
+                return Replay(np.zeros((1, made.m)), state[None], heed)
+            seen = self._over(now, begin, at, state, known, heed)
+            q = np.cumsum((seen.nu**2).reshape(at - begin, stride, -1).sum(axis=1), axis=0)
+            q = np.concatenate([np.zeros((1, made.m)), q])
+            return Replay(q, np.concatenate([state[None], seen.states[stride - 1 :: stride]]), heed)
 
-        first = now.sums.first
-        return Look(now.sums, self.calibrated, replay, lambda d: now.states[d - first], self.filter.moved, first, self.stride, self.filter.patience)
+        def suppose(states: np.ndarray, begin: int, known, told: Told, heed: np.ndarray, stops: np.ndarray) -> Sought:
+            rows, d = self._rows(now, begin, begin + int(stops[-1]))
+            return made.suppose(states, known(d), now.table[rows], now.t[rows], d, told, heed, stops * stride)
 
-    def _over(self, now: Watched, first: int, last: int, state: np.ndarray, known, profile, heed: np.ndarray) -> Innovations:
-        """The filter along the rows of decisions; θ₀ and the profile are functions of time in decisions."""
+        def handed(state: np.ndarray, begin: int, at: int, known, heed: np.ndarray) -> np.ndarray:
+            rows, d = self._rows(now, begin, at)
+            return made.handed(state, self._within(known(d)), now.table[rows], now.t[rows], heed)
+
+        return Look(now.sums, self.calibrated, replay, suppose, handed, made.ahead, made.bending, lambda d: now.states[d - first], made.moved, made.answers,
+                    made.unanswered, first, stride, made.patience)  # fmt: skip
+
+    def _rows(self, now: Watched, first: int, last: int) -> tuple[slice, np.ndarray]:
+        """Where the rows of decisions are kept, and their times in decisions."""
         rows = slice((first - now.sums.first) * self.stride, (last - now.sums.first) * self.stride)
-        d = np.arange(first * self.stride, last * self.stride) / self.stride
-        within = self.calibrated.within
-        course = np.clip(known(d), within.low, within.high)
-        seen = self.filter.run(state, course, now.table[rows], now.t[rows], None if profile is None else profile(d), heed)
+        return rows, np.arange(first * self.stride, last * self.stride) / self.stride
+
+    def _within(self, course: np.ndarray) -> np.ndarray:
+        return np.clip(course, self.calibrated.within.low, self.calibrated.within.high)
+
+    def _over(self, now: Watched, first: int, last: int, state: np.ndarray, known, heed: np.ndarray) -> Innovations:
+        """The filter along the rows of decisions; what is known of θ is a function of time in decisions."""
+        rows, d = self._rows(now, first, last)
+        seen = self.filter.run(state, self._within(known(d)), now.table[rows], now.t[rows], heed=heed)
         return replace(seen, omega=_bounded(seen.omega), nu=_bounded(seen.nu))
 
     def _trimmed(self, now: Watched) -> Watched:

@@ -36,7 +36,7 @@ def innovations(plant: Program) -> Program:
     ``profile.j``: V and Ω answer a θ_j − θ₀_j that goes as a constant times this. Parameters: those of the plant, the bounds
     ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y), ``heed.k`` (0: the filter does not
     follow this output) and ``interval``. Outputs ``omega.k.j`` and ``nu.k``, both divided by the innovation's standard
-    deviation.
+    deviation (``weight.k`` is one by it); and what V is made with: ``F.i.j``, ``G.i.j`` (constant θ), ``C.k.i``, ``D.k.j`` (Ψ), ``K.k.i``.
     """
     return derived(["innovations", plant.digest], lambda: _Writer(plant).program())
 
@@ -55,15 +55,18 @@ class _Writer:
     def program(self) -> Program:
         plant, g, n, p = self.plant, self.graph, self.n, self.p
         outputs = self._correct(*self._linear(list(plant.outputs.values())))
-        f, A, Phi = self._linear(list(plant.update))
+        f, A, G = self._linear(list(plant.update))
         F, E = self._transition(A)
         if plant.time == DISCRETE:
             prior = f
         else:
-            Phi = self._times(E, Phi)
+            G = self._times(E, G)
             prior = [g.add(x, total(g, list(zip(row, f)))) for x, row in zip(self.prior, E)]
-        V = [[g.add(total(g, [(F[i][k], self.V[k][j]) for k in range(n)]), Phi[i][j]) for j in range(p)] for i in range(n)]
+        moved = [[g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(row)] for row in G]
+        V = [[g.add(total(g, [(F[i][k], self.V[k][j]) for k in range(n)]), moved[i][j]) for j in range(p)] for i in range(n)]
         P = self._spread(F)
+        outputs |= {f"{name}.{i}.{j}": node for name, part in (("F", F), ("G", G)) for i, row in enumerate(part)
+                    for j, node in enumerate(row)}  # fmt: skip
         per_state = [f"{name}.{i}" for name in ("q", "low", "high") for i in range(n)]
         return Program(
             name=f"innovations of {plant.name}",
@@ -92,10 +95,10 @@ class _Writer:
         # outside the domain: the value at the nearest point inside, and on along the tangent there
         values = [g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside)]))
                   for r, row in zip(roots, J)]  # fmt: skip
-        return values, J, [[g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(row)] for row in H]
+        return values, J, H
 
     def _correct(self, level: list[int], C: Matrix, Psi: Matrix) -> dict[str, int]:
-        """Take the outputs one after the other; give Ω/σ and ν/σ of each. Changes prior, V and P."""
+        """Take the outputs one after the other; give Ω/σ and ν/σ of each, and what they are made of. Changes prior, V and P."""
         g, n, p = self.graph, self.n, self.p
         fresh, outputs, first = g.var("fresh"), {}, list(self.prior)
         for k, name in enumerate(self.y):
@@ -104,12 +107,15 @@ class _Writer:
             variance = g.add(total(g, list(zip(cP, c))), g.var(f"R.{k}"))
             moved = total(g, [(a, g.sub(x, b)) for a, x, b in zip(c, self.prior, first)])  # by the outputs before
             nu = g.sub(g.var(f"measured.{name}"), g.add(level[k], moved))
-            omega = [g.add(total(g, [(c[i], self.V[i][j]) for i in range(n)]), Psi[k][j]) for j in range(p)]
+            direct = [g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(Psi[k])]
+            omega = [g.add(total(g, [(c[i], self.V[i][j]) for i in range(n)]), direct[j]) for j in range(p)]
             weight = g.div(fresh, g.call("sqrt", variance))
             outputs |= {f"omega.{k}.{j}": g.mul(o, weight) for j, o in enumerate(omega)}
             outputs[f"nu.{k}"] = g.mul(nu, weight)
             followed = g.div(g.mul(fresh, g.var(f"heed.{k}")), variance)
             gain = [g.mul(followed, b) for b in cP]
+            outputs |= {f"C.{k}.{i}": b for i, b in enumerate(c)} | {f"D.{k}.{j}": b for j, b in enumerate(Psi[k])}
+            outputs |= {f"K.{k}.{i}": b for i, b in enumerate(gain)} | {f"weight.{k}": weight}
             self.prior = [g.add(x, g.mul(K, nu)) for x, K in zip(self.prior, gain)]
             self.V = [[g.sub(v, g.mul(K, o)) for v, o in zip(row, omega)] for row, K in zip(self.V, gain)]
             upper = {(i, j): g.sub(self.P[i][j], g.mul(gain[i], cP[j])) for i in range(n) for j in range(i, n)}
