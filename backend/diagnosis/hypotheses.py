@@ -48,8 +48,12 @@ def _vague(q: np.ndarray, expected: np.ndarray | float) -> np.ndarray:
     return np.minimum(q, expected) + expected * np.log(np.maximum(q / expected, 1.0))
 
 
-def singles(scene: Scene, seen: Case, memory: float, held: set[int], options: tuple[Event, ...] = ()) -> list[Explained]:
-    """One change of one channel: those that may be it, held against the data in full; the best first.
+def singles(
+    scene: Scene, seen: Case, memory: float, held: set[int], options: tuple[Event, ...] = (), least_length: int = 0
+) -> tuple[list[Explained], bool]:
+    """One change of one channel: those that may be it, held against the data in full, the best first; and whether onsets were moved
+    to where they fit best. They are not where the best began less than ``least_length`` decisions ago, or has an equal, so that
+    nothing would be said anyway.
 
     ``options`` are tried whatever the first order says of them.
     """
@@ -67,11 +71,14 @@ def singles(scene: Scene, seen: Case, memory: float, held: set[int], options: tu
             tried.append(Event(int(c), onset, rise, size, bool(seen.bent[entry])))
     fits = fitted(scene, [(event,) for event in tried])
     order = np.argsort(fits.cost, kind="stable")
+    rivals = [fits.cost[i] for i in order if tried[i].channel != tried[order[0]].channel]
+    hasty = scene.at - fits.onset[order[0]] < least_length - 1 or (rivals and rivals[0] < fits.cost[order[0]] + AS_WELL / 2)
     near = [int(i) for k, i in enumerate(order) if k < 2 or fits.cost[i] < fits.cost[order[0]] + 2 * CLEAR]
     own = {}  # of each channel the best, and those that may yet be as good
     for i in near:
         own.setdefault(tried[i].channel, []).append(i)
     near = [i for mine in own.values() for i in mine if fits.cost[i] < fits.cost[mine[0]] + AS_WELL]
+    near = [] if least_length and hasty else near
     answers = []
     for fit in [*polished(fits, near), *(fits.explained(int(i)) for i in order if i not in near)]:
         c, since = fit.events[0].channel, scene.at - fit.onset
@@ -80,7 +87,7 @@ def singles(scene: Scene, seen: Case, memory: float, held: set[int], options: tu
         bonus = _HELD if c in held else 0.0  # a fault that changes is likelier than a new one
         answers.append(replace(fit, cost=fit.cost - bonus, statistic=statistic))
     answers.sort(key=lambda e: e.cost)
-    return [e for i, e in enumerate(answers) if e.events[0].channel not in {o.events[0].channel for o in answers[:i]}]
+    return [e for i, e in enumerate(answers) if e.events[0].channel not in {o.events[0].channel for o in answers[:i]}], bool(near)
 
 
 def pairs(scene: Scene, seen: Case, memory: float) -> list[Explained]:

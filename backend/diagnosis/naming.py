@@ -41,7 +41,7 @@ def name(now: Standing, look: Look) -> Standing:
     waited = at - now.detected
     if at < now.again:
         return now
-    choice = _new(now, look)
+    choice = _new(now, look, LEAST if waited < 2 * LEAST else 0)
     if now.pending is not None and not now.pending.settled and (_now_and_then(waited) or _ready(choice, now, look, waited)):
         choice = _otherwise(now, look, choice)
     leader = choice.leader
@@ -86,15 +86,15 @@ def _sure(choice: _Choice, now: Standing) -> bool:
     return not rivals or rivals[0].cost - leader.cost > CLEAR
 
 
-def _new(now: Standing, look: Look) -> _Choice:
-    """What new events may explain the data."""
+def _new(now: Standing, look: Look, least_length: int) -> _Choice:
+    """What new events may explain the data; ``least_length``: see `singles`."""
     held = {now.found[i].channel for i in now.active} - {None}
     pending = now.pending
     if pending is None:
         scene = Scene.of(look, now.known, (), max(now.start, oldest(now, look)), now.at, now.heed)
-        return _Choice(scene, _answers(scene, now.memory, held))
+        return _Choice(scene, _answers(scene, now.memory, held, least_length=least_length))
     scene = Scene.of(look, pending.base, pending.events, pending.begin, now.at, now.heed)
-    return _Choice(scene, _answers(scene, now.memory if pending.settled else np.inf, held))
+    return _Choice(scene, _answers(scene, now.memory if pending.settled else np.inf, held, least_length=least_length))
 
 
 def _otherwise(now: Standing, look: Look, new: _Choice) -> _Choice:
@@ -146,10 +146,10 @@ def _kept(answers: list[Explained], channel: int) -> list[Explained]:
     return answers
 
 
-def _answers(scene: Scene, memory: float, held: set[int], options: tuple[Event, ...] = ()) -> list[Explained]:
+def _answers(scene: Scene, memory: float, held: set[int], options: tuple[Event, ...] = (), least_length: int = 0) -> list[Explained]:
     seen = case(scene, bool(options))
-    answers = singles(scene, seen, memory, held, options)
-    if answers[0].left > DOUBTED:
+    answers, exact = singles(scene, seen, memory, held, options, least_length)
+    if answers[0].left > DOUBTED and exact:
         glr = scene.look.calibrated.glr
         if not any(e.left < BELIEVED and e.statistic > glr and scene.at - e.onset >= 2 * LEAST for e in answers):
             answers += distrusted(scene)
