@@ -143,6 +143,12 @@ class Filter:
         self._params = np.array([values[p] for p in order] or [0.0])
         self._heed = [order.index(f"heed.{k}") for k in range(self.m)]
 
+    def prepare(self) -> None:
+        """Have all kernels at hand: compiling one takes up to a second."""
+        for program, layout in ((self.program, self.layout), (self.program, self.handing), (self.supposed, self.lanes),
+                                (self.backwards, Layout(held=self.backwards.inputs))):  # fmt: skip
+            kernel(program, layout)
+
     def _variance(self) -> np.ndarray:
         """Of one row's y, so that rows count as independent: noise that holds for several rows counts once."""
         variance = self.stds**2

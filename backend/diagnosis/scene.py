@@ -1,11 +1,11 @@
 """A stretch of data with what is known of it, over which the filter can be run again under other assumptions."""
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
 from backend.diagnosis.evidence import Ahead, Sought, Told
+from backend.diagnosis.pauses import once
 from backend.diagnosis.standing import Event, Known, Look, Replay
 from backend.diagnosis.windows import Range
 
@@ -38,11 +38,11 @@ class Scene:
         """What is known of θ at times ``d`` (in decisions): times × p."""
         return _course(self.base, self.fixed, d)
 
-    @cached_property
+    @once
     def _handed(self) -> np.ndarray:
         return self.look.handed(self.track.states[0], self.begin, self.at, self.known, self.heed)
 
-    @cached_property
+    @once
     def ahead(self) -> Ahead:
         """The evidence still to come at each decision from ``begin`` to ``at``."""
         return self.look.ahead(self._handed, self.heed, self.look.rows)
@@ -91,7 +91,7 @@ class Scene:
         """The filter from an onset on, following other outputs."""
         return self.look.replay(self.track.states[onset - self.begin], onset, self.at, self.known, heed, not self.first(onset, True))
 
-    @cached_property
+    @once
     def energy(self) -> np.ndarray:
         """Of the outputs heeded, from the beginning to each decision."""
         return self.track.energy
@@ -103,13 +103,13 @@ class Scene:
         share = float(np.mean(self.heed if heed is None else heed)) * length / noise.lengths[k]
         return float(noise.energy[k]) * share, float(noise.scatter[k]) * share**0.5
 
-    @cached_property
+    @once
     def unit(self) -> float:
         """Energy of one number that noise is."""
         numbers = (self.at - self.begin) * self.look.rows * float(self.heed.sum())
         return max(self.expected(self.at - self.begin)[0], 1e-300) / max(numbers, 1.0)
 
-    @cached_property
+    @once
     def within(self) -> Range:
         """Bounds of what θ may be besides what is known at the end."""
         return self.look.calibrated.within.given(self.known(np.array([float(self.at)]))[0])

@@ -11,6 +11,7 @@ import numpy as np
 from backend.diagnosis.calibration import Calibrated
 from backend.diagnosis.decisions import decide
 from backend.diagnosis.evidence import Filter, Innovations, Sought, Told
+from backend.diagnosis.pauses import pause
 from backend.diagnosis.standing import Look, Replay, Standing
 from backend.diagnosis.windows import LONGEST, Sums
 
@@ -60,6 +61,7 @@ class Watcher:
     def _block(self, now: Watched, first: int, last: int) -> Watched:
         """Decisions ``first`` + 1 … ``last``, or up to one after which the filter must be told something."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
+        pause()
         standing = now.standing
         seen = self._over(now, first, last, now.states[-1], standing.known.course, standing.heed)
         count, begin = _finite(seen, stride), (first - now.sums.first) * stride
@@ -91,6 +93,7 @@ class Watcher:
         made, first, stride = self.filter, now.sums.first, self.stride
 
         def replay(state: np.ndarray, begin: int, at: int, known, heed: np.ndarray, fresh: bool) -> Replay:
+            pause()
             state = made.unanswered(state) if fresh else state
             if begin == at:
                 return Replay(np.zeros((1, made.m)), state[None], heed)
@@ -100,10 +103,12 @@ class Watcher:
             return Replay(q, np.concatenate([state[None], seen.states[stride - 1 :: stride]]), heed)
 
         def suppose(states: np.ndarray, begin: int, known, told: Told, heed: np.ndarray, stops: np.ndarray) -> Sought:
+            pause()
             rows, d = self._rows(now, begin, begin + int(stops[-1]))
             return made.suppose(states, known(d), now.table[rows], now.t[rows], d, told, heed, stops * stride)
 
         def handed(state: np.ndarray, begin: int, at: int, known, heed: np.ndarray) -> np.ndarray:
+            pause()
             rows, d = self._rows(now, begin, at)
             return made.handed(state, self._within(known(d)), now.table[rows], now.t[rows], heed)
 

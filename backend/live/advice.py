@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 def diagnosis(session: "Session") -> DiagnosisNow:
     """What the detector says of all rows so far."""
-    return session.watch.told(session.now.watched)
+    return session.watch.told(session.now.watched, session.leaves_watching)
 
 
 async def proposal(room: "Room") -> InputProposal:

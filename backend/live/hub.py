@@ -170,7 +170,7 @@ class Hub:
         self._scheduler = Scheduler(self._loop)
         self._house = House(
             clock=self._loop.time, background=self._in(self._threads), workshop=self._in(self._workshop),
-            wake=self._scheduler.wake, feed=self._scheduler.feed, may_check=Spacing(_CHECKS, self._loop.time).take,
+            wake=self._scheduler.wake, feed=self._scheduler.feed, watch=self._scheduler.watch, may_check=Spacing(_CHECKS, self._loop.time).take,
             viewers=self._settings.viewers, backlog=self._settings.backlog, past=self._past,
         )  # fmt: skip
         sys.setswitchinterval(_SWITCH)

@@ -11,6 +11,7 @@ from backend.live.watch import Seen, bare
 
 _RECENT = 6  # whole moments kept, for going back over rows that nobody has seen
 _BLOCKS = 2  # of them, with the columns of the rows that follow
+_WAITING = 256  # rows that may still have to be watched in a bare moment, which keeps them
 _KEPT = 400  # bare moments kept, for rewinding; when there are more, every second one goes
 
 
@@ -57,7 +58,8 @@ class Moments:
 
     def remember(self, moment: Moment) -> None:
         self._recent.append(moment)
-        if not self._bare or moment.row > self._bare[-1].row:
+        light = moment.watched is None or moment.watched.rows <= _WAITING
+        if not self._bare or (light and moment.row > self._bare[-1].row):
             spreads = moment.view.spreads if moment.view else moment.spreads
             self._bare.append(replace(moment, view=None, spreads=spreads, watched=bare(moment.watched)))
             if len(self._bare) > _KEPT:

@@ -14,15 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from backend.live.advice import diagnosis
 from backend.live.control import Control
+from backend.live.inspection import Inspection
 from backend.live.lookahead import Computed, Lookahead, compute
 from backend.live.pacing import Pace, Rate
 from backend.live.screen import Screen
 from backend.live.turns import Background, Turns
 from backend.live.viewer import Viewer
 from shared import Experiment
-from shared.session import Assumptions, DiagnosisNow, Event, Hello, Status
+from shared.session import Event, Hello, Status
 
 if TYPE_CHECKING:
     from backend.live.session import Session
@@ -49,7 +49,7 @@ class House:
     """What a room needs of the outside.
 
     clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room):
-    fill when there is time. may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind; past: those that a session may keep.
+    fill when there is time. watch(room): do what its `inspection` has to watch when there is time, in slices. may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind; past: those that a session may keep.
     """
 
     clock: Callable[[], float]
@@ -57,6 +57,7 @@ class House:
     workshop: Background
     wake: Callable[["Room", float], None]
     feed: Callable[["Room"], None]
+    watch: Callable[["Room"], None]
     may_check: Callable[[], bool]
     viewers: int
     backlog: int
@@ -77,9 +78,10 @@ class Room:
         self.closed = False
         self.empty_since: float | None = house.clock()
         self._filling = False
-        self._told = self._checked = house.clock()
-        self._checking = False
+        self._told = house.clock()
+        self.inspection = Inspection(self)
         self._finished = session.ended  # the session has no more rows than those that are computed
+        session.leaves_watching = True
         session.take_events()  # of rows that are shown already: they are in the log
 
     # ---- how it stands -------------------------------------------------------------------------------------------------
@@ -130,7 +132,7 @@ class Room:
         self.screen.viewers.append(viewer)
         self.empty_since = None
         self.tell_status()
-        self._check(0.0)
+        self.inspection.check(0.0)
 
     def _seen(self, event: Event) -> bool:
         """Whether an event of the log is no longer ahead of what is shown."""
@@ -221,7 +223,7 @@ class Room:
         if now - self._told >= STATUS:
             self.rate.look(self.shown, now, self.session.record)
             self.tell_status()
-            self._check(CHECKS)
+            self.inspection.check(CHECKS)
         return self.pace.next(self.screen.shown, at, now)
 
     def show(self, due: float, now: float) -> None:
@@ -234,7 +236,7 @@ class Room:
             pace.reached(screen.shown)
             if not pace.moving:
                 self.tell_status()
-                self._check(0.0)
+                self.inspection.check(0.0)
         if self._finished and self.ended and pace.moving:
             pace.pause()
             self.tell_status()
@@ -277,6 +279,7 @@ class Room:
         self._finished = computed.ended
         if computed.rows.shape[1]:
             self.screen.add(computed)
+            self.house.watch(self)
 
     def resume(self, finished: bool) -> None:
         """A command was carried out; the session may have more rows again, or none."""
@@ -288,30 +291,6 @@ class Room:
         self.rate.start(self.shown, now)
         self._told = now
         self.house.wake(self, now)
-
-    # ---- assumptions ---------------------------------------------------------------------------------------------------
-
-    def _check(self, spacing: float) -> None:
-        """Let the assumptions be checked, on a copy, if somebody is there to see it."""
-        now = self.house.clock()
-        if not self.screen.viewers or self._checking or self.shown < 2 or now - self._checked < spacing:
-            return
-        if self.house.may_check() or not self.pace.moving:
-            self._checking = True
-            self.turns.do(self.session.fork, self._check_copy)
-
-    def _check_copy(self, copy: "Session | None", error: Exception | None) -> None:
-        if copy is None:
-            self._tell_checks(None, error)
-        else:
-            self.house.workshop(lambda: [*copy.assumptions(), diagnosis(copy)], self._tell_checks)
-
-    def _tell_checks(self, found: list[Assumptions | DiagnosisNow] | None, error: Exception | None) -> None:
-        self._checked, self._checking = self.house.clock(), False
-        if error is not None:
-            log.error("the assumptions of session %s cannot be checked", self.id, exc_info=error)
-        for one in found or []:
-            self.screen.tell(one, one.type if isinstance(one, DiagnosisNow) else f"assumptions {one.observer}")
 
 
 def _timed(session: "Session", rows: int, past: int) -> tuple[Computed, float]:

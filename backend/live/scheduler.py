@@ -10,9 +10,11 @@ from collections.abc import Callable
 from heapq import heappop, heappush
 from itertools import count
 from math import ceil, inf
+from typing import Any
 
 from backend.live.pacing import FRAME
 from backend.live.room import Room
+from backend.live.slices import Slices
 
 log = logging.getLogger(__name__)
 
@@ -24,6 +26,8 @@ waking up for each would cost as much as its frame. A frame's time is a whole nu
 _TINY = 1e-6  # s, for the rounding of times
 PAUSE = 0.002
 """Seconds between two rooms that compute ahead."""
+SLICE, REST = 0.0005, 0.001
+"""Seconds of watching for faults at once, and between two such slices: there is time for it when nobody computes ahead."""
 TURNS = 2
 """Turns of the event loop before a room computes ahead: so many it takes from a socket to the command's being carried out."""
 
@@ -36,7 +40,9 @@ class Scheduler:
         self._due: list[tuple[float, int, Room]] = []
         self._when: dict[Room, float] = {}
         self._hungry: dict[Room, None] = {}  # in order
-        self._feeding = 0.0  # when the next of them may compute
+        self._feeding = 0.0  # when the next of them may compute, or be watched
+        self._unwatched: dict[Room, None] = {}  # in order
+        self._slices = Slices()
         self._order = count()
         self._timer: asyncio.TimerHandle | None = None
         self._running = False
@@ -56,21 +62,33 @@ class Scheduler:
         """Let a room compute ahead when no frame is due."""
         self._hungry[room] = None
 
+    def watch(self, room: Room) -> None:
+        """Let what a room shows be watched when nothing else is to be done."""
+        self._unwatched[room] = None
+        if not self._running:
+            self._arm()
+
     def stop(self) -> None:
         """Tick no more."""
         self._stopped = True
         self._due.clear()
         self._when.clear()
         self._hungry.clear()
+        self._unwatched.clear()
         if self._timer is not None:
             self._timer.cancel()
 
+    @property
+    def _left(self) -> bool:
+        """Whether there is something to be done in free moments."""
+        return bool(self._hungry or self._unwatched or self._slices.busy)
+
     def _arm(self) -> None:
-        if self._due and not self._stopped:
-            at = self._due[0][0]
-            if len(self._when) > FEW:
+        if (self._due or self._left) and not self._stopped:
+            at = self._due[0][0] if self._due else self._feeding
+            if self._due and len(self._when) > FEW:
                 at = ceil((at - _TINY) / SLOT) * SLOT
-            if self._hungry:
+            if self._left:
                 at = min(at, self._feeding)
             if self._timer is not None:
                 if self._timer.when() <= at and not self._timer.cancelled():
@@ -90,7 +108,7 @@ class Scheduler:
                     if following is not None:
                         self.wake(room, following)
                 now = self._loop.time()
-            if self._hungry and now >= self._feeding and (not self._due or self._due[0][0] > now + _TINY):
+            if self._left and now >= self._feeding and (not self._due or self._due[0][0] > now + _TINY):
                 self._feeding = inf
                 self._loop.call_soon(self._give_way, TURNS)
         finally:
@@ -106,11 +124,24 @@ class Scheduler:
         if room is not None:
             del self._hungry[room]
             self._guarded(room, room.fill)
-        self._feeding = self._loop.time() + PAUSE
+        else:
+            self._slice()
+        self._feeding = self._loop.time() + (REST if room is None else PAUSE)
         if not self._running:
             self._arm()
 
-    def _guarded(self, room: Room, work: Callable[..., float | None], *given: float) -> float | None:
+    def _slice(self) -> None:
+        """Watch a little."""
+        while not self._slices.busy and self._unwatched:
+            room = next(iter(self._unwatched))
+            del self._unwatched[room]
+            left = self._guarded(room, room.inspection.watching)
+            if left is not None:
+                self._slices.begin(*left)
+        if self._slices.busy and not self._stopped:
+            self._slices.go_on(SLICE)
+
+    def _guarded(self, room: Room, work: Callable[..., Any], *given: float) -> Any:
         """Do something with a room; if it fails the others go on."""
         try:
             return work(*given)

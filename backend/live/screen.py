@@ -59,6 +59,11 @@ class Screen:
         else:
             self._ahead.append(computed.rows, self.shown - _KEPT)
 
+    def found(self, events: list[Event]) -> None:
+        """What was found in rows that are there, or have been shown already."""
+        self._events += events
+        self._tell_events(self.shown)
+
     def show(self, due: float) -> None:
         """Show rows up to `due` − 1, as far as they are there and fit into a frame."""
         first = self.shown

@@ -35,6 +35,8 @@ _AT_ONCE = 30  # rows
 class Session:
     """One live experiment. ``horizon_rows`` limits how long it may become."""
 
+    leaves_watching = False  # of its rows for faults, to inspection.py; else they are watched as they come
+
     def __init__(self, spec: Experiment, horizon_rows: int = 1_000_000):
         prepared = prepare(spec)
         self.spec = spec.with_plant(prepared.plant)
@@ -120,7 +122,8 @@ class Session:
         view, made = now.view.extended(experiment, recorded)
         data, watched, found = made.data, now.watched, []
         if not view.plant_lost:
-            watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, count > _AT_ONCE)
+            at_once = count > _AT_ONCE
+            watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, at_once, self.leaves_watching)
             found = words.new(found, self.log)
         scheduled = words.scheduled(self.spec, self.log, now.row, now.row + count, self.record)
         found = [*scheduled, *found, *view.lost_since(now.view, now.row, self.record)]
@@ -274,7 +277,7 @@ class Session:
         now, experiment, block = self.now, self.experiment, known.until(row)
         simulation = Simulation(experiment, self._substeps, remember=True)
         view = now.view.continued(experiment, block.recorded, latest(block.made.tables))
-        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, block.made.values, False)
+        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, block.made.values, False, self.leaves_watching)
         self.now = Moment(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
 
     def _found(self, row: int) -> Moment:

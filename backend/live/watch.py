@@ -18,7 +18,8 @@ from shared import Experiment
 from shared.diagnosis import DiagnosisSettings, InputProposal, ObserverDiagnosis
 from shared.session import DiagnosisNow, Event
 
-_MOST_WAITING = 8  # pieces of rows
+_MOST_WAITING = 8  # pieces of rows that wait to be watched in passing
+_MOST_PIECES, _MOST_ROWS = 256, 20_000  # that may wait for somebody else to watch them
 _KEPT = 16  # detectors, shared by the sessions on the same experiment
 _made: OrderedDict[str, Detector] = OrderedDict()
 _lock = Lock()
@@ -30,6 +31,16 @@ class Seen:
 
     watched: Watched
     waiting: tuple[tuple[Engine, Rows, dict], ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """How many rows wait."""
+        return sum(len(rows.index) for _, rows, _ in self.waiting)
+
+    def follows(self, earlier: "Seen") -> bool:
+        """Whether this is an earlier value with more rows waiting."""
+        same = zip(self.waiting, earlier.waiting, strict=False)
+        return self.watched is earlier.watched and len(self.waiting) >= len(earlier.waiting) and all(a is b for a, b in same)
 
 
 @dataclass(frozen=True)
@@ -61,16 +72,27 @@ class Watch:
         return Seen(self.made.begin()) if self.made else None
 
     def seen(
-        self, seen: "Seen | None", experiment: Engine, rows: Rows, values: dict, now: bool
+        self, seen: "Seen | None", experiment: Engine, rows: Rows, values: dict, now: bool, left: bool = False
     ) -> tuple["Seen | None", list[Event]]:
-        """The newest rows taken in, and what was found; unless ``now``, they wait: a command is not to be kept waiting."""
+        """The newest rows taken in, and what was found; unless ``now``, they wait: a command is not to be kept waiting.
+
+        ``left``: somebody else is to watch them (`caught_up`).
+        """
         if seen is None:
             return None, []
         seen = Seen(seen.watched, (*seen.waiting, (experiment, rows, values)))
-        if not now and len(seen.waiting) < _MOST_WAITING:
+        if left:
+            later = len(seen.waiting) <= _MOST_PIECES and seen.rows <= _MOST_ROWS
+        else:
+            later = not now and len(seen.waiting) < _MOST_WAITING
+        if later:
             return seen, []
         after = self.caught_up(seen)
-        return Seen(after), list(self._events(seen.watched.standing.found, after.standing, self.record))
+        return Seen(after), self.events(seen, after)
+
+    def events(self, seen: "Seen", after: Watched) -> list[Event]:
+        """What was found in rows that waited."""
+        return list(self._events(seen.watched.standing.found, after.standing, self.record))
 
     def caught_up(self, seen: "Seen") -> Watched:
         """With the rows that waited."""
@@ -109,9 +131,9 @@ class Watch:
         found = propose(made.filter, experiment, state.plant, state.k, window, self.settings.accuracy, among)
         return InputProposal.model_validate(vars(found))
 
-    def told(self, seen: "Seen | None") -> DiagnosisNow:
-        """The diagnosis as it stands."""
-        watched = self.caught_up(seen) if seen else None
+    def told(self, seen: "Seen | None", left: bool) -> DiagnosisNow:
+        """The diagnosis as it stands; rows that are ``left`` to somebody else are not waited for."""
+        watched = (seen.watched if left else self.caught_up(seen)) if seen else None
         found = Diagnosed(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
         told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
         return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
@@ -145,6 +167,7 @@ def _shared(spec: Experiment, experiment: Engine, wanted: Asked) -> Detector:
             return found
     whole = replace(experiment, steps=round(span(spec) / spec.step))
     found = detector(whole, whole.context, wanted, key)
+    found.filter.prepare()
     with _lock:
         _made[key] = found
         while len(_made) > _KEPT:

@@ -86,12 +86,17 @@ class Stage:
         self.session = Session(spec(**({"record": 0.01} | changes)), limit)
         self.session.advance(1)
         house = House(
-            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake, feed=Room.fill,
+            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake, feed=Room.fill, watch=self._watch,
             may_check=lambda: True, viewers=viewers, backlog=backlog, past=lambda: past,
         )  # fmt: skip
         self.room = Room("room", "token", self.session, house)
         self._tasks: list[asyncio.Task] = []
         self._number = 0
+
+    def _watch(self, room: Room) -> None:
+        while (left := room.inspection.watching()) is not None:
+            job, then = left
+            then(*outcome(job))
 
     def _background(self, job: Job, then: Then) -> None:
         then(*outcome(job))
