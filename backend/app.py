@@ -12,7 +12,20 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from backend import library
-from backend.api import catalogue, equations, gains, lessons, openapi, pages, plants, problems, results, runs, sessions
+from backend.api import (
+    catalogue,
+    equations,
+    gains,
+    lessons,
+    openapi,
+    pages,
+    plants,
+    problems,
+    records,
+    results,
+    runs,
+    sessions,
+)
 from backend.api.answers import json_response
 from backend.api.security import Security
 from backend.api.services import Services, Use
@@ -68,8 +81,8 @@ def _api() -> APIRouter:
             {"status": "ok", "schema": SCHEMA_VERSION, "engine": engine_version(), "runs": services.runs.usage()}
         )
 
-    for router in (catalogue.router, plants.router, equations.router, gains.router, lessons.router, runs.router, results.router, sessions.router):
-        api.include_router(router)
+    for part in (catalogue, plants, equations, gains, lessons, records, runs, results, sessions):
+        api.include_router(part.router)
 
     return api
 

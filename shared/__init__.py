@@ -20,6 +20,7 @@ from shared.faults import Fault
 from shared.figures import Figure, Panel, Trace
 from shared.observers import ObserverConfig
 from shared.plant import Channel, Definition, Input, KnownSignal, Output, Parameter, Plant, State
+from shared.record import Record
 from shared.run import Problem, Progress, Run, RunSummary
 from shared.signals import Signal
 
@@ -49,6 +50,7 @@ __all__ = [
     "Plant",
     "Problem",
     "Progress",
+    "Record",
     "Resolution",
     "Run",
     "RunSummary",

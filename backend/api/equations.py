@@ -5,16 +5,15 @@ from typing import Any
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
-from backend import library
 from backend.api.answers import json_response
 from backend.api.bodies import parsed
 from backend.api.problems import documented
 from backend.api.services import Use
-from backend.engine.errors import SpecError
 from backend.engine.export.mathml import math, plant_equations
 from backend.engine.export.notation import notation
 from backend.engine.observers.registry import kinds, observer
-from backend.runs.errors import Unknown, validated
+from backend.runs.errors import validated
+from backend.runs.resolve import library_plant
 from shared.base import Strict
 from shared.experiment import PlantChoice
 from shared.observers import Kind
@@ -33,7 +32,7 @@ class Question(Strict):
 @router.get("/equations/{id}", response_model=None, responses=documented(404))
 def get_equations(id: str) -> Response:
     """The equations of a library plant and of every kind of observer."""
-    return json_response(_answer(_library(id), kinds()))
+    return json_response(_answer(library_plant(id), kinds()))
 
 
 @router.post("/equations", response_model=None, responses=documented(404, 413, 415, 422))
@@ -42,17 +41,10 @@ async def post_equations(request: Request, services: Use) -> Response:
 
     def answer(data: Any) -> dict[str, Any]:
         asked = validated(Question, data)
-        plant = _library(asked.plant) if isinstance(asked.plant, str) else asked.plant
+        plant = library_plant(asked.plant) if isinstance(asked.plant, str) else asked.plant
         return _answer(plant, kinds() if asked.observers is None else asked.observers)
 
     return json_response(await parsed(request, services.settings.max_body, answer))
-
-
-def _library(id: str) -> Plant:
-    try:
-        return library.plant(id)
-    except SpecError as error:
-        raise Unknown(f"the library has no plant {id[:80]!r}", error.remedy) from None
 
 
 def _answer(plant: Plant, chosen: tuple[str, ...]) -> dict[str, Any]:

@@ -9,8 +9,9 @@ from backend.api.asked import ForkRequest, SessionRequest
 from backend.runs.requests import RunRequest
 from shared.experiment import Experiment
 from shared.plant import Plant
+from shared.record import Record
 
-_BODIES = (Experiment, Plant, RunRequest, SessionRequest, ForkRequest)
+_BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest)
 
 
 def install(app: FastAPI) -> None:

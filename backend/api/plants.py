@@ -10,9 +10,8 @@ from backend.api.answers import json_response
 from backend.api.bodies import body_schema, parsed
 from backend.api.problems import documented
 from backend.api.services import Use
-from backend.engine.errors import SpecError
-from backend.runs.errors import Unknown, validated
-from backend.runs.resolve import library_experiment
+from backend.runs.errors import validated
+from backend.runs.resolve import library_experiment, library_plant
 from shared.experiment import Experiment
 from shared.plant import Plant
 
@@ -47,11 +46,7 @@ def list_plants() -> Response:
 @router.get("/plants/{id}", response_model=Plant, responses=documented(404), tags=["plants"])
 def get_plant(id: str) -> Response:
     """A plant of the library in full: copy it, change it, and POST it to /api/plants/check."""
-    try:
-        plant = library.plant(id)
-    except SpecError as error:
-        raise Unknown(f"the library has no plant {id[:80]!r}", error.remedy) from None
-    return Response(plant.model_dump_json(), media_type="application/json")
+    return Response(library_plant(id).model_dump_json(), media_type="application/json")
 
 
 @router.post(

@@ -1,12 +1,12 @@
 """`thetascope diagnose`: what was recorded on a plant, and which faults it shows."""
 
 import argparse
-import csv
 from pathlib import Path
 
 import numpy as np
 
 from backend import library
+from backend.assembly.columns import columns_of_csv
 from backend.assembly.recording import diagnose_recording, recording
 from backend.commands.terminal import number, table
 from backend.engine.errors import SpecError
@@ -43,24 +43,13 @@ def plant_named(target: str) -> Plant:
 def columns_of(path: Path) -> dict[str, np.ndarray]:
     """The columns of a CSV file with a line of names. Raises DocumentError with the line that is no row of numbers."""
     try:
-        with path.open(newline="", encoding="utf-8-sig") as file:
-            lines = csv.reader(file)
-            names = [name.strip() for name in next(lines, [])]
-            rows = [(lines.line_num, line) for line in lines if line]
+        return columns_of_csv(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
         raise DocumentError(f"{path} cannot be read: {error.strerror}", "check the name and the permissions") from None
-    except (UnicodeDecodeError, csv.Error):
+    except UnicodeDecodeError:
         raise DocumentError(f"{path} is no CSV in UTF-8", "save it as CSV, comma separated") from None
-    if not names or len(set(names)) < len(names):
-        raise DocumentError(f"{path} has no line of names, or a name twice", "begin it with a line such as t,voltage,y_speed")
-    data = np.empty((len(rows), len(names)))
-    for place, (number_of_line, line) in enumerate(rows):
-        try:
-            data[place] = [float(cell) for cell in line]
-        except ValueError:
-            problem = f"line {number_of_line} is not a row of {len(names)} numbers"
-            raise DocumentError(problem, "give one number for every name, comma separated", name=str(path)) from None
-    return dict(zip(names, data.T, strict=True))
+    except SpecError as error:
+        raise DocumentError(error.problem, error.remedy, name=str(path)) from None
 
 
 def text(found: ObserverDiagnosis) -> str:

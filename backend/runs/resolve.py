@@ -21,6 +21,14 @@ def library_experiment(id: str) -> Experiment:
         raise Unknown(f"the library has no experiment {id[:80]!r}", error.remedy) from None
 
 
+def library_plant(id: str) -> Plant:
+    """A plant of the library. Raises :class:`Unknown` with the nearest ids."""
+    try:
+        return library.plant(id)
+    except SpecError as error:
+        raise Unknown(f"the library has no plant {id[:80]!r}", error.remedy) from None
+
+
 def with_changes(spec: Experiment, changes: Mapping[str, object]) -> Experiment:
     """The spec with values replaced by path (`observers.adaptive.gains.rho`). Raises :class:`InvalidSpec`."""
     return validated(Experiment, changed(spec, changes)) if changes else spec

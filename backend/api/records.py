@@ -1,0 +1,57 @@
+"""/api/diagnosis: what was recorded on a plant, and which faults it shows."""
+
+from typing import Any
+
+import numpy as np
+from fastapi import APIRouter, Request
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response
+
+from backend.api.bodies import body_schema, json_of, read_body
+from backend.api.problems import documented
+from backend.api.services import Use
+from backend.engine.errors import SpecError
+from backend.runs.errors import from_engine, invalid, validated
+from backend.runs.resolve import library_plant
+from shared.diagnosis import ObserverDiagnosis
+from shared.record import Record
+
+router = APIRouter(tags=["diagnosis"])
+MOST_ROWS = 200_000
+
+
+@router.post("/diagnosis", response_model=ObserverDiagnosis, openapi_extra=body_schema("Record"), responses=documented(404, 413, 415, 422))
+async def diagnose_record(request: Request, services: Use) -> Response:
+    """Which faults a record shows, since when, how large and how sure: what `thetascope diagnose` says of a file.
+
+    The noise is taken from the record; thresholds come from the plant simulated with the recorded inputs.
+    """
+    body = await read_body(request, services.settings.max_body)
+    told = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
+    return Response(told.model_dump_json(), media_type="application/json")
+
+
+def _diagnosed(data: Any) -> ObserverDiagnosis:
+    from backend.assembly.recording import diagnose_recording, recording  # the engine comes with it
+
+    asked = validated(Record, data)
+    plant = library_plant(asked.plant) if isinstance(asked.plant, str) else asked.plant
+    try:
+        return diagnose_recording(plant, recording(plant, _columns(asked)), asked.diagnosis, asked.learn)
+    except SpecError as error:
+        raise from_engine(error) from None
+
+
+def _columns(asked: Record) -> dict[str, np.ndarray]:
+    from backend.assembly.columns import columns_of_csv
+
+    if (asked.columns is None) == (asked.csv is None):
+        raise invalid("columns", None, "a record is given as columns or as csv", "give one of them")
+    columns = columns_of_csv(asked.csv) if asked.csv is not None else {n: np.array(v) for n, v in asked.columns.items()}
+    rows = {len(column) for column in columns.values()}
+    if len(rows) > 1:
+        name = next(n for n, column in columns.items() if len(column) < max(rows))
+        raise invalid(f"columns.{name}", len(columns[name]), f"other columns have {max(rows)} values", "give as many in each")
+    if max(rows, default=0) > MOST_ROWS:
+        raise invalid("columns", max(rows), f"at most {MOST_ROWS:,} rows are looked at", "send a part of the record, or every n-th row")
+    return columns

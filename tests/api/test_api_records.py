@@ -1,0 +1,55 @@
+"""Recorded data over HTTP: what the command line says of a file."""
+
+import numpy as np
+import pytest
+
+from backend import library
+from backend.client import ServiceError
+
+
+@pytest.fixture
+def record(client) -> dict[str, list[float]]:
+    """What sensors would have recorded of the motor whose friction rises tenfold at 10 s."""
+    run = client.post("/api/runs?wait=60", {"experiment": "friction-motor", "set": {"seed": 5}})
+    data = client.get(f"/api/runs/{run['id']}/data?format=json")["columns"]
+    return {n: [float(f"{x:.6g}") for x in v] for n, v in data.items() if n == "t" or n.startswith(("u.", "signal.", "y."))}
+
+
+def csv(columns: dict[str, list[float]]) -> str:
+    return "\n".join([",".join(columns), *(",".join(map(repr, row)) for row in zip(*columns.values(), strict=True))])
+
+
+def test_a_record_is_diagnosed(client, record):
+    """As columns and as CSV text, with a library plant and one in full: the same fault, onset, size and noise."""
+    plant = library.plant("friction-motor").model_dump(mode="json")
+    first = client.post("/api/diagnosis", {"plant": "friction-motor", "columns": record})
+    (alarm,) = first["alarms"]
+    assert alarm["channel"] == "friction" and 10 < alarm["t"] < 11 and alarm["size_from"] < 9 < alarm["size_to"]
+    assert [n["estimated"] for n in first["noise"]] == pytest.approx([0.01, 0.01], rel=0.15)
+    assert client.post("/api/diagnosis", {"plant": plant, "csv": csv(record)}) == first
+
+
+def test_a_sound_beginning_is_learnt(client, record):
+    """With ``learn`` the first seconds belong to the plant; the settings of the diagnosis are the experiment's own."""
+    asked = {"plant": "friction-motor", "columns": record, "learn": 5.0, "diagnosis": {"confidence": 0.9}}
+    (alarm,) = client.post("/api/diagnosis", asked)["alarms"]
+    assert alarm["channel"] == "friction" and alarm["t"] > 10
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"csv": "t,u.torque\n0,1\n1,x"}, "line 3"),
+        ({"csv": "t,t\n0,1"}, "name twice"),
+        ({"columns": None}, "columns or as csv"),
+        ({"learn": -1}, "learn"),
+        ({"plant": "friction-moter"}, "friction-motor"),
+        ({"columns": {"t": [0.0, 1.0], "y": [0.0]}}, "columns.y"),
+        ({"columns": {"t": list(np.arange(300.0))}}, "y_speed"),
+    ],
+)
+def test_what_is_no_record_is_refused(client, record, change, words):
+    """Each mistake is answered with its field and what to do."""
+    asked = {"plant": "friction-motor", "columns": record} | ({"columns": None} if "csv" in change else {}) | change
+    with pytest.raises(ServiceError, match=words):
+        client.post("/api/diagnosis", asked)
