@@ -32,7 +32,8 @@ from shared.diagnosis import DiagnosisSettings, ObserverDiagnosis
 
 _EVEN = 1e-3  # of the period: how exactly samples must be equally spaced
 _MEDIAN = 0.4549  # of the square of a standard normal number
-_ROUNDS = 3  # of estimating the noise
+_ROUNDS = 3  # of estimating the noise,
+_SURE = 0.01  # with a filter that doubts the model by so much less: one that follows the noise would find too little of it
 _LAGS = 8  # samples for which noise may hold at most
 _STANDS_OUT = 5.0  # times: how much larger squared differences are where a sensor's value is new
 _FINEST = 20  # steps of the simulation between two samples
@@ -135,7 +136,7 @@ def _with_noise(experiment: Engine, record: Recording, doubt: float) -> Engine:
     known = np.zeros(sum(n.startswith("theta.") for n in experiment.plant.inputs))
     for _ in range(_ROUNDS):
         experiment = replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
-        made = Filter(experiment, experiment.context, doubt)
+        made = Filter(experiment, experiment.context, _SURE * doubt)
         index, table = _table(experiment, record, made)
         nu = made.run(made.start(), known, table, index * experiment.step).nu
         std = std * np.maximum(_scatter(nu), 1e-6)

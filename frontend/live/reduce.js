@@ -40,7 +40,7 @@ function free(taken) {
 export function faultsAt(spec, t) {
   return spec.faults.map((fault) => ({
     subject: fault.channel ?? fault.output, onChannel: 'channel' in fault, shape: fault.shape, fault, onset: fault.onset, end: fault.end ?? null,
-    active: fault.onset <= t && (fault.end === null || fault.end === undefined || fault.end > t),
+    active: fault.onset <= t && (fault.end === null || fault.end === undefined || fault.end > t), ended: (fault.end ?? Infinity) <= t,
   }));
 }
 

@@ -6,7 +6,7 @@ import {text} from '../strings.js';
 
 const ICON = 'M8 2.500a5.500 5.500 0 0 1 0 11z';
 
-const PAGES = [['live', '/'], ['runs', '/runs/'], ['plants', '/plants/']];
+const PAGES = [['live', '/'], ['runs', '/runs/'], ['plants', '/plants/'], ['records', '/records/']];
 
 /** The header of a page; `here` is its name among the pages. */
 export function mountTop(root, connection, here = 'runs') {

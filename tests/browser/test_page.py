@@ -99,7 +99,7 @@ def test_an_unknown_experiment_is_an_answer_not_a_blank_page(page):
 
 def test_a_long_run_shows_progress_and_can_be_cancelled(page):
     """A run of minutes shows how far it is; Cancel ends it, and the page says so."""
-    opened = page("/runs/?experiment=zhao-2012&set=horizon%3D15000&set=record%3D1.5")
+    opened = page("/runs/?experiment=zhao-2012-observers&set=horizon%3D15000&set=record%3D1.5")
     opened.wait_for_selector("h1")
     opened.click("button.run")
     until(opened, "/^[1-9]\\d* %$/.test(document.querySelector('.status').textContent)")

@@ -8,7 +8,7 @@ export const en = {
   said: (words) => words, // what the server says, too
   skip: 'To the curves', wait: 'Loading …', stop: '.', and: '; ', close: 'Close', cancel: 'Cancel', remedyIs: (words) => `Remedy: ${words}`, copy: 'Copy', copied: 'Copied',
 
-  pages: 'Pages', page: {live: 'Live', runs: 'Runs', plants: 'Plants'},
+  pages: 'Pages', page: {live: 'Live', runs: 'Runs', plants: 'Plants', records: 'Records'},
   moreActions: 'Share, export, language and look',
   share: 'Share', shareHint: 'Links to this session', export: 'Export', exportHint: 'Data, pictures and a report of this session',
   present: 'Presentation', look: 'Light or dark', help: 'Keys',

@@ -8,7 +8,7 @@ export const zh = {
   named, said,
   skip: '跳到曲线', wait: '正在加载……', stop: '。', and: '；', close: '关闭', cancel: '取消', remedyIs: (words) => `解决办法：${words}`, copy: '复制', copied: '已复制',
 
-  pages: '页面', page: {live: '实时', runs: '仿真', plants: '对象'},
+  pages: '页面', page: {live: '实时', runs: '仿真', plants: '对象', records: '记录'},
   moreActions: '分享、导出、语言和外观',
   share: '分享', shareHint: '本会话的链接', export: '导出', exportHint: '本会话的数据、图片和报告',
   present: '演示模式', look: '浅色或深色', help: '按键',

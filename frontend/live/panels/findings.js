@@ -37,7 +37,8 @@ function found(alarm, verdict, faults, alarms) {
 
 /** An alarm that is on, held against the truth. */
 function judged(alarm, faults, active) {
-  if (active.some((fault) => names(alarm, fault))) return 'found';
+  // an alarm may be told a moment before the rows in which its fault begins are shown
+  if (active.some((fault) => names(alarm, fault)) || faults.some((fault) => names(alarm, fault) && fault.onset <= alarm.t && fault.ended === false)) return 'found';
   const then = faults.filter((fault) => fault.onset <= alarm.t && (fault.end === null || fault.end >= alarm.from));
   if (then.some((fault) => fault.active)) return 'blamed';
   return then.length ? 'over' : 'false';

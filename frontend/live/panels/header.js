@@ -66,5 +66,5 @@ export function mount(element, app) {
 
 /** Links to the pages; `here` is the one that is shown. */
 export function pages(text, here) {
-  return [['live', '/'], ['runs', '/runs/'], ['plants', '/plants/']].map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, text.page[name]));
+  return [['live', '/'], ['runs', '/runs/'], ['plants', '/plants/'], ['records', '/records/']].map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, text.page[name]));
 }
