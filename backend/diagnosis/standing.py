@@ -111,7 +111,8 @@ class Known:
     def course(self, d: np.ndarray) -> np.ndarray:
         """θ₀ at times ``d`` (in decisions): times × p."""
         after = (d - self.since)[:, None]
-        return self.level + self.slope * after - self.rest * np.expm1(-self.pace * after)
+        value = self.level + self.slope * after
+        return value - self.rest * np.expm1(-self.pace * after) if self.rest.any() else value
 
     def at(self, decision: int) -> np.ndarray:
         return self.course(np.array([decision]))[0]

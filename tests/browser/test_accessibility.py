@@ -82,3 +82,17 @@ def test_nothing_serious_on_a_phone(page, path, theme, language):
     live.wait_for_selector("dialog[open] math")
     found["equations"] = serious(live)
     assert {name: what for name, what in found.items() if what} == {}
+
+
+@pytest.mark.parametrize(("theme", "width"), [("light", 1440), ("dark", 390)])
+def test_nothing_serious_on_the_page_of_records(page, theme, width):
+    """Before and after a simulated record was diagnosed."""
+    shown = page("/records/", width=width, height=900, theme=theme)
+    shown.wait_for_selector(".names code")
+    shown.evaluate(AXE)
+    before = serious(shown)
+    shown.click("button:text-is('No record at hand: simulate one')")
+    shown.wait_for_selector(".buttons [role=status]:has-text('taken')", timeout=60_000)
+    shown.click("button.run")
+    shown.wait_for_selector(".found", timeout=60_000)
+    assert before == serious(shown) == []

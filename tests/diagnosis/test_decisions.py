@@ -84,7 +84,7 @@ def test_a_fault_that_ends_and_comes_back(name, channel, size, onset, end, again
     ("name", "one", "two"),
     [("zhao-2012", ("theta1", 0.01), ("theta3", 0.02)), ("zhao-2012", ("theta2", 0.015), ("theta3", 0.02)),
      ("dc-motor", ("gain_loss", 0.15), ("current_bias", 0.5)), ("dc-motor", ("load_torque", 0.08), ("speed_bias", 10)),
-     ("quadruple-tank", ("pump1", 0.1), ("level2", 0.2))],
+     ("quadruple-tank", ("pump1", 0.1), ("level2", 0.2)), ("quadruple-tank", ("pump1", 0.1), ("pump2", 0.1))],
 )  # fmt: skip
 def test_two_faults_at_one_instant(name, one, two):
     """Both are named, with their sizes, and no other."""
