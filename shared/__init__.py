@@ -12,6 +12,7 @@ from shared.diagnosis import (
     Excitation,
     InputProposal,
     NoiseLevel,
+    Observability,
     ObserverDiagnosis,
     Resolution,
 )
@@ -42,6 +43,7 @@ __all__ = [
     "KnownSignal",
     "Noise",
     "NoiseLevel",
+    "Observability",
     "ObserverConfig",
     "ObserverDiagnosis",
     "Output",

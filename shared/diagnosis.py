@@ -123,6 +123,22 @@ class Resolution(Strict):
     text: str = Field("", description="In words: from what size on, or why not.")
 
 
+class Observability(Strict):
+    """What the outputs show of the states and of all faults together: by the equations, and along a run."""
+
+    model_config = example(rank=5, size=5, text="all faults and states can be told apart", window=10.0, t=[0.0, 90.0], ranks=[5, 5],
+                           conditions=[1200.0, 340.0], along="rank 5 of 5 over 10 s, condition 3.4e+02 to 1.2e+03")  # fmt: skip
+
+    rank: int | None = Field(description="Generic rank of the observability matrix of states and faults (Lie derivatives); null: not decided.")
+    size: int = Field(description="States and faults.")
+    text: str = Field(description="What no input could tell apart, in words.")
+    window: Number = Field(description="Length in s of the windows along the run.")
+    t: list[Number] = Field(description="When they begin, in s.")
+    ranks: list[int | None] = Field(description="Rank of the empirical Gramian over each; null: the plant does not stay finite.")
+    conditions: list[Number | None] = Field(description="Its condition, in units of typical sizes; null below full rank.")
+    along: str = Field(description="The same in words, with the combination that is seen least.")
+
+
 class Excitation(Strict):
     """What the input tells about the faults: the smallest eigenvalue of the windowed Gramian of Ω in typical faults."""
 

@@ -1,4 +1,4 @@
-"""/api/diagnosis: what was recorded on a plant, and which faults it shows."""
+"""/api/diagnosis: what was recorded on a plant, and which faults it shows; /api/observability: what an experiment could show."""
 
 from typing import Any
 
@@ -12,8 +12,9 @@ from backend.api.problems import documented
 from backend.api.services import Use
 from backend.engine.errors import SpecError
 from backend.runs.errors import from_engine, invalid, validated
-from backend.runs.resolve import library_plant
-from shared.diagnosis import ObserverDiagnosis
+from backend.runs.resolve import library_plant, plant_of, resolved
+from shared.diagnosis import Observability, ObserverDiagnosis
+from shared.experiment import Experiment
 from shared.record import Record
 
 router = APIRouter(tags=["diagnosis"])
@@ -29,6 +30,24 @@ async def diagnose_record(request: Request, services: Use) -> Response:
     body = await read_body(request, services.settings.max_body)
     told = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
     return Response(told.model_dump_json(), media_type="application/json")
+
+
+@router.post("/observability", response_model=Observability, openapi_extra=body_schema("Experiment"), responses=documented(404, 413, 415, 422))
+async def observe(request: Request, services: Use) -> Response:
+    """What the outputs of an experiment show of states and faults together: rank by the equations, rank and condition along its run."""
+    body = await read_body(request, services.settings.max_body)
+    found = await run_in_threadpool(lambda: _observed(json_of(body)))
+    return Response(found.model_dump_json(), media_type="application/json")
+
+
+def _observed(data: Any) -> Observability:
+    from backend.assembly.observability import observability
+
+    spec = resolved(validated(Experiment, data))
+    try:
+        return observability(spec, plant_of(spec))
+    except SpecError as error:
+        raise from_engine(error, True) from None
 
 
 def _diagnosed(data: Any) -> ObserverDiagnosis:

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 
 from backend.diagnosis.comparison import DETECTOR
+from shared.diagnosis import Observability
 
 from .prose import bracketed, chip, number, span, table, unit
 from .scene import Scene
@@ -15,10 +16,10 @@ def diagnosis(scene: Scene, findings: Mapping[str, object]) -> str:
     return "".join(_observer(scene, label, findings[label]) for label in labels if label in findings)
 
 
-def visible(structure: str, along: str) -> str:
+def visible(found: Observability) -> str:
     """What the outputs show of states and faults: by the equations alone, and along the run."""
-    return (f"<h3>Observability of states and faults</h3><p><span class=soft>By the equations:</span> {escape(structure)}.</p>"
-            f"<p><span class=soft>Along this run (empirical Gramian, in units of typical sizes):</span> {escape(along)}.</p>")
+    return (f"<h3>Observability of states and faults</h3><p><span class=soft>By the equations:</span> {escape(found.text)}.</p>"
+            f"<p><span class=soft>Along this run (empirical Gramian, in units of typical sizes):</span> {escape(found.along)}.</p>")
 
 
 def _observer(scene: Scene, label: str, found) -> str:

@@ -6,7 +6,7 @@ import {alarmFrom} from '../live/alarms.js';
 import {line, spell} from '../live/panels/findingline.js';
 import {findings, sentence} from '../live/panels/findings.js';
 import {took} from '../live/panels/parts.js';
-import {visible} from '../live/panels/seen.js';
+import {trajectory, visible} from '../live/panels/seen.js';
 import {amount} from '../live/panels/sizes.js';
 import {certainty} from '../live/panels/sure.js';
 import {capital, plain, spoken} from '../live/panels/symbols.js';
@@ -39,7 +39,7 @@ function detector({run, plant}, {detector: told}) {
   const app = {state, text: live};
   const found = findings(state);
   return [h('p', {class: 'verdict'}, capital(spell(sentence(found, state), app))), h('div', {class: 'side-by-side'}, found.map((one) => line(one, app))),
-    told.calibration && fold(text.canSee, visible(app)), told.calibration && fold(text.howSure, h('div', {class: 'small'}, certainty(state, live).map((said) => h('p', {}, said))))];
+    told.calibration && fold(text.canSee, visible(app), trajectory(app)), told.calibration && fold(text.howSure, h('div', {class: 'small'}, certainty(state, live).map((said) => h('p', {}, said))))];
 }
 
 const COUNTS = ['found', 'missed', 'false_alarms', 'isolation_errors'];

@@ -53,3 +53,17 @@ def test_what_is_no_record_is_refused(client, record, change, words):
     asked = {"plant": "friction-motor", "columns": record} | ({"columns": None} if "csv" in change else {}) | change
     with pytest.raises(ServiceError, match=words):
         client.post("/api/diagnosis", asked)
+
+
+def test_what_an_experiment_could_show(client):
+    """Rank by the equations, and rank and condition along the run: zhao-2012 has full rank in every window; where dc-motor's input
+    stands still for a window its speed sensor's bias hides among others."""
+    spec = library.experiment("zhao-2012").model_dump(mode="json")
+    found = client.post("/api/observability", spec)
+    assert found["rank"] == found["size"] == 5 and set(found["ranks"]) == {5} and len(found["t"]) == len(found["conditions"]) > 3
+    assert all(c > 1 for c in found["conditions"]) and "rank 5 of 5" in found["along"]
+    hidden = client.post("/api/observability", library.experiment("dc-motor").model_dump(mode="json"))
+    assert hidden["rank"] == hidden["size"] == 7 and 6 in hidden["ranks"] and "speed_bias" in hidden["along"]
+    assert [c is None for c in hidden["conditions"]] == [r < 7 for r in hidden["ranks"]]
+    with pytest.raises(ServiceError, match="dc-motor"):
+        client.post("/api/observability", spec | {"plant": "dc-moter"})

@@ -108,6 +108,17 @@ def test_what_can_be_seen_and_how_sure(page):
     assert "0.001 declared" in words and f"{told['calibration']['seeds']} simulated runs" in words
 
 
+def test_rank_and_condition_along_the_run(page):
+    """Behind "what can be seen?": full rank of states and faults by the equations, and in every window of the run with its condition."""
+    live = started(page)
+    live.click("#panel-diagnosis button:text-is('what can be seen?')")
+    live.click(".trajectory button")
+    live.wait_for_selector(".trajectory tbody tr:nth-child(4)", timeout=30_000)
+    rows = live.locator(".trajectory tbody tr").all_inner_texts()
+    assert all("5 / 5" in row and float(row.split()[-1]) > 1 for row in rows)
+    assert "rank 5 of 5" in live.inner_text(".trajectory p >> nth=0") and live.watch.errors == []
+
+
 def test_a_proposed_input_is_applied(page):
     """With its own input held the motor's faults are not told apart; the proposal is shown, and Apply sends it to the session."""
     live = started(page, "/?experiment=dc-motor&t=2")

@@ -66,6 +66,8 @@ export const en = {
   plusMinus: (percent) => `± is the ${percent} % interval of the size, the other faults unknown, too.`, judgedFrom: (s) => `Nothing is judged before ${s} s.`,
   noiseSeen: (output, declared, seen) => `Noise of ${output}: ${declared === null ? 'none declared' : `${declared} declared`}, ${seen} seen.`,
   bandsAre: 'One detector raises the alarms, whatever observers watch. Their bands are theirs: two standard deviations on either side, wider where the input tells less.',
+  alongTrajectory: 'Rank and condition along the run', rank: 'Rank', condition: 'Condition', windowFrom: (s) => `${s} s from, s`,
+  byEquations: (rank, size) => `By the equations, rank ${rank} of ${size}.`,
   levelOf: (now, needed) => `Least visible: ${now} times above the noise; ${needed} asked for.`, overLast: (s) => `Over the last ${s} s.`,
   smallest: 'shows from', smallestHint: 'The smallest step that is found within the longest window, the other faults unknown', typical: 'typical',
   canBeSeen: 'told apart', underNoise: 'lost in the noise', notSeenNow: 'not identifiable now', hardlySeen: 'hardly told apart',

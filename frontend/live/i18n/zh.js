@@ -66,6 +66,8 @@ export const zh = {
   plusMinus: (percent) => `± 是大小的 ${percent} % 区间，其他故障同样未知。`, judgedFrom: (s) => `${s} s 之前不作判断。`,
   noiseSeen: (output, declared, seen) => `${output} 的噪声：${declared === null ? '未声明' : `声明为 ${declared}`}，实际 ${seen}。`,
   bandsAre: '报警由一个检测器给出，与所用观测器无关。各观测器的置信带是其自身的：两侧各两倍标准差，输入提供的信息越少越宽。',
+  alongTrajectory: '沿轨迹的秩与条件数', rank: '秩', condition: '条件数', windowFrom: (s) => `${s} s 窗口起点，s`,
+  byEquations: (rank, size) => `按方程，秩 ${rank} / ${size}。`,
   levelOf: (now, needed) => `最不可见者：高出噪声 ${now} 倍；要求 ${needed} 倍。`, overLast: (s) => `最近 ${s} s。`,
   smallest: '可见自', smallestHint: '在最长窗口内可发现的最小阶跃，其他故障未知', typical: '典型',
   canBeSeen: '可区分', underNoise: '淹没于噪声', notSeenNow: '目前不可辨识', hardlySeen: '难以区分',

@@ -12,7 +12,8 @@ const DECADES = [-3, 1.5]; // of level/needed, what the bar shows
 export function createSeen(app) {
   const body = h('div');
   const proposal = h('div', {class: 'proposal'});
-  const element = h('div', {class: 'fold-out scroll', hidden: true, tabindex: 0, role: 'region'}, body, proposal);
+  const along = h('div');
+  const element = h('div', {class: 'fold-out scroll', hidden: true, tabindex: 0, role: 'region'}, body, proposal, along);
   let shown = null;
   const show = () => {
     const {state, text} = app;
@@ -51,8 +52,29 @@ export function createSeen(app) {
       found.input && h('button', {type: 'button', class: 'press control-only', onclick: apply}, text.apply),
       h('button', {type: 'button', class: 'press quiet-press', onclick: offer}, text.dismiss)), problem);
   };
-  app.subscribe((state) => [state.session, state.language], () => { shown = null; offer(); });
+  app.subscribe((state) => [state.session, state.language], () => { shown = null; offer(); fill(along, trajectory(app)); });
   return {element, show};
+}
+
+/** Rank and condition along the trajectory of the experiment, when they are asked for. */
+export function trajectory(app) {
+  const {text} = app;
+  const place = h('div', {class: 'trajectory'});
+  const ask = async (event) => {
+    event.currentTarget.disabled = true;
+    try {
+      const {spec, plant} = app.state;
+      const found = await post('/api/observability', {...spec, observers: [], figures: [], commands: []});
+      fill(place, h('p', {}, text.byEquations(found.rank ?? '–', found.size), ' ', capital(text.said(spoken(found.text, plant))), text.stop),
+        h('table', {class: 'seen'}, h('thead', {}, h('tr', {}, [text.windowFrom(number(found.window, 3)), text.rank, text.condition].map((head) => h('th', {scope: 'col'}, head)))),
+          h('tbody', {}, found.t.map((t, k) => h('tr', {}, h('td', {}, number(t, 4)), h('td', {}, `${found.ranks[k] ?? '–'} / ${found.size}`), h('td', {}, number(found.conditions[k], 2)))))),
+        h('p', {class: 'soft small'}, capital(text.said(spoken(found.along, plant))), text.stop));
+    } catch (error) {
+      fill(place, h('p', {class: 'refused', role: 'alert'}, error.message));
+    }
+  };
+  fill(place, h('button', {type: 'button', class: 'quiet', onclick: ask}, text.alongTrajectory));
+  return place;
 }
 
 /** In words, as a bar, and channel by channel. */
