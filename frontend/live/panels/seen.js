@@ -69,6 +69,7 @@ export function trajectory(app) {
         h('table', {class: 'seen'}, h('thead', {}, h('tr', {}, [text.windowFrom(number(found.window, 3)), text.rank, text.condition].map((head) => h('th', {scope: 'col'}, head)))),
           h('tbody', {}, found.t.map((t, k) => h('tr', {}, h('td', {}, number(t, 4)), h('td', {}, `${found.ranks[k] ?? '–'} / ${found.size}`), h('td', {}, number(found.conditions[k], 2)))))),
         h('p', {class: 'soft small'}, capital(text.said(spoken(found.along, plant))), text.stop));
+      place.scrollIntoView({block: 'nearest'});
     } catch (error) {
       fill(place, h('p', {class: 'refused', role: 'alert'}, error.message));
     }
