@@ -8,6 +8,7 @@
    An output that cannot be trusted is not followed until it agrees again with what the filter makes of the others.
 """
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -27,7 +28,8 @@ def decide(now: Standing, look: Look) -> Standing:
     while now.at < look.sums.last and now.change is None:
         now = _watch(now, look) if now.detected is None else name(now, look)
         if now.change is None and (stuck := _stuck(now, look)) is not None:
-            since = now.at - -int(-look.sums.still[now.at - look.sums.first, stuck] // look.rows)
+            repeated = look.sums.still[now.at - look.sums.first, stuck]
+            since = now.at - math.ceil((repeated + 1) / look.rows)  # the first of them repeats none, and is wrong, too
             now = distrust(now, look, stuck, since, float(look.sums.still[now.at - look.sums.first, stuck]))
     return now
 

@@ -116,7 +116,8 @@ def inverted(J: np.ndarray) -> np.ndarray:
         return 1.0 / np.maximum(J, 1e-300)
     scale = np.sqrt(np.maximum(np.einsum("...ii->...i", J), 1e-300))
     scale = scale[..., :, None] * scale[..., None, :]
-    return np.linalg.pinv(J / scale, rcond=1e-9, hermitian=True) / scale
+    with np.errstate(over="ignore"):  # where nothing is seen of a change its variance has no bound
+        return np.linalg.pinv(J / scale, rcond=1e-9, hermitian=True) / scale
 
 
 # ---- onsets --------------------------------------------------------------------------------------------------------------

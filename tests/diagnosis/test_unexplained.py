@@ -33,6 +33,24 @@ def test_the_right_output_of_two_is_named(shape):
         assert 15.8 <= alarms[-1]["cleared"] < 17  # what is rounded may look right before it is
 
 
+OTHERS = [("dc-motor", "y_current", "noise-burst", {"std": 0.5, "sample_time": 0.005}, 12), ("dc-motor", "y_current", "freeze", {}, 12),
+          ("dc-motor", "y_current", "stuck", {"value": 2.0}, 12), ("dc-motor", "y_current", "delay", {"delay": 0.1}, 12),
+          ("dc-motor", "y_current", "outliers", {"probability": 0.03, "size": 3, "sample_time": 0.005}, 12),
+          ("quadruple-tank", "y1", "freeze", {}, 800), ("quadruple-tank", "y1", "stuck", {"value": 5.0}, 800),
+          ("quadruple-tank", "y1", "noise-burst", {"std": 0.3, "sample_time": 1.0}, 800), ("dts200", "y2", "freeze", {}, 800),
+          ("dts200", "y2", "stuck", {"value": 20.0}, 800), ("dts200", "y2", "noise-burst", {"std": 0.3, "sample_time": 1.0}, 800)]  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "output", "shape", "more", "onset"), OTHERS)
+def test_failing_outputs_of_other_plants(name, output, shape, more, onset):
+    """Two seeds each: the output that fails is named, nothing else is, and it is trusted again afterwards."""
+    end = onset * 4 // 3 if name == "dc-motor" else onset * 3 // 2
+    for seed in (1, 2):
+        alarms = watching(name, [{"output": output, "shape": shape, "onset": onset, "end": end} | more]).alarms(seed)
+        assert set(names(alarms)) == {output} and alarms[0]["onset"] == pytest.approx(onset, rel=0.03)
+        assert all(a["cleared"] is not None for a in alarms)
+
+
 def test_a_fault_is_found_while_an_output_fails():
     """While the speed sensor is frozen, a fault that the current shows is found all the same."""
     frozen = {"output": "y_speed", "shape": "freeze", "onset": 10, "end": None}
