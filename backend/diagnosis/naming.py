@@ -228,13 +228,13 @@ def reviewed(now: Standing, look: Look) -> Standing:
     now = remembered(now, look)
     if now.pending is None or now.pending.settled:
         return now
+    now, fit = _pruned(now, look)
     pending, last = now.pending, now.pending.young[-1]
     for group in dict.fromkeys(group for y in _open(pending) for group in (_together(pending, y), (y,))):
         choice = _instead(now, look, group)
         better = len(group) == 1 or choice.leader.cost < _present(now, look) + _price(group)
         if choice.leader.output is None and len(choice.leader.events) == 1 and better:
             return _settled(_raised(now, look, choice))
-    now, fit = _pruned(now, look)
     now = replace(now, pending=replace(now.pending, review=now.at + max(2, now.at - last.event.first)))
     return _settled(take(now, look, fit))
 
