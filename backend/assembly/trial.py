@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from backend.engine.timeline import Stage
 from shared.diagnosis import Diagnosis
 
 BAND = 3.0  # standard deviations of a locked band
+LATEST = 400  # values that tutorials take it from
 
 
 @dataclass(frozen=True)
@@ -102,15 +104,17 @@ def _ways(result: Result, lock: float | None) -> Iterator[tuple[str, list[Raised
     if lock is not None:
         for report in result.observers:
             if any(n.startswith(f"{report.label}.sigma.") for n in result.names):
-                yield f"{report.label}: 3σ of what it was, locked at {lock:g} s", _locked(result, report.label, lock, False)
+                yield f"{report.label}: 3σ of what it was, locked at {lock:g} s", _locked(result, report.label, lock)
+                yield f"{report.label}: 3σ of its last {LATEST} values, upwards, locked at {lock:g} s", _locked(result, report.label, lock, "latest")
                 if any(n.startswith(f"{report.label}.claimed.") for n in result.names):
-                    yield f"{report.label}: 3σ of its covariance, locked at {lock:g} s", _locked(result, report.label, lock, True)
+                    yield f"{report.label}: 3σ of its covariance, locked at {lock:g} s", _locked(result, report.label, lock, "claimed")
 
 
-def _locked(result: Result, label: str, lock: float, claimed: bool) -> list[Raised]:
+def _locked(result: Result, label: str, lock: float, way: Literal["all", "latest", "claimed"] = "all") -> list[Raised]:
     """The first time at which each estimate leaves mean ± 3 standard deviations of what it was up to ``lock``.
 
-    ``claimed``: the standard deviations are those that the observer's own covariance claims at ``lock``, about the estimate.
+    latest: of its last values only, and upwards only, as tutorials have it; claimed: the standard deviations are those that the
+    observer's own covariance claims at ``lock``, about the estimate.
     """
     t = result.column("t")
     row = int(np.searchsorted(t, lock))
@@ -118,10 +122,12 @@ def _locked(result: Result, label: str, lock: float, claimed: bool) -> list[Rais
     for name in result.names:
         if name.startswith(f"{label}.theta."):
             estimate, channel = result.column(name), name.split(".", 2)[2]
-            mean, deviation = estimate[:row].mean(), estimate[:row].std()
-            if claimed:
+            known = estimate[max(0, row - LATEST) : row] if way == "latest" else estimate[:row]
+            mean, deviation = known.mean(), known.std()
+            if way == "claimed":
                 mean, deviation = estimate[row], result.column(f"{label}.claimed.{channel}")[row]
-            out = np.flatnonzero(np.abs(estimate[row:] - mean) > BAND * deviation)
+            off = estimate[row:] - mean
+            out = np.flatnonzero((off if way == "latest" else np.abs(off)) > BAND * deviation)
             if len(out):
                 alarms.append(Raised(float(t[row + out[0]]), (channel,)))
     return alarms
