@@ -8,7 +8,8 @@ from shared.base import NonNegative, Strict, example
 from shared.diagnosis import DiagnosisSettings
 from shared.experiment import PlantChoice
 
-Column = Annotated[list[float], Field(max_length=1_000_000)]
+MOST_ROWS = 200_000
+Column = Annotated[list[float], Field(max_length=MOST_ROWS)]
 
 
 class Record(Strict):

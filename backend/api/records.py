@@ -15,10 +15,9 @@ from backend.runs.errors import from_engine, invalid, validated
 from backend.runs.resolve import library_plant, plant_of, resolved
 from shared.diagnosis import Observability, ObserverDiagnosis
 from shared.experiment import Experiment
-from shared.record import Record
+from shared.record import MOST_ROWS, Record
 
 router = APIRouter(tags=["diagnosis"])
-MOST_ROWS = 200_000
 
 
 @router.post("/diagnosis", response_model=ObserverDiagnosis, openapi_extra=body_schema("Record"), responses=documented(404, 413, 415, 422))

@@ -36,7 +36,7 @@ def decide(now: Standing, look: Look) -> Standing:
 
 def _stuck(now: Standing, look: Look) -> int | None:
     """An output that is heeded though it shows the same number all the time: noise does not."""
-    stuck = np.flatnonzero((look.sums.still[now.at - look.sums.first] > look.patience) * now.heed)
+    stuck = np.flatnonzero((look.sums.still[now.at - look.sums.first] > look.filter.patience) * now.heed)
     return int(stuck[0]) if len(stuck) else None
 
 
@@ -45,7 +45,7 @@ def _watch(now: Standing, look: Look) -> Standing:
     cal, last = look.calibrated, look.sums.last
     if now.pending is not None:
         last = min(last, max(now.pending.review, now.at + 1))
-    stuck = (look.sums.still[now.at + 1 - look.sums.first : last + 1 - look.sums.first] > look.patience) @ now.heed > 0
+    stuck = (look.sums.still[now.at + 1 - look.sums.first : last + 1 - look.sums.first] > look.filter.patience) @ now.heed > 0
     last = now.at + 1 + int(stuck.argmax()) if stuck.any() else last
     calm = _calm(now, look, last)
     last = last if calm is None else calm[0]
@@ -96,7 +96,7 @@ def _calm(now: Standing, look: Look, last: int) -> tuple[int, int] | None:
         else:
             q = look.sums.q[b, found.output] - look.sums.q[a, found.output]
             quiet = q < noise.energy[k] / m + QUIET * noise.scatter[k] / m**0.5
-            stuck = look.sums.still[:, found.output] > look.patience[found.output]
+            stuck = look.sums.still[:, found.output] > look.filter.patience[found.output]
             quiet &= np.maximum.accumulate(np.where(stuck, np.arange(len(stuck)), -1))[b] <= a
         quiet &= begins >= max(first, found.at)
         if quiet.any() and (best is None or ends[quiet.argmax()] < best[0]):

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from backend.diagnosis.evidence import LOST
 from backend.diagnosis.scene import Scene
 from backend.diagnosis.screening import asked
 from backend.diagnosis.standing import Event
+from backend.diagnosis.supposing import LOST
 
 CLEAR = 9.0  # lead in twice the log of a likelihood that makes one explanation the answer: odds of 90 to 1
 _ROUNDS = 3  # of Gauss–Newton, at most

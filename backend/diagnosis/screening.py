@@ -102,7 +102,7 @@ def _steps(scene: Scene) -> Case:
     onsets = np.arange(scene.begin, scene.at)
     J, s = scene.ahead.ww[:-1], scene.ahead.w[:-1]
     if scene.first(scene.begin, True):  # V answers what has been there from t = 0 on
-        V, J, s = scene.look.answers(scene.track.states[0]), J.copy(), s.copy()
+        V, J, s = scene.look.filter.answers(scene.track.states[0]), J.copy(), s.copy()
         passed = V.T @ scene.ahead.vw[0]
         J[0] += V.T @ scene.ahead.vv[0] @ V + passed + passed.T
         s[0] += V.T @ scene.ahead.v[0]
@@ -128,7 +128,7 @@ def _ended(scene: Scene, spans: list[tuple[int, int]]) -> Case:
     lane, stop = np.array([onsets.index(a) for a, _ in spans]), np.array([stops.index(b) for _, b in spans])
     a, b = np.array(spans).T
     rise = (b - a)[:, None] * 1.0
-    V = scene.look.answers(seen.states[lane, stop])
+    V = scene.look.filter.answers(seen.states[lane, stop])
     D, s = scene.ahead.after(b - scene.begin, V, np.broadcast_to(rise, (len(a), V.shape[2])))
     D, s = (D + np.einsum("kpp->kp", seen.J[lane, stop])) / rise**2, (s + seen.s[lane, stop]) / rise
     return Case(a, b - a * 1.0, np.zeros(len(a), bool), _energy(scene, D, s, np.ones(len(a)), 1.0), D, s, np.empty(0))

@@ -6,8 +6,10 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from backend.diagnosis.ahead import Backwards
 from backend.diagnosis.calibration import Calibrated
-from backend.diagnosis.evidence import Ahead, Sought
+from backend.diagnosis.evidence import Filter
+from backend.diagnosis.supposing import Supposed
 from backend.diagnosis.windows import Range, Sums
 
 NEVER = 1 << 62  # a decision that does not come
@@ -222,21 +224,17 @@ class Look:
     """What decisions are made from.
 
     ``replay(state, begin, at, known, heed, fresh)`` runs the filter again from a state, what is known of θ being a function of time
-    in decisions; ``suppose`` does so with many suppositions, ``handed`` what ``ahead`` and ``bending`` go by. ``state(decision)`` is the
-    filter's as it was. These and ``moved``, ``answers`` and ``unanswered`` are `Filter`'s.
+    in decisions; ``suppose`` does so with many suppositions, ``handed`` gives what ``backwards`` goes by. ``state(decision)`` is the
+    filter's as it was.
     """
 
     sums: Sums
     calibrated: Calibrated
     replay: Callable[..., Replay]
-    suppose: Callable[..., Sought]
+    suppose: Callable[..., Supposed]
     handed: Callable[..., np.ndarray]
-    ahead: Callable[..., Ahead]
-    bending: Callable[..., tuple[np.ndarray, np.ndarray]]
     state: Callable[[int], np.ndarray]
-    moved: Callable[[np.ndarray, np.ndarray], np.ndarray]
-    answers: Callable[[np.ndarray], np.ndarray]
-    unanswered: Callable[[np.ndarray], np.ndarray]
+    filter: Filter
+    backwards: Backwards
     oldest: int  # the earliest onset for which that can be done
     rows: int  # rows of evidence in one decision
-    patience: np.ndarray  # m: rows after which an output that shows the same number stands still

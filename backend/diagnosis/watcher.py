@@ -8,11 +8,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from backend.diagnosis.ahead import Backwards
 from backend.diagnosis.calibration import Calibrated
 from backend.diagnosis.decisions import decide
-from backend.diagnosis.evidence import Filter, Innovations, Sought, Told
+from backend.diagnosis.evidence import Filter, Innovations
 from backend.diagnosis.pauses import pause
 from backend.diagnosis.standing import Look, Replay, Standing
+from backend.diagnosis.supposing import Courses, Supposed, Supposing
 from backend.diagnosis.windows import LONGEST, Sums
 
 _BLOCK = 256  # decisions looked at at once
@@ -40,6 +42,12 @@ class Watcher:
 
     def __init__(self, filter_: Filter, calibrated: Calibrated, stride: int):
         self.filter, self.calibrated, self.stride = filter_, calibrated, stride
+        self.supposing, self.backwards = Supposing(filter_), Backwards(filter_)
+
+    def prepare(self) -> None:
+        """Have at hand what naming needs: compiling takes up to a second."""
+        self.supposing.prepare()
+        self.backwards.prepare()
 
     def begin(self) -> Watched:
         """Before the first row."""
@@ -102,18 +110,17 @@ class Watcher:
             q = np.concatenate([np.zeros((1, made.m)), q])
             return Replay(q, np.concatenate([state[None], seen.states[stride - 1 :: stride]]), heed)
 
-        def suppose(states: np.ndarray, begin: int, known, told: Told, heed: np.ndarray, stops: np.ndarray) -> Sought:
+        def suppose(states: np.ndarray, begin: int, known, courses: Courses, heed: np.ndarray, stops: np.ndarray) -> Supposed:
             pause()
             rows, d = self._rows(now, begin, begin + int(stops[-1]))
-            return made.suppose(states, known(d), now.table[rows], now.t[rows], d, told, heed, stops * stride)
+            return self.supposing.run(states, known(d), now.table[rows], now.t[rows], d, courses, heed, stops * stride)
 
         def handed(state: np.ndarray, begin: int, at: int, known, heed: np.ndarray) -> np.ndarray:
             pause()
             rows, d = self._rows(now, begin, at)
-            return made.handed(state, self._within(known(d)), now.table[rows], now.t[rows], heed)
+            return self.backwards.handed(state, self._within(known(d)), now.table[rows], now.t[rows], heed)
 
-        return Look(now.sums, self.calibrated, replay, suppose, handed, made.ahead, made.bending, lambda d: now.states[d - first], made.moved, made.answers,
-                    made.unanswered, first, stride, made.patience)  # fmt: skip
+        return Look(now.sums, self.calibrated, replay, suppose, handed, lambda d: now.states[d - first], made, self.backwards, first, stride)
 
     def _rows(self, now: Watched, first: int, last: int) -> tuple[slice, np.ndarray]:
         """Where the rows of decisions are kept, and their times in decisions."""

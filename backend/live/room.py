@@ -49,7 +49,9 @@ class House:
     """What a room needs of the outside.
 
     clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room):
-    fill when there is time. watch(room): do what its `inspection` has to watch when there is time, in slices. may_check: whether it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer may be behind; past: those that a session may keep.
+    fill when there is time. watch(room): do what its `inspection` has to watch when there is time, in slices. may_check: whether
+    it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer
+    may be behind; past: those that a session may keep.
     """
 
     clock: Callable[[], float]

@@ -1,6 +1,7 @@
 """The detector in a live session: the one that runs are diagnosed with, over rows as they come."""
 
 from collections import OrderedDict
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from threading import Lock
 
@@ -92,7 +93,7 @@ class Watch:
 
     def events(self, seen: "Seen", after: Watched) -> list[Event]:
         """What was found in rows that waited."""
-        return list(self._events(seen.watched.standing.found, after.standing, self.record))
+        return list(self._events(seen.watched.standing.found, after.standing))
 
     def caught_up(self, seen: "Seen") -> Watched:
         """With the rows that waited."""
@@ -101,17 +102,17 @@ class Watch:
             watched = follow(refitted(self.made, experiment, self.asked.doubt), watched, experiment, rows, values)
         return watched
 
-    def _events(self, before: tuple[Found, ...], now: Standing, record: float):
+    def _events(self, before: tuple[Found, ...], now: Standing) -> Iterator[Event]:
         for i, found in enumerate(now.found):
             old = before[i] if i < len(before) else None
             if old is None:
-                yield self._event(replace(found, cleared=None), found.at, "alarm", record)
+                yield self._event(replace(found, cleared=None), found.at, "alarm")
             elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
-                yield self._event(found, now.at, "alarm", record)  # it has got another name, or was not over after all
+                yield self._event(found, now.at, "alarm")  # it has got another name, or was not over after all
             if found.cleared is not None and (old is None or old.cleared is None):
-                yield self._event(found, found.cleared, "alarm-over", record)
+                yield self._event(found, found.cleared, "alarm-over")
 
-    def _event(self, found: Found, decision: int, kind: str, record: float) -> Event:
+    def _event(self, found: Found, decision: int, kind: str) -> Event:
         told = alarm(found, self.made, self.settings.confidence)
         row = decision * self.made.stride
         told["estimate"] = told["size"]
@@ -119,7 +120,7 @@ class Watch:
         subject = told["channel"] or told["output"].removeprefix("y.")
         text = told["text"] if kind == "alarm" else f"alarm over: {subject}"
         value = {k: list(v) if isinstance(v, tuple) else v for k, v in told.items() if k != "text"}
-        return Event(row=row, t=row * record, kind=kind, subject=subject, observer="detector", value=value, text=text)
+        return Event(row=row, t=row * self.record, kind=kind, subject=subject, observer="detector", value=value, text=text)
 
     def proposed(self, experiment: Engine, state: State) -> InputProposal:
         """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""
@@ -167,7 +168,7 @@ def _shared(spec: Experiment, experiment: Engine, wanted: Asked) -> Detector:
             return found
     whole = replace(experiment, steps=round(span(spec) / spec.step))
     found = detector(whole, whole.context, wanted, key)
-    found.filter.prepare()
+    found.prepare()
     with _lock:
         _made[key] = found
         while len(_made) > _KEPT:

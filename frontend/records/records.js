@@ -88,13 +88,11 @@ async function showNames() {
   fill(names, text.columnsAre, ' ', columns.map((name, k) => [k > 0 && ', ', h('code', {}, name)]), '. ', text.columnsMore);
 }
 
-async function ask(csv) {
+/** Do something of which the server may refuse a part; what it gives is said beside the buttons. */
+async function attempt(work) {
   fill(state, text.running);
   try {
-    const body = {plant: choice.value, csv, learn: Number(learn.value), diagnosis: {false_alarms: Number(rate.value)}};
-    const [told, plant] = await Promise.all([post('/api/diagnosis', body), plantOf(choice.value)]);
-    fill(result, found(told, plant, columnsOf(csv)));
-    fill(state);
+    fill(state, await work() ?? '');
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     fill(result, problemBlock(error));
@@ -102,15 +100,20 @@ async function ask(csv) {
   }
 }
 
+async function ask(csv) {
+  const body = {plant: choice.value, csv, learn: Number(learn.value), diagnosis: {false_alarms: Number(rate.value)}};
+  const [told, plant] = await Promise.all([post('/api/diagnosis', body), plantOf(choice.value)]);
+  fill(result, found(told, plant, columnsOf(csv)));
+}
+
 /** A run of the plant's first experiment as a record, for those who have none at hand. */
 async function simulated() {
-  fill(state, text.running);
   const {id} = experiments.find((one) => one.plant === choice.value && one.observers.length > 0) ?? experiments.find((one) => one.plant === choice.value);
   const [run, plant] = await Promise.all([post('/api/runs?wait=60', {experiment: id, set: {observers: [], figures: []}}), plantOf(choice.value)]);
   const columns = ['t', ...plant.inputs.map((one) => `u.${one.name}`), ...plant.signals.map((one) => `signal.${one.name}`), ...plant.outputs.map((one) => `y.${one.name}`)];
   const answer = await fetch(`/api/runs/${run.id}/data?format=csv&columns=${columns.join(',')}`);
   taken = await answer.text();
-  fill(state, text.takenFrom(id));
+  return text.takenFrom(id);
 }
 
 choice.addEventListener('change', () => { taken = null; fill(state); showNames(); });
@@ -118,10 +121,10 @@ file.addEventListener('change', () => { taken = null; fill(state); });
 const form = h('form', {class: 'card ask', onsubmit: async (event) => {
   event.preventDefault();
   const csv = taken ?? await file.files[0]?.text();
-  if (csv) ask(csv);
+  if (csv) attempt(() => ask(csv));
   else fill(state, text.noFile);
 }},
 h('label', {}, text.plant, choice), h('label', {}, text.file, file), h('label', {title: text.learnHint}, text.learn, learn), h('label', {title: text.rateHint}, text.rate, rate), names,
-h('div', {class: 'all buttons'}, h('button', {class: 'run', type: 'submit'}, text.diagnose), h('button', {class: 'quiet', type: 'button', onclick: simulated}, text.simulate), state));
+h('div', {class: 'all buttons'}, h('button', {class: 'run', type: 'submit'}, text.diagnose), h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, text.simulate), state));
 fill(root, h('h1', {}, text.records), h('p', {class: 'soft'}, text.recordsText), form, result);
 showNames();

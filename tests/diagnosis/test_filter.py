@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from backend.diagnosis.evidence import Told
 from backend.diagnosis.standing import Event
+from backend.diagnosis.supposing import Courses
 from tests.diagnosis.watching import watching
 
 SETTLED = 150  # decisions
@@ -16,7 +16,7 @@ class Rows:
 
     def __init__(self, name: str, decisions: int = 120):
         made = watching(name).made
-        self.filter, self.stride = made.filter, made.stride
+        self.filter, self.stride, self.supposing, self.backwards = made.filter, made.stride, made.supposing, made.backwards
         table, t = watching(name).rows()
         rows, self.p, self.m = decisions * self.stride, self.filter.p, self.filter.m
         before, here = slice(0, SETTLED * self.stride), slice(SETTLED * self.stride, SETTLED * self.stride + rows)
@@ -59,10 +59,10 @@ def test_omega_is_what_the_innovations_lose_when_a_fault_is_known(rows):
 def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
     """J and s of steps and of even and bent rises from four onsets, in one pass backwards and by running the filter from there."""
     heed, known = np.ones(rows.m), np.zeros((len(rows.d), rows.p))
-    handed = rows.filter.handed(rows.begin, known, rows.table, rows.t, heed)
-    ahead = rows.filter.ahead(handed, heed, rows.stride)
+    handed = rows.backwards.handed(rows.begin, known, rows.table, rows.t, heed)
+    ahead = rows.backwards.ahead(handed, heed, rows.stride)
     tau = 17.0
-    bent = rows.filter.bending(handed, heed, rows.stride, tau)
+    bent = rows.backwards.bending(handed, heed, rows.stride, tau)
     for onset in (0, 1, 40, 110):
         J, s, *_ = rows.run(onset, course=Event(0, onset))
         close(ahead.ww[onset], J)
@@ -78,8 +78,8 @@ def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
 def test_a_rise_goes_on_from_where_it_ended(rows):
     """What follows the end of a rise, from V and the course there, against the filter run along all of it."""
     begin, end = 20, 60
-    handed = rows.filter.handed(rows.begin, np.zeros((len(rows.d), rows.p)), rows.table, rows.t, np.ones(rows.m))
-    ahead = rows.filter.ahead(handed, np.ones(rows.m), rows.stride)
+    handed = rows.backwards.handed(rows.begin, np.zeros((len(rows.d), rows.p)), rows.table, rows.t, np.ones(rows.m))
+    ahead = rows.backwards.ahead(handed, np.ones(rows.m), rows.stride)
     seen = rows.run(begin, course=Event(0, begin, float(end - begin)))[3]
     V = rows.filter.answers(seen.states[end * rows.stride - 1])
     D, s = ahead.after(np.array([end]), V[None], np.ones((1, rows.p)))
@@ -100,8 +100,8 @@ def test_suppositions_are_runs_of_the_filter(rows):
         numbers[k, e.channel] = [e.onset, *e.form, e.size]
     numbers[:, :, 5] = np.exp(-numbers[:, :, 5] / rows.stride)
     onset = np.array([e.onset for e in events])
-    told = Told(*np.moveaxis(numbers, 2, 0), np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
-    found = rows.filter.suppose(np.repeat(rows.begin[None], 9, axis=0), np.zeros((len(rows.d), rows.p)), rows.table, rows.t, rows.d, told,
+    courses = Courses(*np.moveaxis(numbers, 2, 0), np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
+    found = rows.supposing.run(np.repeat(rows.begin[None], 9, axis=0), np.zeros((len(rows.d), rows.p)), rows.table, rows.t, rows.d, courses,
                                 np.ones(rows.m), np.array([len(rows.d)]))  # fmt: skip
     for k, e in enumerate(events):
         J, s, q, seen = rows.run(int(e.onset), [e])
