@@ -48,26 +48,29 @@ class Cost:
     """What a call of advance takes: a share of its own and one for each row, fitted to the calls so far."""
 
     _FORGET = 0.9
+    _FURTHER = 4  # times as many rows as lately are asked for at most: what those cost is a guess
 
     def __init__(self) -> None:
         self._sums = [0.0] * 5  # weights, rows, seconds, rows², rows · seconds
         self._call = self._row = 0.0
+        self._mean = 1000.0  # rows of a call lately; to begin with, a guess
 
     def measured(self, rows: int, seconds: float) -> None:
         """So many rows took so long."""
         terms = (1.0, rows, seconds, rows * rows, rows * seconds)
         n, x, y, xx, xy = self._sums = [self._FORGET * s + t for s, t in zip(self._sums, terms, strict=True)]
         spread = n * xx - x * x
-        slope = (n * xy - x * y) / spread if spread > 1e-2 * xx * n else 0.0
+        slope = (n * xy - x * y) / spread if spread > 1e-2 * xx * n else y / x  # the most it can be, where nothing tells
         self._row = min(max(slope, 0.0), y / x)  # beyond that the call itself would cost less than nothing
         self._call = (y - self._row * x) / n
+        self._mean = x / n
 
     def seconds(self, rows: int) -> float:
         return self._call + rows * self._row
 
     def rows(self, seconds: float) -> int:
         """Rows whose own share takes so long; the call itself has to be paid anyway."""
-        return max(1, int(min(seconds / max(self._row, 1e-9), 1e9)))
+        return max(1, int(min(seconds / max(self._row, 1e-9), self._FURTHER * self._mean)))
 
 
 class Lookahead:
@@ -105,7 +108,13 @@ class Lookahead:
             return None
         frame = pace.rows_in(FRAME)
         long = self._cost.seconds(frame) > LIGHT
-        whole = min(pace.rows_in(self._reach), 64 * most, self._cost.rows(SLICE if long else PIECE))
+        piece = self._cost.rows(SLICE if long else PIECE)
+        whole = max(2 * frame, min(pace.rows_in(self._reach), 64 * most, piece))
         # Asked for while there is still something to show, so that it may wait for a free moment.
-        self._low = max(frame, min(pace.rows_in(MARGIN), whole // 2))
-        return (whole - left, long) if left <= self._low and whole > left else None
+        self._low = max(frame + frame // 2, min(pace.rows_in(MARGIN), whole // 2))
+        rows = min(whole - left, piece if long else whole)
+        return (rows, long) if left <= self._low and rows > 0 else None
+
+    def behind(self, pace: Pace, left: int) -> bool:
+        """Whether ``left`` rows are not even the next frame: a piece in a thread may be less than that."""
+        return pace.speed is not None and pace.playing and left < pace.rows_in(FRAME)

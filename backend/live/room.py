@@ -275,6 +275,8 @@ class Room:
             if self.pace.target is not None:
                 self.show(self.pace.target, self.house.clock())
             self.fill()
+        elif self.lookahead.behind(self.pace, self.screen.left):
+            self.fill()
 
     def take(self, computed: Computed) -> None:
         """Take over what was computed; it is shown when it is due."""
