@@ -126,13 +126,13 @@ class Session:
             watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, at_once, self.leaves_watching)
             found = words.new(found, self.log)
         scheduled = words.scheduled(self.spec, self.log, now.row, now.row + count, self.record)
-        found = [*scheduled, *found, *view.lost_since(now.view, now.row, self.record)]
+        found = [*scheduled, *found, *view.lost_since(now.view, self.record)]
         found.sort(key=lambda e: e.row)
         self.past.append(self.columns, data)
         self.log += found
         self._new += found
         self.now = Moment(now.row + count, state, now.stage, view, watched, len(self.log))
-        self.ended = view.plant_lost or self.row >= self._horizon
+        self.ended = view.plant_lost is not None or self.row >= self._horizon
         if not view.plant_lost and (view.lost or {}) == (now.view.lost or {}):
             self._moments.keep(Block(now.row, recorded, made))
         return data

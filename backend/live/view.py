@@ -10,6 +10,7 @@ import numpy as np
 
 from backend.engine.gather import finite_rows, observer_columns, plant_columns, plant_values
 from backend.engine.observers.base import Observed
+from backend.engine.result import Diverged
 from backend.engine.simulation import Estimator, Rows
 from backend.engine.simulation import Experiment as Engine
 from backend.engine.spread import Spreads, has_spread, latest, sigma_columns
@@ -37,13 +38,14 @@ class Made:
 
 @dataclass(frozen=True)
 class View:
-    """``parts`` hold the rows from ``first`` on; ``lost`` the observers that have diverged, with the cause."""
+    """``parts`` hold the rows from ``first`` on; ``lost`` the observers that have diverged, when and why; ``plant_lost``: the same of
+    the plant."""
 
     columns: tuple[str, ...]
     first: int
     parts: Parts = ()
-    lost: dict[str, str] | None = None
-    plant_lost: bool = False
+    lost: dict[str, Diverged] | None = None
+    plant_lost: Diverged | None = None
     spreads: Spreads = field(default_factory=dict)  # after the newest row
 
     @classmethod
@@ -87,12 +89,14 @@ class View:
             )
             columns |= {f"{life.label}.{n}": c[-count:] for n, c in more.items()}
             if report.diverged is not None and life.label not in lost:
-                lost[life.label] = report.diverged.cause
+                lost[life.label] = report.diverged
         newest = {n: v[-count:] if np.ndim(v) else v for n, v in values.items()}
         sure, tables = sigma_columns(experiment, rows, newest, self.spreads)
         columns |= {n: np.where(np.isfinite(columns[n.replace(".sigma.", ".theta.", 1)]), c, np.nan) for n, c in sure.items()}
         data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
-        plant_lost = self.plant_lost or ended < len(plant)
+        plant_lost = self.plant_lost
+        if plant_lost is None and ended < len(plant):
+            plant_lost = Diverged(float(values["t"][ended]), "the plant's own state escapes to infinity")
         after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=latest(tables))
         return after._trimmed(experiment), Made(data, tables, newest)
 
@@ -128,17 +132,13 @@ class View:
 
     # ---- what is said about it ---------------------------------------------------------------------------------------
 
-    def lost_since(self, before: "View", row: int, record: float) -> list[Event]:
-        """Events for what has diverged in the newest rows."""
+    def lost_since(self, before: "View", record: float) -> list[Event]:
+        """Events for what has diverged in the newest rows, each at the first row that is none."""
         new = {k: v for k, v in (self.lost or {}).items() if k not in (before.lost or {})}
-        events = [
-            Event(row=row, t=row * record, kind="diverged", subject=label, text=f"{label} diverged: {why}")
-            for label, why in new.items()
-        ]
         if self.plant_lost and not before.plant_lost:
-            text = "the plant's own state escapes to infinity"
-            events.append(Event(row=row, t=row * record, kind="diverged", subject="plant", text=text))
-        return events
+            new["plant"] = self.plant_lost
+        return [Event(row=round(d.time / record), t=d.time, kind="diverged", subject=name,
+                      text=d.cause if d is self.plant_lost else f"{name} diverged: {d.cause}") for name, d in new.items()]  # fmt: skip
 
     def assumptions(self, experiment: Engine) -> list[Assumptions]:
         """The checks of each observer over the rows of the tail."""

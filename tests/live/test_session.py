@@ -267,3 +267,18 @@ def test_a_discrete_plant_runs_live():
     advance(session, 200, pieces)
     assert any(n.startswith("nonsmooth.zone") for n in session.columns) and "nonsmooth.v" in session.columns
     assert_same(pieces, session)
+
+
+@pytest.mark.parametrize("piece", [1, 7, 150])
+def test_what_diverges_is_told_where_the_run_says_it_does(piece):
+    """However the session was cut into pieces: an observer that escapes, and a plant that does."""
+    explosive = {"id": "explosive", "states": [{"name": "x", "initial": 1}], "inputs": [{"name": "u"}], "outputs": [{"name": "y", "expression": "x"}],
+                 "dynamics": {"x": "x**2 + u"}, "channels": [{"name": "gain", "kind": "actuator", "enters": {"x": "u"}}]}  # fmt: skip
+    plant = Experiment.model_validate({"plant": explosive, "horizon": 1.5, "record": 0.01, "diagnosis": {"enabled": False}})
+    for spec, who in ((library.experiment("zhao-2012-as-printed"), "adaptive"), (plant, "plant")):
+        run, session = prepare(spec.model_copy(update={"horizon": 1.5})).run(), Session(spec)
+        while session.row < 150 and not session.ended:
+            session.advance(piece)
+        (told,) = [e for e in session.log if e.kind == "diverged"]
+        when = run.diverged if who == "plant" else run.observers[0].diverged
+        assert (told.subject, told.t, told.row) == (who, when.time, round(when.time / session.record))

@@ -42,7 +42,8 @@ export function faster(speed, by) {
 
 /** Whether an element has its own use for a key. */
 function own(element, key) {
-  if (element.closest('dialog[open]')) return true;
+  const dialog = element.closest('dialog');
+  if (dialog) return dialog.open; // one that has just been closed keeps the focus until the page is drawn
   if (element.matches('input:not([type=range]), textarea, select, [contenteditable]')) return true;
   if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *')) return key.startsWith('Arrow') || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
   return element.matches('button, a, summary, [role=button]') && (key === ' ' || key === 'Enter');
