@@ -48,11 +48,10 @@ class Backwards:
         kernel(self.filter.program, self.handing)
         kernel(self.program, self.layout)
 
-    def handed(self, state: np.ndarray, known: np.ndarray, table: np.ndarray, t: np.ndarray, heed: np.ndarray) -> np.ndarray:
-        """What `ahead` goes by, along rows."""
+    def handed(self, state: np.ndarray, held: np.ndarray, t: np.ndarray, heed: np.ndarray) -> np.ndarray:
+        """What `ahead` goes by, along rows of which the filter is given ``held`` (`Filter.held`)."""
         handed, out = np.empty((len(t), 1, len(self.program.inputs))), np.empty((len(t), len(state)))
-        held, params = self.filter.held(known, table), self.filter.params(heed)
-        kernel(self.filter.program, self.handing)(rowwise(t), state.copy(), params, 1, out, held=held, emitted=handed)
+        kernel(self.filter.program, self.handing)(rowwise(t), state.copy(), self.filter.params(heed), 1, out, held=held, emitted=handed)
         return handed[::-1, 0].copy()
 
     def ahead(self, handed: np.ndarray, heed: np.ndarray, stride: int) -> Ahead:

@@ -13,6 +13,7 @@ from backend.engine.simulation import Experiment as Engine
 from backend.engine.spread import holds, noise_stds
 
 MOST_STATES = 12
+LARGEST = 1e60  # standard deviations: an innovation as large is a filter that is lost
 REPEATS = 10  # noisy values in a row that are the very same number: the output stands still
 _USUAL = 3.0  # times as long as nearly all repetitions in a record
 _EDGE = 1e-3  # of a state's size: how far inside the domain derivatives are taken (√x has none at 0)
@@ -99,9 +100,12 @@ class Filter:
         ``profile`` (rows × p): the course of the θ − θ₀ that Ω answers, constant by default; ``heed`` (m): outputs that the
         filter follows, all by default.
         """
+        return self.along(state, self.held(known, table, profile), t, heed)
+
+    def along(self, state: np.ndarray, held: np.ndarray, t: np.ndarray, heed: np.ndarray | None = None) -> Innovations:
+        """Along rows with what is `held` at each."""
         rows, emitted, out = len(t), np.empty((len(t), 1, len(self.layout.emitted))), np.empty((len(t), len(state)))
-        kernel(self.program, self.layout)(rowwise(t), state.copy(), self.params(heed), 1, out, held=self.held(known, table, profile),
-                                          emitted=emitted)  # fmt: skip
+        kernel(self.program, self.layout)(rowwise(t), state.copy(), self.params(heed), 1, out, held=held, emitted=emitted)
         shown = emitted[:, 0, :].reshape(rows, self.m, self.p + 1)  # of each output its Ω, then its ν
         return Innovations(shown[:, :, : self.p], shown[:, :, self.p], out)
 
@@ -155,3 +159,10 @@ def rowwise(t: np.ndarray, stops: np.ndarray | None = None) -> Segments:
     if stops is not None:
         first[stops - 1] = 1
     return Segments(np.ones(len(t), dtype=np.int64), first, t.copy(), np.zeros(len(t)), np.zeros(len(t)))
+
+
+def bounded(values: np.ndarray) -> np.ndarray:
+    """With numbers that can be squared and summed."""
+    if np.abs(values).max(initial=0.0) < LARGEST:
+        return values
+    return np.clip(np.nan_to_num(values, nan=LARGEST), -LARGEST, LARGEST)

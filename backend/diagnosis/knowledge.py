@@ -136,7 +136,7 @@ def distrust(now: Standing, look: Look, output: int, onset: int, statistic: floa
         known = now.known
     heed = now.heed.copy()
     heed[output] = 0.0
-    states = look.replay(look.state(onset), onset, now.at, known.course, heed, False).states
+    states = look.stretch(onset, now.at, known.course).replay(look.state(onset), onset, heed, False).states
     now = cleared(now, own[1:]) if own[1:] else now
     now = replace(now, known=known.plus((), now.at), pending=None, detected=None, start=now.at, heed=heed,
                   change=Change(states))  # fmt: skip

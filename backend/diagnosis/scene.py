@@ -6,9 +6,13 @@ import numpy as np
 
 from backend.diagnosis.ahead import Ahead
 from backend.diagnosis.pauses import once
-from backend.diagnosis.standing import Event, Known, Look, Replay
+from backend.diagnosis.standing import Event, Known, Look
+from backend.diagnosis.stretch import Replay, Stretch
 from backend.diagnosis.supposing import Courses, Supposed
 from backend.diagnosis.windows import Range
+from backend.engine.suppositions import COURSE
+
+_FADE = COURSE.index("fade")
 
 
 @dataclass(frozen=True)
@@ -21,6 +25,7 @@ class Scene:
     begin: int
     at: int
     heed: np.ndarray
+    stretch: Stretch
     track: Replay
 
     @classmethod
@@ -33,15 +38,12 @@ class Scene:
             for e in fixed:  # see `first`
                 change[e.channel] += e.size * (e.onset == begin and not e.rise)
             state = look.filter.moved(state, change) if change.any() else state
-        return cls(look, base, fixed, begin, at, heed, look.replay(state, begin, at, known, heed, False))
-
-    def known(self, d: np.ndarray) -> np.ndarray:
-        """What is known of θ at times ``d`` (in decisions): times × p."""
-        return _course(self.base, self.fixed, d)
+        stretch = look.stretch(begin, at, known)
+        return cls(look, base, fixed, begin, at, heed, stretch, stretch.replay(state, begin, heed, False))
 
     @once
     def _handed(self) -> np.ndarray:
-        return self.look.handed(self.track.states[0], self.begin, self.at, self.known, self.heed)
+        return self.stretch.handed(self.track.states[0], self.heed)
 
     @once
     def ahead(self) -> Ahead:
@@ -61,12 +63,12 @@ class Scene:
         constants in other channels."""
         onset = np.array([min(e.first for e in events) for events in tries])
         p, count, start = len(self.base.level), len(tries), min(int(onset.min()), self.at - 1)
-        told = np.empty((count, p, 7))
-        told[:] = np.stack([onset, *(np.full(count, v) for v in (*Event(0, 0).form, 0.0))], axis=1)[:, None]
-        told[np.arange(count)[:, None], [[e.channel for e in events] for events in tries]] = [
-            [(e.onset, *e.form, v) for e, v in zip(events, sizes, strict=True)] for events, sizes in zip(tries, size, strict=True)]  # fmt: skip
-        states = np.repeat(self.look.filter.unanswered(self.track.states[start - self.begin])[None], count, axis=0)
+        told = self._told(onset, p, Event(0, 0))
         for k, events in enumerate(tries):
+            for e, v in zip(events, size[k], strict=True):
+                told[k, e.channel] = (e.onset, *e.form, v)
+        states = np.repeat(self.look.filter.unanswered(self.track.states[start - self.begin])[None], count, axis=0)
+        for k, events in enumerate(tries if start == self.look.calibrated.begin else ()):
             if onset[k] == start and self.first(start, not any(e.rise for e in events)):
                 change = np.zeros(p)
                 for e, v in zip(events, size[k], strict=True):
@@ -77,20 +79,25 @@ class Scene:
     def rising(self, onsets: list[int], stops: np.ndarray) -> Supposed:
         """The filter with Ω answering rises without end, of one a decision, from ``onsets`` on in all channels; at decisions ``stops``."""
         p, count, start = len(self.base.level), len(onsets), min(onsets)
-        told = np.empty((count, p, 7))
-        told[:, :, 0], told[:, :, 1:] = np.array(onsets, dtype=float)[:, None], (*Event(0, 0, np.inf).form, 0.0)
+        told = self._told(np.array(onsets), p, Event(0, 0, np.inf))
         states = np.repeat(self.look.filter.unanswered(self.track.states[start - self.begin])[None], count, axis=0)
         return self._suppose(states, start, told, np.array(onsets), stops - start)
 
+    def _told(self, onset: np.ndarray, channels: int, shape: Event) -> np.ndarray:
+        """The same course of size 0 from each onset on in all channels: suppositions × channels × numbers."""
+        told = np.empty((len(onset), channels, len(COURSE)))
+        told[:], told[:, :, 0] = (0.0, *shape.form, 0.0), onset[:, None]
+        return told
+
     def _suppose(self, states: np.ndarray, start: int, told: np.ndarray, onset: np.ndarray, stops: np.ndarray) -> Supposed:
         cal = self.look.calibrated
-        told[:, :, 5] = np.exp(-told[:, :, 5] / self.look.rows)
-        courses = Courses(*np.moveaxis(told, 2, 0), cal.within.low, cal.within.high, onset * 1.0, onset + 2.0 * cal.settle)
-        return self.look.suppose(states, start, self.known, courses, self.heed, stops)
+        told[:, :, _FADE] = np.exp(-told[:, :, _FADE] / self.look.rows)
+        courses = Courses(told, cal.within.low, cal.within.high, onset * 1.0, onset + 2.0 * cal.settle)
+        return self.stretch.suppose(states, start, courses, self.heed, stops)
 
     def unheeded(self, onset: int, heed: np.ndarray) -> Replay:
         """The filter from an onset on, following other outputs."""
-        return self.look.replay(self.track.states[onset - self.begin], onset, self.at, self.known, heed, not self.first(onset, True))
+        return self.stretch.replay(self.track.states[onset - self.begin], onset, heed, not self.first(onset, True))
 
     @once
     def energy(self) -> np.ndarray:
@@ -113,7 +120,7 @@ class Scene:
     @once
     def within(self) -> Range:
         """Bounds of what θ may be besides what is known at the end."""
-        return self.look.calibrated.within.given(self.known(np.array([float(self.at)]))[0])
+        return self.look.calibrated.within.given(_course(self.base, self.fixed, np.array([float(self.at)]))[0])
 
 
 def _course(base: Known, events: tuple[Event, ...], d: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ import numpy as np
 from backend.diagnosis.ahead import Backwards
 from backend.diagnosis.calibration import Calibrated
 from backend.diagnosis.evidence import Filter
-from backend.diagnosis.supposing import Supposed
+from backend.diagnosis.stretch import Stretch
 from backend.diagnosis.windows import Range, Sums
 
 NEVER = 1 << 62  # a decision that does not come
@@ -206,33 +206,16 @@ class Change:
 
 
 @dataclass(frozen=True)
-class Replay:
-    """The filter run again over decisions: the energy of all outputs and its states at each decision, the first included."""
-
-    q: np.ndarray  # decisions + 1, m: from the first on
-    states: np.ndarray
-    heed: np.ndarray
-
-    @property
-    def energy(self) -> np.ndarray:
-        """Of the outputs heeded, from the first decision on."""
-        return self.q @ self.heed
-
-
-@dataclass(frozen=True)
 class Look:
     """What decisions are made from.
 
-    ``replay(state, begin, at, known, heed, fresh)`` runs the filter again from a state, what is known of θ being a function of time
-    in decisions; ``suppose`` does so with many suppositions, ``handed`` gives what ``backwards`` goes by. ``state(decision)`` is the
-    filter's as it was.
+    ``stretch(begin, at, known)`` gives the rows between two decisions to run the filter over again (`Stretch`), what is known of θ being
+    a function of time in decisions. ``state(decision)`` is the filter's as it was.
     """
 
     sums: Sums
     calibrated: Calibrated
-    replay: Callable[..., Replay]
-    suppose: Callable[..., Supposed]
-    handed: Callable[..., np.ndarray]
+    stretch: Callable[..., Stretch]
     state: Callable[[int], np.ndarray]
     filter: Filter
     backwards: Backwards

@@ -4,21 +4,22 @@ Rows become decisions every ``stride`` rows, counted from t = 0, so what is deci
 When something is found the filter is told, from that decision on; rows after it that it had already seen are taken again.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
 from backend.diagnosis.ahead import Backwards
 from backend.diagnosis.calibration import Calibrated
 from backend.diagnosis.decisions import decide
-from backend.diagnosis.evidence import Filter, Innovations
-from backend.diagnosis.pauses import pause
-from backend.diagnosis.standing import Look, Replay, Standing
-from backend.diagnosis.supposing import Courses, Supposed, Supposing
+from backend.diagnosis.evidence import LARGEST, Filter, Innovations
+from backend.diagnosis.standing import Look, Standing
+from backend.diagnosis.stretch import Stretch
+from backend.diagnosis.supposing import Supposing
 from backend.diagnosis.windows import LONGEST, Sums
 
 _BLOCK = 256  # decisions looked at at once
-_LARGEST = 1e60  # standard deviations: an innovation as large is a filter that is lost
 
 
 @dataclass(frozen=True)
@@ -69,9 +70,8 @@ class Watcher:
     def _block(self, now: Watched, first: int, last: int) -> Watched:
         """Decisions ``first`` + 1 … ``last``, or up to one after which the filter must be told something."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
-        pause()
         standing = now.standing
-        seen = self._over(now, first, last, now.states[-1], standing.known.course, standing.heed)
+        seen = self._stretch(now, first, last, standing.known.course).innovations(now.states[-1], standing.heed)
         count, begin = _finite(seen, stride), (first - now.sums.first) * stride
         if count == 0:
             return self._restarted(now)
@@ -100,41 +100,12 @@ class Watcher:
     def _look(self, now: Watched) -> Look:
         made, first, stride = self.filter, now.sums.first, self.stride
 
-        def replay(state: np.ndarray, begin: int, at: int, known, heed: np.ndarray, fresh: bool) -> Replay:
-            pause()
-            state = made.unanswered(state) if fresh else state
-            if begin == at:
-                return Replay(np.zeros((1, made.m)), state[None], heed)
-            seen = self._over(now, begin, at, state, known, heed)
-            q = np.cumsum((seen.nu**2).reshape(at - begin, stride, -1).sum(axis=1), axis=0)
-            q = np.concatenate([np.zeros((1, made.m)), q])
-            return Replay(q, np.concatenate([state[None], seen.states[stride - 1 :: stride]]), heed)
+        return Look(now.sums, self.calibrated, partial(self._stretch, now), lambda d: now.states[d - first], made, self.backwards, first, stride)
 
-        def suppose(states: np.ndarray, begin: int, known, courses: Courses, heed: np.ndarray, stops: np.ndarray) -> Supposed:
-            pause()
-            rows, d = self._rows(now, begin, begin + int(stops[-1]))
-            return self.supposing.run(states, known(d), now.table[rows], now.t[rows], d, courses, heed, stops * stride)
-
-        def handed(state: np.ndarray, begin: int, at: int, known, heed: np.ndarray) -> np.ndarray:
-            pause()
-            rows, d = self._rows(now, begin, at)
-            return self.backwards.handed(state, self._within(known(d)), now.table[rows], now.t[rows], heed)
-
-        return Look(now.sums, self.calibrated, replay, suppose, handed, lambda d: now.states[d - first], made, self.backwards, first, stride)
-
-    def _rows(self, now: Watched, first: int, last: int) -> tuple[slice, np.ndarray]:
-        """Where the rows of decisions are kept, and their times in decisions."""
+    def _stretch(self, now: Watched, first: int, last: int, known: Callable[[np.ndarray], np.ndarray]) -> Stretch:
+        """The rows between decisions; what is known of θ is a function of time in decisions."""
         rows = slice((first - now.sums.first) * self.stride, (last - now.sums.first) * self.stride)
-        return rows, np.arange(first * self.stride, last * self.stride) / self.stride
-
-    def _within(self, course: np.ndarray) -> np.ndarray:
-        return np.clip(course, self.calibrated.within.low, self.calibrated.within.high)
-
-    def _over(self, now: Watched, first: int, last: int, state: np.ndarray, known, heed: np.ndarray) -> Innovations:
-        """The filter along the rows of decisions; what is known of θ is a function of time in decisions."""
-        rows, d = self._rows(now, first, last)
-        seen = self.filter.run(state, self._within(known(d)), now.table[rows], now.t[rows], heed=heed)
-        return replace(seen, omega=_bounded(seen.omega), nu=_bounded(seen.nu))
+        return Stretch(self.filter, self.supposing, self.backwards, self.calibrated.within, self.stride, first, now.table[rows], now.t[rows], known)
 
     def _trimmed(self, now: Watched) -> Watched:
         sums = now.sums.recent(LONGEST + 1)
@@ -143,14 +114,7 @@ class Watcher:
                        t=now.t[cut * self.stride :])  # fmt: skip
 
 
-def _bounded(values: np.ndarray) -> np.ndarray:
-    """With numbers that can be squared and summed."""
-    if np.abs(values).max(initial=0.0) < _LARGEST:
-        return values
-    return np.clip(np.nan_to_num(values, nan=_LARGEST), -_LARGEST, _LARGEST)
-
-
 def _finite(seen: Innovations, stride: int) -> int:
     """Decisions before the first with numbers that are none."""
-    good = ((np.abs(seen.nu) < _LARGEST).all(axis=1) & np.isfinite(seen.states).all(axis=1)).reshape(-1, stride).all(axis=1)
+    good = ((np.abs(seen.nu) < LARGEST).all(axis=1) & np.isfinite(seen.states).all(axis=1)).reshape(-1, stride).all(axis=1)
     return len(good) if good.all() else int(np.argmin(good))

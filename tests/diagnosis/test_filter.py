@@ -59,7 +59,7 @@ def test_omega_is_what_the_innovations_lose_when_a_fault_is_known(rows):
 def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
     """J and s of steps and of even and bent rises from four onsets, in one pass backwards and by running the filter from there."""
     heed, known = np.ones(rows.m), np.zeros((len(rows.d), rows.p))
-    handed = rows.backwards.handed(rows.begin, known, rows.table, rows.t, heed)
+    handed = rows.backwards.handed(rows.begin, rows.filter.held(known, rows.table), rows.t, heed)
     ahead = rows.backwards.ahead(handed, heed, rows.stride)
     tau = 17.0
     bent = rows.backwards.bending(handed, heed, rows.stride, tau)
@@ -78,7 +78,7 @@ def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
 def test_a_rise_goes_on_from_where_it_ended(rows):
     """What follows the end of a rise, from V and the course there, against the filter run along all of it."""
     begin, end = 20, 60
-    handed = rows.backwards.handed(rows.begin, np.zeros((len(rows.d), rows.p)), rows.table, rows.t, np.ones(rows.m))
+    handed = rows.backwards.handed(rows.begin, rows.filter.held(np.zeros((len(rows.d), rows.p)), rows.table), rows.t, np.ones(rows.m))
     ahead = rows.backwards.ahead(handed, np.ones(rows.m), rows.stride)
     seen = rows.run(begin, course=Event(0, begin, float(end - begin)))[3]
     V = rows.filter.answers(seen.states[end * rows.stride - 1])
@@ -100,9 +100,9 @@ def test_suppositions_are_runs_of_the_filter(rows):
         numbers[k, e.channel] = [e.onset, *e.form, e.size]
     numbers[:, :, 5] = np.exp(-numbers[:, :, 5] / rows.stride)
     onset = np.array([e.onset for e in events])
-    courses = Courses(*np.moveaxis(numbers, 2, 0), np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
-    found = rows.supposing.run(np.repeat(rows.begin[None], 9, axis=0), np.zeros((len(rows.d), rows.p)), rows.table, rows.t, rows.d, courses,
-                                np.ones(rows.m), np.array([len(rows.d)]))  # fmt: skip
+    courses = Courses(numbers, np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
+    told = rows.supposing.told(np.zeros((len(rows.d), rows.p)), rows.table, rows.d)
+    found = rows.supposing.run(np.repeat(rows.begin[None], 9, axis=0), told, rows.t, courses, np.ones(rows.m), np.array([len(rows.d)]))
     for k, e in enumerate(events):
         J, s, q, seen = rows.run(int(e.onset), [e])
         close(found.J[k, -1], J)
