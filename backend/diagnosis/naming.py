@@ -175,7 +175,7 @@ def _raised(now: Standing, look: Look, choice: _Choice) -> Standing:
         now, i, own = finding(now, scene, leader.statistic, event, options, again.found if mine else None)
         again = None if mine else again
         young.append(Young(event, i, own, options))
-    begin, base, review = scene.begin, scene.base, now.at + max(2, now.at - leader.onset)
+    begin, base, review = scene.begin, scene.base, _next_look(now, leader.onset)
     if pending is None or len(old) + len(young) > MOST_YOUNG or now.at - begin > YOUNG:
         begin = max(begin, _since(now, old, young))
         over = tuple(y for y in old if y.event.first < begin and y.event.over(begin))  # left as they are
@@ -235,8 +235,14 @@ def reviewed(now: Standing, look: Look) -> Standing:
         better = len(group) == 1 or choice.leader.cost < _present(now, look) + _price(group)
         if choice.leader.output is None and len(choice.leader.events) == 1 and better:
             return _settled(_raised(now, look, choice))
-    now = replace(now, pending=replace(now.pending, review=now.at + max(2, now.at - last.event.first)))
+    now = replace(now, pending=replace(now.pending, review=_next_look(now, last.event.first)))
     return _settled(take(now, look, fit))
+
+
+def _next_look(now: Standing, onset: int) -> int:
+    """When what began at an onset is looked at again: when there is twice as much data, and once more before these are forgotten."""
+    following, last = now.at + max(2, now.at - onset), onset + LONGEST - 1
+    return last if now.at < last < following else following
 
 
 def _pruned(now: Standing, look: Look) -> tuple[Standing, Explained]:
