@@ -24,7 +24,7 @@ from backend.engine.simulation import Experiment, Simulation, row_values
 from backend.engine.spread import noise_stds
 
 DECISIONS = 2000  # in the horizon, about
-SEEDS = (16, 48)  # runs without faults: at least, and at most
+SEEDS = (32, 64)  # runs without faults: at least, and at most
 _STEPS = 500_000  # base steps that they take together, about
 _LONGEST = 200_000  # base steps of one of them
 _SEED = 7_001  # the first of theirs
@@ -113,7 +113,8 @@ def _calibrated(experiment: Experiment, made: Filter, asked: Asked, stride: int,
     if len(runs) < seeds // 2:
         raise Unwatchable("the filter does not stay finite along this plant's runs")
     settle = _settling(made, known, table, t, seen.states) // stride
-    return calibrate(runs, stride * made.interval, asked.false_alarms, int(np.clip(settle, 2, max(2, count // 20))), within)
+    ready = -(-_sure(made, seen.states) // stride)
+    return calibrate(runs, stride * made.interval, asked.false_alarms, int(np.clip(settle, 2, max(2, count // 20))), within, ready)
 
 
 def _noisy(experiment: Experiment, made: Filter) -> Experiment:
@@ -142,6 +143,15 @@ def _settling(made: Filter, known: np.ndarray, table: np.ndarray, t: np.ndarray,
     return int(np.median(np.argmin(apart, axis=0)))
 
 
+def _sure(made: Filter, states: np.ndarray) -> int:
+    """Rows after which the filter's variances are what they are later, within a tenth: what it is less sure of at first moves slowly,
+    and would be taken for a fault that does."""
+    variances = made.variances(states)
+    late = variances[len(states) // 2 :].max(axis=0)
+    unsure = np.flatnonzero((variances > 1.1 * late).any(axis=1))
+    return int(unsure[-1]) + 1 if len(unsure) else 0
+
+
 # ---- kept on disk --------------------------------------------------------------------------------------------------------
 
 
@@ -161,9 +171,9 @@ def kept_name(key: str) -> str:
 
 def _packed(c: Calibrated) -> bytes:
     file = io.BytesIO()
-    np.savez(file, lengths=c.noise.lengths, v=c.noise.v, energy=c.noise.energy, scatter=c.noise.scatter,
+    np.savez(file, lengths=c.noise.lengths, v=c.noise.v, loud=c.noise.loud, first=c.noise.first, energy=c.noise.energy, scatter=c.noise.scatter,
              low=c.within.low, high=c.within.high, numbers=[c.glr, c.residual, c.hours, c.rate],
-             counts=[c.begin, c.settle, c.seeds])  # fmt: skip
+             counts=[c.begin, c.settle, c.seeds, c.noise.ready])  # fmt: skip
     return file.getvalue()
 
 
@@ -172,7 +182,7 @@ def _kept(key: str) -> Calibrated | None:
     if found is None:
         return None
     with np.load(io.BytesIO(found), allow_pickle=False) as a:
-        noise = Noise(a["lengths"], a["v"], a["energy"], a["scatter"])
         glr, residual, hours, rate = (float(v) for v in a["numbers"])
-        begin, settle, seeds = (int(v) for v in a["counts"])
+        begin, settle, seeds, ready = (int(v) for v in a["counts"])
+        noise = Noise(a["lengths"], a["v"], a["loud"], a["first"], ready, a["energy"], a["scatter"])
         return Calibrated(noise, Range(a["low"], a["high"]), glr, residual, begin, settle, seeds, hours, rate)

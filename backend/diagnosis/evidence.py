@@ -139,6 +139,11 @@ class Filter:
         """V (n × p) of the filter's state, or states (the last axis)."""
         return state[..., self.n : self.n * (1 + self.p)].reshape(*state.shape[:-1], self.n, self.p)
 
+    def variances(self, states: np.ndarray) -> np.ndarray:
+        """The diagonal of P (n) in the filter's states (the last axis)."""
+        i, j = np.triu_indices(self.n)
+        return states[..., self.n * (1 + self.p) :][..., i == j]
+
     def moved(self, state: np.ndarray, change: np.ndarray) -> np.ndarray:
         """The filter's state (or states, the last axis) had it known of a change of θ (p), to which its V is the answer."""
         told = state.copy()

@@ -83,7 +83,7 @@ def singles(
     for fit in [*polished(fits, near), *(fits.explained(int(i)) for i in order if i not in near)]:
         c, since = fit.events[0].channel, scene.at - fit.onset
         taken = float(scene.energy[-1]) / scene.unit - fit.energy
-        statistic = taken / float(noise.v[int(noise.nearest(since)), c]) / (1.0 + since / memory)
+        statistic = taken / float(noise.loud[int(noise.nearest(since)), c]) / (1.0 + since / memory)
         bonus = _HELD if c in held else 0.0  # a fault that changes is likelier than a new one
         answers.append(replace(fit, cost=fit.cost - bonus, statistic=statistic))
     answers.sort(key=lambda e: e.cost)

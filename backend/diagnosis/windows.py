@@ -6,7 +6,8 @@ likelihood ratio of "θ_j has changed by something" against "nothing has" is, fo
 
     GLR_j = max over δ within bounds of (2 s_j δ − J_jj δ²) / v_j,    s_j²/(J_jj v_j) where no bound forbids it,
 
-v_j being the variance of s_j/√J_jj that simulation shows without faults: one, were the noise white and the filter exact.
+v_j being the variance of s_j/√J_jj that simulation shows without faults: one, were the noise white and the filter exact. It may
+be several times larger where inputs have just switched than on the average, and tests go by the largest.
 
 Willsky & Jones, IEEE TAC 21(1), 1976; Basseville & Nikiforov, Detection of Abrupt Changes, 1993, §2.4.3 and ch. 7.
 Windows have a few lengths, each a third longer than the one before: Lai, JRSS B 57(4), 1995, shows that this loses little.
@@ -102,10 +103,14 @@ def lengths(most: int) -> np.ndarray:
 @dataclass(frozen=True)
 class Noise:
     """What windows look like without a fault, simulated: for each length the variance v of s_j/√J_jj (lengths × p), and
-    mean and standard deviation of the residual energy q."""
+    mean and standard deviation of the residual energy q. ``loud``: v where in the run it is largest, which tests go by;
+    ``first``: the same of windows that begin before decision ``ready``, when the filter is not yet sure of its state."""
 
     lengths: np.ndarray
     v: np.ndarray
+    loud: np.ndarray
+    first: np.ndarray
+    ready: int
     energy: np.ndarray
     scatter: np.ndarray
 
@@ -151,6 +156,7 @@ def scan(
     a, b = np.where(whole, begins, ends[:, None]) - sums.first, ends[:, None] - sums.first
     D = np.einsum("dii->di", sums.J)
     q = sums.e[b] - sums.e[a]
-    glr = (explained(D[b] - D[a], sums.s[b] - sums.s[a], within) / noise.v).max(axis=-1, initial=0.0) / (1.0 + noise.lengths / memory)
+    loud = np.where((begins < noise.ready)[:, :, None], noise.first, noise.loud) if start < noise.ready else noise.loud
+    glr = (explained(D[b] - D[a], sums.s[b] - sums.s[a], within) / loud).max(axis=-1, initial=0.0) / (1.0 + noise.lengths / memory)
     excess = (q - noise.energy) / noise.scatter
     return np.where(whole, glr, 0.0).max(axis=1, initial=0.0), np.where(whole, excess, -np.inf).max(axis=1, initial=-np.inf)
