@@ -1,6 +1,7 @@
 """What was noticed gets a name; what was named last is looked at again as data come in."""
 
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -18,6 +19,7 @@ MOST_PATIENCE = 100  # decisions, if that is less
 YOUNG = LONGEST // 2  # decisions after which a finding is left as it is, lest it take up what comes after
 BELIEVED = 4.0  # standard deviations of the noise's energy: what a true explanation may leave
 DOUBTED = 3.0  # the same, from which on it is asked what else it may be
+_APART = 8  # times as long ago as they were apart: events that began at about the same time
 MOST_YOUNG = 3  # events that may still be seen otherwise
 
 
@@ -42,13 +44,15 @@ def name(now: Standing, look: Look) -> Standing:
     if at < now.again:
         return now
     choice = _new(now, look, LEAST if waited < 2 * LEAST else 0)
-    if now.pending is not None and not now.pending.settled and (_now_and_then(waited) or _ready(choice, now, look, waited)):
+    last = _last_look(now)
+    if last is not None and (_now_and_then(waited) or at == last or _ready(choice, now, look, waited)):
         choice = _otherwise(now, look, choice)
     leader = choice.leader
     if max(e.statistic for e in choice.answers) < 0.5 * cal.glr and leader.output is None and leader.left < 0.5 * cal.residual and waited > cal.settle:
         return replace(now, detected=None, start=max(now.start, at - cal.settle))  # it went away again
     if not _ready(choice, now, look, waited):
-        return replace(now, again=at + max(1, waited // 2))
+        again = at + max(1, waited // 2)
+        return replace(now, again=last if last is not None and at < last < again else again)
     if leader.output is None and leader.statistic > 0.5 * cal.glr and (leader.left < BELIEVED or leader.share >= SHARE):
         return _raised(now, look, choice)
     return _unexplained(now, look, choice)
@@ -57,6 +61,12 @@ def name(now: Standing, look: Look) -> Standing:
 def _now_and_then(waited: int) -> bool:
     """When what was named last is looked at again though nothing is to be said yet: it takes long."""
     return waited >= LEAST and waited & (waited - 1) == 0
+
+
+def _last_look(now: Standing) -> int | None:
+    """The last decision at which what was named last can be looked at with all its data; None: nothing is to be looked at."""
+    pending = now.pending
+    return None if pending is None or pending.settled else pending.young[-1].event.first + LONGEST - 1
 
 
 def _ready(choice: _Choice, now: Standing, look: Look, waited: int) -> bool:
@@ -119,6 +129,13 @@ def _together(pending: Pending, young: Young) -> tuple[Young, ...]:
     return tuple(y for y in pending.young if y.found == young.found)
 
 
+def _neighbours(now: Standing) -> list[tuple[Young, ...]]:
+    """Events of two findings that began at about the same time: one may have been made up to mend the other."""
+    young = now.pending.young
+    return [(a, b) for a, b in pairwise(young) if a.found != b.found
+            and abs(a.event.first - b.event.first) * _APART < now.at - max(a.event.first, b.event.first)]  # fmt: skip
+
+
 def _price(young: tuple[Young, ...]) -> float:
     """What events cost themselves, in twice the log of a likelihood."""
     return sum(price(y.event) for y in young)
@@ -164,9 +181,12 @@ def _raised(now: Standing, look: Look, choice: _Choice) -> Standing:
     """The leading explanation is it. The filter is to be told."""
     leader, scene, pending = choice.leader, choice.scene, now.pending
     old: tuple[Young, ...] = () if pending is None else pending.young
-    again = next((y for y in choice.revised if y.own), None)
+    named = {e.channel for e in leader.events}
+    again, *others = sorted((y for y in choice.revised if y.own), key=lambda y: y.event.channel not in named) or [None]
     old = tuple(y for y in old if y not in choice.revised)
-    if again is not None and not {e.channel for e in leader.events} & _channels(choice.revised):
+    for other in others:  # two findings turn out to be one
+        now = withdrawn(now, other) if other.found != again.found else now
+    if again is not None and not named & _channels(choice.revised):
         now, again = withdrawn(now, again), None
     young = []
     for event in leader.events:
@@ -230,7 +250,7 @@ def reviewed(now: Standing, look: Look) -> Standing:
         return now
     now, fit = _pruned(now, look)
     pending, last = now.pending, now.pending.young[-1]
-    for group in dict.fromkeys(group for y in _open(pending) for group in (_together(pending, y), (y,))):
+    for group in dict.fromkeys((*(group for y in _open(pending) for group in (_together(pending, y), (y,))), *_neighbours(now))):
         choice = _instead(now, look, group)
         better = len(group) == 1 or choice.leader.cost < _present(now, look) + _price(group)
         if choice.leader.output is None and len(choice.leader.events) == 1 and better:

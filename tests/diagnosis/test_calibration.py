@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from backend.diagnosis.calibration import calibrate, level
-from backend.diagnosis.windows import Range, Sums
+from backend.diagnosis.windows import Range, Sums, scan
 
 NO_BOUNDS = Range(np.array([-np.inf]), np.array([np.inf]))
 
@@ -46,3 +46,31 @@ def test_what_the_first_guess_does_is_left_out():
     loud = np.where(np.arange(1000) < 100, 8.0, 1.0)[:, None, None]
     runs = [Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(30)]
     assert 100 <= calibrate(runs, 0.1, 1.0, 2, NO_BOUNDS).begin <= 160
+
+
+def swelling(seeds: int, decisions: int, rng: np.random.Generator) -> list[Sums]:
+    """Runs without a fault whose noise has four times the variance in a tenth of each."""
+    loud = np.where(np.arange(decisions) // (decisions // 20) % 10 == 7, 2.0, 1.0)[:, None, None]
+    ones = np.ones((decisions, 1, 1, 1))
+    return [Sums.none(1, 1).extended(ones, loud * rng.standard_normal((decisions, 1, 1))) for _ in range(seeds)]
+
+
+def test_noise_that_swells_raises_no_more_alarms_than_asked():
+    """Noise four times as strong for a tenth of the time: in fresh runs the GLR is above its level at most three times as often as asked."""
+    rng = np.random.default_rng(4)
+    found = calibrate(swelling(32, 2000, rng), 0.1, 0.5, 2, NO_BOUNDS)
+    ends, over = np.arange(found.begin + 1, 2001), 0
+    for run in swelling(500, 2000, rng):
+        over += (scan(run, ends, found.begin, np.inf, found.noise, NO_BOUNDS)[0] > found.glr).any()
+    hours = 500 * len(ends) * 0.1 / 3600
+    assert over <= 3 * 0.9 * 0.5 * hours
+    assert found.noise.loud[0] == pytest.approx(4.0, rel=0.2) and found.noise.v[0] == pytest.approx(1.3, rel=0.1)
+
+
+def test_a_filter_that_is_not_yet_sure_is_believed_less():
+    """Runs of which the first hundred decisions are a third louder, too little to be left out: windows that begin there count less."""
+    rng = np.random.default_rng(6)
+    loud = np.where(np.arange(1000) < 100, 1.5**0.5, 1.0)[:, None, None]
+    runs = [Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(60)]
+    noise = calibrate(runs, 0.1, 1.0, 2, NO_BOUNDS, ready=100).noise
+    assert noise.ready == 100 and noise.first[0] == pytest.approx(1.5, rel=0.15)

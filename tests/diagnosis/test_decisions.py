@@ -115,6 +115,14 @@ def test_a_slow_fault_is_one_finding(name, fault):
     assert abs(found["size"] / fault["size"] - 1) < 0.05
 
 
+@pytest.mark.parametrize("seed", [103, 130, 157])
+def test_later_data_put_right_what_was_said_too_early(seed):
+    """quadruple-tank: a leak that first could be another, one called the other, a pump taken for a sensor; in the end three faults stand."""
+    stand = [a for a in watching("quadruple-tank").alarms(seed) if a["cleared"] is None]
+    assert [a["channel"] for a in stand] == ["pump1", "level2", "leak1"] and not any(a["alternatives"] for a in stand)
+    assert [a["size"] for a in stand] == pytest.approx([0.1, 0.2, 0.006], rel=0.05)
+
+
 @pytest.mark.parametrize("onset", [8.01, 8.17])
 def test_onsets_are_found_to_the_row(onset):
     """A large fault of a sensor that begins between two decisions: its onset is found to a row."""
