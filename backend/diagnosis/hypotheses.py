@@ -67,7 +67,7 @@ def singles(
             if place > 1 and seen.energy[entry, c] < least:
                 continue
             onset, rise = int(seen.onsets[entry]), float(seen.rises[entry])
-            size = float(seen.s[entry, c] / max(seen.D[entry, c], 1e-300))
+            size = float(seen.s[entry, c]) / max(float(seen.D[entry, c]), 1e-300)
             tried.append(Event(int(c), onset, rise, size, bool(seen.bent[entry])))
     fits = fitted(scene, [(event,) for event in tried])
     order = np.argsort(fits.cost, kind="stable")

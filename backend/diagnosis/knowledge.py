@@ -7,6 +7,7 @@ import numpy as np
 from backend.diagnosis.fits import Explained
 from backend.diagnosis.scene import Scene
 from backend.diagnosis.screening import onsets
+from backend.diagnosis.shapes import shape_variance
 from backend.diagnosis.standing import NEVER, Change, Event, Found, Look, Pending, Standing, Young
 from backend.diagnosis.windows import LONGEST
 
@@ -45,7 +46,9 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known_before if f.channel != event.channel)
         variance = max(v * fit.covariance[k, k], 0.0)
         deviation = float(np.sqrt(variance + min(others, variance)) * reach)  # errors of old standing are partly taken up by x
-        deviation *= _vaguer(scene, event, deviation, v)
+        if 0 < event.rise < np.inf:
+            shape = _by_shape(now, look, events, fit, k)
+            deviation = float(np.hypot(deviation, shape)) if shape else max(now.found[i].deviation, deviation * _vaguer(scene, event, deviation, v))
         size = float(known.level[event.channel])
         had = float(pending.base.plus(tuple(e for e in events if e != event), event.onset).level[event.channel])
         least = max(GONE * abs(had or before[i].size), 3.0 * deviation)
@@ -57,6 +60,15 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         else:
             now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation))
     return cleared(now, over) if over else now
+
+
+def _by_shape(now: Standing, look: Look, events: tuple[Event, ...], fit: Explained, k: int) -> float:
+    """Standard deviation of what an event has reached by now since its shape is estimated as well; 0 if that cannot be told.
+
+    What decides a shape are its ends, and there noise is white, unlike over the whole.
+    """
+    others = tuple(e for e in events if e not in fit.events)
+    return shape_variance(Scene.of(look, now.pending.base, others, now.pending.begin, now.at, now.heed), fit.events, k) ** 0.5
 
 
 def _vaguer(scene: Scene, event: Event, deviation: float, v: float) -> float:
