@@ -55,7 +55,9 @@ asyncio.run(main())
 def figures() -> Iterator[Figure]:
     with service(SESSIONS) as server:
         yield cost(server, 1, 200, "frame to one of 200 viewers of a session ÷ bare websockets server")
-        yield cost(server, 100, 1, "frame of one of 100 sessions, simulation included ÷ bare websockets server")
+        what = "frame of one of 100 sessions, simulation included"
+        yield cost(server, 100, 1, f"{what} ÷ bare websockets server", diagnosis=False)
+        yield cost(server, 100, 1, f"{what}, and the diagnosis of the faults in each ÷ bare websockets server")
         yield from hold(server, SESSIONS)
     with service(100) as server:
         yield from latency(server, 100)
@@ -96,10 +98,11 @@ def service(sessions: int) -> Iterator[tuple[subprocess.Popen, str]]:
 
 
 @contextmanager
-def playing(address: str, sessions: int, viewers: int = 1) -> Iterator[tuple[Watchers, list[Watcher]]]:
+def playing(address: str, sessions: int, viewers: int = 1, diagnosis: bool = True) -> Iterator[tuple[Watchers, list[Watcher]]]:
     """So many sessions that play, with so many viewers each; they end afterwards."""
     with Client(address) as client:
-        some = [client.post("/api/sessions", {"experiment": EXPERIMENT}) for _ in range(sessions)]
+        body = {"experiment": EXPERIMENT, "set": {"diagnosis.enabled": diagnosis}}
+        some = [client.post("/api/sessions", body) for _ in range(sessions)]
         watchers, port = Watchers(), int(address.rpartition(":")[2])
         paths = [f"{session['links']['stream']}?token={session['token']}" for session in some for _ in range(viewers)]
         try:
@@ -118,12 +121,12 @@ def processor_time(process: subprocess.Popen) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def cost(server: tuple[subprocess.Popen, str], sessions: int, viewers: int, what: str) -> Figure:
+def cost(server: tuple[subprocess.Popen, str], sessions: int, viewers: int, what: str, diagnosis: bool = True) -> Figure:
     """Processor time a frame of the service over that of the bare server, both at work at the same time."""
     process, address = server
     found = []
     with ExitStack() as stack:
-        watchers, mine = stack.enter_context(playing(address, sessions, viewers))
+        watchers, mine = stack.enter_context(playing(address, sessions, viewers, diagnosis))
         watchers.run(SETTLE)
         size = sum(watcher.bytes for watcher in mine) / sum(len(watcher.times) for watcher in mine)
         other, line = stack.enter_context(pinned([sys.executable, "-c", BARE, str(round(size))]))
