@@ -4,7 +4,7 @@ import argparse
 import importlib
 
 ENGINE = ("kernels", "others", "compilation", "service")  # what is measured unless names are given
-NAMES = (*ENGINE, "live", "page")
+NAMES = (*ENGINE, "live", "memory", "page")
 
 
 def main() -> None:
