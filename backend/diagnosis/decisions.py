@@ -15,6 +15,7 @@ import numpy as np
 
 from backend.diagnosis.knowledge import cleared, distrust
 from backend.diagnosis.naming import name, reviewed
+from backend.diagnosis.reconsidered import due, reconsidered
 from backend.diagnosis.standing import Change, Look, Standing
 from backend.diagnosis.windows import Range, scan
 
@@ -49,6 +50,8 @@ def _watch(now: Standing, look: Look) -> Standing:
     last = now.at + 1 + int(stuck.argmax()) if stuck.any() else last
     calm = _calm(now, look, last)
     last = last if calm is None else calm[0]
+    again = due(now, now.at + 1)
+    last = last if again is None else min(last, again)
     ends = np.arange(now.at + 1, last + 1)
     within = cal.within.given(now.known.level)
     glr, residual = scan(look.sums, ends, now.start, now.memory, cal.noise, within)
@@ -57,9 +60,16 @@ def _watch(now: Standing, look: Look) -> Standing:
         at = int(ends[over[0]])
         return replace(now, at=at - 1, detected=at, again=at)
     now = _grown(replace(now, at=last), cal.within)
-    if calm is not None:
+    if calm is not None and calm[0] == last:
         return _trusted(now, calm[1])
-    return reviewed(now, look) if now.pending is not None and last >= now.pending.review else now
+    if again == last:
+        now = reconsidered(now, look)
+        return now if now.change is not None else _reviewed(now, look)
+    return _reviewed(now, look)
+
+
+def _reviewed(now: Standing, look: Look) -> Standing:
+    return reviewed(now, look) if now.pending is not None and now.at >= now.pending.review else now
 
 
 def _grown(now: Standing, within: Range) -> Standing:

@@ -56,10 +56,17 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         coming = max(abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.rest[event.channel]))
         if settled and abs(size) < least and coming < least:
             over.append(i)
-            now = with_found(now, i, replace(before[i], size=had or before[i].size))
+            was = before[i].stood or (had or before[i].size, before[i].deviation)
+            now = with_found(now, i, replace(before[i], size=was[0], deviation=was[1]))
         else:
             now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation))
-    return cleared(now, over) if over else now
+    if over:
+        return cleared(now, over)
+    if now.at - max(e.onset for e in events) >= SOON:
+        changed = {y.found for y in young if not y.own and now.at - y.event.onset < RECENT}  # perhaps: it may turn out to be its end
+        for i in set(now.active) - changed:
+            now = with_found(now, i, replace(now.found[i], stood=(now.found[i].size, now.found[i].deviation)))
+    return now
 
 
 def _by_shape(now: Standing, look: Look, events: tuple[Event, ...], fit: Explained, k: int) -> float:
@@ -120,8 +127,8 @@ def finding(now: Standing, scene: Scene, statistic: float, event: Event, options
     span = onsets(scene, event)
     if own is not None:
         found = now.found[own]
-        size = found.size if found.channel == event.channel else 0.0  # what it was as another fault says nothing of this one
-        found = replace(found, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1], size=size)
+        size, stood = (found.size, found.stood) if found.channel == event.channel else (0.0, None)  # what another fault was says nothing
+        found = replace(found, stood=stood, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1], size=size)
         return with_found(now, own, found), own, True
     found = Found(now.at, event.channel, others, event.onset, *span, 0.0, 0.0, statistic)
     now = replace(now, found=(*now.found, found), active=(*now.active, len(now.found)))

@@ -17,7 +17,10 @@ NEVER = 1 << 62  # a decision that does not come
 
 @dataclass(frozen=True)
 class Found:
-    """One finding; times are decisions, sizes in the channels' units. ``channel`` None: not explained by the model."""
+    """One finding; times are decisions, sizes in the channels' units. ``channel`` None: not explained by the model.
+
+    ``stood``: size and deviation when nothing had happened for a while: what it was, once it is over.
+    """
 
     at: int
     channel: int | None
@@ -30,6 +33,7 @@ class Found:
     statistic: float
     output: int | None = None  # where it is not explained: the output that is at fault
     cleared: int | None = None
+    stood: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

@@ -163,3 +163,14 @@ def test_cutting_rows_changes_no_decision(pieces, kind):
     assert repr(cut.standing.found) == repr(whole.standing.found)
     np.testing.assert_array_equal(cut.states[-1], whole.states[-1])
     np.testing.assert_array_equal(cut.standing.known.level, whole.standing.known.level)
+
+
+@pytest.mark.parametrize("row", [7413, 7626, 8265])
+def test_faults_that_end_together_keep_the_sizes_that_they_had(row):
+    """All three faults of zhao-2012 end at once: each is over within ten seconds, with the size that it had; nothing stays unexplained."""
+    end = row * 0.01
+    faults = [step(c, onset, size, end=end) for c, onset, size in (("theta3", 20, 0.02), ("theta1", 40, 0.01), ("theta2", 70, 0.015))]
+    alarms = watching("zhao-2012", faults, horizon=end + 10, diagnosis={"span": 100}).alarms(1)
+    assert not [a for a in alarms if a["cleared"] is None]
+    for channel, size in (("theta3", 0.02), ("theta1", 0.01), ("theta2", 0.015)):
+        assert next(a for a in alarms if a["channel"] == channel)["size"] == pytest.approx(size, rel=0.03)
