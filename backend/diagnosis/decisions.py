@@ -54,7 +54,7 @@ def _watch(now: Standing, look: Look) -> Standing:
     last = last if again is None else min(last, again)
     ends = np.arange(now.at + 1, last + 1)
     within = cal.within.given(now.known.level)
-    glr, residual = scan(look.sums, ends, now.start, now.memory, cal.noise, within)
+    glr, residual = scan(look.sums, ends, max(now.start, now.passed), now.memory, cal.noise, within)
     over = np.flatnonzero((glr > cal.glr) | (residual > cal.residual))
     if len(over) and not _paused(now):
         at = int(ends[over[0]])

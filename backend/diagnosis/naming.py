@@ -49,7 +49,7 @@ def name(now: Standing, look: Look) -> Standing:
         choice = _otherwise(now, look, choice)
     leader = choice.leader
     if max(e.statistic for e in choice.answers) < 0.5 * cal.glr and leader.output is None and leader.left < 0.5 * cal.residual and waited > cal.settle:
-        return replace(now, detected=None, start=max(now.start, at - cal.settle))  # it went away again
+        return replace(now, detected=None, passed=at - cal.settle)  # it went away again
     if not _ready(choice, now, look, waited):
         again = at + max(1, waited // 2)
         return replace(now, again=last if last is not None and at < last < again else again)

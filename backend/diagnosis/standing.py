@@ -126,7 +126,8 @@ class Known:
     def inside(self, within: Range) -> "Known":
         """Within bounds, where it does not move on."""
         level = np.clip(self.level, within.low, within.high)
-        moves = level == self.level
+        goes = self.slope + self.rest * self.pace
+        moves = (level == self.level) & ~((level <= within.low) & (goes < 0)) & ~((level >= within.high) & (goes > 0))
         return replace(self, level=level, slope=self.slope * moves, rest=self.rest * moves)
 
     def without(self, channels: list[int]) -> "Known":
@@ -185,10 +186,11 @@ class Standing:
     """Where decisions stand after decision ``at``."""
 
     at: int
-    start: int  # windows begin here or later
+    start: int  # what is to be explained began here or later
     known: Known
     heed: np.ndarray  # m: outputs that the filter follows
     memory: float = np.inf  # decisions that ``known`` was estimated from
+    passed: int = 0  # windows that are tested begin here or later, too: what was noticed before went away again
     detected: int | None = None  # the decision at which what is being named was noticed
     again: int = 0  # the decision at which naming is tried next
     active: tuple[int, ...] = ()  # indices into ``found``
