@@ -37,6 +37,8 @@ class Settings:
     max_wait: float = 60.0
     #: Largest body of a request and largest plant or experiment file.
     max_body: int = 2 * 1024**2
+    #: Largest record that is to be diagnosed.
+    max_record: int = 64 * 1024**2
     #: Largest run: integration steps (horizon / step), numbers recorded (bytes of the result).
     max_steps: int = 20_000_000
     max_result: int = 256 * 1024**2

@@ -26,7 +26,7 @@ async def diagnose_record(request: Request, services: Use) -> Response:
 
     The noise is taken from the record; thresholds come from the plant simulated with the recorded inputs.
     """
-    body = await read_body(request, services.settings.max_body)
+    body = await read_body(request, services.settings.max_record)
     told = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
     return Response(told.model_dump_json(), media_type="application/json")
 

@@ -10,11 +10,14 @@ from backend.engine.errors import SpecError
 def columns_of_csv(text: str) -> dict[str, np.ndarray]:
     """Each column by its name. Raises SpecError with the line that is no row of numbers; nothing but numbers is read."""
     try:
-        lines = csv.reader(text.splitlines())
+        rows = text.splitlines()
+        head = rows[0] if rows else ""
+        apart = next((c for c in (",", ";", "\t") if c in head), ",")  # with semicolons numbers may have a decimal comma
+        lines = csv.reader((row.replace(",", ".") for row in rows) if apart == ";" else rows, delimiter=apart)
         names = [name.strip() for name in next(lines, [])]
         rows = [(lines.line_num, line) for line in lines if line]
     except csv.Error as error:
-        raise SpecError("csv", None, f"it is no CSV: {error}", "save it as CSV, comma separated") from None
+        raise SpecError("csv", None, f"it is no CSV: {error}", "save it as CSV") from None
     if not names or not all(names) or len(set(names)) < len(names):
         raise SpecError("csv", ",".join(names)[:60], "it has no line of names, or a name twice", "begin it with a line such as t,voltage,y_speed")
     data = np.empty((len(rows), len(names)))
@@ -23,5 +26,5 @@ def columns_of_csv(text: str) -> dict[str, np.ndarray]:
             data[place] = [float(cell) for cell in line]
         except ValueError:
             raise SpecError("csv", ",".join(line)[:60], f"line {number} is not a row of {len(names)} numbers",
-                            "give one number for every name, comma separated") from None  # fmt: skip
+                            "give one number for every name") from None  # fmt: skip
     return dict(zip(names, data.T, strict=True))

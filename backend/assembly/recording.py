@@ -30,7 +30,8 @@ from shared import Experiment, Plant
 from shared.base import field_errors
 from shared.diagnosis import DiagnosisSettings, ObserverDiagnosis
 
-_EVEN = 1e-3  # of the period: how exactly samples must be equally spaced
+_EVEN = 0.05  # of the period: how exactly samples must lie where equal spacing has them; times are often rounded
+_LARGEST = 1e30  # what no sensor shows
 _MEDIAN = 0.4549  # of the square of a standard normal number
 _ROUNDS = 3  # of estimating the noise,
 _SURE = 0.01  # with a filter that doubts the model by so much less: one that follows the noise would find too little of it
@@ -56,19 +57,37 @@ def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
     Inputs and signals that are missing keep their defaults. Raises SpecError for a missing output, uneven times, gaps.
     """
     t = _column(columns, ("t", "time"), "t")
-    steps = np.diff(t)
     if len(t) < 200:
         raise SpecError("t", len(t), "the record has fewer than 200 rows", "give a longer record")
-    period = float(np.median(steps))
-    uneven = np.flatnonzero(np.abs(steps - period) > _EVEN * max(period, 1e-300))
-    if period <= 0 or len(uneven):
-        row = int(uneven[0]) + 1 if len(uneven) else 1
-        raise SpecError("t", float(t[row]), f"samples must be equally spaced: row {row + 1} is not {period:g} s after the one before",
-                        "resample the record")  # fmt: skip
+    period = _period(t)
     y = np.stack([_column(columns, (f"y.{n}", n), f"y.{n}") for n in plant.names("outputs")], axis=1)
     found = [{n: _column(columns, (f"{prefix}.{n}", n), f"{prefix}.{n}") for n in plant.names(group)
               if f"{prefix}.{n}" in columns or n in columns} for prefix, group in (("u", "inputs"), ("signal", "signals"))]  # fmt: skip
     return Recording(period, np.arange(len(t)) * period, y, *found)
+
+
+def _period(t: np.ndarray) -> float:
+    """The distance of samples, s. Raises SpecError unless they lie at equal distances, but for the rounding of their times."""
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    wrong = np.flatnonzero(np.abs(steps - usual) > 0.5 * max(usual, 1e-300))
+    period = float(t[-1] - t[0]) / (len(t) - 1)
+    if not len(wrong) and period > 0:
+        off = t - t[0] - period * np.arange(len(t))
+        wrong = np.flatnonzero(np.abs(off[1:]) > max(_EVEN * period, 1.01 * _resolution(t)))
+    if period <= 0 or len(wrong):
+        row = int(wrong[0]) + 1 if len(wrong) else 1
+        raise SpecError("t", float(t[row]), f"samples must be equally spaced: row {row + 1} is not {usual:g} s after the one before",
+                        "resample the record")  # fmt: skip
+    return period
+
+
+def _resolution(t: np.ndarray) -> float:
+    """The decimal place that all times are rounded to, if it is a coarse one; else 0. It moves each time and the two ends by half as much."""
+    for place in (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
+        if (np.abs(t / place - np.rint(t / place)) < 1e-6 * np.maximum(1.0, np.abs(t / place))).all():
+            return place if place < np.median(np.diff(t)) / 2 else 0.0
+    return 0.0
 
 
 def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: str) -> np.ndarray:
@@ -76,8 +95,9 @@ def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: st
     if name is None:
         raise SpecError(field, None, "the record has no such column", f"name one {' or '.join(names)}; it has {', '.join(columns)}")
     values = np.asarray(columns[name], dtype=float)
-    if not np.isfinite(values).all():
-        row = int(np.flatnonzero(~np.isfinite(values))[0])
+    good = np.abs(values) < _LARGEST
+    if not good.all():
+        row = int(np.flatnonzero(~good)[0])
         raise SpecError(field, str(values[row]), f"row {row + 1} holds no number", "leave out or fill in the missing rows")
     return values
 
@@ -95,7 +115,13 @@ def diagnose_recording(
     why = unwatchable(experiment, experiment.context)
     if why:
         raise SpecError("plant", plant.id, why, "give a plant with fault channels and a longer record")
+    if not 0 <= learn <= 0.9 * (spec.horizon or 0.0):
+        raise SpecError("learn", learn, f"the record is {spec.horizon:g} s long, and a tenth of it at least is to be judged",
+                        f"give 0 to {0.9 * spec.horizon:.3g} s")  # fmt: skip
     experiment = _with_noise(experiment, record, settings.doubt)
+    if not np.isfinite(experiment.measurement.std).all():
+        raise SpecError("plant", plant.id, "the filter for this plant does not stay finite along the record",
+                        "check its parameters and initial state, and the units of the record")  # fmt: skip
     noise = dict(zip(plant.names("outputs"), experiment.measurement.std, strict=True))
     measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
     spec = Experiment.model_validate(spec.model_dump() | {"noise": measured})
@@ -104,8 +130,8 @@ def diagnose_recording(
     except Unwatchable as error:
         raise SpecError("plant", plant.id, str(error), "check the plant's initial state and bounds") from None
     watched = _watched(made, experiment, record, learn)
-    found = Diagnosed(made, watched, (), made.interval)
-    told = of_detector(found, settings.confidence, settings.accuracy, spec.horizon)
+    found = Diagnosed(made, watched, (), made.interval, _defaults(plant, record))
+    told = of_detector(found, settings.confidence, settings.accuracy, spec.horizon, max(_learnt_until(made, record, learn), made.calibrated.begin))
     told["noise"] = [{"output": n, "declared": None, "estimated": float(s)} for n, s in noise.items()]
     return ObserverDiagnosis.model_validate(told)
 
@@ -174,7 +200,7 @@ def _watched(made: Detector, experiment: Engine, record: Recording, learn: float
     index, table = _table(experiment, record, made.filter)
     t = index * experiment.step
     made.filter.get_used(record.y)
-    first = min(round(learn / made.interval), len(t) // made.stride - 2)
+    first = _learnt_until(made, record, learn)
     if first <= made.calibrated.begin:
         return made.advance(made.begin(), table, t)
     rows = first * made.stride
@@ -184,6 +210,17 @@ def _watched(made: Detector, experiment: Engine, record: Recording, learn: float
     none = Sums.none(made.filter.p, made.filter.m)
     watched = Watched(beginning, replace(none, first=first), state[None, :], table[:0], t[:0], made.stride)
     return made.advance(watched, table[rows:], t[rows:])
+
+
+def _learnt_until(made: Detector, record: Recording, learn: float) -> int:
+    """The decision until which a record is taken as sound."""
+    return min(round(learn / made.interval), len(record.t) // made.stride - 2)
+
+
+def _defaults(plant: Plant, record: Recording) -> str:
+    """Which inputs and signals the record has not."""
+    missing = [n for group, there in (("inputs", record.inputs), ("signals", record.signals)) for n in plant.names(group) if n not in there]
+    return f"not in the record, so the defaults were taken: {', '.join(missing)}" if missing else ""
 
 
 def _learnt(made: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

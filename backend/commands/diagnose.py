@@ -47,7 +47,7 @@ def columns_of(path: Path) -> dict[str, np.ndarray]:
     except OSError as error:
         raise DocumentError(f"{path} cannot be read: {error.strerror}", "check the name and the permissions") from None
     except UnicodeDecodeError:
-        raise DocumentError(f"{path} is no CSV in UTF-8", "save it as CSV, comma separated") from None
+        raise DocumentError(f"{path} is no CSV in UTF-8", "save it as CSV in UTF-8") from None
     except SpecError as error:
         raise DocumentError(error.problem, error.remedy, name=str(path)) from None
 
@@ -64,6 +64,8 @@ def text(found: ObserverDiagnosis) -> str:
     if found.calibration is not None:
         c = found.calibration
         parts.append(f"thresholds for {c.false_alarms:g} false alarms an hour, from {c.seeds} simulated runs; judged from {c.from_time:.4g} s on")
+    if found.note:
+        parts.append(found.note)
     if found.excitation is not None and found.excitation.text:
         parts.append(f"at the end: {found.excitation.text}")
     return "\n".join(parts)

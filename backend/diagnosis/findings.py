@@ -124,17 +124,18 @@ def _median_share(rows: int) -> float:
     return (1 - 2 / (9 * rows)) ** 3
 
 
-def of_detector(d: Diagnosed, confidence: float, accuracy: float, horizon: float) -> dict:
-    """What the detector says."""
+def of_detector(d: Diagnosed, confidence: float, accuracy: float, horizon: float, begin: int | None = None) -> dict:
+    """What the detector says; ``begin``: the decision from which on is judged, if that is not its own."""
     if d.detector is None or d.watched is None:
         return {"observer": "", "note": d.note, "sentence": f"no diagnosis: {d.note}"}
     made, watched = d.detector, d.watched
+    begin = made.calibrated.begin if begin is None else begin
     alarms = [alarm(f, made, confidence) for f in watched.standing.found]
     J, length = window_of(made, watched.sums, horizon)
     seen = seen_in(made, J, accuracy)
     return {
-        "observer": "", "alarms": alarms, "sentence": sentence(alarms, made.calibrated.begin * made.interval),
-        "calibration": calibration(made.calibrated, made.interval), "noise": noise_levels(made, watched),
+        "observer": "", "alarms": alarms, "sentence": sentence(alarms, begin * made.interval), "note": d.note,
+        "calibration": calibration(made.calibrated, made.interval) | {"from_time": begin * made.interval}, "noise": noise_levels(made, watched),
         "resolution": resolution(made, seen),
         "excitation": {"window": length, "level": seen.level, "needed": seen.needed, "direction": dict(seen.direction),
                        "text": seen.text, "proposal": None},

@@ -20,7 +20,7 @@ RECENT = 100  # decisions within which an output that fails again has not been w
 
 def take(now: Standing, look: Look, fit: Explained) -> Standing:
     """Take what is pending as known, with the sizes of a fit; findings are told them."""
-    pending, noise = _levelled(now.pending, fit), look.calibrated.noise
+    pending = _levelled(now.pending, fit)
     sizes = {e.course_key: e for e in fit.events}
     young = tuple(replace(y, event=sizes.get(y.event.course_key, y.event)) for y in pending.young)
     events = tuple(y.event for y in young)
@@ -40,12 +40,7 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         i = next((y.found for y in young if y.event == event), None)
         if i is None:  # it is part of another event now, which will be estimated anew
             continue
-        settling, long = (float(noise.v[noise.nearest(n), event.channel]) for n in (2 * look.calibrated.settle, length))
-        v = long + float(fit.early[k]) * max(settling - long, 0.0)
-        reach = abs(event.reached(now.at))
-        others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known_before if f.channel != event.channel)
-        variance = max(v * fit.covariance[k, k], 0.0)
-        deviation = float(np.sqrt(variance + min(others, variance)) * reach)  # errors of old standing are partly taken up by x
+        deviation, v = _deviation(now, look, fit, k, known_before)
         if 0 < event.rise < np.inf:
             shape = _by_shape(now, look, events, fit, k)
             deviation = float(np.hypot(deviation, shape)) if shape else max(now.found[i].deviation, deviation * _vaguer(scene, event, deviation, v))
@@ -67,6 +62,18 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         for i in set(now.active) - changed:
             now = with_found(now, i, replace(now.found[i], stood=(now.found[i].size, now.found[i].deviation)))
     return now
+
+
+def _deviation(now: Standing, look: Look, fit: Explained, k: int, known: list[Found]) -> tuple[float, float]:
+    """Standard deviation of what event ``k`` of a fit has reached, if its shape is so, and the v that it rests on (`Noise`); ``known``: the
+    faults that were known before."""
+    event, noise = fit.events[k], look.calibrated.noise
+    settling, long = (float(noise.v[noise.nearest(n), event.channel]) for n in (2 * look.calibrated.settle, now.at - fit.onset))
+    v = long + float(fit.early[k]) * max(settling - long, 0.0)
+    others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known if f.channel != event.channel)
+    variance = max(v * fit.covariance[k, k], 0.0)
+    # errors of old standing are partly taken up by x
+    return float(np.sqrt(variance + min(others, variance)) * abs(event.reached(now.at))), v
 
 
 def _by_shape(now: Standing, look: Look, events: tuple[Event, ...], fit: Explained, k: int) -> float:

@@ -9,7 +9,9 @@ import pytest
 
 from backend import library
 from backend.assembly import prepare
+from backend.assembly.columns import columns_of_csv
 from backend.assembly.recording import diagnose_recording, recording
+from backend.engine.errors import SpecError
 from shared import Experiment
 from shared.diagnosis import DiagnosisSettings
 
@@ -108,3 +110,30 @@ def test_a_trial_counts_false_and_right_alarms(call):
     assert code == 0 and lines["detector"][1:3] == ["0", "(0"] and lines["detector"][7] == "5"
     assert any(name.startswith("ekf: 3σ of what it was") for name in lines)
     assert call("trial", "friction-motor", "--seeds", "0")[0] == 2
+
+
+def test_a_record_as_spreadsheets_write_it(call):
+    """Semicolons, decimal commas and times rounded to milliseconds: the same finding; a column that is missing is named."""
+    columns = recorded(call, "friction-motor", "--set", "seed=5")
+    t = columns["t"] * 1.2345678
+    rows = zip(np.round(t, 3), *(columns[n] for n in ("u.torque", "y.y_speed", "y.y_acceleration")), strict=True)
+    names = ["u.torque", "y.y_speed", "y.y_acceleration"]
+    lines = [";".join(["t", *names]), *(";".join(f"{v:.6g}".replace(".", ",") for v in row) for row in rows)]
+    found = columns_of_csv("\n".join(lines))
+    assert list(found) == ["t", *names] and found[names[-1]] == pytest.approx(columns[names[-1]], rel=1e-5)
+    plant = library.plant("friction-motor")
+    assert recording(plant, found).period == pytest.approx(0.012345678, rel=1e-4)
+    without = {n: v for n, v in found.items() if not n.startswith("u.")}
+    assert "the defaults were taken" in diagnose_recording(plant, recording(plant, without), DiagnosisSettings()).note
+
+
+@pytest.mark.parametrize(("changes", "learn", "said"), [({"cell": 1e300}, 0.0, "holds no number"), ({}, 100.0, "a tenth of it at least"),
+                                                        ({}, float("nan"), "a tenth of it at least")])  # fmt: skip
+def test_what_a_record_cannot_hold_is_refused(call, changes, learn, said):
+    """Numbers that no sensor shows, and learning that leaves nothing to be judged."""
+    columns = recorded(call, "friction-motor")
+    y = next(n for n in columns if n.startswith("y."))
+    columns[y] = np.where(np.arange(len(columns[y])) == 50, changes.get("cell", columns[y]), columns[y])
+    plant = library.plant("friction-motor")
+    with pytest.raises(SpecError, match=said):
+        diagnose_recording(plant, recording(plant, columns), DiagnosisSettings(), learn)
