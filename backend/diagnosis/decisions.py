@@ -79,7 +79,9 @@ def _grown(now: Standing, within: Range) -> Standing:
     size, found = np.clip(now.known.at(now.at), within.low, within.high), list(now.found)
     for i in now.active:
         if found[i].channel is not None:
-            found[i] = replace(found[i], size=float(size[found[i].channel]))
+            new = float(size[found[i].channel])
+            grown = max(1.0, abs(new / found[i].size)) if found[i].size else 1.0  # as sure of its pace as it was
+            found[i] = replace(found[i], size=new, deviation=found[i].deviation * grown)
     return replace(now, found=tuple(found))
 
 

@@ -44,6 +44,8 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         if 0 < event.rise < np.inf:
             shape = _by_shape(now, look, events, fit, k)
             deviation = float(np.hypot(deviation, shape)) if shape else max(now.found[i].deviation, deviation * _vaguer(scene, event, deviation, v))
+        if pending.base.slope[event.channel] or pending.base.rest[event.channel]:  # it went on from a level that is not known better
+            deviation = float(np.hypot(deviation, before[i].deviation))
         size = float(known.level[event.channel])
         had = float(pending.base.plus(tuple(e for e in events if e != event), event.onset).level[event.channel])
         least = max(GONE * abs(had or before[i].size), 3.0 * deviation)

@@ -17,6 +17,7 @@ SHARE = 0.7  # of the energy above the noise that a fault of the model has to ex
 PATIENCE = 8  # settling times, after which an answer is given as it stands,
 MOST_PATIENCE = 100  # decisions, if that is less
 YOUNG = LONGEST // 2  # decisions after which a finding is left as it is, lest it take up what comes after
+SLOW = LONGEST - 50  # the same of a rise, which takes longer to show how large it becomes
 BELIEVED = 4.0  # standard deviations of the noise's energy: what a true explanation may leave
 DOUBTED = 3.0  # the same, from which on it is asked what else it may be
 _APART = 8  # times as long ago as they were apart: events that began at about the same time
@@ -298,6 +299,7 @@ def _present(now: Standing, look: Look) -> float:
 
 def _settled(now: Standing) -> Standing:
     """With what is pending left as it is, if that is no longer young: what comes may have begun before."""
-    if now.pending is None or now.at - now.pending.young[-1].event.first <= YOUNG:
+    last = None if now.pending is None else now.pending.young[-1].event
+    if last is None or now.at - last.first <= (SLOW if last.rise else YOUNG):
         return now
     return replace(now, pending=replace(now.pending, settled=True, review=NEVER))
