@@ -161,4 +161,9 @@ const english = {
   stillOn: 'still on',
 };
 
-export const text = language() === 'zh' ? {...english, ...chinese} : english;
+const inLanguage = () => (language() === 'zh' ? {...english, ...chinese} : english);
+
+export let text = inLanguage();
+
+/** Take the words of the language that was chosen since: for pages that are built anew instead of loaded. */
+export const retell = () => { text = inLanguage(); };

@@ -35,7 +35,7 @@ function transport(app, link) {
     const now = app.samples.now;
     if (!await send(command)) return;
     const undo = () => link.begin({spec, experiment, t: now, play: false});
-    tell(app, app.text.wentBack(seconds(t, 0.1)), {action: {words: app.text.undo, act: undo}});
+    tell(app, app.text.wentBack(seconds(t, 0.1)), {action: {words: app.text.undo, act: undo, alone: true}}); // those who watch would stay behind
   }
   return {
     play: () => send({type: 'play'}),

@@ -30,5 +30,8 @@ export function seconds(t, step = 0.1) {
   return t.toFixed(places);
 }
 
+/** Speeds to choose from, by menu and by key; null: as fast as possible. */
+export const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, null];
+
 /** 0.1×, 10×; ∞ for as fast as possible. */
 export const times = (speed) => (speed === null ? '∞' : `${Number(speed.toPrecision(3))}×`);

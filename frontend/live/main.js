@@ -2,6 +2,7 @@
 
 import {get} from '../api.js';
 import {actions, addressOf, languageNow} from './act.js';
+import {SPEEDS} from './format.js';
 import {Edge, createLoop} from './loop.js';
 import {mountHysteresis} from './hysteresis.js';
 import {Arrivals} from './missed.js';
@@ -21,8 +22,8 @@ import {mountTimeline} from './timeline.js';
 import {mountTransport} from './transport.js';
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
-const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100];
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
+const BRISK = 100; // the fastest that a session begins with
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
 const TEXTS = Object.fromEntries(['en', 'zh'].map((language) => [language, {...words[language], ...scopeWords[language]}]));
@@ -91,7 +92,7 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
         app.edge.t = Infinity; // anything but where the last session was
         if (message.parent) watchParent(message.parent);
         if (message.role === 'view') app.act.tell(app.text.viewOnly);
-        if (fresh) app.act.speed(SPEEDS.findLast((speed) => speed <= message.spec.horizon / WATCHED) ?? SPEEDS[0]);
+        if (fresh) app.act.speed(SPEEDS.findLast((speed) => speed !== null && speed <= Math.min(BRISK, message.spec.horizon / WATCHED)) ?? SPEEDS[0]);
         then();
       }
       if (message.type === 'ack') addressSoon();

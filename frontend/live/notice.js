@@ -19,7 +19,7 @@ export function mountNotice(root, app) {
     root.hidden = true;
     fill(root);
   };
-  app.subscribe((state) => [state.connection, state.ended, state.told, state.problem, state.language, state.session], ([connection, , told], before) => {
+  app.subscribe((state) => [state.connection, state.ended, state.told, state.problem, state.language, state.session, state.viewers > 1], ([connection, , told], before) => {
     clearTimeout(timer);
     const standing = inTheWay(app);
     if (standing) {
@@ -33,10 +33,11 @@ export function mountNotice(root, app) {
       return;
     }
     const act = () => {
-      hide();
+      app.store.dispatch({type: 'set', told: null}); // what was taken is not offered again
       told.action.act();
     };
-    show({kind: told.kind, words: told.text, buttons: told.action ? [button(told.action.words, act)] : []});
+    const offered = told.action && !(told.action.alone && app.state.viewers > 1);
+    show({kind: told.kind, words: told.text, buttons: offered ? [button(told.action.words, act)] : []});
     timer = setTimeout(hide, left);
   });
 }

@@ -7,6 +7,7 @@ import {openFigure} from './figure.js';
 import {decimals, fixed} from './format.js';
 import {mountHead} from './scope-head.js';
 import {mountPointer} from './scope-pointer.js';
+import {untold} from './panels/sizes.js';
 import {badges, split} from './panels/symbols.js';
 import {stripsOf} from './strips.js';
 
@@ -27,7 +28,7 @@ export function mountScope(root, app) {
     scope.still = '';
     app.wake();
   });
-  app.subscribe((state) => unseen(state).map((one) => `${one.channel} ${one.smallest === null}`).join(), () => scope.showUnseen());
+  app.subscribe((state) => untold(state).map((one) => `${one.channel} ${one.smallest === null}`).join(), () => scope.showUntold());
   app.onFrame((now) => scope.draw(now));
   app.onTick(() => scope.showValues());
   return scope;
@@ -64,7 +65,7 @@ class Scope {
     if (wanted.length !== this.list.children.length || wanted.some((element, i) => this.list.children[i] !== element)) {
       this.list.replaceChildren(...wanted);
     }
-    this.showUnseen();
+    this.showUntold();
     this.measure();
     this.showEmpty();
     this.aimed = 0;
@@ -94,10 +95,10 @@ class Scope {
   }
 
   /** Say which faults the input of the last window does not tell. */
-  showUnseen() {
+  showUntold() {
     const {state, text} = this.app;
-    const lost = unseen(state);
-    for (const {strip, unseen: mark} of this.rows.values()) {
+    const lost = untold(state);
+    for (const {strip, untold: mark} of this.rows.values()) {
       const one = strip.kind === 'theta' ? lost.find(({channel}) => channel === strip.subject) : undefined;
       mark.hidden = one === undefined;
       mark.textContent = one?.smallest === null ? text.notSeenNow : text.underNoise;
@@ -241,6 +242,7 @@ class Scope {
           : strip.log ? this.excited(value, strip, shown.length) : fixed(value, places);
         const cell = values.children[i];
         if (cell && cell.textContent !== text) cell.textContent = text;
+        if (strip.log) cell?.classList.toggle('warning', [this.app.text.diverged, this.app.text.notExcited].includes(text));
         return `${shown[i].label} ${text}`;
       });
       if (!state.playing) canvas.setAttribute('aria-label', this.app.text.describe(canvas.dataset.name, words.join(', ')));
@@ -255,9 +257,6 @@ class Scope {
   }
 }
 
-/** Channels of which not even a typical fault can be told now, from when on anything is judged. */
-const unseen = ({diagnosis, t}) => ((diagnosis?.calibration?.from_time ?? Infinity) > t ? [] : diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable));
-
 /** What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant. */
 function signOf({kind, symbol: name}, plant) {
   if (kind === 'excitation') return h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min'));
@@ -271,8 +270,8 @@ function createRow() {
   const label = h('div', {class: 'strip-label'});
   const canvas = h('canvas', {role: 'img'});
   const values = h('div', {class: 'strip-values', 'aria-hidden': 'true'});
-  const unseen = h('span', {class: 'unseen', hidden: true});
-  return {label, canvas, values, unseen, ctx: canvas.getContext('2d'), range: new Range(), element: h('div', {class: 'strip'}, label, h('div', {class: 'strip-plot'}, canvas, unseen), values),
+  const mark = h('span', {class: 'untold', hidden: true});
+  return {label, canvas, values, untold: mark, ctx: canvas.getContext('2d'), range: new Range(), element: h('div', {class: 'strip'}, label, h('div', {class: 'strip-plot'}, canvas, mark), values),
     place: {left: 0, width: 0, height: 0, full: 0}};
 }
 

@@ -57,7 +57,7 @@
  * @property {'light'|'dark'} theme
  * @property {'en'|'zh'} language
  * @property {{title: string, detail: string} | null} problem    why there is no session
- * @property {{text: string, kind: 'note'|'problem', action: {words: string, act: () => void} | null, at: number} | null} told
+ * @property {{text: string, kind: 'note'|'problem', action: {words: string, act: () => void, alone?: boolean} | null, at: number} | null} told   alone: offered while nobody else watches
  */
 
 /** @type {State} */

@@ -1,9 +1,8 @@
 // Play, pause, step, back to the start, fork, speed, and the clock.
 
 import {fill, h} from '../dom.js';
-import {seconds, times} from './format.js';
+import {seconds, SPEEDS, times} from './format.js';
 
-const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 1000, null];
 const ICONS = {
   start: ['M3.5 3v10M12.5 3.5v9L6 8z'],
   step: ['M3.5 3.5v9L10 8zM12.5 3v10'],

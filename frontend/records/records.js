@@ -11,17 +11,10 @@ import * as words from '../live/strings.js';
 import {text} from '../strings.js';
 import {problemBlock} from '../views/problem.js';
 import {mountTop} from '../views/top.js';
+import {columnsOf, needed} from './csv.js';
 
-const live = words[language()];
+let live = words[language()];
 const POINTS = 1200;
-
-/** The columns of CSV text: for the picture only; the server reads the text itself. */
-function columnsOf(csv) {
-  const [head, ...lines] = csv.trim().split(/\r?\n/u);
-  const names = head.split(',').map((name) => name.trim());
-  const rows = lines.map((line) => line.split(',').map(Number));
-  return Object.fromEntries(names.map((name, place) => [name, rows.map((row) => row[place])]));
-}
 
 /** An output over time, with what was found in it. */
 function course(output, t, y, alarms) {
@@ -67,13 +60,11 @@ function found(told, plant, columns) {
 }
 
 const root = document.querySelector('.records');
-document.querySelector('.skip').textContent = text.records;
-mountTop(document.querySelector('.top'), connection, 'records');
 const [{plants}, {experiments}] = await Promise.all([get('/api/plants'), get('/api/experiments')]);
 const known = new Map();
 const plantOf = async (id) => known.get(id) ?? known.set(id, await get(`/api/plants/${encodeURIComponent(id)}`)).get(id);
 
-const choice = h('select', {id: 'plant'}, plants.map((line) => h('option', {value: line.id}, text.named(line.title) || line.id)));
+const choice = h('select', {id: 'plant'}, plants.map((line) => h('option', {value: line.id})));
 const file = h('input', {id: 'file', type: 'file', accept: '.csv,text/csv,text/plain'});
 const learn = h('input', {id: 'learn', type: 'number', min: 0, step: 'any', value: 0});
 const rate = h('input', {id: 'rate', type: 'number', min: 0, step: 'any', value: 1});
@@ -81,6 +72,12 @@ const names = h('p', {class: 'soft all names'});
 const state = h('span', {class: 'soft', role: 'status'});
 const result = h('div', {class: 'records'});
 let taken = null; // text of a simulated record
+// what stands beside the buttons, and below: as functions, to be said again in another language
+let beside = () => '';
+let below = () => [];
+
+const say = (words) => { beside = words; fill(state, beside()); };
+const show = (elements) => { below = elements; fill(result, below()); };
 
 async function showNames() {
   const plant = await plantOf(choice.value);
@@ -90,20 +87,21 @@ async function showNames() {
 
 /** Do something of which the server may refuse a part; what it gives is said beside the buttons. */
 async function attempt(work) {
-  fill(state, text.running);
+  say(() => text.running);
   try {
-    fill(state, await work() ?? '');
+    say(await work() ?? (() => ''));
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
-    fill(result, problemBlock(error));
-    fill(state);
+    show(() => [problemBlock(error)]);
+    say(() => '');
   }
 }
 
 async function ask(csv) {
-  const body = {plant: choice.value, csv, learn: Number(learn.value), diagnosis: {false_alarms: Number(rate.value)}};
-  const [told, plant] = await Promise.all([post('/api/diagnosis', body), plantOf(choice.value)]);
-  fill(result, found(told, plant, columnsOf(csv)));
+  const plant = await plantOf(choice.value);
+  const told = await post('/api/diagnosis', {plant: plant.id, csv: needed(csv, plant), learn: Number(learn.value), diagnosis: {false_alarms: Number(rate.value)}});
+  const columns = columnsOf(csv);
+  show(() => found(told, plant, columns));
 }
 
 /** A run of the plant's first experiment as a record, for those who have none at hand. */
@@ -113,18 +111,31 @@ async function simulated() {
   const columns = ['t', ...plant.inputs.map((one) => `u.${one.name}`), ...plant.signals.map((one) => `signal.${one.name}`), ...plant.outputs.map((one) => `y.${one.name}`)];
   const answer = await fetch(`/api/runs/${run.id}/data?format=csv&columns=${columns.join(',')}`);
   taken = await answer.text();
-  return text.takenFrom(id);
+  return () => text.takenFrom(id);
 }
 
-choice.addEventListener('change', () => { taken = null; fill(state); showNames(); });
-file.addEventListener('change', () => { taken = null; fill(state); });
-const form = h('form', {class: 'card ask', onsubmit: async (event) => {
+async function submit(event) {
   event.preventDefault();
   const csv = taken ?? await file.files[0]?.text();
   if (csv) attempt(() => ask(csv));
-  else fill(state, text.noFile);
-}},
-h('label', {}, text.plant, choice), h('label', {}, text.file, file), h('label', {title: text.learnHint}, text.learn, learn), h('label', {title: text.rateHint}, text.rate, rate), names,
-h('div', {class: 'all buttons'}, h('button', {class: 'run', type: 'submit'}, text.diagnose), h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, text.simulate), state));
-fill(root, h('h1', {}, text.records), h('p', {class: 'soft'}, text.recordsText), form, result);
-showNames();
+  else say(() => text.noFile);
+}
+
+/** The page in the language at hand. What was chosen, and what came of it, stays. */
+function build() {
+  live = words[language()];
+  document.querySelector('.skip').textContent = text.records;
+  plants.forEach((line, place) => { choice.options[place].textContent = text.named(line.title) || line.id; });
+  const form = h('form', {class: 'card ask', onsubmit: submit},
+    h('label', {}, text.plant, choice), h('label', {}, text.file, file), h('label', {title: text.learnHint}, text.learn, learn), h('label', {title: text.rateHint}, text.rate, rate), names,
+    h('div', {class: 'all buttons'}, h('button', {class: 'run', type: 'submit'}, text.diagnose), h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, text.simulate), state));
+  fill(root, h('h1', {}, text.records), h('p', {class: 'soft'}, text.recordsText), form, result);
+  say(beside);
+  show(below);
+  showNames();
+}
+
+choice.addEventListener('change', () => { taken = null; say(() => ''); showNames(); });
+file.addEventListener('change', () => { taken = null; say(() => ''); });
+mountTop(document.querySelector('.top'), connection, 'records', build);
+build();

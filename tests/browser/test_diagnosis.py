@@ -72,7 +72,7 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
     assert live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
     assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
     assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
-    until(live, "document.querySelectorAll('.unseen:not([hidden])').length >= 2", 20)
+    until(live, "document.querySelectorAll('.untold:not([hidden])').length >= 2", 20)
     assert "θ₁ or θ₂, not told apart" in live.locator("#panel-log").inner_text()
 
 
@@ -185,6 +185,10 @@ def test_a_run_shows_its_diagnosis(page):
     text = run.locator(".verdicts").inner_text()
     assert "one false alarm in 100 h" in text and f"{summary['diagnosis']['detector']['calibration']['thresholds']['glr']:.3g}" in text
     assert run.locator(".verdicts .group").count() == len(adaptive["rmse"]) and "told apart" in text
+    for width in (1180, 1440):  # three columns leave the findings little room: no digit may be cut off
+        run.set_viewport_size({"width": width, "height": 900})
+        widths = run.locator(".finding .amount").evaluate_all("(all) => all.map((one) => [one.clientWidth, one.firstChild.getBoundingClientRect().width])")
+        assert all(room >= needed - 1 for room, needed in widths)
     assert run.watch.errors == [] and run.watch.foreign == []
 
 
@@ -193,7 +197,59 @@ def test_faults_below_the_noise_are_said_to_be_unresolvable(page):
     live = opened(page, "/?experiment=zhao-2012-variance-as-printed&t=30")
     until(live, "/cannot be resolved at this noise/.test(document.querySelector('.hint')?.textContent)", 40)
     assert live.locator(".hint").inner_text() == "θ₁ and θ₂ cannot be resolved at this noise."
-    marks = live.evaluate("[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.unseen').hidden)")
+    marks = live.evaluate("[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.untold').hidden)")
     assert marks == [True, True, False]
     live.click(".hint button")
     assert live.locator("#panel-diagnosis .seen tbody tr", has_text="lost in the noise").count() == 2
+
+
+def test_a_fault_that_is_not_found_is_told_inside_its_card(page):
+    """The line of a tiny fault lies in the Diagnosis card, wherever the mark of the same name on a strip belongs."""
+    live = started(page)
+    inject(live, "channel: 'theta2', shape: 'step', size: 0.0005")
+    line = live.wait_for_selector(".finding.unseen").bounding_box()
+    card = live.locator("#panel-diagnosis").bounding_box()
+    assert card["x"] <= line["x"] and line["x"] + line["width"] <= card["x"] + card["width"]
+    assert card["y"] <= line["y"] and line["y"] + line["height"] <= card["y"] + card["height"]
+
+
+def test_a_found_fault_that_ends_is_never_called_unfound(page):
+    """From Clear to the end of the alarm, told a moment before the rows it ends in, no word of a fault that was not found; its badge is not lit again by the next."""
+    live = started(page)
+    inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
+    live.evaluate("thetascope.act.play()")
+    until(live, f"/found in/.test({VERDICT})", 30)
+    live.evaluate(f"""(() => {{
+      window.said = [];
+      new MutationObserver(() => window.said.push({VERDICT})).observe(document.querySelector('.verdict'), {{childList: true, characterData: true, subtree: true}});
+    }})()""")
+    live.keyboard.press("c")
+    until(live, f"/over/.test({VERDICT})", 40)
+    assert [one for one in live.evaluate("window.said") if "Not found" in one or "not found" in one] == []
+    live.evaluate("thetascope.act.pause()")
+    inject(live, "channel: 'theta3', shape: 'step', size: 0.0005")
+    until(live, "document.querySelector('.finding.unseen .lit') !== null")
+    assert live.locator(".finding.past .lit").count() == 0
+
+
+def test_an_alarm_that_outlasted_its_fault_has_found_it(page):
+    """An alarm's end that is told before the rows in which the fault ends: over, not unfound; one that ended before the fault did leaves it unfound."""
+    live = opened(page, PAUSED)
+    said = live.evaluate("""import('/live/panels/findings.js').then(({findings}) => {
+      const fault = {subject: 'a', onChannel: true, onset: 5, end: 9, active: true, ended: false};
+      const alarm = {explained: true, subject: 'a', subjects: ['a'], t: 5.5, onset: 5, from: 5, to: 5};
+      return [9.2, 7].map((over) => findings({faults: [fault], alarms: [{...alarm, over}]}).map(({verdict}) => verdict).join());
+    })""")
+    assert said == ["past", "unseen,past"]
+
+
+def test_what_is_named_is_not_called_lost(page):
+    """A strip says that its fault is not told now only while no alarm names that fault alone."""
+    page = opened(page, PAUSED)
+    said = page.evaluate("""import('/live/panels/sizes.js').then(({untold}) => {
+      const resolution = ['a', 'b'].map((channel) => ({channel, identifiable: false, resolvable: false}));
+      const alarm = (subjects, over = null) => ({subjects, over});
+      const of = (...alarms) => untold({t: 9, alarms, diagnosis: {calibration: {from_time: 1}, resolution}}).map(({channel}) => channel).join('');
+      return [of(), of(alarm(['a'])), of(alarm(['a'], 8)), of(alarm(['a', 'b']))];
+    })""")
+    assert said == ["ab", "b", "ab", "ab"]

@@ -98,6 +98,19 @@ def test_looking_back_gives_up_nothing_until_told_to(page):
     until(opened, f"{APP}.samples.now > 29")
     ready(opened)
     assert last_row(opened) == before
+    assert opened.locator("#notice button").count() == 0  # what was taken is not offered again
+
+
+def test_undo_is_not_offered_where_others_would_stay_behind(page):
+    """It begins another session, so that with a second one watching the page only says where it is."""
+    opened = page("/?experiment=zhao-2012&t=30")
+    ready(opened)
+    watcher = page(f"/?session={state(opened, 'session')}")
+    ready(watcher)
+    until(opened, f"{APP}.state.viewers === 2")
+    opened.evaluate(f"{APP}.act.seek(10)")
+    opened.wait_for_selector("#notice:has-text('Back at 10')")
+    assert opened.locator("#notice button").count() == 0
 
 
 def test_a_fork_goes_its_own_way_with_its_parent_behind(page):

@@ -201,3 +201,78 @@ def test_the_same_letters_stand_for_a_fault_everywhere(page):
     assert live.locator('[data-strip="theta.load_torque"] .sign').inner_text() == badge
     press(live, "load_torque")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected unknown load torque')")
+
+
+def test_a_second_fault_stays_however_long_the_first_one_lasted(page):
+    """Inject, wait, Clear, Inject on one row: the second has no end and shows none; a duration that was typed is kept."""
+    live = opened(page)
+    live.evaluate("thetascope.act.speed(2)")
+    press(live, "theta2")
+    until(live, "thetascope.state.t > thetascope.state.faults.at(-1).onset + 1")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    until(live, "thetascope.state.faults.at(-1).ended")
+    lasted = live.evaluate("thetascope.state.faults.at(-1).end - thetascope.state.faults.at(-1).onset")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press.clear").wait_for()
+    until(live, f"thetascope.state.t > thetascope.state.faults.at(-1).onset + {lasted} + 1")
+    last = live.evaluate("thetascope.state.faults.at(-1)")
+    assert last["active"] and last["end"] is None and row(live, "theta2").locator(".summary").inner_text() == ""
+    press(live, "theta2")
+    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    row(live, "theta2").locator(".dots").click()
+    field = row(live, "theta2").locator(".entries input").last
+    field.fill("50")
+    field.press("Enter")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press.clear").wait_for()
+    press(live, "theta2")
+    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    assert "50" in row(live, "theta2").locator(".summary").inner_text()
+
+
+@pytest.mark.parametrize(("width", "height"), [(1366, 768), (1280, 720), (1440, 900)])
+def test_the_form_for_an_observer_can_be_reached_with_a_mouse(page, width, height):
+    """With three observers at a usual size of screen: the Add button lies where a click reaches it, and Escape closes the form."""
+    live = opened(page, "/?experiment=dc-motor&t=2", width=width, height=height)
+    live.click("#panel-observers .heading .link")
+    hit = live.evaluate("""(() => {
+      const button = document.querySelector('.add-form button[type=submit]');
+      const {x, y, width, height} = button.getBoundingClientRect();
+      return document.elementFromPoint(x + width / 2, y + height / 2) === button;
+    })()""")
+    assert hit
+    live.keyboard.press("Escape")
+    assert live.is_hidden(".add-form") and live.evaluate("document.activeElement.textContent") == "+ add"
+
+
+def test_settling_is_judged_as_the_backend_does(page):
+    """Every later row must be within the band: an excursion takes the time back; one in the last tenth means not settled."""
+    live = opened(page)
+    said = live.evaluate("""import('/live/panels/metrics.js').then(({settled}) => {
+      const t = Float64Array.from({length: 100}, (_, k) => 5 + k);
+      const truth = new Float32Array(100).fill(1);
+      const of = (...outside) => settled(t, truth, Float32Array.from(truth, (_, k) => (outside.includes(k) ? NaN : 1.05)), 5, 0.1);
+      return [of(), of(0, 1, 2), of(0, 50), of(95)];
+    })""")
+    assert said == [0, 3, 51, None]
+
+
+def test_the_title_counts_the_observers_that_watch(page):
+    """One is named until it is removed."""
+    live = opened(page)
+    assert "one observer" in live.inner_text("#panel-title")
+    live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
+    until(live, "/0 observers/.test(document.querySelector('#panel-title').textContent)")
+
+
+def test_what_is_of_now_says_so_while_one_looks_back(page):
+    """The Diagnosis card bears the present time while an earlier one is looked at, and no longer at now."""
+    live = opened(page, "/?experiment=zhao-2012&t=30")
+    tag = live.locator("#panel-diagnosis .as-of-now")
+    assert tag.is_hidden()
+    live.evaluate("thetascope.act.look(10)")
+    tag.wait_for()
+    assert tag.inner_text() == "now, 30.0\u202fs"
+    live.evaluate("thetascope.act.look(null)")
+    tag.wait_for(state="hidden")

@@ -46,3 +46,29 @@ def test_a_simulated_record_and_mistakes(page, tmp_path):
     opened.set_input_files("#file", tmp_path / "motor.csv")
     opened.click("button.run")
     assert "y1" in opened.wait_for_selector(".problem").inner_text()
+
+
+def test_only_the_columns_that_count_are_sent_and_a_language_keeps_the_result(page, tmp_path):
+    """A whole run of 30 more columns, too large for the server, is diagnosed; in Chinese the file, the plant and the result are still there."""
+    record(tmp_path / "motor.csv")
+    head, *lines = (tmp_path / "motor.csv").read_text().splitlines()
+    more = [f"adaptive.x.{k}" for k in range(30)]
+    wide = [",".join([*more, head]), *(",".join(["0.123456789"] * 30 + [line]) for line in lines)]
+    (tmp_path / "wide.csv").write_text("\n".join(wide))
+    opened = page("/records/")
+    opened.wait_for_selector(".names code")
+    opened.select_option("#plant", "friction-motor")
+    opened.set_input_files("#file", tmp_path / "wide.csv")
+    sent = []
+    opened.on("request", lambda request: sent.append(request.post_data_json) if request.url.endswith("/api/diagnosis") else None)
+    opened.click("button.run")
+    before = opened.wait_for_selector(".found tbody tr").inner_text().split("\t")
+    assert sent[0]["csv"].splitlines()[0].split(",")[0] == "t" and "adaptive" not in sent[0]["csv"]
+    opened.click(".top button[lang=zh]")
+    opened.wait_for_selector("h1:text-is('记录')")
+    after = opened.inner_text(".found tbody tr").split("\t")
+    assert after[1:5] == before[1:5] and after[-1] != before[-1]
+    assert opened.input_value("#plant") == "friction-motor" and opened.evaluate("document.querySelector('#file').files[0].name") == "wide.csv"
+    opened.click(".top button[lang=en]")
+    opened.wait_for_selector("h1:text-is('Records')")
+    assert opened.watch.errors == []

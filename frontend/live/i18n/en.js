@@ -38,6 +38,7 @@ export const en = {
 
   tryThis: 'Try this', doIt: 'Do it',
 
+  asOfNow: (t) => `now, ${t}`,
   diagnosis: 'Diagnosis', findings: 'Findings', howSure: 'how sure?', canSee: 'what can be seen?', or: 'or', foundIn: 'found in', notFound: 'not found yet', noFaultActs: 'no fault acts', faultElsewhere: 'not this one',
   isOver: 'it has ended', cleared: 'over', ifIt: (name) => `if it is ${name}`, tooSmall: (size) => `below ${size}, the least that shows now`, suspects: 'suspect the sensor: stuck, dropout, delay',
   invite: 'Click a circle in the plant, or press Inject. What watches sees only u and y, never the fault.',
@@ -63,7 +64,7 @@ export const en = {
   },
   calibrated: (rate, threshold, runs, hours) => `Asked for: ${rate}. The threshold of ${threshold} follows from ${runs} simulated runs without a fault, ${hours} h in all; none is typed in.`,
   oneIn: (hours) => `one false alarm in ${hours} h`, perHour: (n) => `${n} false alarms in an hour`,
-  plusMinus: (percent) => `± is the ${percent} % interval of the size, the other faults unknown, too.`, judgedFrom: (s) => `Nothing is judged before ${s} s.`,
+  plusMinus: (percent) => `± is the ${percent} % interval of the size, if no other fault acts than those named.`, judgedFrom: (s) => `Nothing is judged before ${s} s.`,
   noiseSeen: (output, declared, seen) => `Noise of ${output}: ${declared === null ? 'none declared' : `${declared} declared`}, ${seen} seen.`,
   bandsAre: 'One detector raises the alarms, whatever observers watch. Their bands are theirs: two standard deviations on either side, wider where the input tells less.',
   alongTrajectory: 'Rank and condition along the run', rank: 'Rank', condition: 'Condition', windowFrom: (s) => `${s} s from, s`,
@@ -82,7 +83,7 @@ export const en = {
     'reduced-order': 'Reduced order', 'full-order': 'Full order', 'sandwich-nonsmooth': 'Sandwich, non-smooth', 'sandwich-conventional': 'Sandwich, conventional',
     'adaptive-kalman': 'Adaptive Kalman', 'adaptive-kalman-discrete': 'Adaptive Kalman, sampled', 'joint-ekf': 'Joint EKF', 'joint-ukf': 'Joint UKF'},
 
-  comparison: 'Comparison', rmseHint: 'Root mean square error of the state over the window shown', settle: 'settle', settleHint: 'Time from the fault until its estimate stays within 10 % of it for a hundredth of the horizon',
+  comparison: 'Comparison', rmseHint: 'Root mean square error of the state over the window shown', settle: 'settle', settleHint: 'Time from a step fault until its estimate stays within 10 % of the step, up to now or to the next fault; taken back where it leaves again',
   noiseShort: 'noise', noiseHint: 'Standard deviation of the estimate about its trend, over the last quarter of the window', notYet: 'not yet', whichState: 'State to compare', whichFault: 'Fault to compare', foundBy: 'found by the detector in', foundHint: 'Time from the fault to the alarm of the detector that names it; it does not depend on the observers',
 
   log: 'Log', emptyLog: 'Nothing has happened yet.', showMoment: 'Show this moment', backHere: 'Go back to here',

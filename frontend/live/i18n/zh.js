@@ -38,6 +38,7 @@ export const zh = {
 
   tryThis: '试一试', doIt: '执行',
 
+  asOfNow: (t) => `现在，${t}`,
   diagnosis: '诊断', findings: '诊断结果', howSure: '有多可靠？', canSee: '能看到什么？', or: '或', foundIn: '发现用时', notFound: '尚未发现', noFaultActs: '并无故障', faultElsewhere: '不是它',
   isOver: '故障已结束', cleared: '已解除', ifIt: (name) => `若为 ${name}`, tooSmall: (size) => `小于目前可见的最小值 ${size}`, suspects: '怀疑传感器：卡死、丢失、延迟',
   invite: '点击对象图中的圆圈，或按“注入”。诊断只看到 u 和 y，看不到故障。',
@@ -63,7 +64,7 @@ export const zh = {
   },
   calibrated: (rate, threshold, runs, hours) => `要求：${rate}。由 ${runs} 次无故障仿真（共 ${hours} h）得到阈值 ${threshold}，并非人为给定。`,
   oneIn: (hours) => `${hours} h 内一次误报`, perHour: (n) => `每小时 ${n} 次误报`,
-  plusMinus: (percent) => `± 是大小的 ${percent} % 区间，其他故障同样未知。`, judgedFrom: (s) => `${s} s 之前不作判断。`,
+  plusMinus: (percent) => `± 是大小的 ${percent} % 区间，前提是除已指出的故障外没有其他故障作用。`, judgedFrom: (s) => `${s} s 之前不作判断。`,
   noiseSeen: (output, declared, seen) => `${output} 的噪声：${declared === null ? '未声明' : `声明为 ${declared}`}，实际 ${seen}。`,
   bandsAre: '报警由一个检测器给出，与所用观测器无关。各观测器的置信带是其自身的：两侧各两倍标准差，输入提供的信息越少越宽。',
   alongTrajectory: '沿轨迹的秩与条件数', rank: '秩', condition: '条件数', windowFrom: (s) => `${s} s 窗口起点，s`,
@@ -82,7 +83,7 @@ export const zh = {
     'reduced-order': '降阶', 'full-order': '全阶', 'sandwich-nonsmooth': '三明治，非光滑', 'sandwich-conventional': '三明治，常规',
     'adaptive-kalman': '自适应卡尔曼', 'adaptive-kalman-discrete': '自适应卡尔曼，采样', 'joint-ekf': '联合 EKF', 'joint-ukf': '联合 UKF'},
 
-  comparison: '比较', rmseHint: '所示窗口内状态的均方根误差', settle: '收敛', settleHint: '从故障出现到估计在 10 % 以内保持百分之一时长的时间',
+  comparison: '比较', rmseHint: '所示窗口内状态的均方根误差', settle: '收敛', settleHint: '从阶跃故障出现到估计一直保持在阶跃的 10 % 以内的时间，算到现在或下一个故障；若再次离开则撤回',
   noiseShort: '噪声', noiseHint: '窗口最后四分之一内估计相对其趋势的标准差', notYet: '尚未', whichState: '比较的状态', whichFault: '比较的故障', foundBy: '检测器发现用时', foundHint: '从故障出现到检测器报警指出它的时间；与观测器无关',
 
   log: '日志', emptyLog: '尚无事件。', showMoment: '显示这一时刻', backHere: '回到这里',

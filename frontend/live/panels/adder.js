@@ -4,7 +4,7 @@ import {post} from '../../api.js';
 import {fill, h} from '../../dom.js';
 import {refusal} from './parts.js';
 
-/** Fill `element` with the form; `done` is called when it has been added or given up. */
+/** Fill `element`, which is shown, with the form; `done` is called when it has been added or given up. */
 export function createAdder(element, app, kinds, done) {
   const {text} = app;
   const {plant, observers} = app.state;
@@ -19,20 +19,29 @@ export function createAdder(element, app, kinds, done) {
   const problem = h('p', {class: 'refused', role: 'alert'});
   const add = h('button', {type: 'submit', class: 'press'}, text.addIt);
   const cancel = h('button', {type: 'button', class: 'press clear', onclick: done}, text.cancel);
+  const presses = h('div', {class: 'presses'}, add, cancel);
   const inputs = new Map();
+  let typed = false; // a label of one's own outlives another choice of kind
+  label.addEventListener('input', () => { typed = true; });
 
   const chosen = () => offered.find((kind) => kind.id === menu.value);
   const choose = () => {
     const kind = chosen();
     about.textContent = text.named(kind?.summary) ?? '';
-    label.value = free(kind?.id.split('-').at(kind.id.startsWith('joint') ? 1 : 0) ?? 'observer', observers);
+    if (!typed) label.value = free(kind?.id.split('-').at(kind.id.startsWith('joint') ? 1 : 0) ?? 'observer', observers);
     inputs.clear();
     fill(options, kind ? optionFields(kind, plant, text, inputs) : null);
     refusal(problem, null, text);
+    presses.scrollIntoView({block: 'nearest'});
   };
   menu.addEventListener('change', choose);
   const form = h('form', {class: 'add-form', 'aria-label': text.addObserver}, menu, about,
-    h('div', {class: 'entries'}, h('label', {}, text.label), label), options, problem, h('div', {class: 'presses'}, add, cancel));
+    h('div', {class: 'entries'}, h('label', {}, text.label), label), options, problem, presses);
+  form.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape') return;
+    event.preventDefault(); // the page's own Escape goes back to now
+    done();
+  });
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     const given = Object.fromEntries([...inputs].map(([name, read]) => [name, read()]).filter(([, value]) => value !== null));
@@ -48,8 +57,8 @@ export function createAdder(element, app, kinds, done) {
   });
   fill(element, form);
   menu.value = offered.find((kind) => kind.estimates_theta)?.id ?? menu.value;
-  choose();
   menu.focus();
+  choose();
   possible(plant).then((found) => mark(menu, found, kinds, text) && choose(), () => {}); // without it, the refusal says why
 }
 

@@ -8,7 +8,8 @@ import {badges, plain, split} from './symbols.js';
 
 const EVERY = 900; // ms between two computations
 const LONGEST = 6000; // rows of a window of "all"
-const MOST = 20_000; // rows after a fault in which its estimate may settle
+const MOST = 200_000; // rows after a fault that are looked at
+const SETTLED = 0.1; // of the step: as in backend/diagnosis/metrics.py
 
 export function mount(element, app) {
   let state = null; // chosen by hand
@@ -64,12 +65,15 @@ export function mount(element, app) {
     return found === null ? app.text.notYet : found.delay === null ? '–' : took(found.delay);
   };
   const settling = (observer, theta, fault, t) => {
+    if (fault.shape !== 'step') return '–';
+    const {record, faults} = app.state;
     const from = fault.onset;
-    const until = Math.min(fault.end ?? Infinity, t, from + MOST * app.state.record);
+    const next = Math.min(...faults.flatMap(({onset, end}) => [onset, end ?? Infinity]).filter((event) => event > from)); // disturbs the estimate, too
+    const until = Math.min(next - record / 2, t, from + MOST * record);
     const truth = app.window(`theta.${theta}`, from, until);
     const mine = app.window(`${observer.label}.theta.${theta}`, from, until);
     if (mine.v.length !== truth.v.length || mine.v.length < 3 || !mine.v.some(Number.isFinite)) return '–';
-    const time = settled(truth.t, truth.v, mine.v, fault.onset, app.state.spec.horizon / 100);
+    const time = settled(truth.t, truth.v, mine.v, from, SETTLED * Math.abs(fault.fault.size));
     return time === null ? app.text.notYet : took(time);
   };
   app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, s.diagnosis?.note], build);

@@ -3,20 +3,22 @@
 import {fill, h} from '../../dom.js';
 import {line, spell} from './findingline.js';
 import {findings, sentence} from './findings.js';
-import {heading, link} from './parts.js';
+import {asOfNow, heading, link} from './parts.js';
 import {createSeen} from './seen.js';
+import {untold} from './sizes.js';
 import {createSure} from './sure.js';
-import {plain, spoken} from './symbols.js';
+import {capital, plain, spoken} from './symbols.js';
 
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
   const list = h('div', {class: 'scroll', role: 'region', tabindex: 0});
   const folds = {canSee: createSeen(app), howSure: createSure(app)};
+  const tag = asOfNow(app);
   let links = {};
   const build = () => {
     links = Object.fromEntries(Object.keys(folds).map((name) => [name, link(app.text[name], () => open(name), {'aria-expanded': 'false'})]));
     list.setAttribute('aria-label', app.text.findings);
-    fill(element, heading(app.text.diagnosis, h('span', {class: 'heading-links'}, Object.values(links))), verdict, Object.values(folds).map((fold) => fold.element), list);
+    fill(element, heading(app.text.diagnosis, tag, h('span', {class: 'heading-links'}, Object.values(links))), verdict, Object.values(folds).map((fold) => fold.element), list);
     open(null);
     update();
   };
@@ -50,9 +52,10 @@ const early = ({t, diagnosis}) => (diagnosis?.calibration?.from_time ?? 0) > t;
 
 /** Which faults cannot be told now, not even typical ones; '' where all can. */
 function weakness(state, text) {
-  const {excitation, resolution = []} = state.diagnosis ?? {};
-  const lost = resolution.filter((one) => !one.identifiable && !one.resolvable);
-  if (!excitation || early(state) || lost.length === 0) return '';
+  const lost = untold(state);
+  const {excitation} = state.diagnosis ?? {};
+  if (!excitation || lost.length === 0) return '';
   if (lost.every((one) => one.smallest !== null)) return text.unresolved(lost.map((one) => plain(one.channel)));
-  return text.said(spoken(excitation.text, state.plant));
+  const whole = lost.length === state.diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable).length;
+  return whole ? text.said(spoken(excitation.text, state.plant)) : capital(lost.map((one) => text.said(spoken(one.text, state.plant))).join(text.and)) + text.stop;
 }

@@ -23,7 +23,7 @@ export function line(one, app) {
   const channel = channels.find(({name}) => name === one.subject);
   const short = badges(channels);
   const acting = new Set(state.faults.filter((fault) => fault.active && fault.onChannel === one.onChannel).map((fault) => fault.subject));
-  const chips = one.subjects.map((name, place) => [place > 0 && h('small', {}, text.or), badge(short.get(name) ?? split(name), {square: !one.onChannel, lit: acting.has(name)})]);
+  const chips = one.subjects.map((name, place) => [place > 0 && h('small', {}, text.or), badge(short.get(name) ?? split(name), {square: !one.onChannel, lit: verdict !== 'past' && acting.has(name)})]);
   const shown = alarm?.size === null || alarm?.size === undefined ? (verdict === 'unseen' ? '' : text.unknownSize) : amount(alarm, channel);
   const end = {found: () => one.delay !== null && [text.foundIn, ' ', h('b', {}, took(one.delay))], blamed: () => h('span', {class: 'alarm'}, text.faultElsewhere),
     false: () => h('span', {class: 'alarm'}, text.noFaultActs), over: () => text.isOver, unseen: () => text.notFound, past: () => text.cleared}[verdict]();

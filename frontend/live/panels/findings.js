@@ -21,13 +21,16 @@ const MOST_PAST = 20;
 export function findings({faults, alarms}) {
   const active = faults.filter((fault) => fault.active);
   const on = alarms.filter((alarm) => alarm.over === null);
-  const unseen = active.filter((fault) => !on.some((alarm) => names(alarm, fault)));
+  const unseen = active.filter((fault) => !alarms.some((alarm) => names(alarm, fault) && (alarm.over === null || outlasted(alarm, fault))));
   const past = alarms.filter((alarm) => alarm.over !== null).slice(-MOST_PAST).reverse();
   const once = unseen.filter((fault, place) => unseen.findIndex((one) => one.subject === fault.subject) === place);
   return [...on.map((alarm) => found(alarm, judged(alarm, faults, active), faults, alarms)),
     ...once.map((fault) => ({verdict: 'unseen', subject: fault.subject, subjects: [fault.subject], onChannel: fault.onChannel, alarm: null, fault, delay: null})),
     ...past.map((alarm) => found(alarm, 'past', faults, alarms))];
 }
+
+/** Whether an alarm was on until its fault had ended: it may be told as over a moment before the rows in which the fault ends are shown. */
+const outlasted = (alarm, {end}) => end !== null && alarm.t <= end && alarm.over >= end;
 
 function found(alarm, verdict, faults, alarms) {
   const mine = faults.filter((one) => one.onset <= alarm.t).map((fault) => finding(fault, alarms)).filter((one) => one?.alarm === alarm && one.delay !== null);

@@ -2,7 +2,7 @@
 
 import {fill, h} from '../../dom.js';
 import {createRow} from './injectrow.js';
-import {badge, heading, link, slider, throttled} from './parts.js';
+import {asOfNow, badge, heading, link, slider, throttled} from './parts.js';
 import {logarithmic} from './scale.js';
 import {badges, split} from './symbols.js';
 
@@ -11,6 +11,7 @@ export function mount(element, app) {
   let open = false; // the rows of measurement faults
   const ends = []; // of subscriptions that the rows hold
   const list = h('div', {class: 'scroll faults'});
+  const tag = asOfNow(app);
 
   const build = async () => {
     const {plant} = app.state;
@@ -34,7 +35,7 @@ export function mount(element, app) {
     };
     fill(list, channels.map((row) => row.element), plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
       plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]));
-    fill(element, heading(app.text.injectTitle, toggle), list);
+    fill(element, heading(app.text.injectTitle, tag, toggle), list);
     list.show = show;
     show(open);
     return update();

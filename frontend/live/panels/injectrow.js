@@ -22,7 +22,7 @@ export function createRow(app, subjectOf, about) {
   const element = h('div', {class: 'fault', id: `fault-${subject.name}`, role: 'group', 'aria-label': about.title},
     badge(about.badge, {square: !subject.onChannel}), h('div', {class: 'name'}, h('b', {title: about.description}, about.title), sub),
     h('div', {class: 'presses'}, change, press), control, more, problem);
-  const row = {element, shape: null, values: {}, end: null, active: null, edited: false, main: null};
+  const row = {element, shape: null, values: {}, end: null, typed: null, active: null, edited: false, main: null};
 
   const touch = () => {
     row.edited = row.active !== null;
@@ -47,7 +47,7 @@ export function createRow(app, subjectOf, about) {
     fill(control, menu, row.main ? [row.main.range, row.main.field] : h('span', {class: 'stretch'}), dots);
     fill(more, summary, entries);
   };
-  menu.addEventListener('change', () => { build(); touch(); });
+  menu.addEventListener('change', () => { row.typed = null; build(); touch(); });
 
   const ask = async (commands) => {
     refusal(problem, null, text);
@@ -68,7 +68,7 @@ export function createRow(app, subjectOf, about) {
   change.addEventListener('click', () => ask([{type: 'clear', ...where}, inject()]));
 
   row.show = (fault, role, horizon) => {
-    const other = fault?.fault !== row.active?.fault;
+    const other = identity(fault) !== identity(row.active);
     row.active = fault ?? null;
     element.classList.toggle('on', Boolean(fault));
     fill(press, fault ? text.clear : text.inject);
@@ -77,13 +77,17 @@ export function createRow(app, subjectOf, about) {
     press.disabled = role === 'view';
     sub.textContent = [about.kind, fault ? text.since(seconds(fault.onset, horizon)) : subject.unit].filter(Boolean).join(' · ');
     if (fault && other) adopt(row, menu, fault, build);
+    if (!fault && row.end !== row.typed) build(row.values, row.typed); // how long the last one lasted says nothing of the next
     if (other) { row.edited = false; change.hidden = true; }
   };
   build();
   return row;
 }
 
-/** Show what acts: its shape and values. */
+/** What makes a fault itself: all but its end, which Clear sets. */
+const identity = (state) => (state ? JSON.stringify({...state.fault, end: null}) : '');
+
+/** Show what acts: its shape and values, and the duration where it has one from the start. */
 function adopt(row, menu, {fault}, build) {
   menu.value = fault.shape;
   build();
@@ -124,7 +128,7 @@ function moreFields(row, main, touch, text) {
     return [h('label', {for: id}, title), input];
   };
   const entries = rest.map((field) => entry(field.name, text.fields[field.name] ?? field.name, field, row.values[field.name], (value) => { row.values[field.name] = value; }));
-  entries.push(entry('end', text.fields.end, {type: 'number', nullable: true, above: 0, description: text.endHint}, row.end, (value) => { row.end = value; }));
+  entries.push(entry('end', text.fields.end, {type: 'number', nullable: true, above: 0, description: text.endHint}, row.end, (value) => { row.end = row.typed = value; }));
   show();
   return {summary, entries: h('div', {class: 'entries'}, entries)};
 }

@@ -1,5 +1,6 @@
 // All keys of the page. Nothing is taken while one types, or from a control that uses the key itself.
 
+import {SPEEDS} from '../format.js';
 import {open} from './dialogs.js';
 
 /** What each key does; `does` names the words in app.text.keys. */
@@ -22,8 +23,6 @@ export const KEYS = [
   {keys: ['S'], does: 'share', act: () => open('share')},
   {keys: ['?'], does: 'help', act: () => open('help')},
 ];
-
-const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, null];
 
 /** Move what the scope shows by a tenth of it; at now it follows time again. */
 function look(app, by) {

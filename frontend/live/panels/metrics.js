@@ -1,5 +1,7 @@
 // Figures by which observers are compared, from columns of samples. Pure.
 
+const LATEST = 0.9; // share of the rows by which an estimate must be there for good
+
 /** Root mean square of the difference of two columns; NaN without rows. */
 export function rmse(a, b) {
   let sum = 0;
@@ -12,20 +14,17 @@ export function rmse(a, b) {
 }
 
 /**
- * When an estimate first comes within `share` of the truth and stays for `hold` seconds: seconds after `from`; null while it has not.
+ * When an estimate has come within `within` of the truth to stay, as backend/diagnosis/metrics.py has it: seconds after `from` until every later row is
+ * there; null while it has not, and again where a later row leaves. One that noise still throws out in the last tenth of the rows has not settled.
  * @param {Float64Array} t
  * @param {Float32Array} truth
  * @param {Float32Array} estimate
  */
-export function settled(t, truth, estimate, from, hold, share = 0.1) {
-  let since = null; // row from which it has been there
-  for (let k = 0; k < t.length; k += 1) {
-    const there = Math.abs(estimate[k] - truth[k]) <= share * Math.abs(truth[k]);
-    if (!there) since = null;
-    else if (since === null) since = k;
-    if (since !== null && t[k] - t[since] >= hold) return Math.max(0, t[since] - from);
-  }
-  return null;
+export function settled(t, truth, estimate, from, within) {
+  let first = t.length; // of the rows at the end that are all there
+  while (first > 0 && Math.abs(estimate[first - 1] - truth[first - 1]) <= within) first -= 1;
+  if (first === 0) return 0;
+  return first < LATEST * t.length ? t[first] - from : null;
 }
 
 /** How much an estimate trembles: standard deviation about its straight line over the samples given. */

@@ -7,8 +7,9 @@ import {createCard} from './observercard.js';
 import {heading, link} from './parts.js';
 
 export function mount(element, app) {
-  const list = h('div', {class: 'scroll watching'});
+  const list = h('div', {class: 'watching'});
   const adder = h('div', {class: 'adder', hidden: true});
+  const body = h('div', {class: 'scroll'}, adder, list); // the form scrolls with the cards: however low the card is, its buttons can be reached
   let cards = new Map();
   let kinds = [];
   let serial = 0;
@@ -18,12 +19,12 @@ export function mount(element, app) {
     const toggle = (on = adder.hidden) => {
       adder.hidden = !on;
       add.setAttribute('aria-expanded', String(on));
-      if (on) createAdder(adder, app, kinds, () => toggle(false));
+      if (on) createAdder(adder, app, kinds, () => { toggle(false); add.focus(); });
     };
     toggle(false);
     for (const card of cards.values()) card.end();
     cards = new Map();
-    fill(element, heading(app.text.observers, add), adder, list);
+    fill(element, heading(app.text.observers, add), body);
     update();
   };
   const update = () => {

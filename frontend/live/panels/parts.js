@@ -6,6 +6,18 @@ import {ENDS, position, value as valueAt} from './scale.js';
 /** The heading of a panel, with a link at its right end. */
 export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2', {}, title), ...right);
 
+/** A mark for a heading: while one looks back, that what stands under it is of now. */
+export function asOfNow(app) {
+  const tag = h('span', {class: 'as-of-now', hidden: true});
+  app.onTick((now) => {
+    const {looking, selection, record, spec} = app.state;
+    tag.hidden = (looking ?? selection?.[1] ?? Infinity) > now - 1.5 * record;
+    const words = tag.hidden ? '' : app.text.asOfNow(seconds(now, spec?.horizon));
+    if (tag.textContent !== words) tag.textContent = words;
+  });
+  return tag;
+}
+
 /** A button that looks like a link. */
 export const link = (words, act, more = {}) => h('button', {type: 'button', class: 'link', onclick: act, ...more}, words);
 

@@ -3,16 +3,17 @@
 import {fill} from '../../dom.js';
 import {HALF, layout, WIDTH} from './diagram.js';
 import {open} from './dialogs.js';
-import {heading, link, steady} from './parts.js';
+import {asOfNow, heading, link, steady} from './parts.js';
 import {letters, s} from './svg.js';
 import {badges} from './symbols.js';
 
 export function mount(element, app) {
   let values = [];
   let sites = new Map();
+  const tag = asOfNow(app);
   const draw = () => {
     const {plant} = app.state;
-    fill(element, heading(app.text.plant, plant && link(app.text.equations, () => open('equations'))), plant && picture());
+    fill(element, heading(app.text.plant, tag, plant && link(app.text.equations, () => open('equations'))), plant && picture());
     light();
   };
   const picture = () => {

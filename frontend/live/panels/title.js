@@ -45,12 +45,12 @@ export function mount(element, app) {
   });
   document.addEventListener('pointerdown', (event) => { if (!menu.hidden && !element.contains(event.target)) toggle(false); });
 
-  app.subscribe((state) => [state.spec?.title, state.plant, state.language], () => {
-    const {spec, plant} = app.state;
+  app.subscribe((state) => [state.spec?.title, state.plant, state.observers.length, state.language], () => {
+    const {spec, plant, observers} = app.state;
     name.textContent = spec ? app.text.named(plant?.title) || app.text.named(spec.title) || spec.id : app.text.wait;
     button.classList.toggle('long', name.textContent.length > 26);
     button.title = app.text.chooseExperiment;
-    fill(sub, spec && [app.text.named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, spec.observers.length)}`)]);
+    fill(sub, spec && [app.text.named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, observers.length)}`)]);
     sub.title = [spec?.title, spec?.source].filter(Boolean).join('. ');
   });
 }
