@@ -57,12 +57,16 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
             now = with_found(now, i, replace(before[i], size=was[0], deviation=was[1]))
         else:
             now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation))
-    if over:
-        return cleared(now, over)
-    if now.at - max(e.onset for e in events) >= SOON:
-        changed = {y.found for y in young if not y.own and now.at - y.event.onset < RECENT}  # perhaps: it may turn out to be its end
-        for i in set(now.active) - changed:
-            now = with_found(now, i, replace(now.found[i], stood=(now.found[i].size, now.found[i].deviation)))
+    return cleared(now, over) if over else _stood(now, young)
+
+
+def _stood(now: Standing, young: tuple[Young, ...]) -> Standing:
+    """With the sizes remembered of faults to which nothing has happened for a while."""
+    if now.at - max(y.event.onset for y in young) < SOON:
+        return now
+    changed = {y.found for y in young if not y.own and now.at - y.event.onset < RECENT}  # perhaps: it may turn out to be its end
+    for i in set(now.active) - changed:
+        now = with_found(now, i, replace(now.found[i], stood=(now.found[i].size, now.found[i].deviation)))
     return now
 
 
