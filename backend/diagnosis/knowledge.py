@@ -56,7 +56,8 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
             was = before[i].stood or (had or before[i].size, before[i].deviation)
             now = with_found(now, i, replace(before[i], size=was[0], deviation=was[1]))
         else:
-            now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation))
+            first = now.found[i].first or (size, deviation)
+            now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation, first=first))
     return cleared(now, over) if over else _stood(now, young)
 
 
@@ -140,8 +141,9 @@ def finding(now: Standing, scene: Scene, statistic: float, event: Event, options
     span = onsets(scene, event)
     if own is not None:
         found = now.found[own]
-        size, stood = (found.size, found.stood) if found.channel == event.channel else (0.0, None)  # what another fault was says nothing
-        found = replace(found, stood=stood, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1], size=size)
+        if found.channel != event.channel:  # what it was as another fault says nothing of this one
+            found = replace(found, size=0.0, stood=None, first=None)
+        found = replace(found, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1])
         return with_found(now, own, found), own, True
     found = Found(now.at, event.channel, others, event.onset, *span, 0.0, 0.0, statistic)
     now = replace(now, found=(*now.found, found), active=(*now.active, len(now.found)))

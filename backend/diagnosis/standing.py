@@ -19,7 +19,8 @@ NEVER = 1 << 62  # a decision that does not come
 class Found:
     """One finding; times are decisions, sizes in the channels' units. ``channel`` None: not explained by the model.
 
-    ``stood``: size and deviation when nothing had happened for a while: what it was, once it is over.
+    ``stood``: size and deviation when nothing had happened for a while: what it was, once it is over. ``first``: those that it was
+    named with.
     """
 
     at: int
@@ -34,6 +35,7 @@ class Found:
     output: int | None = None  # where it is not explained: the output that is at fault
     cleared: int | None = None
     stood: tuple[float, float] | None = None
+    first: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True)

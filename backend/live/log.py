@@ -146,9 +146,11 @@ def without_commands(spec: Experiment, t: float) -> Experiment:
     return current
 
 
-def event(command: object, row: int, t: float) -> Event:
-    """What the log says of a command."""
+def event(command: object, row: int, t: float, given_up: int = 0) -> Event:
+    """What the log says of a command; ``given_up``: faults that were planned and do not come any more."""
     kind, subject, value, text = _told(command)
+    if given_up > 0:
+        value, text = {"planned": given_up}, f"{text}, and what was planned"
     return Event(row=row, t=t, kind=kind, subject=subject, value=value, text=text)
 
 

@@ -122,8 +122,7 @@ class Session:
         view, made = now.view.extended(experiment, recorded)
         data, watched, found = made.data, now.watched, []
         if not view.plant_lost:
-            at_once = count > _AT_ONCE
-            watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, at_once, self.leaves_watching)
+            watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, count > _AT_ONCE, self.leaves_watching)
             found = words.new(found, self.log)
         scheduled = words.scheduled(self.spec, self.log, now.row, now.row + count, self.record)
         found = [*scheduled, *found, *view.lost_since(now.view, self.record)]
@@ -185,7 +184,8 @@ class Session:
         except (SpecError, ValidationError):
             self.__dict__.update(before)
             raise
-        return [self._noted(words.event(command, self.row, self.t))], self.epoch != before["epoch"]
+        fewer = len(before["spec"].faults) - len(self.spec.faults)
+        return [self._noted(words.event(command, self.row, self.t, fewer))], self.epoch != before["epoch"]
 
     def _change(self, command: object) -> None:
         """Take over what a command asks for. Raises SpecError, perhaps half way."""

@@ -106,9 +106,9 @@ class Watch:
         for i, found in enumerate(now.found):
             old = before[i] if i < len(before) else None
             if old is None:
-                yield self._event(replace(found, cleared=None), found.at, "alarm")
+                yield self._event(_as_named(replace(found, cleared=None)), found.at, "alarm")
             elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
-                yield self._event(found, now.at, "alarm")  # it has got another name, or was not over after all
+                yield self._event(_as_named(found), now.at, "alarm")  # it has got another name, or was not over after all
             if found.cleared is not None and (old is None or old.cleared is None):
                 yield self._event(found, found.cleared, "alarm-over")
 
@@ -138,6 +138,12 @@ class Watch:
         found = Diagnosed(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
         told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
         return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
+
+
+def _as_named(found: Found) -> Found:
+    """With the size that it was named with, whatever was found out since: an event does not depend on how rows come in."""
+    size, deviation = found.first or (found.size, found.deviation)
+    return replace(found, size=size, deviation=deviation)
 
 
 def pinned(spec: Experiment) -> DiagnosisSettings:

@@ -1,6 +1,7 @@
 // What the page has to say about itself: a quiet line for some seconds or, while something stands in the way, until it is over.
 
-import {fill, h} from '../dom.js';
+import {fill, h, number} from '../dom.js';
+import {called} from './panels/symbols.js';
 
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
@@ -57,5 +58,7 @@ function inTheWay(app) {
   }
   if (!state.ended) return null;
   const escaped = state.log.some((event) => event.kind === 'diverged' && !state.observers.some(({label}) => label === event.subject));
-  return {kind: 'note', words: escaped ? text.plantEscaped : text.horizon};
+  const acting = state.faults.filter(({active, onChannel}) => active && onChannel);
+  const names = acting.map(({subject, fault}) => `${called(subject, state.plant, text)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`);
+  return {kind: 'note', words: escaped ? text.plantEscaped(names.join(', ')) : text.horizon};
 }

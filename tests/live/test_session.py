@@ -282,3 +282,18 @@ def test_what_diverges_is_told_where_the_run_says_it_does(piece):
         (told,) = [e for e in session.log if e.kind == "diverged"]
         when = run.diverged if who == "plant" else run.observers[0].diverged
         assert (told.subject, told.t, told.row) == (who, when.time, round(when.time / session.record))
+
+
+def test_the_log_says_what_was_cleared_and_what_an_alarm_was_named_with():
+    """A planned fault that is given up is said so; an alarm's size is that of its naming, however the rows came in."""
+    told = []
+    for piece in (13, 900):
+        session = Session(library.experiment("zhao-2012"))
+        while session.t < 26:
+            session.advance(min(piece, 2600 - session.row))
+        told.append([(e.row, e.subject, e.value["size"]) for e in session.log if e.kind == "alarm"])
+    assert told[0] == told[1] and [subject for _, subject, _ in told[0]] == ["theta3"]
+    (event,), _ = do(session, "clear", channel="theta1")
+    assert event.value == {"planned": 1} and event.text == "you cleared theta1, and what was planned"
+    (event,), _ = do(session, "clear", channel="theta3")
+    assert event.value is None and event.text == "you cleared theta3"

@@ -89,7 +89,7 @@ export const en = {
   log: 'Log', emptyLog: 'Nothing has happened yet.', showMoment: 'Show this moment', backHere: 'Go back to here',
   events: {
     inject: ({name, size, shape}) => `you injected ${name}${size === '' ? '' : ` = ${size}`}${shape ? `, ${shape}` : ''}`,
-    clear: ({name}) => (name ? `you cleared ${name}` : 'you cleared all faults'),
+    clear: ({name, planned}) => `you cleared ${name || 'all faults'}${planned ? ', and what was planned' : ''}`,
     'fault-begins': ({name}) => `${name} begins`, 'fault-ends': ({name}) => `${name} ends`,
     gain: ({subject, gain, size}) => `you set ${[gain, 'of', subject].filter(Boolean).join(' ')}${size === '' ? '' : ` to ${size}`}`,
     signal: ({name}) => `you changed the signal ${name}`, noise: ({name, size}) => `you set the noise of ${name}${size === '' ? '' : ` to ${size}`}`,

@@ -89,7 +89,7 @@ export const zh = {
   log: '日志', emptyLog: '尚无事件。', showMoment: '显示这一时刻', backHere: '回到这里',
   events: {
     inject: ({name, size, shape}) => `您注入了 ${name}${size === '' ? '' : ` = ${size}`}${shape ? `，${shape}` : ''}`,
-    clear: ({name}) => (name ? `您清除了 ${name}` : '您清除了所有故障'),
+    clear: ({name, planned}) => `您清除了${name ? ` ${name}` : '所有故障'}${planned ? '，以及原定的故障' : ''}`,
     'fault-begins': ({name}) => `${name} 开始`, 'fault-ends': ({name}) => `${name} 结束`,
     gain: ({subject, gain, size}) => `您把 ${subject} 的 ${gain || '增益'} 设为 ${size}`,
     signal: ({name}) => `您改变了信号 ${name}`, noise: ({name, size}) => `您把 ${name} 的噪声设为 ${size}`,

@@ -26,7 +26,7 @@ function words(event, text, plant) {
   const say = text.events[event.kind];
   if (!say) return event.text;
   if (event.kind === 'alarm' || event.kind === 'alarm-over') return say(alarmed(event, plant, text));
-  return say({name: called(event.subject, plant, text), subject: event.subject, observer: event.observer, ...numbers(event, text), t: number(event.t, 4)});
+  return say({name: called(event.subject, plant, text), subject: event.subject, observer: event.observer, ...numbers(event, text), planned: event.value?.planned, t: number(event.t, 4)});
 }
 
 /** What an alarm names: the channel and those that explain the data as well, or an output that nothing explains. */
