@@ -58,7 +58,8 @@ function inTheWay(app) {
   }
   if (!state.ended) return null;
   const escaped = state.log.some((event) => event.kind === 'diverged' && !state.observers.some(({label}) => label === event.subject));
-  const acting = state.faults.filter(({active, onChannel}) => active && onChannel);
+  const sensors = new Set(state.plant?.channels.filter(({kind}) => kind === 'sensor').map(({name}) => name));
+  const acting = state.faults.filter(({active, onChannel, subject}) => active && onChannel && !sensors.has(subject));
   const names = acting.map(({subject, fault}) => `${called(subject, state.plant, text)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`);
   return {kind: 'note', words: escaped ? text.plantEscaped(names.join(', ')) : text.horizon};
 }
