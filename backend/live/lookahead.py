@@ -53,7 +53,7 @@ class Cost:
     def __init__(self) -> None:
         self._sums = [0.0] * 5  # weights, rows, seconds, rows², rows · seconds
         self._call = self._row = 0.0
-        self._mean = 1000.0  # rows of a call lately; to begin with, a guess
+        self._mean, self._took = 1000.0, 0.0  # rows and seconds of a call lately; to begin with, a guess
 
     def measured(self, rows: int, seconds: float) -> None:
         """So many rows took so long."""
@@ -63,10 +63,14 @@ class Cost:
         slope = (n * xy - x * y) / spread if spread > 1e-2 * xx * n else y / x  # the most it can be, where nothing tells
         self._row = min(max(slope, 0.0), y / x)  # beyond that the call itself would cost less than nothing
         self._call = (y - self._row * x) / n
-        self._mean = x / n
+        self._mean, self._took = x / n, y / n
 
     def seconds(self, rows: int) -> float:
         return self._call + rows * self._row
+
+    def proven(self, seconds: float) -> int:
+        """Rows of the calls lately, if these took no longer."""
+        return int(self._mean) if 0.0 < self._took <= seconds else 0
 
     def rows(self, seconds: float) -> int:
         """Rows whose own share takes so long; the call itself has to be paid anyway."""
@@ -108,7 +112,7 @@ class Lookahead:
             return None
         frame = pace.rows_in(FRAME)
         long = self._cost.seconds(frame) > LIGHT
-        piece = self._cost.rows(SLICE if long else PIECE)
+        piece = self._cost.rows(SLICE) if long else max(self._cost.rows(PIECE), self._cost.proven(LIGHT))
         whole = max(2 * frame, min(pace.rows_in(self._reach), 64 * most, piece))
         # Asked for while there is still something to show, so that it may wait for a free moment.
         self._low = max(frame + frame // 2, min(pace.rows_in(MARGIN), whole // 2))
