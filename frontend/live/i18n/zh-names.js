@@ -61,6 +61,7 @@ export const names = {
   'offset of the sensor of tank 2': '2 号罐传感器的偏移',
   'Enters both equations alike, which the matching condition (8) needs.': '以相同方式进入两个方程，匹配条件 (8) 需要如此。',
   "enters x1' through phi1": "经 φ1 进入 x1'",
+  "enters x1' through phi2": "经 φ2 进入 x1'",
   "enters x1' through phi2; it takes biomass out, and alone it washes the reactor out from about 0.012 on": "经 φ2 进入 x1'；它带走生物量，单独出现时约从 0.012 起会把反应器洗空",
   'An offset of the input u.': '输入 u 的偏移。',
   'DC motor whose friction changes': '摩擦会改变的直流电机', 'Friction of a motor rises tenfold': '电机的摩擦升高十倍', 'added friction': '增加的摩擦', 'driving torque': '驱动力矩',
