@@ -10,10 +10,11 @@ from backend.engine.errors import SpecError
 def columns_of_csv(text: str) -> dict[str, np.ndarray]:
     """Each column by its name. Raises SpecError with the line that is no row of numbers; nothing but numbers is read."""
     try:
-        rows = text.splitlines()
-        head = rows[0] if rows else ""
-        apart = next((c for c in (",", ";", "\t") if c in head), ",")  # with semicolons numbers may have a decimal comma
-        lines = csv.reader((row.replace(",", ".") for row in rows) if apart == ";" else rows, delimiter=apart)
+        written = text.splitlines()
+        apart = next((c for c in (",", ";", "\t") if c in "".join(written[:1])), ",")
+        if apart == ";":  # then numbers may have a decimal comma
+            written = [line.replace(",", ".") for line in written]
+        lines = csv.reader(written, delimiter=apart)
         names = [name.strip() for name in next(lines, [])]
         rows = [(lines.line_num, line) for line in lines if line]
     except csv.Error as error:

@@ -1,8 +1,8 @@
 """Thresholds from simulation: the plant, its input and its noise without any fault, many times over.
 
 For every length of window the variance of what is tested is taken from the simulated runs, so that noise need not be
-white, and from where in them it is largest, so that it need not be the same everywhere; then the tests themselves are run over them, and the threshold is the level that they cross as often as is asked
-for. Rare crossings are beyond what can be simulated in a moment: above a high level the largest values of separate
+white, and from where in them it is largest, so that it need not be the same everywhere; then the tests themselves are
+run over them, and the threshold is the level that they cross as often as is asked for. Rare crossings are beyond what can be simulated in a moment: above a high level the largest values of separate
 stretches fall off exponentially (Pickands' theorem with shape 0, as for all quadratic forms of Gaussian noise), and the
 level for one crossing in many hours follows (peaks over threshold; Coles, An Introduction to Statistical Modeling of
 Extreme Values, 2001, ch. 4).

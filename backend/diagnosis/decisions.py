@@ -64,12 +64,7 @@ def _watch(now: Standing, look: Look) -> Standing:
         return _trusted(now, calm[1])
     if again == last:
         now = reconsidered(now, look)
-        return now if now.change is not None else _reviewed(now, look)
-    return _reviewed(now, look)
-
-
-def _reviewed(now: Standing, look: Look) -> Standing:
-    return reviewed(now, look) if now.pending is not None and now.at >= now.pending.review else now
+    return reviewed(now, look) if now.change is None and now.pending is not None and last >= now.pending.review else now
 
 
 def _grown(now: Standing, within: Range) -> Standing:

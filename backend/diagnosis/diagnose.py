@@ -55,7 +55,8 @@ class Own:
 
 @dataclass(frozen=True)
 class Diagnosed:
-    """``detector`` and what it watched; None with a ``note`` where the experiment cannot be watched."""
+    """``detector`` and what it watched; None with a ``note`` where the experiment cannot be watched. What else is to be known of how it
+    was watched is in ``note``, too."""
 
     detector: Detector | None
     watched: Watched | None

@@ -77,13 +77,13 @@ def window_of(made: Detector, sums: Sums, horizon: float) -> tuple[np.ndarray, f
 
 def resolution(made: Detector, seen: Excitation) -> list[dict]:
     """For each channel the smallest fault that a window like the last one shows, other faults unknown."""
-    v, threshold = made.calibrated.noise.v[-1], made.calibrated.glr
+    noise, threshold = made.calibrated.noise, made.calibrated.glr
     answer = []
     for j, c in enumerate(made.filter.context.model["channels"]):
         name, typical = c["name"], float(c.get("typical", 1.0))
-        deviation = seen.deviations.get(name, np.inf) * v[j] ** 0.5
+        deviation = seen.deviations.get(name, np.inf) * noise.v[-1, j] ** 0.5
         sigma = float(deviation) if np.isfinite(deviation) else None
-        smallest = None if sigma is None else sigma * threshold**0.5
+        smallest = None if sigma is None else sigma * float((threshold * noise.loud[-1, j] / noise.v[-1, j]) ** 0.5)  # as tests go by it
         text = _able(name, smallest, typical)
         answer.append(_resolved(name, sigma, typical, smallest, seen.identifiable.get(name, False), text))
     return answer

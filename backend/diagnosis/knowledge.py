@@ -53,12 +53,16 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         coming = max(abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.rest[event.channel]))
         if settled and abs(size) < least and coming < least:
             over.append(i)
-            was = before[i].stood or (had or before[i].size, before[i].deviation)
-            now = with_found(now, i, replace(before[i], size=was[0], deviation=was[1]))
+            now = with_found(now, i, as_it_stood(replace(before[i], size=had or before[i].size)))
         else:
             first = now.found[i].first or (size, deviation)
             now = with_found(now, i, replace(now.found[i], size=size, deviation=deviation, first=first))
     return cleared(now, over) if over else _stood(now, young)
+
+
+def as_it_stood(found: Found) -> Found:
+    """With the size that it had when nothing had happened for a while, if there was such a time."""
+    return found if found.stood is None else replace(found, size=found.stood[0], deviation=found.stood[1])
 
 
 def _stood(now: Standing, young: tuple[Young, ...]) -> Standing:

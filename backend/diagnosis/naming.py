@@ -67,7 +67,12 @@ def _now_and_then(waited: int) -> bool:
 def _last_look(now: Standing) -> int | None:
     """The last decision at which what was named last can be looked at with all its data; None: nothing is to be looked at."""
     pending = now.pending
-    return None if pending is None or pending.settled else pending.young[-1].event.first + LONGEST - 1
+    return None if pending is None or pending.settled else _kept_until(pending.young[-1].event.first)
+
+
+def _kept_until(onset: int) -> int:
+    """The last decision at which all data since an onset are there."""
+    return onset + LONGEST - 1
 
 
 def _ready(choice: _Choice, now: Standing, look: Look, waited: int) -> bool:
@@ -262,7 +267,7 @@ def reviewed(now: Standing, look: Look) -> Standing:
 
 def _next_look(now: Standing, onset: int) -> int:
     """When what began at an onset is looked at again: when there is twice as much data, and once more before these are forgotten."""
-    following, last = now.at + max(2, now.at - onset), onset + LONGEST - 1
+    following, last = now.at + max(2, now.at - onset), _kept_until(onset)
     return last if now.at < last < following else following
 
 

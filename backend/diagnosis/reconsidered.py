@@ -8,9 +8,7 @@ with the known faults and without some: where one of these leaves noise alone it
 from dataclasses import replace
 from itertools import combinations
 
-import numpy as np
-
-from backend.diagnosis.knowledge import cleared, oldest, with_found
+from backend.diagnosis.knowledge import as_it_stood, cleared, oldest, with_found
 from backend.diagnosis.standing import Change, Found, Look, Standing
 from backend.diagnosis.stretch import Replay
 
@@ -21,8 +19,15 @@ _MOST = 3  # faults of which every combination is tried
 
 def due(now: Standing, decision: int) -> int | None:
     """The next decision from ``decision`` on at which something unexplained is looked at once more; None: nothing is unexplained."""
-    times = [now.found[i].at + FIRST * 2 ** max(0, int(np.ceil(np.log2(max(decision - now.found[i].at, 1) / FIRST)))) for i in _unexplained(now)]
-    return min(times, default=None)
+    return min((_next(now.found[i], decision) for i in _unexplained(now)), default=None)
+
+
+def _next(found: Found, decision: int) -> int:
+    """The first of its times from a decision on."""
+    after = FIRST
+    while found.at + after < decision:
+        after *= 2
+    return found.at + after
 
 
 def _unexplained(now: Standing) -> list[int]:
@@ -30,9 +35,10 @@ def _unexplained(now: Standing) -> list[int]:
 
 
 def reconsidered(now: Standing, look: Look) -> Standing:
-    """With outputs heeded again for which that is due and what they show can be explained."""
+    """With outputs heeded again for which that is due and what they show can be explained; one that stands still cannot."""
+    still = look.sums.still[now.at - look.sums.first] > look.filter.patience
     for i in _unexplained(now):
-        if due(now, now.at) == now.at and not look.sums.still[now.at - look.sums.first, now.found[i].output] > look.filter.patience[now.found[i].output]:
+        if i in now.active and _next(now.found[i], now.at) == now.at and not still[now.found[i].output]:
             now = _tried(now, look, i)
     return now
 
@@ -42,31 +48,18 @@ def _tried(now: Standing, look: Look, i: int) -> Standing:
     heed = now.heed.copy()
     heed[now.found[i].output] = 1.0
     faults = [k for k in now.active if now.found[k].channel is not None]
-    sets = [()] + ([c for n in range(1, len(faults) + 1) for c in combinations(faults, n)] if len(faults) <= _MOST else [*((k,) for k in faults), tuple(faults)])
-    tried = [(_replayed(now, look, over, begin, heed), over) for over in sets]
-    left = [_left(look, replay, begin, now.at, heed) for replay, _ in tried]
-    best = next((k for k in np.argsort([len(over) for over in sets], kind="stable") if left[k] < _QUIET), None)
-    if best is None:
-        return now
-    replay, over = tried[best]
-    for k in over:
-        size, deviation = now.found[k].stood or (now.found[k].size, now.found[k].deviation)
-        now = with_found(now, k, replace(now.found[k], size=size, deviation=deviation))
-    now = cleared(now, [i, *over])
-    return replace(now, heed=heed, change=Change(replay.states[1:]), detected=None, start=now.at)
+    counts = range(len(faults) + 1) if len(faults) <= _MOST else sorted({0, 1, len(faults)})
+    for over in (some for count in counts for some in combinations(faults, count)):  # as few as will do
+        known = now.known.without([now.found[k].channel for k in over])
+        replay = look.stretch(begin, now.at, known.course).replay(look.state(begin), begin, heed, False)
+        if _left(look, replay, now.at - begin) < _QUIET:
+            for k in over:
+                now = with_found(now, k, as_it_stood(now.found[k]))
+            return replace(cleared(now, [i, *over]), heed=heed, change=Change(replay.states[1:]), detected=None)
+    return now
 
 
-def _replayed(now: Standing, look: Look, over: tuple[int, ...], begin: int, heed: np.ndarray) -> Replay:
-    """The filter along the last stretch as if some faults were over."""
-    found: list[Found] = [now.found[k] for k in over]
-    known = now.known.plus((), now.at).without([f.channel for f in found]) if found else now.known
-    return look.stretch(begin, now.at, known.course).replay(look.state(begin), begin, heed, False)
-
-
-def _left(look: Look, replay: Replay, begin: int, at: int, heed: np.ndarray) -> float:
-    """Energy in the second half of the stretch, in standard deviations of the noise's."""
-    half, noise = (at - begin) // 2, look.calibrated.noise
-    k = int(noise.nearest(half))
-    share = float(heed.mean()) * half / noise.lengths[k]
-    energy = float(replay.energy[-1] - replay.energy[-1 - half])
-    return (energy - float(noise.energy[k]) * share) / (float(noise.scatter[k]) * share**0.5)
+def _left(look: Look, replay: Replay, length: int) -> float:
+    """Energy in the second half of a stretch of so many decisions, in standard deviations of the noise's."""
+    mean, deviation = look.calibrated.noise.expected(length // 2, replay.heed)
+    return (float(replay.energy[-1] - replay.energy[-1 - length // 2]) - mean) / deviation

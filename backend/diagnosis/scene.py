@@ -106,10 +106,7 @@ class Scene:
 
     def expected(self, length: int, heed: np.ndarray | None = None) -> tuple[float, float]:
         """Energy that noise has over so many decisions, and its standard deviation."""
-        noise = self.look.calibrated.noise
-        k = int(noise.nearest(length))
-        share = float(np.mean(self.heed if heed is None else heed)) * length / noise.lengths[k]
-        return float(noise.energy[k]) * share, float(noise.scatter[k]) * share**0.5
+        return self.look.calibrated.noise.expected(length, self.heed if heed is None else heed)
 
     @once
     def unit(self) -> float:

@@ -118,6 +118,12 @@ class Noise:
         """Index of the longest simulated length that is not longer (at least the first)."""
         return np.maximum(np.searchsorted(self.lengths, length, side="right") - 1, 0)
 
+    def expected(self, length: int, heed: np.ndarray) -> tuple[float, float]:
+        """Energy that noise has over so many decisions in the outputs heeded, and its standard deviation."""
+        k = int(self.nearest(length))
+        share = float(np.mean(heed)) * length / self.lengths[k]
+        return float(self.energy[k]) * share, float(self.scatter[k]) * share**0.5
+
 
 @dataclass(frozen=True)
 class Range:

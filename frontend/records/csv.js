@@ -1,12 +1,14 @@
 // What the page itself does with CSV text: the columns for its picture, and only those on their way to the server. Pure.
 
-const cells = (line) => line.split(',').map((cell) => cell.trim());
+/** What parts the cells, as backend/assembly/columns.py has it; where semicolons do, numbers may have a decimal comma. */
+const parting = (csv) => [',', ';', '\t'].find((one) => csv.split(/\r?\n/u, 1)[0].includes(one)) ?? ',';
 
 /** The columns of CSV text: for the picture only; the server reads the text itself. */
 export function columnsOf(csv) {
+  const apart = parting(csv);
   const [head, ...lines] = csv.trim().split(/\r?\n/u);
-  const rows = lines.map((line) => line.split(',').map(Number));
-  return Object.fromEntries(cells(head).map((name, place) => [name, rows.map((row) => row[place])]));
+  const rows = lines.map((line) => line.split(apart).map((cell) => Number(apart === ';' ? cell.replace(',', '.') : cell)));
+  return Object.fromEntries(head.split(apart).map((name, place) => [name.trim(), rows.map((row) => row[place])]));
 }
 
 /**
@@ -15,13 +17,14 @@ export function columnsOf(csv) {
  */
 export function needed(csv, plant) {
   const [head, ...lines] = csv.split(/\r?\n/u);
-  const names = cells(head);
+  const apart = parting(csv);
+  const names = head.split(apart).map((name) => name.trim());
   const column = (...spellings) => names.indexOf(spellings.find((name) => names.includes(name)));
   const places = (prefix, group) => group.map(({name}) => column(`${prefix}.${name}`, name));
   const must = [column('t', 'time'), ...places('y', plant.outputs)];
   if (must.includes(-1) || new Set(names).size < names.length || csv.includes('"')) return csv;
   const kept = [...new Set([...must, ...places('u', plant.inputs), ...places('signal', plant.signals)])].filter((place) => place >= 0);
-  const rows = [names, ...lines.map((line) => line.split(','))];
+  const rows = [names, ...lines.map((line) => line.split(apart))];
   if (rows.some((row) => row.length !== names.length && !(row.length === 1 && row[0] === ''))) return csv;
-  return rows.map((row) => (row.length === 1 ? row[0] : kept.map((place) => row[place]).join(','))).join('\n');
+  return rows.map((row) => (row.length === 1 ? row[0] : kept.map((place) => row[place]).join(apart))).join('\n');
 }

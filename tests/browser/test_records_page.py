@@ -1,6 +1,7 @@
 """The page of records: a file, a plant, and what the file shows."""
 
 import numpy as np
+import pytest
 
 from backend import library
 from backend.assembly import prepare
@@ -16,9 +17,16 @@ def record(path, name: str = "friction-motor") -> None:
     np.savetxt(path, np.stack(list(columns.values()), axis=1), delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
 
 
-def test_a_file_is_diagnosed(page, tmp_path):
-    """The fault is named with its size and its onset on the record's own clock, marked in every output; no error, nothing foreign."""
+@pytest.mark.parametrize("spreadsheet", [False, True])
+def test_a_file_is_diagnosed(page, tmp_path, spreadsheet):
+    """The fault is named with its size and its onset on the record's own clock, marked in every output; no error, nothing foreign.
+
+    With semicolons and decimal commas, too.
+    """
     record(tmp_path / "motor.csv")
+    if spreadsheet:
+        text = (tmp_path / "motor.csv").read_text()
+        (tmp_path / "motor.csv").write_text(text.replace(",", ";").replace(".", ","))
     opened = page("/records/")
     opened.wait_for_selector(".names code")
     opened.select_option("#plant", "friction-motor")
@@ -49,7 +57,7 @@ def test_a_simulated_record_and_mistakes(page, tmp_path):
 
 
 def test_only_the_columns_that_count_are_sent_and_a_language_keeps_the_result(page, tmp_path):
-    """A whole run of 30 more columns, too large for the server, is diagnosed; in Chinese the file, the plant and the result are still there."""
+    """Of a file with 30 more columns only the plant's are sent; in Chinese the file, the plant and the result are still there."""
     record(tmp_path / "motor.csv")
     head, *lines = (tmp_path / "motor.csv").read_text().splitlines()
     more = [f"adaptive.x.{k}" for k in range(30)]
