@@ -4,8 +4,9 @@
 2. *Naming* (naming.py): one is above. What explains the data best, and what else does as well? A finding is given when one
    explanation leads clearly, or after a while as it then stands.
 3. Afterwards what was found is taken as known, and watching goes on for what changes from there: another fault, or the
-   end of this one. What was found last is looked at again as data come in: its size, and what else it might have been.
-   An output that cannot be trusted is not followed until it agrees again with what the filter makes of the others.
+   end of this one. What was found last is looked at again as data come in (reviewing.py): its size, and what else it might
+   have been. An output that cannot be trusted is not followed until it agrees again with what the filter makes of the
+   others; now and then it gets another chance (reconsidered.py).
 """
 
 import math
@@ -14,8 +15,9 @@ from dataclasses import replace
 import numpy as np
 
 from backend.diagnosis.knowledge import cleared, distrust
-from backend.diagnosis.naming import name, reviewed
+from backend.diagnosis.naming import name
 from backend.diagnosis.reconsidered import due, reconsidered
+from backend.diagnosis.reviewing import reviewed
 from backend.diagnosis.standing import Change, Look, Standing
 from backend.diagnosis.windows import Range, scan
 

@@ -1,31 +1,28 @@
-"""What was noticed gets a name; what was named last is looked at again as data come in."""
+"""What was noticed gets a name, a new one or another for what was named last."""
 
 from dataclasses import dataclass, replace
-from itertools import pairwise
 
 import numpy as np
 
-from backend.diagnosis.fits import CLEAR, Explained, fitted, price
+from backend.diagnosis.fits import CLEAR, Explained, price
 from backend.diagnosis.hypotheses import AS_WELL, distrusted, pairs, singles
 from backend.diagnosis.knowledge import LEAST, SOON, distrust, finding, oldest, remembered, take, withdrawn
 from backend.diagnosis.scene import Scene
 from backend.diagnosis.screening import case
-from backend.diagnosis.standing import NEVER, Change, Event, Found, Look, Pending, Standing, Young
+from backend.diagnosis.standing import Change, Event, Found, Look, Pending, Standing, Young
 from backend.diagnosis.windows import LONGEST
 
 SHARE = 0.7  # of the energy above the noise that a fault of the model has to explain
 PATIENCE = 8  # settling times, after which an answer is given as it stands,
 MOST_PATIENCE = 100  # decisions, if that is less
 YOUNG = LONGEST // 2  # decisions after which a finding is left as it is, lest it take up what comes after
-SLOW = LONGEST - 50  # the same of a rise, which takes longer to show how large it becomes
 BELIEVED = 4.0  # standard deviations of the noise's energy: what a true explanation may leave
 DOUBTED = 3.0  # the same, from which on it is asked what else it may be
-_APART = 8  # times as long ago as they were apart: events that began at about the same time
 MOST_YOUNG = 3  # events that may still be seen otherwise
 
 
 @dataclass(frozen=True)
-class _Choice:
+class Choice:
     """Explanations of the same data, the best first; ``revised``: the events that are pending whose place they take."""
 
     scene: Scene
@@ -55,7 +52,7 @@ def name(now: Standing, look: Look) -> Standing:
         again = at + max(1, waited // 2)
         return replace(now, again=last if last is not None and at < last < again else again)
     if leader.output is None and leader.statistic > 0.5 * cal.glr and (leader.left < BELIEVED or leader.share >= SHARE):
-        return _raised(now, look, choice)
+        return raised(now, look, choice)
     return _unexplained(now, look, choice)
 
 
@@ -75,7 +72,13 @@ def _kept_until(onset: int) -> int:
     return onset + LONGEST - 1
 
 
-def _ready(choice: _Choice, now: Standing, look: Look, waited: int) -> bool:
+def next_look(now: Standing, onset: int) -> int:
+    """When what began at an onset is looked at again: when there is twice as much data, and once more before these are forgotten."""
+    following, last = now.at + max(2, now.at - onset), _kept_until(onset)
+    return last if now.at < last < following else following
+
+
+def _ready(choice: Choice, now: Standing, look: Look, waited: int) -> bool:
     """Whether an answer is given: it is sure and has taken its form, or it has been waited for long enough."""
     leader = choice.leader
     formed = now.at - leader.onset >= (LEAST if len(leader.events) == 1 else 2 * LEAST)
@@ -84,7 +87,7 @@ def _ready(choice: _Choice, now: Standing, look: Look, waited: int) -> bool:
     return (_sure(choice, now) and formed and leader.left < BELIEVED) or waited >= _patience(choice, now, look)
 
 
-def _patience(choice: _Choice, now: Standing, look: Look) -> int:
+def _patience(choice: Choice, now: Standing, look: Look) -> int:
     """Decisions after which an answer is given as it stands: more, if it is open whether a fault is new at all."""
     held = {now.found[i].channel for i in now.active}
     near = [e for e in choice.answers if e.cost - choice.leader.cost < CLEAR and e.output is None]
@@ -93,7 +96,7 @@ def _patience(choice: _Choice, now: Standing, look: Look) -> int:
     return min(PATIENCE * max(look.calibrated.settle, LEAST), MOST_PATIENCE)
 
 
-def _sure(choice: _Choice, now: Standing) -> bool:
+def _sure(choice: Choice, now: Standing) -> bool:
     """Whether the leader has no rival, or what it could be is known already."""
     leader = choice.leader
     if choice.revised and leader.output is None and {e.channel for e in leader.events} <= _channels(choice.revised):
@@ -102,47 +105,40 @@ def _sure(choice: _Choice, now: Standing) -> bool:
     return not rivals or rivals[0].cost - leader.cost > CLEAR
 
 
-def _new(now: Standing, look: Look, least_length: int) -> _Choice:
+def _new(now: Standing, look: Look, least_length: int) -> Choice:
     """What new events may explain the data; ``least_length``: see `singles`."""
     held = {now.found[i].channel for i in now.active} - {None}
     pending = now.pending
     if pending is None:
         scene = Scene.of(look, now.known, (), max(now.start, oldest(now, look)), now.at, now.heed)
-        return _Choice(scene, _answers(scene, now.memory, held, least_length=least_length))
+        return Choice(scene, _answers(scene, now.memory, held, least_length=least_length))
     scene = Scene.of(look, pending.base, pending.events, pending.begin, now.at, now.heed)
-    return _Choice(scene, _answers(scene, now.memory if pending.settled else np.inf, held, least_length=least_length))
+    return Choice(scene, _answers(scene, now.memory if pending.settled else np.inf, held, least_length=least_length))
 
 
-def _otherwise(now: Standing, look: Look, new: _Choice) -> _Choice:
+def _otherwise(now: Standing, look: Look, new: Choice) -> Choice:
     """What was named last named otherwise, if that explains the data better than new events do."""
     pending = now.pending
-    groups = dict.fromkeys(group for y in (*_open(pending), pending.young[-1]) for group in ((y,), _together(pending, y)))
-    instead = min((_instead(now, look, group) for group in groups), key=lambda c: c.leader.cost - _price(c.revised))
+    groups = dict.fromkeys(group for y in (*latest_open(pending), pending.young[-1]) for group in ((y,), together(pending, y)))
+    instead = min((seen_as(now, look, group) for group in groups), key=lambda c: c.leader.cost - price_of(c.revised))
     # a fault named a moment ago was named wrongly, rather than that it has changed by now
     group = instead.revised
     changed = any(y.own for y in group) and {e.channel for e in new.leader.events} == {group[-1].event.channel}
     more = CLEAR if changed and now.at - now.found[group[-1].found].at < SOON else 0.0
-    return instead if instead.leader.cost < new.leader.cost + _price(group) + more else new
+    return instead if instead.leader.cost < new.leader.cost + price_of(group) + more else new
 
 
-def _open(pending: Pending) -> list[Young]:
+def latest_open(pending: Pending) -> list[Young]:
     """The latest event that could be something else."""
     return [y for y in pending.young if len(y.options) > 1][-1:]
 
 
-def _together(pending: Pending, young: Young) -> tuple[Young, ...]:
+def together(pending: Pending, young: Young) -> tuple[Young, ...]:
     """The events that are seen as one fault with another: if that is wrong, so are they."""
     return tuple(y for y in pending.young if y.found == young.found)
 
 
-def _neighbours(now: Standing) -> list[tuple[Young, ...]]:
-    """Events of two findings that began at about the same time: one may have been made up to mend the other."""
-    young = now.pending.young
-    return [(a, b) for a, b in pairwise(young) if a.found != b.found
-            and abs(a.event.first - b.event.first) * _APART < now.at - max(a.event.first, b.event.first)]  # fmt: skip
-
-
-def _price(young: tuple[Young, ...]) -> float:
+def price_of(young: tuple[Young, ...]) -> float:
     """What events cost themselves, in twice the log of a likelihood."""
     return sum(price(y.event) for y in young)
 
@@ -151,14 +147,14 @@ def _channels(young: tuple[Young, ...]) -> set[int]:
     return set().union(*(y.channels for y in young))
 
 
-def _instead(now: Standing, look: Look, group: tuple[Young, ...]) -> _Choice:
+def seen_as(now: Standing, look: Look, group: tuple[Young, ...]) -> Choice:
     """What else events that are pending may have been: one of another shape, or another fault."""
     pending, own = now.pending, any(y.own for y in group)
     others = tuple(y.event for y in pending.young if y not in group)
     scene = Scene.of(look, pending.base, others, pending.begin, now.at, now.heed)
     held = {now.found[i].channel for i in now.active} - {None, group[-1].event.channel if own else None}
     options = tuple(dict.fromkeys(o for y in group for o in y.options))
-    return _Choice(scene, _kept(_answers(scene, np.inf, held, options), group[-1].event.channel), group)
+    return Choice(scene, _kept(_answers(scene, np.inf, held, options), group[-1].event.channel), group)
 
 
 def _kept(answers: list[Explained], channel: int) -> list[Explained]:
@@ -183,7 +179,7 @@ def _answers(scene: Scene, memory: float, held: set[int], options: tuple[Event, 
 # ---- findings ------------------------------------------------------------------------------------------------------------
 
 
-def _raised(now: Standing, look: Look, choice: _Choice) -> Standing:
+def raised(now: Standing, look: Look, choice: Choice) -> Standing:
     """The leading explanation is it. The filter is to be told."""
     leader, scene, pending = choice.leader, choice.scene, now.pending
     old: tuple[Young, ...] = () if pending is None else pending.young
@@ -201,7 +197,7 @@ def _raised(now: Standing, look: Look, choice: _Choice) -> Standing:
         now, i, own = finding(now, scene, leader.statistic, event, options, again.found if mine else None)
         again = None if mine else again
         young.append(Young(event, i, own, options))
-    begin, base, review = scene.begin, scene.base, _next_look(now, leader.onset)
+    begin, base, review = scene.begin, scene.base, next_look(now, leader.onset)
     if pending is None or len(old) + len(young) > MOST_YOUNG or now.at - begin > YOUNG:
         begin = max(begin, _since(now, old, young))
         over = tuple(y for y in old if y.event.first < begin and y.event.over(begin))  # left as they are
@@ -220,7 +216,7 @@ def _since(now: Standing, old: tuple[Young, ...], young: list[Young]) -> int:
     return first
 
 
-def _others(choice: _Choice, event: Event) -> list[Event]:
+def _others(choice: Choice, event: Event) -> list[Event]:
     """What else an event could be: of explanations that are as good and differ in it alone."""
     leader = choice.leader
     rest = {e.channel for e in leader.events} - {event.channel}
@@ -232,7 +228,7 @@ def _others(choice: _Choice, event: Event) -> list[Event]:
     return found
 
 
-def _unexplained(now: Standing, look: Look, choice: _Choice) -> Standing:
+def _unexplained(now: Standing, look: Look, choice: Choice) -> Standing:
     """No channel explains it: an output is not to be trusted, or something is on that is not in the model."""
     outputs = [e for e in choice.answers if e.output is not None]
     if not outputs:
@@ -244,67 +240,3 @@ def _unexplained(now: Standing, look: Look, choice: _Choice) -> Standing:
     found = Found(now.at, None, (), best.onset, best.onset, best.onset, np.nan, np.nan, left, best.output)
     return replace(now, detected=None, start=now.at, found=(*now.found, found), active=(*now.active, len(now.found)), change=Change(),
                    pending=None)  # fmt: skip
-
-
-# ---- afterwards ----------------------------------------------------------------------------------------------------------
-
-
-def reviewed(now: Standing, look: Look) -> Standing:
-    """What is pending, with the data that came since: what else it may have been, and how large it is."""
-    now = remembered(now, look)
-    if now.pending is None or now.pending.settled:
-        return now
-    now, fit = _pruned(now, look)
-    pending, last = now.pending, now.pending.young[-1]
-    for group in dict.fromkeys((*(group for y in _open(pending) for group in (_together(pending, y), (y,))), *_neighbours(now))):
-        choice = _instead(now, look, group)
-        better = len(group) == 1 or choice.leader.cost < _present(now, look) + _price(group)
-        if choice.leader.output is None and len(choice.leader.events) == 1 and better:
-            return _settled(_raised(now, look, choice))
-    now = replace(now, pending=replace(now.pending, review=_next_look(now, last.event.first)))
-    return _settled(take(now, look, fit))
-
-
-def _next_look(now: Standing, onset: int) -> int:
-    """When what began at an onset is looked at again: when there is twice as much data, and once more before these are forgotten."""
-    following, last = now.at + max(2, now.at - onset), _kept_until(onset)
-    return last if now.at < last < following else following
-
-
-def _pruned(now: Standing, look: Look) -> tuple[Standing, Explained]:
-    """Without events that are not needed: the others explain as much, but for what it costs. And the sizes of these."""
-    fit = _refitted(now, look, now.pending.young)
-    while len(young := now.pending.young) > 1:
-        rest = [tuple(y for y in young if y is not without) for without in young]
-        fits = [_refitted(now, look, others) for others in rest]
-        more = [f.energy - fit.energy - price(y.event) for f, y in zip(fits, young, strict=True)]
-        k = int(np.argmin(more))
-        if more[k] >= 0:
-            break
-        pending = replace(now.pending, young=rest[k])
-        alone = all(y.found != young[k].found for y in rest[k])
-        now, fit = replace(withdrawn(now, young[k]) if alone else now, pending=pending), fits[k]
-    return now, fit
-
-
-def _refitted(now: Standing, look: Look, young: tuple[Young, ...]) -> Explained:
-    """Each channel's latest event estimated anew; what came before it in the same channel stays."""
-    latest = {y.event.channel: y.event for y in young}
-    fixed = tuple(y.event for y in young if y.event not in latest.values())
-    scene = Scene.of(look, now.pending.base, fixed, now.pending.begin, now.at, now.heed)
-    return fitted(scene, [tuple(latest.values())]).explained(0)
-
-
-def _present(now: Standing, look: Look) -> float:
-    """What is left by what is pending, in twice the log of a likelihood."""
-    pending = now.pending
-    scene = Scene.of(look, pending.base, pending.events, pending.begin, now.at, now.heed)
-    return float(scene.energy[-1]) / scene.unit
-
-
-def _settled(now: Standing) -> Standing:
-    """With what is pending left as it is, if that is no longer young: what comes may have begun before."""
-    last = None if now.pending is None else now.pending.young[-1].event
-    if last is None or now.at - last.first <= (SLOW if last.rise else YOUNG):
-        return now
-    return replace(now, pending=replace(now.pending, settled=True, review=NEVER))
