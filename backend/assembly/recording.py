@@ -98,7 +98,8 @@ def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: st
     good = np.abs(values) < _LARGEST
     if not good.all():
         row = int(np.flatnonzero(~good)[0])
-        raise SpecError(field, str(values[row]), f"row {row + 1} holds no number", "leave out or fill in the missing rows")
+        what = "a number that no sensor shows" if np.isfinite(values[row]) else "no number"
+        raise SpecError(field, str(values[row]), f"row {row + 1} holds {what}", "leave out or fill in the rows that are wrong")
     return values
 
 

@@ -127,7 +127,7 @@ def test_a_record_as_spreadsheets_write_it(call):
     assert "the defaults were taken" in diagnose_recording(plant, recording(plant, without), DiagnosisSettings()).note
 
 
-@pytest.mark.parametrize(("changes", "learn", "said"), [({"cell": 1e300}, 0.0, "holds no number"), ({}, 100.0, "a tenth of it at least"),
+@pytest.mark.parametrize(("changes", "learn", "said"), [({"cell": 1e300}, 0.0, "row 51 holds a number that no sensor shows"), ({"cell": float("nan")}, 0.0, "row 51 holds no number"), ({}, 100.0, "a tenth of it at least"),
                                                         ({}, float("nan"), "a tenth of it at least")])  # fmt: skip
 def test_what_a_record_cannot_hold_is_refused(call, changes, learn, said):
     """Numbers that no sensor shows, and learning that leaves nothing to be judged."""
