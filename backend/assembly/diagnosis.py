@@ -7,6 +7,8 @@ from backend.diagnosis.comparison import DETECTOR
 from backend.diagnosis.detector import Asked
 from backend.diagnosis.diagnose import Wanted, diagnose
 from backend.diagnosis.findings import of_detector, of_observer
+from backend.diagnosis.pauses import pausing
+from backend.engine.errors import Cancelled
 from backend.engine.result import Result
 from backend.engine.run import Parts
 from shared import Experiment, ObserverConfig
@@ -30,16 +32,24 @@ def calibration_key(spec: Experiment, observers: tuple[ObserverConfig, ...] = ()
     return spec.model_copy(update=bare).spec_hash()
 
 
-def inspector(spec: Experiment) -> Callable[[Parts, Result], Result] | None:
-    """What adds the diagnosis to a run's result; None where none is asked for. ``spec``: with its plant in full."""
+def inspector(spec: Experiment, cancelled: Callable[[], bool] | None = None) -> Callable[[Parts, Result], Result] | None:
+    """What adds the diagnosis to a run's result; None where none is asked for. ``spec``: with its plant in full.
+
+    What it gives raises Cancelled soon after ``cancelled`` says so.
+    """
     if not spec.diagnosis.enabled:
         return None
+
+    def check() -> None:
+        if cancelled is not None and cancelled():
+            raise Cancelled("the run was cancelled")
 
     def inspect(parts: Parts, result: Result) -> Result:
         wanted = Wanted(asked(spec), spec.diagnosis.test, calibration_key(spec), calibration_key(spec, spec.observers),
                         round(span(spec) / spec.step))  # fmt: skip
         columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
-        found = diagnose(parts, columns, result.substeps, wanted)
+        with pausing(check):
+            found = diagnose(parts, columns, result.substeps, wanted)
         confidence = spec.diagnosis.confidence
         told = {"detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),
                 "observers": [of_observer(own, found.interval, confidence, spec.diagnosis.false_alarms)

@@ -61,7 +61,7 @@ class Prepared:
         self, progress: Callable[[float], None] | None = None, cancelled: Callable[[], bool] | None = None
     ) -> Result:
         """Simulate. Raises Cancelled, or SpecError where the step cannot be made to suit the gains."""
-        return run(self.stages, progress, cancelled, inspector(self.spec.with_plant(self.plant)))
+        return run(self.stages, progress, cancelled, inspector(self.spec.with_plant(self.plant), cancelled))
 
 
 def prepare(spec: Experiment) -> Prepared:

@@ -13,6 +13,7 @@ import numpy as np
 
 from backend.diagnosis.calibration import Calibrated, calibrate
 from backend.diagnosis.evidence import MOST_STATES, Filter
+from backend.diagnosis.pauses import pause
 from backend.diagnosis.watcher import Watcher
 from backend.diagnosis.windows import Noise, Range, Sums
 from backend.engine import cache
@@ -103,6 +104,7 @@ def _calibrated(experiment: Experiment, made: Filter, asked: Asked, stride: int,
     known = np.array([float(plain.signals[c](np.zeros(1), np.zeros(1))[0]) for c in made.channels])
     runs = []
     for seed in range(seeds):
+        pause()
         table, t = _rows(with_seed(plain, _SEED + seed), made)
         seen = made.run(made.start(), known, table, t)
         count = len(t) // stride

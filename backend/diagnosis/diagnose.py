@@ -9,6 +9,7 @@ import numpy as np
 from backend.diagnosis import estimates
 from backend.diagnosis.detector import Asked, Detector, detector, healthy, kept_name, unwatchable
 from backend.diagnosis.evidence import Filter
+from backend.diagnosis.pauses import pause
 from backend.diagnosis.watcher import Watched, Watcher
 from backend.engine import cache
 from backend.engine.batch import with_seed
@@ -171,6 +172,7 @@ def _estimates(experiment: Experiment, substeps: int, stride: int) -> dict[str, 
     theta: dict[str, list[np.ndarray]] = {}
     spreads: Spreads = {}
     sigma: dict[str, list[np.ndarray]] = {}
+    pause()
     for _, rows in spans_of(experiment, substeps):
         values = row_values(experiment, rows.index, rows.plant)
         columns, tables = sigma_columns(experiment, rows, values, spreads)

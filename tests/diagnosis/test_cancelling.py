@@ -1,0 +1,34 @@
+"""A run may be cancelled while it is diagnosed."""
+
+from backend import library
+from backend.assembly import prepare
+from backend.engine.errors import Cancelled
+from shared import Experiment
+
+
+def asked_in(name: str, stop) -> int:
+    """How often a run asks whether it is cancelled, once its simulation is over."""
+    spec = library.experiment(name).model_dump(mode="json") | {"seed": 7_301, "diagnosis": {"false_alarms": 0.0123}}
+    prepared = prepare(Experiment.model_validate(spec))
+    asked, done = 0, []
+
+    def cancelled() -> bool:
+        nonlocal asked
+        asked += bool(done)
+        return bool(done) and stop(asked)
+
+    try:
+        prepared.run(lambda p: done.append(p) if p >= 1.0 else None, cancelled)
+    except Cancelled:
+        return -asked
+    return asked
+
+
+def test_a_run_is_cancelled_while_thresholds_are_simulated_and_while_it_is_watched(tmp_path, monkeypatch):
+    """Before every longer step of its diagnosis it asks; with yes it ends at the next question."""
+    monkeypatch.setenv("THETASCOPE_CACHE", str(tmp_path))
+    assert asked_in("dc-motor", lambda asked: asked == 3) == -3  # simulating thresholds, which are not kept
+    whole = asked_in("dc-motor", lambda asked: False)
+    watching = asked_in("dc-motor", lambda asked: False)  # thresholds are on disk now
+    assert whole > watching > 10
+    assert asked_in("dc-motor", lambda asked: asked == watching // 2) == -(watching // 2)
