@@ -29,6 +29,8 @@ SEEDS = (32, 64)  # runs without faults: at least, and at most
 _STEPS = 500_000  # base steps that they take together, about
 _LONGEST = 200_000  # base steps of one of them
 _SEED = 7_001  # the first of theirs
+_LOOKS = 2_000  # rows at which inputs are looked at
+_UNRECORDED = 0.5  # of what an input does may go on between rows
 
 
 @dataclass(frozen=True)
@@ -55,6 +57,25 @@ def unwatchable(experiment: Experiment, context: Context) -> str:
         return f"the plant has {context.n} states, and at most {MOST_STATES} are looked at"
     if experiment.steps // experiment.every < 100:
         return "the run has fewer than a hundred rows"
+    missed = _unrecorded(experiment)
+    if missed:
+        return (f"{missed} changes too much between two rows, {experiment.every * experiment.step:g} s apart, of which only the first is "
+                "seen: record more often")  # fmt: skip
+    return ""
+
+
+def _unrecorded(experiment: Experiment) -> str:
+    """The first input or known signal whose values at the rows say little about it: what it does within rows, against all that it does."""
+    row = experiment.every * experiment.step
+    rows = experiment.steps // experiment.every
+    start = row * np.unique(np.linspace(0, rows - 1, _LOOKS).astype(int))
+    later = start + row * np.random.default_rng(0).random(len(start))
+    for name, signal in experiment.signals.items():
+        if name.startswith("theta."):
+            continue
+        seen, there = signal(start, np.nextafter(start, np.inf)), signal(later, later)
+        if np.std(there - seen) > _UNRECORDED * max(np.std(there), 1e-9 * np.max(np.abs(there))):
+            return name.split(".", 1)[1]
     return ""
 
 

@@ -7,7 +7,9 @@ from hypothesis import strategies as st
 
 from backend import library
 from backend.assembly import prepare
+from shared import Experiment
 from tests.diagnosis.watching import names, step, watching
+from tests.runs.samples import spec_data
 
 
 @pytest.fixture(scope="module")
@@ -174,3 +176,12 @@ def test_faults_that_end_together_keep_the_sizes_that_they_had(row):
     assert not [a for a in alarms if a["cleared"] is None]
     for channel, size in (("theta3", 0.02), ("theta1", 0.01), ("theta2", 0.015)):
         assert next(a for a in alarms if a["channel"] == channel)["size"] == pytest.approx(size, rel=0.03)
+
+
+@pytest.mark.parametrize(("frequency", "record", "refused"), [(2.0, 0.3, True), (0.05, 0.3, False), (2.0, 0.01, False)])
+def test_inputs_that_rows_do_not_show_are_refused_with_the_remedy(frequency, record, refused):
+    """A sine of three fifths of a period a row tells nothing of what went on; a slow one, or shorter rows, do."""
+    data = spec_data(horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[])
+    told = prepare(Experiment.model_validate(data)).run().diagnosis["detector"]
+    remedy = f"u changes too much between two rows, {record:g} s apart, of which only the first is seen: record more often"
+    assert told["note"] == (remedy if refused else "")

@@ -41,6 +41,7 @@ export const diagnosisRules = [
   rule('no course of (.+?) that was tried helps: (.+)', '试过的 $1 的变化都没有帮助：$2'),
 
   rule('the plant has # states, and at most # are looked at', '该对象有 $1 个状态，最多只处理 $2 个'), rule('the run has fewer than a hundred rows', '运行不足一百行'),
+  rule('(.+) changes too much between two rows, # s apart, of which only the first is seen: record more often', '$1 在相隔 $2 s 的两行之间变化过大，只能看到前一行的值：请提高记录频率'),
   rule("the filter does not stay finite along this plant's runs", '滤波器沿该对象的运行不能保持有限'), rule('none is asked for', '未要求诊断'), rule('it estimates no fault', '它不估计故障'),
   rule('(.+) cannot be told apart by any input, nor from the states? (.+)', '任何输入都无法区分 $1，也无法与状态 $2 区分'), rule('(.+) cannot be told apart by any input', '任何输入都无法区分 $1'),
   rule('(.+) cannot be told from the states? (.+)', '$1 无法与状态 $2 区分'), rule('(.+) cannot be told from the outputs', '$1 无法由输出得知'), rule('(.+) shows? in no output', '$1 不在任何输出中显现'),
