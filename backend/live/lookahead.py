@@ -68,9 +68,13 @@ class Cost:
     def seconds(self, rows: int) -> float:
         return self._call + rows * self._row
 
-    def proven(self, seconds: float) -> int:
-        """Rows of the calls lately, if these took no longer."""
-        return int(self._mean) if 0.0 < self._took <= seconds else 0
+    def surely(self, seconds: float) -> int:
+        """Rows that take no longer, if longer calls are no dearer by the row than those lately.
+
+        The fit cannot tell what the call costs from what its rows do while all calls are alike, and asked for few rows it would
+        go on asking for few.
+        """
+        return int(min(seconds / self._took, self._FURTHER) * self._mean) if self._took > 0.0 else 0
 
     def rows(self, seconds: float) -> int:
         """Rows whose own share takes so long; the call itself has to be paid anyway."""
@@ -112,7 +116,7 @@ class Lookahead:
             return None
         frame = pace.rows_in(FRAME)
         long = self._cost.seconds(frame) > LIGHT
-        piece = self._cost.rows(SLICE) if long else max(self._cost.rows(PIECE), self._cost.proven(LIGHT))
+        piece = self._cost.rows(SLICE) if long else max(self._cost.rows(PIECE), self._cost.surely(LIGHT))
         whole = max(2 * frame, min(pace.rows_in(self._reach), 64 * most, piece))
         # Asked for while there is still something to show, so that it may wait for a free moment.
         self._low = max(frame + frame // 2, min(pace.rows_in(MARGIN), whole // 2))
