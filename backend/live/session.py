@@ -121,7 +121,10 @@ class Session:
                 return self._advance(count)
         view, made = now.view.extended(experiment, recorded)
         data, watched, found = made.data, now.watched, []
-        if not view.plant_lost:
+        if view.plant_lost:  # time ends with the row that says so
+            count = min(count, round(view.plant_lost.time / self.record) - now.row + 1)
+            data = data[:, :count]
+        else:
             watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, count > _AT_ONCE, self.leaves_watching)
             found = words.new(found, self.log)
         scheduled = words.scheduled(self.spec, self.log, now.row, now.row + count, self.record)

@@ -282,6 +282,7 @@ def test_what_diverges_is_told_where_the_run_says_it_does(piece):
         (told,) = [e for e in session.log if e.kind == "diverged"]
         when = run.diverged if who == "plant" else run.observers[0].diverged
         assert (told.subject, told.t, told.row) == (who, when.time, round(when.time / session.record))
+        assert who != "plant" or (session.ended and session.past.end == session.row == told.row + 1)
 
 
 def test_the_log_says_what_was_cleared_and_what_an_alarm_was_named_with():
