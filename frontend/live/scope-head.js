@@ -29,6 +29,12 @@ export function mountHead(root, app, scope) {
     }
   });
   app.subscribe((state) => [state.plant, state.columns, state.strips, state.language, state.faults, state.observers], () => fillMenu(menu, app));
+  menu.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape' || !menu.open) return;
+    event.preventDefault();
+    menu.open = false;
+    menu.querySelector('summary').focus();
+  });
   document.addEventListener('click', (event) => {
     if (menu.open && !menu.contains(event.target)) menu.open = false;
   });

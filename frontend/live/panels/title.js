@@ -36,7 +36,7 @@ export function mount(element, app) {
     for (const item of list.children) item.hidden = !words.every((word) => item.textContent.toLowerCase().includes(word));
   });
   menu.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') { toggle(false); button.focus(); }
+    if (event.key === 'Escape') { event.preventDefault(); toggle(false); button.focus(); }
     if (event.key !== 'ArrowDown' && event.key !== 'ArrowUp') return;
     event.preventDefault();
     const links = [...list.querySelectorAll('li:not([hidden]) a')];
