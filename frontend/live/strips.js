@@ -62,8 +62,16 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
     ...channelStrips(plant, known, faults, traces), ...stateStrips(plant, traces), ...residualStrips(plant, spec, known, observers, traces),
     ...excitationStrip(known, observers, checks, traces),
   ];
-  const few = presentation ? (strip) => strip.kind === 'theta' || (strip.kind === 'state' && strip.first) : () => true;
+  const few = presentation ? fewer(all) : () => true;
   return all.map((strip) => ({...strip, shown: chosen[strip.name] ?? (strip.usual && few(strip))}));
+}
+
+/** What a projector shows: the fault channels and a state; where no observer estimates a fault, what shows it otherwise: two states and a residual. */
+function fewer(all) {
+  const estimated = all.some((strip) => strip.kind === 'theta' && strip.traces.length > 0);
+  const first = (kind, count) => all.filter((strip) => strip.kind === kind).slice(0, count);
+  const chosen = new Set([...first('state', estimated ? 1 : 2), ...first('residual', estimated ? 0 : 1)]);
+  return (strip) => strip.kind === 'theta' || chosen.has(strip);
 }
 
 function channelStrips(plant, known, faults, traces) {
@@ -90,7 +98,7 @@ function stateStrips(plant, traces) {
   }));
   const most = Math.max(0, ...made.map((strip) => strip.traces.length));
   const first = new Set(made.filter((strip) => strip.traces.length === most).slice(0, MOST_STATES));
-  return made.map((strip, place) => ({...strip, usual: first.has(strip), first: place === 0}));
+  return made.map((strip) => ({...strip, usual: first.has(strip)}));
 }
 
 function residualStrips(plant, spec, known, observers, traces) {
