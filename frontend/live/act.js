@@ -6,6 +6,7 @@ import * as permalink from './permalink.js';
 import {library, save} from './session.js';
 
 const LANGUAGE = 'language';
+const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
 
 /** @param {object} app  @param {object} link  what main.js does with sessions: {begin, fork, token} */
 export const actions = (app, link) => ({...transport(app, link), ...sessions(app, link), ...looks(app)});
@@ -81,16 +82,16 @@ function looks(app) {
     site: (name) => set(app, {site: name}),
     present(on) {
       document.documentElement.classList.toggle('presentation', on);
+      keep(sessionStorage, PRESENTED, on ? 'on' : null);
       set(app, {presentation: on});
     },
+    desk: (name) => set(app, {desk: name}),
     theme(wanted) {
       if (wanted !== null && wanted !== window.theme.now) window.theme.toggle();
     },
     language(language) {
       document.documentElement.lang = language === 'zh' ? 'zh-CN' : 'en';
-      try {
-        localStorage.setItem(LANGUAGE, language);
-      } catch { /* private windows keep nothing */ }
+      keep(localStorage, LANGUAGE, language);
       set(app, {language});
     },
     tell: (text, how) => tell(app, text, how),
@@ -99,14 +100,27 @@ function looks(app) {
   };
 }
 
-/** The language that was chosen here before, else the browser's. */
-export function languageNow() {
-  let chosen = null;
+/** Keep a word, or (null) forget it. */
+function keep(storage, name, value) {
   try {
-    chosen = localStorage.getItem(LANGUAGE);
+    if (value === null) storage.removeItem(name);
+    else storage.setItem(name, value);
   } catch { /* private windows keep nothing */ }
-  return chosen ?? (navigator.language.startsWith('zh') ? 'zh' : 'en');
 }
+
+function kept(storage, name) {
+  try {
+    return storage.getItem(name);
+  } catch {
+    return null;
+  }
+}
+
+/** The language that was chosen here before, else the browser's. */
+export const languageNow = () => kept(localStorage, LANGUAGE) ?? (navigator.language.startsWith('zh') ? 'zh' : 'en');
+
+/** Whether this tab was presenting when it was loaded again. */
+export const presented = () => kept(sessionStorage, PRESENTED) === 'on';
 
 const DONE = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
 

@@ -1,8 +1,9 @@
 // Starts the live page: makes the app, opens what the address asks for, joins sessions and leaves them.
 
 import {get} from '../api.js';
-import {actions, addressOf, languageNow} from './act.js';
+import {actions, addressOf, languageNow, presented} from './act.js';
 import {SPEEDS} from './format.js';
+import {mountDesk} from './desk.js';
 import {Edge, createLoop} from './loop.js';
 import {mountHysteresis} from './hysteresis.js';
 import {Arrivals} from './missed.js';
@@ -221,6 +222,8 @@ mountHysteresis(place('hysteresis'), app);
 mountTimeline(place('timeline'), app);
 mountTransport(place('transport'), app);
 mountNotice(place('notice'), app);
+mountDesk(place('main'), app);
+if (presented()) app.act.present(true);
 store.subscribe((state) => [state.spec, state.epoch, state.playing, state.session], addressSoon);
 store.subscribe((state) => [state.spec?.title, state.language], ([title]) => { document.title = title ? `${app.text.named(title)} · Thetascope` : 'Thetascope'; });
 addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));

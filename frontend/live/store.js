@@ -54,6 +54,7 @@
  * @property {Object<string, boolean>} strips   strip name → shown, where chosen by hand
  * @property {string | null} site         fault site that was chosen in the plant
  * @property {boolean} presentation
+ * @property {string} desk                the tab that is open while presenting
  * @property {'light'|'dark'} theme
  * @property {'en'|'zh'} language
  * @property {{title: string, detail: string} | null} problem    why there is no session
@@ -65,7 +66,7 @@ export const initial = Object.freeze({
   connection: 'starting', session: null, role: 'control', experiment: null, spec: null, plant: null, columns: [], epoch: 0,
   step: 0, record: 0, row: 0, t: 0, playing: false, speed: 1, rate: null, viewers: 1, ended: false,
   log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], parent: null,
-  window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, strips: {}, site: null, presentation: false, theme: 'light', language: 'en',
+  window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, strips: {}, site: null, presentation: false, desk: 'inject', theme: 'light', language: 'en',
   problem: null, told: null,
 });
 

@@ -23,7 +23,7 @@ export function mountTimeline(root, app) {
     timeline.still = '';
     app.wake();
   });
-  app.subscribe((state) => [state.looking, state.role, state.language], ([looking]) => {
+  app.subscribe((state) => [state.looking, state.role, state.language, state.presentation], ([looking]) => {
     timeline.still = '';
     offer(timeline, looking);
     app.wake();
@@ -156,9 +156,18 @@ function offer(timeline, t) {
     may && h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => act.fork(t)}, text.forkHere),
     h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, text.backToNow));
   const x = (t / reach(timeline)) * timeline.width;
-  const wide = choice.offsetWidth; // above the rail, in the empty middle of the header: nothing that is looked at is covered
-  const right = Math.min(root.clientWidth, (document.querySelector('.top .connection')?.getBoundingClientRect().left ?? Infinity) - root.getBoundingClientRect().left - 10);
-  choice.style.left = `${Math.max(0, Math.min(x - wide / 2, right - wide))}px`;
+  const wide = choice.offsetWidth;
+  const [low, high] = roomFor(root);
+  choice.style.left = `${Math.max(low, Math.min(x - wide / 2, high - wide))}px`;
+}
+
+/** Where the choice may stand, so that nothing that is looked at is covered: in the empty middle of the header; while presenting, over the scope's legend. */
+function roomFor(root) {
+  const {left, width} = root.getBoundingClientRect();
+  const box = (selector) => document.querySelector(selector)?.getBoundingClientRect();
+  if (getComputedStyle(root.parentElement).display !== 'contents') return [0, Math.min(width, (box('.top .connection')?.left ?? Infinity) - left - 10)];
+  const scope = box('#scope');
+  return [scope.left - left, scope.right - left];
 }
 
 function listen(timeline) {
@@ -180,7 +189,7 @@ function listen(timeline) {
     const {looking, role} = app.state;
     const from = looking ?? app.samples.now;
     const keys = {ArrowLeft: () => go(from - by), ArrowRight: () => go(from + by), Home: () => go(0), End: () => go(Infinity),
-      Escape: () => app.act.look(null), Enter: () => looking !== null && role === 'control' && app.act.seek(looking)};
+      Escape: looking !== null && (() => app.act.look(null)), Enter: () => looking !== null && role === 'control' && app.act.seek(looking)};
     if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();

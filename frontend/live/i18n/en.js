@@ -12,7 +12,7 @@ export const en = {
   moreActions: 'Share, export, language and look',
   share: 'Share', shareHint: 'Links to this session', export: 'Export', exportHint: 'Data, pictures and a report of this session',
   present: 'Presentation', look: 'Light or dark', help: 'Keys',
-  presentHint: 'Presentation: larger type, for a projector (P)', themeHint: 'Light or dark (T)', helpHint: 'Keys of the page (?)',
+  presentHint: 'Presentation: larger type, for a projector (P)', leave: 'Leave', leaveHint: 'Leave the presentation (P, Esc)', themeHint: 'Light or dark (T)', helpHint: 'Keys of the page (?)',
   languageHint: 'Language: English or 中文 (L)',
   connections: {starting: 'starting …', live: 'live', reconnecting: 'connection lost, trying again', ended: 'ended', full: 'full', failed: 'no session'},
   viewing: 'view only', viewers: (n) => `${n} watching`, slow: (rate) => `${rate}, the machine is busy`,
@@ -109,7 +109,7 @@ export const en = {
   pngHint: 'What the scope shows, as pixels', svgHint: 'What the scope shows, as lines',
   keyNames: {Space: 'Space', ArrowLeft: '←', ArrowRight: '→', Home: 'Home', End: 'End', Escape: 'Esc'},
   keys: {toggle: 'play or pause', step: 'one step', back: 'look back', on: 'look on', now: 'back to now', reset: 'back to the start', faster: 'faster', slower: 'slower', fork: 'fork here: a second session',
-    site: 'a fault channel: its injection', clear: 'clear all faults', equations: 'equations', present: 'presentation', theme: 'light or dark', language: 'English or 中文', share: 'share', help: 'this list'},
+    site: 'a fault channel: its injection', clear: 'clear all faults', equations: 'equations', present: 'presentation; Esc leaves it', desk: 'presentation: inject, observers, comparison, log, try this', theme: 'light or dark', language: 'English or 中文', share: 'share', help: 'this list'},
   keysNote: 'Tab reaches everything; arrows move a slider.',
-  tabs: {curves: 'Curves', inject: 'Inject', observers: 'Observers', diagnosis: 'Diagnosis'}, tabsLabel: 'Parts of the page',
+  tabs: {curves: 'Curves', inject: 'Inject', observers: 'Observers', diagnosis: 'Diagnosis'}, tabsLabel: 'Parts of the page', deskLabel: 'Panels',
 };

@@ -12,7 +12,7 @@ export const zh = {
   moreActions: '分享、导出、语言和外观',
   share: '分享', shareHint: '本会话的链接', export: '导出', exportHint: '本会话的数据、图片和报告',
   present: '演示模式', look: '浅色或深色', help: '按键',
-  presentHint: '演示模式：大号字体，适合投影 (P)', themeHint: '浅色或深色 (T)', helpHint: '页面按键 (?)',
+  presentHint: '演示模式：大号字体，适合投影 (P)', leave: '退出', leaveHint: '退出演示模式 (P, Esc)', themeHint: '浅色或深色 (T)', helpHint: '页面按键 (?)',
   languageHint: '语言：English 或 中文 (L)',
   connections: {starting: '正在启动……', live: '实时', reconnecting: '连接断开，正在重试', ended: '已结束', full: '已满', failed: '没有会话'},
   viewing: '仅观看', viewers: (n) => `${n} 人在看`, slow: (rate) => `${rate}，机器繁忙`,
@@ -109,7 +109,7 @@ export const zh = {
   pngHint: '示波器所示，像素图', svgHint: '示波器所示，矢量图',
   keyNames: {Space: '空格', ArrowLeft: '←', ArrowRight: '→', Home: 'Home', End: 'End', Escape: 'Esc'},
   keys: {toggle: '播放或暂停', step: '单步', back: '向前回看', on: '向后查看', now: '回到当前', reset: '回到起点', faster: '加快', slower: '放慢', fork: '从此处分支：第二个会话',
-    site: '某个故障通道：其注入', clear: '清除所有故障', equations: '方程', present: '演示模式', theme: '浅色或深色', language: 'English 或 中文', share: '分享', help: '本列表'},
+    site: '某个故障通道：其注入', clear: '清除所有故障', equations: '方程', present: '演示模式；Esc 退出', desk: '演示模式下：注入、观测器、比较、日志、试一试', theme: '浅色或深色', language: 'English 或 中文', share: '分享', help: '本列表'},
   keysNote: 'Tab 可到达所有控件；方向键移动滑块。',
-  tabs: {curves: '曲线', inject: '注入', observers: '观测器', diagnosis: '诊断'}, tabsLabel: '页面的各部分',
+  tabs: {curves: '曲线', inject: '注入', observers: '观测器', diagnosis: '诊断'}, tabsLabel: '页面的各部分', deskLabel: '面板',
 };

@@ -29,6 +29,12 @@ export function mount(element, app) {
     one.setAttribute('aria-label', hint);
     one.lastChild.textContent = name;
   };
+  /** The button that begins the presentation is the way out of it. */
+  const showPresent = () => {
+    const {text, state: {presentation: on}} = app;
+    present.firstChild.replaceWith(icon(on ? 'close' : 'screen'));
+    named(present, on ? text.leave : text.present, on ? text.leaveHint : text.presentHint);
+  };
   const label = () => {
     const {text} = app;
     fill(nav, pages(text, 'live'));
@@ -38,7 +44,7 @@ export function mount(element, app) {
     more.setAttribute('aria-label', text.moreActions);
     named(share, text.share, text.shareHint);
     named(take, text.export, text.exportHint);
-    named(present, text.present, text.presentHint);
+    showPresent();
     named(theme, text.look, text.themeHint);
     named(help, text.help, text.helpHint);
     const chinese = app.state.language === 'zh';
@@ -51,16 +57,15 @@ export function mount(element, app) {
     const {connection, role, viewers, playing, rate, speed} = app.state;
     const {text} = app;
     state.className = `connection ${connection}`;
-    const extra = [role === 'view' ? text.viewing : null, viewers > 1 ? text.viewers(viewers) : null].filter(Boolean);
     const slow = playing && speed !== null && rate !== null && rate < 0.8 * speed ? text.slow(times(rate)) : null;
-    const said = [text.connections[connection] ?? connection, ...extra, slow].filter(Boolean).join(' · ');
+    const said = [role === 'view' ? text.viewing : null, text.connections[connection] ?? connection, viewers > 1 ? text.viewers(viewers) : null, slow].filter(Boolean).join(' · ');
     if (words.textContent !== said) words.textContent = said;
     if (!words.isConnected) fill(state, h('span', {class: 'dot'}), words);
   };
   app.subscribe((s) => s.language, label);
   app.subscribe((s) => [s.connection, s.role, s.viewers], connect);
   app.subscribe((s) => s.role, (role) => document.documentElement.classList.toggle('view-only', role === 'view'));
-  app.subscribe((s) => s.presentation, (on) => present.setAttribute('aria-pressed', String(on)));
+  app.subscribe((s) => s.presentation, showPresent);
   mountTabs(app);
 }
 

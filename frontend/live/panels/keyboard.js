@@ -1,5 +1,6 @@
 // All keys of the page. Nothing is taken while one types, or from a control that uses the key itself.
 
+import {TABS} from '../desk.js';
 import {SPEEDS} from '../format.js';
 import {open} from './dialogs.js';
 
@@ -9,7 +10,7 @@ export const KEYS = [
   {keys: ['.'], does: 'step', act: (app) => app.act.step(1)},
   {keys: ['ArrowLeft'], does: 'back', act: (app) => look(app, -1)},
   {keys: ['ArrowRight'], does: 'on', act: (app) => look(app, 1)},
-  {keys: ['End', 'Escape'], does: 'now', act: (app) => app.act.select(null)},
+  {keys: ['End', 'Escape'], does: 'now', act: (app, key) => (key === 'Escape' && leaves(app.state) ? app.act.present(false) : app.act.select(null))},
   {keys: ['Home'], does: 'reset', act: (app) => app.act.reset()},
   {keys: ['+', '='], does: 'faster', act: (app) => app.act.speed(faster(app.state.speed, 1))},
   {keys: ['-'], does: 'slower', act: (app) => app.act.speed(faster(app.state.speed, -1))},
@@ -18,11 +19,21 @@ export const KEYS = [
   {keys: ['C'], does: 'clear', act: (app) => app.send({type: 'clear'})},
   {keys: ['E'], does: 'equations', act: () => open('equations')},
   {keys: ['P'], does: 'present', act: (app) => app.act.present(!app.state.presentation)},
+  {keys: Object.values(TABS), does: 'desk', act: (app, key) => choose(app, key)},
   {keys: ['T'], does: 'theme', act: (app) => app.act.theme(app.state.theme === 'dark' ? 'light' : 'dark')},
   {keys: ['L'], does: 'language', act: (app) => app.act.language(app.state.language === 'en' ? 'zh' : 'en')},
   {keys: ['S'], does: 'share', act: () => open('share')},
   {keys: ['?'], does: 'help', act: () => open('help')},
 ];
+
+/** Whether Escape ends the presentation: only where there is nothing else that it would close. */
+const leaves = ({presentation, selection, looking}) => presentation && !selection && looking === null && !document.querySelector('dialog[open], .menu[open]');
+
+/** Open the tab of a key while presenting; the focus stays, so that Space still plays. */
+function choose(app, key) {
+  const name = Object.keys(TABS).find((one) => TABS[one] === key);
+  if (app.state.presentation && !document.getElementById(`desk-${name}`)?.disabled) app.act.desk(name);
+}
 
 /** Move what the scope shows by a tenth of it; at now it follows time again. */
 function look(app, by) {
@@ -45,7 +56,7 @@ function own(element, key) {
   if (dialog) return dialog.open; // one that has just been closed keeps the focus until the page is drawn
   if (element.matches('input:not([type=range]), textarea, select, [contenteditable]')) return true;
   if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *')) return key.startsWith('Arrow') || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
-  return element.matches('button, a, summary, [role=button]') && (key === ' ' || key === 'Enter');
+  return element.matches('button:not([role=tab]), a, summary, [role=button]') && (key === ' ' || key === 'Enter');
 }
 
 export function mount(element, app) {
@@ -57,6 +68,6 @@ export function mount(element, app) {
     if (!channel && !found) return;
     event.preventDefault();
     if (channel) { app.act.site(null); app.act.site(channel.name); }
-    else Promise.resolve(found.act(app)).catch(app.act.refused);
+    else Promise.resolve(found.act(app, name)).catch(app.act.refused);
   });
 }
