@@ -75,7 +75,8 @@ export function createRow(app, subjectOf, about) {
     press.classList.toggle('clear', Boolean(fault));
     press.setAttribute('aria-label', `${fault ? text.clear : text.inject}: ${about.title}`);
     press.disabled = role === 'view';
-    sub.textContent = [about.kind, fault ? text.since(seconds(fault.onset, horizon)) : subject.unit].filter(Boolean).join(' · ');
+    const beside = fault ? text.since(seconds(fault.onset, horizon)) : subject.unit;
+    fill(sub, h('span', {class: 'kind'}, about.kind, beside && ' · '), beside);
     if (fault && other) adopt(row, menu, fault, build);
     if (!fault && row.end !== row.typed) build(row.values, row.typed); // how long the last one lasted says nothing of the next
     if (other) { row.edited = false; change.hidden = true; }
