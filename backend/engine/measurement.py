@@ -60,12 +60,13 @@ def _acting(data: Mapping, key: tuple[int, ...]) -> Signal:
 @dataclass(frozen=True)
 class Memory:
     """What the measurement remembers: the last values before faults and the last samples, one an output; and by fault
-    (draws.key_of) the last value that it let through or, of a delay, what it is late with.
+    (draws.key_of) the last value that it let through or, of a delay, what it is late with, and the last value after it.
     """
 
     passed: np.ndarray
     sampled: np.ndarray
     faults: Mapping[int, object] = field(default_factory=dict)
+    after: Mapping[int, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -133,14 +134,17 @@ class Measurement:
         """Measured outputs of one span: ``clean`` and the answer have shape (steps, stages, m)."""
         y = clean + self.noise_at(grid.anchor)[:, None, :]
         passed = y[-1, -1].copy() if len(y) else memory.passed
-        kept, sampled = dict(memory.faults), memory.sampled
+        kept, after, sampled = dict(memory.faults), dict(memory.after), memory.sampled
         for i, name in enumerate(self.outputs):
+            before = memory.passed[i]  # what came out of the fault before in turn: a fault that is new did nothing until now
             for f in self._in_turn(name):
                 key = draws.key_of(f)
-                y[:, :, i], kept[key] = self._through(f, grid, y[:, :, i], kept.get(key), memory.passed[i])
+                y[:, :, i], kept[key] = self._through(f, grid, y[:, :, i], kept.get(key), before)
+                before = memory.after.get(key, before)
+                after[key] = float(y[-1, -1, i]) if len(y) else before
         if self.sample_every is not None:
             y, sampled = self._sampled(grid, first, y, sampled)
-        return y, replace(memory, passed=passed, sampled=sampled, faults=kept)
+        return y, replace(memory, passed=passed, sampled=sampled, faults=kept, after=after)
 
     def _through(self, f: Mapping, grid: Grid, y: np.ndarray, kept: object, passed: float) -> tuple[np.ndarray, object]:
         """One output (steps × stages) through one fault; ``kept`` is what the fault remembers, None at first."""
