@@ -7,7 +7,7 @@ import numpy as np
 from backend.engine.cost import costs
 from backend.engine.observers.base import Observed
 from backend.engine.probe import probe
-from backend.engine.result import Diverged, ObserverReport, Result
+from backend.engine.result import CANNOT_TELL, Check, Diverged, ObserverReport, Result
 from backend.engine.simulation import Experiment, Rows, at_rows, observed_values, row_numbers
 from backend.engine.spread import Spreads, latest, sigma_columns
 from backend.engine.timeline import Life, final_estimator, lives, parameters_over
@@ -78,6 +78,7 @@ def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) ->
     """t, signals, parameters and plant states along all rows."""
     first = parts[0][0]
     counts = [len(rows.index) for _, rows in parts]
+    ends = np.cumsum(counts)
     t = np.concatenate([rows.index for _, rows in parts]) * first.step
     values: dict[str, np.ndarray | float] = {}
     for name, signal in first.signals.items():
@@ -85,8 +86,9 @@ def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) ->
         if all(s is signal for s in theirs):
             values[name] = at_rows(signal, t, first.step)
         else:
-            pieces = np.split(t, np.cumsum(counts)[:-1])
-            values[name] = np.concatenate([at_rows(s, p, first.step) for s, p in zip(theirs, pieces, strict=True)])
+            begins = [k for k, s in enumerate(theirs) if not k or s is not theirs[k - 1]]  # parts from which on it is another
+            pieces = np.split(t, [ends[k - 1] for k in begins[1:]])
+            values[name] = np.concatenate([at_rows(theirs[k], p, first.step) for k, p in zip(begins, pieces, strict=True)])
     each = [row_numbers(e) for e, _ in parts]
     values |= {n: _over([v[n] for v in each], counts) for n in each[0]} | {"t": t}
     return values | {s: plant[:, j] for j, s in enumerate(first.plant.states)}
@@ -135,9 +137,17 @@ def observer_columns(
     columns = {n: seen[n] for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)}
     more = estimator.kind.diagnostics(run)
     seen |= more
-    checks = tuple(estimator.kind.checks(run)) if check else ()
+    checks = _checks(estimator, run) if check else ()
     report = ObserverReport(estimator.label, estimator.kind.id, estimator.kind.title, checks, diverged, estimator.facts)
     return columns | more, report
+
+
+def _checks(estimator, run: Observed) -> tuple[Check, ...]:
+    """Whether the theorem's conditions hold; a run is not lost because a matrix of them has no eigenvalues."""
+    try:
+        return tuple(estimator.kind.checks(run))
+    except np.linalg.LinAlgError as error:
+        return (Check("conditions", CANNOT_TELL, f"numbers far beyond what they describe: {error}"),)
 
 
 def _cause(names: tuple[str, ...], states: np.ndarray, first_bad: int) -> str:

@@ -141,14 +141,16 @@ class View:
                       text=d.cause if d is self.plant_lost else f"{name} diverged: {d.cause}") for name, d in new.items()]  # fmt: skip
 
     def assumptions(self, experiment: Engine) -> list[Assumptions]:
-        """The checks of each observer over the rows of the tail."""
+        """The checks of each observer over the rows of the tail; not of one that has none yet."""
         if not self.parts:
             return []
+        end = self.first + sum(len(r.index) for _, r in self.parts)
+        begun = tuple(e for e in experiment.estimators if e.since // experiment.every < end)
         plant = np.concatenate([r.plant for _, r in self.parts])
         y = np.concatenate([r.y for _, r in self.parts])
         values, ended = plant_values(self.parts, plant), finite_rows(plant)
         found = []
-        for life in self._present(self.parts, experiment):
+        for life in self._present(self.parts, replace(experiment, estimators=begun)):
             if life.label in (self.lost or {}):
                 continue
             _, report = observer_columns(life, values, y, ended, first_row=self.first)

@@ -124,12 +124,13 @@ def closed_loop(run: Observed, source: str, period: float | None = None) -> Chec
         return Check(name, CANNOT_TELL, "no finite estimate was recorded", source=source)
     worst = []
     for k in rows:
-        K = P[k] @ C[k].T / run.gains("r")
-        if period is None:
-            worst.append(np.linalg.eigvals(A[k] - K @ C[k]).real.max())
-        else:
-            F = _over(run, A[k], period)
-            worst.append(np.abs(np.linalg.eigvals(F @ (np.eye(n) - K @ C[k]))).max())
+        with np.errstate(all="ignore"):
+            K = P[k] @ C[k].T / run.gains("r")
+            closed = A[k] - K @ C[k] if period is None else _over(run, A[k], period) @ (np.eye(n) - K @ C[k])
+        if not np.isfinite(closed).all():
+            return Check(name, CANNOT_TELL, "K = P Cᵀ R⁻¹ did not stay finite: raise r, or lower q", source=source)
+        poles = np.linalg.eigvals(closed)
+        worst.append(poles.real.max() if period is None else np.abs(poles).max())
     value, limit = float(max(worst)), 0.0 if period is None else 1.0
     holds = True if value < limit else (False if np.median(worst) >= limit else None)
     what = "largest real part" if period is None else "largest modulus"
