@@ -7,8 +7,8 @@ object, so whoever looks at both experiments sees at once what differs.
 from collections.abc import Iterator
 from dataclasses import replace
 
+from backend.assembly.engines import engine, measurement, signals_of
 from backend.assembly.estimators import estimator, with_gains
-from backend.assembly.prepare import engine, measurement, signals_of
 from backend.engine.signals import Signal
 from backend.engine.simulation import Estimator
 from backend.engine.simulation import Experiment as Engine

@@ -97,7 +97,7 @@ def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str
 
 def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plant: Plant, step: float) -> int | None:
     """Base steps in the observer's sample period; None if it runs in the plant's own time."""
-    from backend.assembly.prepare import multiple
+    from backend.assembly.engines import multiple
 
     if kind.time != "discrete":
         return None

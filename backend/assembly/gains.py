@@ -1,7 +1,7 @@
 """The gains that the observers of an experiment run with, every default filled in."""
 
 from backend import library
-from backend.assembly.prepare import engine
+from backend.assembly.engines import engine
 from shared import Experiment
 
 

@@ -1,27 +1,20 @@
 """An Experiment as data → an experiment that can run."""
 
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from types import MappingProxyType
-
-import numpy as np
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
 
 from backend import library
+from backend.assembly.adapt import adapted
 from backend.assembly.diagnosis import inspector
-from backend.assembly.estimators import estimator, plant_context
+from backend.assembly.engines import engine
 from backend.assembly.timeline import changed
-from backend.engine import faults, signals
 from backend.engine.errors import SpecError
-from backend.engine.measurement import Measurement
-from backend.engine.programs import plant_program
 from backend.engine.result import Result
 from backend.engine.run import run
 from backend.engine.simulation import Experiment as Engine
 from backend.engine.timeline import Stage
 from shared import Experiment, Plant
 from shared.commands import AddObserver
-
-_ON_GRID = 1e-6  # relative: how exactly one interval must be a multiple of another
 
 
 @dataclass(frozen=True)
@@ -76,13 +69,19 @@ def prepare(spec: Experiment) -> Prepared:
 
 def _stages(spec: Experiment) -> Iterator[Stage]:
     """The experiment as it begins, and as each timed command leaves it; commands of one moment make one stage."""
-    current = spec.model_copy(update={"commands": ()})
+    current = before = spec.model_copy(update={"commands": ()})
     since: dict[str, int] = {}
-    k = 0
+    k, made = 0, None
+
+    def stage() -> Stage:
+        return Stage(k, engine(current, since) if made is None else adapted(current, since, before, made))
+
     for i, command in enumerate(spec.commands):
         at = round(command.at / spec.step)
         if at > k or i == 0 and at > 0:
-            yield Stage(k, engine(current, since))
+            begun = stage()
+            yield begun
+            before, made = current, begun.experiment
         k = at
         try:
             current = changed(current, command)
@@ -91,103 +90,4 @@ def _stages(spec: Experiment) -> Iterator[Stage]:
             raise
         if isinstance(command, AddObserver):
             since[command.observer.label] = k
-    yield Stage(k, engine(current, since))
-
-
-def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
-    """The engine's experiment for a spec with its plant in full and no timed commands.
-
-    ``since``: base steps at which observers began to watch, by label, where that was not at the start.
-    """
-    plant = spec.plant
-    data = plant.model_dump(mode="json")
-    step, steps, every = _times(spec, plant)
-    program = plant_program(data).program  # before the observers: an error in the plant's text is the plant's
-    estimators = [estimator(i, c, spec, plant, data, step) for i, c in enumerate(spec.observers)]
-    if since:
-        estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
-    return Engine(
-        plant=program,
-        parameters={f"p.{n}": v for n, v in _parameters(spec, plant).items()},
-        x0=np.array([spec.initial.get(s.name, s.initial) for s in plant.states], dtype=float),
-        signals=signals_of(spec, plant),
-        measurement=measurement(spec, plant, step),
-        estimators=tuple(estimators),
-        step=step,
-        steps=steps,
-        every=every,
-        substeps=spec.substeps,
-        context=plant_context(plant, spec, data, step),
-    )
-
-
-def _parameters(spec: Experiment, plant: Plant) -> dict[str, float]:
-    return {p.name: spec.parameters.get(p.name, p.value) for p in plant.parameters}
-
-
-def multiple(interval: float, step: float, field: str, of: str = "step") -> int:
-    """How many steps an interval is. Raises SpecError unless it is a whole number of them, at least one."""
-    count = round(interval / step)
-    if count < 1 or abs(interval / step - count) > _ON_GRID * max(1, count):
-        near = max(1, count) * step
-        raise SpecError(field, interval, f"it must be a whole number of {of}s of {step:g} s", f"give {near:g}")
-    return count
-
-
-def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
-    step = spec.step
-    if plant.time.kind == "discrete":
-        if abs(step - plant.time.period) > 1e-9 * plant.time.period:
-            raise SpecError("step", step, f"the plant {plant.id} is discrete with a period of {plant.time.period:g} s",
-                            f"set step to {plant.time.period:g}")  # fmt: skip
-        step = plant.time.period
-    return step, multiple(spec.horizon, step, "horizon"), multiple(spec.record_interval, step, "record")
-
-
-def signals_of(
-    spec: Experiment, plant: Plant, known: Mapping[str, signals.Signal] = MappingProxyType({})
-) -> dict[str, signals.Signal]:
-    """u.*, signal.* and theta.*, in this order; those that are ``known`` already are taken as they are."""
-    made = {}
-    for u in plant.inputs:
-        name, given = f"u.{u.name}", spec.inputs.get(u.name)
-        fresh = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
-        made[name] = known.get(name, fresh)
-    for s in plant.signals:
-        name = f"signal.{s.name}"
-        made[name] = known.get(name) or _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
-    for c in plant.channels:
-        name = f"theta.{c.name}"
-        made[name] = known.get(name) or faults.theta(c.name, _plain(spec, c.name), spec.seed)
-    return made
-
-
-def _plain(spec: Experiment, channel: str) -> list[dict]:
-    return [f.model_dump(mode="json") for f in spec.faults if getattr(f, "channel", None) == channel]
-
-
-def _signal(given, field: str) -> signals.Signal:
-    try:
-        return signals.signal(given.model_dump(mode="json"))
-    except SpecError as error:
-        error.field = f"{field}.{error.field}"
-        raise
-
-
-def measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
-    """The sensor side: noise, faults of the measurement, sampling."""
-    noise = [spec.noise.get(o.name) for o in plant.outputs]
-    plain = [f.model_dump(mode="json") for f in spec.faults if hasattr(f, "output")]
-    for fault in plain:
-        fault["output"] = f"y.{fault['output']}"
-    every = None
-    if spec.measurement.mode == "sampled":
-        every = multiple(spec.measurement.period, step, "measurement.period")
-    return Measurement(
-        outputs=tuple(f"y.{o.name}" for o in plant.outputs),
-        std=tuple(n.std if n else 0.0 for n in noise),
-        sample_time=tuple(n.sample_time if n else step for n in noise),
-        seed=spec.seed,
-        faults=tuple(plain),
-        sample_every=every,
-    )
+    yield stage()

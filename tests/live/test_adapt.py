@@ -9,7 +9,7 @@ from pydantic import TypeAdapter
 
 from backend import library
 from backend.assembly.adapt import adapted
-from backend.assembly.prepare import engine
+from backend.assembly.engines import engine
 from backend.assembly.timeline import changed
 from backend.engine.errors import SpecError
 from backend.engine.signals import Signal
