@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from shared.base import NonNegative, Positive, Reference, Strict, example
+from shared.base import Instant, NonNegative, Positive, Reference, Strict, example
 from shared.observers import Gain, Label, ObserverConfig
 from shared.signals import Signal
 
@@ -15,7 +15,7 @@ from shared.signals import Signal
 class Timed(Strict):
     """What all timed commands share: they act from `at` on."""
 
-    at: NonNegative = Field(description="Time in s, a multiple of the step, from which it acts.")
+    at: Instant = Field(description="Time in s, a multiple of the step, from which it acts.")
 
 
 class SetGain(Timed):

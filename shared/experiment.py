@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 from collections.abc import Iterator
-from typing import Annotated, Literal
+from typing import Annotated
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -14,7 +14,6 @@ from shared.base import (
     MAX_STEPS,
     SCHEMA_VERSION,
     Identifier,
-    NonNegative,
     Number,
     Positive,
     Prose,
@@ -31,38 +30,13 @@ from shared.commands import MAX_COMMANDS, TimedCommand
 from shared.diagnosis import DiagnosisSettings
 from shared.faults import ChannelFault, Fault
 from shared.figures import Figure
+from shared.measurement import ContinuousMeasurement, Noise, SampledMeasurement
 from shared.observers import ObserverConfig
 from shared.plant import Plant, check_known, check_within
 from shared.signals import ConstantSignal, Signal
 
 ROWS = 10_000
 """Recorded rows when an experiment does not give the spacing."""
-
-
-class Noise(Strict):
-    """Gaussian measurement noise on one output; a drawn value holds for its sample time."""
-
-    model_config = example(std=0.001, sample_time=0.01)
-
-    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
-
-
-class ContinuousMeasurement(Strict):
-    """Observers see y(t) at all times."""
-
-    model_config = example(mode="continuous")
-
-    mode: Literal["continuous"] = "continuous"
-
-
-class SampledMeasurement(Strict):
-    """Observers see y at 0, period, 2·period, …, held in between."""
-
-    model_config = example(mode="sampled", period=0.1)
-
-    mode: Literal["sampled"] = "sampled"
-    period: Positive = Field(description="Sample period in s.")
 
 
 def _plant_kind(value: object) -> str:
@@ -72,6 +46,12 @@ def _plant_kind(value: object) -> str:
 PlantChoice = Annotated[
     Annotated[Identifier, Tag("library")] | Annotated[Plant, Tag("inline")], Discriminator(_plant_kind)
 ]
+
+
+def _intervals_of(path: str, item: object) -> Iterator[tuple[str, float]]:
+    for field in ("period", "hold", "sample_time"):
+        if (interval := getattr(item, field, None)) is not None:
+            yield f"{path}.{field}", interval
 
 
 class Experiment(Strict):
@@ -200,16 +180,24 @@ class Experiment(Strict):
                 self.step,
             )
         for field, interval in self._intervals():
-            if self.horizon / interval > MAX_STEPS:
-                raise refuse(
-                    f"{self.horizon:g} s in intervals of {interval:g} s are {self.horizon / interval:.3g} of them; "
-                    f"the limit is {MAX_STEPS:g}",
-                    f"give at least {self.horizon / MAX_STEPS:g} s, or shorten the horizon",
-                    field,
-                    interval,
-                )
+            self._check_interval(field, interval)
         if self.record is not None:
             self._check_record(self.record)
+
+    def check_command(self, command: TimedCommand) -> None:
+        """Refuse a command (a PydanticCustomError) whose signal or noise changes more often than is allowed."""
+        for field, interval in _intervals_of("", getattr(command, "signal", command)):
+            self._check_interval(field.lstrip("."), interval)
+
+    def _check_interval(self, field: str, interval: float) -> None:
+        if self.horizon / interval > MAX_STEPS:
+            raise refuse(
+                f"{self.horizon:g} s in intervals of {interval:g} s are {self.horizon / interval:.3g} of them; "
+                f"the limit is {MAX_STEPS:g}",
+                f"give at least {self.horizon / MAX_STEPS:g} s, or shorten the horizon",
+                field,
+                interval,
+            )
 
     def _check_record(self, record: float) -> None:
         steps = record / self.step
@@ -231,10 +219,10 @@ class Experiment(Strict):
             groups.append(("plant.signals", {item.name: item.default for item in self.plant.signals}))
         items = [(f"{group}.{name}", item) for group, named in groups for name, item in named.items()]
         items += [(f"faults[{index}]", fault) for index, fault in enumerate(self.faults)]
+        items += [(f"commands[{index}]", command) for index, command in enumerate(self.commands)]
+        items += [(f"commands[{index}].signal", c.signal) for index, c in enumerate(self.commands) if hasattr(c, "signal")]
         for path, item in items:
-            for field in ("period", "hold", "sample_time"):
-                if (interval := getattr(item, field, None)) is not None:
-                    yield f"{path}.{field}", interval
+            yield from _intervals_of(path, item)
 
     def _check_labels(self) -> None:
         for field, names in (

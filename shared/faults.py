@@ -4,15 +4,15 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from shared.base import NonNegative, Number, Positive, Reference, Strict, example, refuse
+from shared.base import Instant, NonNegative, Number, Positive, Reference, Strict, example, refuse
 from shared.signals import Interpolation, Points, check_increasing, check_lengths, check_width
 
 
 class TimedFault(Strict):
     """What all faults share: they act on [onset, end)."""
 
-    onset: NonNegative = Field(description="Time in s at which the fault appears.")
-    end: NonNegative | None = Field(None, description="Time in s at which it disappears; null: it stays.")
+    onset: Instant = Field(description="Time in s at which the fault appears.")
+    end: Instant | None = Field(None, description="Time in s at which it disappears; null: it stays.")
 
     @model_validator(mode="after")
     def _ends_after_onset(self) -> "TimedFault":
@@ -202,7 +202,7 @@ class DelayFault(MeasurementFault):
     model_config = example(output="y", shape="delay", onset=30, end=None, delay=0.2)
 
     shape: Literal["delay"] = "delay"
-    delay: Positive = Field(description="Delay in s.")
+    delay: Annotated[Positive, Field(le=1e9)] = Field(description="Delay in s.")
 
 
 Fault = Annotated[

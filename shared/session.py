@@ -20,7 +20,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, JsonValue
 
-from shared.base import NonNegative, Number, Positive, Reference, Strict, example
+from shared.base import Instant, NonNegative, Number, Positive, Reference, Strict, example
 from shared.diagnosis import ObserverDiagnosis
 from shared.experiment import Experiment
 from shared.faults import Fault
@@ -154,7 +154,7 @@ class Seek(Command):
 
     model_config = example(type="seek", id=13, t=20.0)
     type: Literal["seek"] = "seek"
-    t: NonNegative = Field(description="Time in s, rounded to a row.")
+    t: Instant = Field(description="Time in s, rounded to a row, up to the present one.")
 
 
 ClientMessage = Annotated[
