@@ -124,9 +124,11 @@ class RunManager:
 
     def pin(self, id: str, pinned: bool) -> Snapshot:
         """Keep the run's result when the store needs room, or no longer. Raises :class:`Unknown`."""
-        if self.get(id).active:
+        snapshot = self.get(id)
+        if snapshot.active:
             raise NotReady("a run under way cannot be pinned", "pin it when it is done")
-        self._writer.now(lambda: self._store.pin(id, pinned))
+        record = record_of(replace(snapshot, pinned=pinned))
+        self._writer.now(lambda: self._store.pin(id, pinned) or self._store.put(record))  # it may have ended just now
         self._memory.change(id, pinned=pinned)
         return self.get(id)
 

@@ -66,6 +66,18 @@ def test_a_result_that_was_let_go_is_computed_again_with_the_same_numbers(start)
     assert numbers(runs, first.id).tobytes() == data.tobytes()
 
 
+def test_a_pin_that_comes_before_its_run_is_stored_is_kept(start, monkeypatch):
+    """Whoever sees that a run is done may pin it at once; the store is a moment behind."""
+    late, keep = [], RunManager._keep
+    monkeypatch.setattr(RunManager, "_keep", lambda runs, end: late.append(end))
+    runs = start()
+    id = completed(runs, spec()).id
+    assert runs.pin(id, True).pinned
+    for end in late:
+        keep(runs, end)
+    assert len(late) == 1 and start().get(id).pinned
+
+
 def test_a_pin_survives_recomputation_and_restart(start):
     """The user's mark is not lost with the result."""
     runs = start(store_limit=1)
