@@ -6,7 +6,7 @@ from pydantic import Field, JsonValue
 
 from backend.runs.errors import invalid
 from backend.runs.resolve import library_experiment, resolved, with_changes
-from shared.base import Flag, Identifier, NonNegative, Strict, example
+from shared.base import Flag, Identifier, Instant, Strict, example
 from shared.experiment import Experiment
 
 
@@ -24,7 +24,7 @@ class SessionRequest(Strict):
     speed: Annotated[float, Field(ge=0.1, le=1000, strict=True)] | None = Field(
         1.0, description="Simulated seconds per second; null: as fast as possible."
     )
-    t: NonNegative = Field(0.0, description="Time in s at which the session stands when it opens.")
+    t: Instant = Field(0.0, description="Time in s at which the session stands when it opens.")
 
     def resolved(self) -> Experiment:
         """The experiment with its plant in full. Raises InvalidSpec, or Unknown for an id not in the library."""
@@ -41,4 +41,4 @@ class ForkRequest(Strict):
 
     model_config = example(t=20)
 
-    t: NonNegative | None = Field(None, description="Time in s, up to the present one; null: now.")
+    t: Instant | None = Field(None, description="Time in s, up to the present one; null: now.")

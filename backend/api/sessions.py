@@ -25,6 +25,7 @@ from shared.run import Problem, Progress, Run
 router = APIRouter(prefix="/sessions", tags=["sessions"])
 router.add_websocket_route("/sessions/{id}/stream", Stream())  # the router adds its prefix to requests only
 
+_LAST = 1e9  # s
 _FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
 
 
@@ -145,6 +146,9 @@ async def get_session_data(
 ) -> Response:
     """The past as it was shown: float32, in the present columns. Save the session to get every digit."""
     room = _room(services, id)
+    for field, t in (("from", start), ("to", end)):
+        if t is not None and not abs(t) <= _LAST:
+            raise invalid(field, str(t), "this is no time of a session", f"give a time in s from 0 to {_LAST:g}")
     if start is not None and end is not None and start > end:
         raise invalid("from", start, f"is after to = {end:g}", "give from ≤ to")
     record, shown, columns = room.session.record, room.shown, room.screen.columns

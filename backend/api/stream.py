@@ -94,7 +94,12 @@ async def _read(websocket: WebSocket, room, viewer, settings) -> None:
 
 def same_origin(origin: str | None, host: str) -> bool:
     """Whether a page of this service opens the connection. What is no browser sends no origin, and may."""
-    return origin is None or urlsplit(origin).netloc.lower() == host.lower() != ""
+    if origin is None:
+        return True
+    try:
+        return urlsplit(origin).netloc.lower() == host.lower() != ""
+    except ValueError:  # no address at all
+        return False
 
 
 def matches(given: str, token: str) -> bool:

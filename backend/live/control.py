@@ -2,7 +2,7 @@
 
 import logging
 from collections import deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from backend.live.room import Room
 
 log = logging.getLogger(__name__)
+
+_INSIDE = "an error inside the program; its log tells more"
 
 _LONG = (AddObserverNow, Reset, Seek)
 """Commands that may take longer than other sessions should wait: they are carried out in a thread."""
@@ -45,7 +47,7 @@ class Control:
     def receive(self, viewer: Viewer, text: str | None, limit: int) -> None:
         """Take a message of a viewer; the answer goes into its outbox. None stands for a binary message."""
         command = messages.read(text, limit)
-        if isinstance(command, Refused):
+        if isinstance(command, Refused) and (viewer.control or command.id is None):
             viewer.put(command.model_dump_json())
         elif not viewer.control:
             self._refuse(viewer, command, "this link only watches", "fork the session to have one of your own")
@@ -82,7 +84,7 @@ class Control:
     # ---- the session ---------------------------------------------------------------------------------------------------
 
     def _next(self) -> None:
-        if self._busy or not self._waiting:
+        if self._busy or not self._waiting or self._room.closed:
             return
         self._busy = True
         viewer, command = self._waiting.popleft()
@@ -104,28 +106,39 @@ class Control:
 
     def _job(self, command: Command) -> Done:
         """On the session, alone."""
-        room, session = self._room, self._room.session
-        session.rewind_unseen(room.shown)
-        events: list[Event] = []
+        session = self._room.session
+        session.rewind_unseen(self._room.shown)
+        before = session.copied()
         refusal = None
         try:
-            events, _ = session.handle(command)
+            return self._carried_out(command)
         except SpecError as error:
             refusal = messages.refused(command.id, error)
         except ValidationError as error:
             refusal = messages.of_validation(command.id, error)
+        except Exception:
+            log.exception("session %s: %s failed", self._room.id, command.type)
+            refusal = Refused(id=command.id, problem=_INSIDE, remedy="report it")
+        session.become(before)
+        return replace(self._carried_out(None), refusal=refusal)
+
+    def _carried_out(self, command: Command | None) -> Done:
+        """The command done, and the rows that are shown with its answer."""
+        room, session = self._room, self._room.session
+        events = session.handle(command)[0] if command is not None else []
         row, columns, ended = session.row, session.columns, session.ended
         rows = room.lookahead.soon(room.pace) if room.pace.moving else 0
         if row < room.shown or row == 0:
             rows = max(rows, 1)  # the row at the time that one went back to
         computed = compute(session, rows, room.house.past()) if rows else None
-        return Done(row, columns, ended, events, refusal, computed)
+        return Done(row, columns, ended, events, None, computed)
 
     def _done(self, viewer: Viewer, command: Command, done: Done | None, error: Exception | None) -> None:
         room = self._room
         if done is None:
             log.error("session %s: %s failed", room.id, command.type, exc_info=error)
-            self._refuse(viewer, command, "an error inside the program; its log tells more", "report it")
+            room.screen.restart(room.session.columns, room.session.row)  # what was computed ahead is given up
+            self._refuse(viewer, command, _INSIDE, "report it")
         else:
             self._take_over(viewer, command, done)
         room.frozen = False

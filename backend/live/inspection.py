@@ -38,6 +38,8 @@ class Inspection:
 
     def _watched(self, seen: Seen, after: "Watched | None", error: Exception | None) -> None:
         room = self._room
+        if room.closed:
+            return
         if error is not None:
             log.error("what session %s shows cannot be watched", room.id, exc_info=error)
             return
@@ -49,7 +51,7 @@ class Inspection:
         if found:
             self._room.screen.found(found)
             self.check(0.0)
-        if unwatched(self._room.session) is not None:
+        if not self._room.closed and unwatched(self._room.session) is not None:
             self._room.house.watch(self._room)
 
     # ---- assumptions ---------------------------------------------------------------------------------------------------

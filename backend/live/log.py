@@ -2,10 +2,21 @@
 
 import math
 
+from pydantic_core import PydanticCustomError
+
 from backend.assembly.timeline import changed
 from backend.engine.errors import SpecError
 from shared import Experiment
-from shared.commands import MAX_COMMANDS, AddObserver, RemoveObserver, SetGain, SetNoise, SetSignal, TimedCommand
+from shared.commands import (
+    MAX_COMMANDS,
+    AddObserver,
+    RemoveObserver,
+    SetGain,
+    SetNoise,
+    SetSignal,
+    SetSubsteps,
+    TimedCommand,
+)
 from shared.faults import Fault
 from shared.session import (
     AddObserverNow,
@@ -40,20 +51,27 @@ def injected(spec: Experiment, command: Inject, at: float) -> Experiment:
     fault = command.fault
     end = None if fault.end is None else at + fault.end
     fault = fault.model_copy(update={"onset": at + fault.onset, "end": end})
-    where, names = ("output", "outputs") if hasattr(fault, "output") else ("channel", "channels")
-    known = spec.plant.names(names)
-    if getattr(fault, where) not in known:
-        raise SpecError(
-            f"fault.{where}",
-            getattr(fault, where),
-            f"the plant has no {where} of that name",
-            f"choose from {', '.join(known) or 'none: it has none'}",
-        )
+    where = "output" if hasattr(fault, "output") else "channel"
+    _known(spec, where, f"fault.{where}", getattr(fault, where))
     return spec.model_copy(update={"faults": (*spec.faults, fault)})
 
 
+def _known(spec: Experiment, where: str, field: str, name: str) -> None:
+    """Refuse the name of a channel or an output that the plant does not have."""
+    known = spec.plant.names(f"{where}s")
+    if name not in known:
+        raise SpecError(field, name, f"the plant has no {where} of that name",
+                        f"choose from {', '.join(known) or 'none: it has none'}")  # fmt: skip
+
+
 def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
-    """The spec in which the named faults (all, if none is named) end at ``at``; those still to come are taken out."""
+    """The spec in which the named faults (all, if none is named) end at ``at``; those still to come are taken out.
+
+    Raises SpecError for unknown names.
+    """
+    for where in ("channel", "output"):
+        if (name := getattr(command, where)) is not None:
+            _known(spec, where, where, name)
     everything = command.channel is None and command.output is None
     kept = []
     for fault in spec.faults:
@@ -72,6 +90,11 @@ def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
 def changed_now(spec: Experiment, command: object, at: float, here: Experiment) -> tuple[Experiment, Experiment]:
     """The spec with a timed command noted at its end, and the experiment as it is from ``at`` on; ``here``: as it was."""
     note = timed(command, at)
+    try:
+        spec.check_command(note)
+    except PydanticCustomError as error:
+        told = error.context
+        raise SpecError(told["field"], told["value"], told["problem"], told["remedy"]) from None
     after = changed(here, note)
     rest = [c for c in spec.commands if c.at <= at]
     if isinstance(note, SetGain):  # a slider that is dragged: within one row the last value counts
@@ -98,32 +121,26 @@ def checked(spec: Experiment, before: Experiment) -> Experiment:
     return complete.model_copy(update={"figures": spec.figures})
 
 
-def given_up_from(spec: Experiment, start: Experiment, t: float) -> Experiment:
-    """The spec without what was done at ``t`` or later; what the session started with comes back."""
-    faults = []
-    for fault in spec.faults:
-        if fault.onset >= t and fault not in start.faults:
-            continue
-        if fault.end is not None and fault.end >= t and fault not in start.faults:
-            fault = fault.model_copy(update={"end": _original_end(fault, start.faults)})
-        faults.append(fault)
-    back = [f for f in start.faults if f.onset >= t and f not in faults]
+def given_up_from(spec: Experiment, start: Experiment, faults: tuple[Fault, ...], t: float) -> Experiment:
+    """The spec without what was done at ``t`` or later: its ``faults`` as they were then, and the commands before."""
     commands = tuple(c for c in spec.commands if c.at < t or c in start.commands)
-    return spec.model_copy(update={"faults": (*faults, *back), "commands": commands})
-
-
-def _original_end(fault: Fault, originals: tuple[Fault, ...]) -> float | None:
-    """The end that a fault of the starting spec had before it was cleared."""
-    for original in originals:
-        if original.model_copy(update={"end": None}) == fault.model_copy(update={"end": None}):
-            return original.end
-    return None
+    return spec.model_copy(update={"faults": faults, "commands": commands})
 
 
 def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record: float) -> list[Event]:
-    """Faults of the spec that begin or end by themselves in rows first … last − 1; not those the log tells already."""
-    told = {(e.kind, e.subject, e.row) for e in log[-50:]}
+    """Faults that begin or end, and timed commands that act, by themselves in rows first … last − 1; not those the log tells already."""
+    told = set()
+    for back, e in enumerate(reversed(log)):
+        if back >= _LATELY and e.row < first:
+            break
+        told |= {(e.kind, e.subject, e.row), (e.kind, e.subject, e.row, repr(e.value))}
     found = []
+    for command in spec.commands:
+        row = math.ceil(command.at / record - 1e-9)
+        if first <= row < last and not isinstance(command, SetSubsteps):
+            made = event(command, row, row * record)
+            if (made.kind, made.subject, row, repr(made.value)) not in told:
+                found.append(made)
     for fault in spec.faults:
         name = getattr(fault, "channel", None) or fault.output
         for kind, when, by_hand in (("fault-begins", fault.onset, ("inject",)), ("fault-ends", fault.end, ("clear",))):
@@ -164,18 +181,18 @@ def _told(command: object) -> tuple[str, str, object, str]:
         case Clear():
             name = command.channel or command.output or ""
             return "clear", name, None, f"you cleared {name or 'all faults'}"
-        case SetGainNow():
+        case SetGainNow() | SetGain():
             value = list(command.value) if isinstance(command.value, tuple) else command.value
             return "gain", command.observer, {"gain": command.gain, "value": value}, (
                 f"{command.observer}: {command.gain} = {value}"
             )  # fmt: skip
-        case SetSignalNow():
+        case SetSignalNow() | SetSignal():
             return "signal", command.name, command.signal.model_dump(mode="json"), f"{command.name} changed"
-        case SetNoiseNow():
+        case SetNoiseNow() | SetNoise():
             return "noise", command.output, command.std, f"noise of {command.output}: σ = {command.std:g}"
-        case AddObserverNow():
+        case AddObserverNow() | AddObserver():
             return "observer-added", command.observer.label, command.observer.kind, f"{command.observer.label} added"
-        case RemoveObserverNow():
+        case RemoveObserverNow() | RemoveObserver():
             return "observer-removed", command.label, None, f"{command.label} removed"
     raise TypeError(type(command).__name__)
 

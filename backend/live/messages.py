@@ -22,11 +22,15 @@ def read(text: str | None, limit: int) -> Command | Refused:
         return Refused(id=None, problem=problem, remedy="send less, or raise THETASCOPE_MAX_MESSAGE")
     try:
         data = json.loads(text, parse_constant=_no_number)
-    except (ValueError, RecursionError) as error:
-        problem = "the message is nested too deeply" if isinstance(error, RecursionError) else f"no valid JSON: {error}"
-        return Refused(id=None, value=text[:60], problem=problem, remedy="send one JSON object with type and id")
+    except RecursionError:
+        return Refused(id=None, value=text[:60], problem="the message is nested too deeply", remedy="flatten it")
+    except ValueError as error:
+        return Refused(id=None, value=text[:60], problem=f"no valid JSON: {error}", remedy="send one JSON object with type and id")
     if _depth(data) > _DEEPEST:
         return Refused(id=_id(data), problem="the message is nested too deeply", remedy="flatten it")
+    if not _encodable(data):
+        problem = "a text of the message holds half a character (a lone surrogate)"
+        return Refused(id=_id(data), problem=problem, remedy="send whole characters")
     try:
         return _COMMANDS.validate_python(data)
     except ValidationError as error:
@@ -62,6 +66,15 @@ def _depth(data: Any) -> int:
             return depth
         depth += 1
     return depth
+
+
+def _encodable(data: Any) -> bool:
+    """Whether the texts in it can be sent back, and stored."""
+    try:
+        json.dumps(data, ensure_ascii=False).encode()
+    except UnicodeEncodeError:
+        return False
+    return True
 
 
 def _items(data: Any) -> list[Any]:

@@ -167,7 +167,7 @@ class Room:
         """End the session and tell all viewers why."""
         self.closed = True
         self.pace.pause()
-        self.session.past.pieces = []  # most of its memory, at once; a fork has its own list of them
+        self.turns.do(self.session.release, lambda *_: None)  # its memory, at once: the room itself waits for Python's collector
         for viewer in list(self.screen.viewers):
             viewer.close(code, reason)
 
@@ -266,6 +266,7 @@ class Room:
         if error is not None:
             log.error("session %s cannot go on", self.id, exc_info=error)
             self._finished = True
+            self.tell_status()
             return
         computed, seconds = value
         self.lookahead.measured(computed.rows.shape[1], seconds)

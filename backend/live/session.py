@@ -11,28 +11,30 @@ import numpy as np
 from pydantic import ValidationError
 
 from backend.assembly.adapt import adapted
-from backend.assembly.prepare import engine, prepare
+from backend.assembly.engines import engine
+from backend.assembly.prepare import prepare
 from backend.engine.errors import SpecError
 from backend.engine.run import needed_substeps
 from backend.engine.simulation import Experiment as Engine
 from backend.engine.simulation import Simulation
-from backend.engine.spread import latest
 from backend.engine.stability import MOST_SUBSTEPS
 from backend.engine.timeline import Stage, carry
 from backend.live import log as words
 from backend.live.gains import check_moves, substeps_at
 from backend.live.moments import Block, Moment, Moments
 from backend.live.past import Past
+from backend.live.returning import Returning
 from backend.live.view import View
 from backend.live.watch import Watch, pinned
 from shared import Experiment
 from shared.commands import AddObserver, SetSubsteps
+from shared.faults import Fault
 from shared.session import AddObserverNow, Assumptions, Clear, Event, Inject, Reset, Seek, SetGainNow
 
 _AT_ONCE = 30  # rows
 
 
-class Session:
+class Session(Returning):
     """One live experiment. ``horizon_rows`` limits how long it may become."""
 
     leaves_watching = False  # of its rows for faults, to inspection.py; else they are watched as they come
@@ -53,6 +55,7 @@ class Session:
         self.step, self._every = first.step, first.every
         self.record = first.every * first.step
         self.past, self.log, self._new = Past(), [], []
+        self._faults: tuple[tuple[int, tuple[Fault, ...]], ...] = ((-1, self.spec.faults),)  # as each command left them, with its row
         self._bare: tuple[Experiment, int, Experiment] | None = None  # see _without_commands
         self.ended = False
         self._advances = 1  # since the last change, and one
@@ -180,13 +183,15 @@ class Session:
             self.epoch += 1
             return [self._noted(Event(row=0, t=0.0, kind="reset", text="back to the start"))], True
         if isinstance(command, Seek):
-            return self._seek(min(self.row, round(command.t / self.record))), True
+            return self._seek(self._row_before(command)), True
         before = dict(self.__dict__)
         try:
             self._change(command)
         except (SpecError, ValidationError):
             self.__dict__.update(before)
             raise
+        if self.spec.faults is not before["spec"].faults:
+            self._faults = (*self._faults, (self.row, self.spec.faults))
         fewer = len(before["spec"].faults) - len(self.spec.faults)
         return [self._noted(words.event(command, self.row, self.t, fewer))], self.epoch != before["epoch"]
 
@@ -249,54 +254,17 @@ class Session:
 
     # ---- going back --------------------------------------------------------------------------------------------------
 
-    def rewind_unseen(self, row: int) -> None:
-        """Give up rows from ``row`` on that were computed ahead and shown to nobody: no new epoch."""
-        if row < self.row:
-            self._return_to(row)
-
-    def _return_to(self, row: int) -> None:
-        """Stand at an earlier row with the stages as they are."""
-        base = self._moments.whole(row) or self._found(row)
-        spec, stages = self.spec, self._stages
-        log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
-        past, known = self.past.cut(row), self._moments.known(base.row, row)
-        self.now, self.ended = base, False
-        self._moments.cut(row)
-        self.past, self.log = self.past.cut(base.row), self.log[: base.told]
-        self.columns = base.view.columns
-        if known is not None:
-            self._recall(known, row)
-        self._again = True
-        while self.row < row:
-            self.advance(row - self.row)
-        self._again = False
-        self.past, self.log = past, log
-        self._new = [e for e in self._new if e.row < row]
-        self.spec, self._stages = spec, stages
-        self.now = replace(self.now, told=len(log))
-
-    def _recall(self, known: Block, row: int) -> None:
-        """Advance to a row over rows that are known."""
-        now, experiment, block = self.now, self.experiment, known.until(row)
-        simulation = Simulation(experiment, self._substeps, remember=True)
-        view = now.view.continued(experiment, block.recorded, latest(block.made.tables))
-        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, block.made.values, False, self.leaves_watching)
-        self.now = Moment(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
-
-    def _found(self, row: int) -> Moment:
-        """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""
-        start = Moment(0, Simulation(self._stages[0].experiment).initial(), 0, None, self.watch.begin(), 0)
-        for moment in (*self._moments.bare(row), start):
-            experiment = self._stages[moment.stage].experiment
-            begin = View.resumable(experiment, moment.row, row, moment.spreads)
-            if begin is not None:
-                return replace(moment, view=begin)
-        return replace(start, view=View.opening(self._stages[0].experiment, 0))
+    def _row_before(self, command: Seek) -> int:
+        """The row to go back to. Raises SpecError where it lies ahead."""
+        if command.t > self.t + 0.5 * self.record:
+            raise SpecError("t", command.t, f"the session stands at {self.t:g} s", f"give at most {self.t:g}, or let time run")
+        return min(self.row, round(command.t / self.record))
 
     def _seek(self, row: int) -> list[Event]:
         """Back to a row; what was done from it on is given up."""
         t = row * self.record
-        spec = words.given_up_from(self.spec, self._start, t)
+        self._faults = self._faults[:1] + tuple(known for known in self._faults[1:] if known[0] < row)
+        spec = words.given_up_from(self.spec, self._start, self._faults[-1][1], t)
         if row < self.row:
             self._return_to(row)
         self.log = [e for e in self.log if e.row < row]
@@ -310,14 +278,26 @@ class Session:
 
     def fork(self, row: int | None = None) -> "Session":
         """A second session that stands at a row of this one (its present one if not given) and goes its own way."""
-        other = object.__new__(Session)
-        other.__dict__.update(self.__dict__)
-        other.past, other.log, other._new = Past(self.past.pieces), list(self.log), []
-        other._stages, other._moments = list(self._stages), self._moments.copy()
+        other = self.copied()
+        other._new = []
         if row is not None and row < self.row:
             other._seek(row)
             other.log, other._new = other.log[:-1], []  # for the fork it is no going back
         return other
 
+    def copied(self) -> "Session":
+        """The same session once more."""
+        other = object.__new__(Session)
+        other.become(self)
+        return other
 
-_COMMANDED = ("inject", "clear", "gain", "signal", "noise", "observer-added", "observer-removed", "rewound", "reset")
+    def release(self) -> None:
+        """Let go of everything that takes memory; nothing can be done with the session any more."""
+        self.past, self._moments, self.log, self.ended = Past(), Moments(), [], True
+        self.now = replace(self.now, view=None, watched=None)
+
+    def become(self, other: "Session") -> None:
+        """Stand where another session stands, which is left as it is."""
+        self.__dict__.update(other.__dict__)
+        self.past, self.log, self._new = Past(other.past.pieces, other.past.start), list(other.log), list(other._new)
+        self._stages, self._moments = list(other._stages), other._moments.copy()

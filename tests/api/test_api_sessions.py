@@ -105,7 +105,7 @@ def test_a_fork_begins_at_an_earlier_time_with_the_same_past(client):
 def test_pages_of_other_origins_are_sent_away_and_this_one_is_not(client, address):
     """The Origin of a browser must be the host that it speaks to; programs send none."""
     session = opened(client)
-    for origin in ("http://evil.example", "null", address + "0", "http://127.0.0.1"):
+    for origin in ("http://[::1", "http://evil.example", "null", address + "0", "http://127.0.0.1"):
         with watching(address, session, origin=origin) as page:
             assert closed(page) == CLOSE_ORIGIN
     with watching(address, session, origin=address) as page:
@@ -153,6 +153,7 @@ def test_a_viewer_that_reads_one_message_a_second_leaves_the_others_alone(client
         ({"experiment": "zhao-2012", "spec": spec_data()}, "experiment"),
         ({"experiment": "zhao-2012", "speed": 0}, "speed"),
         ({"experiment": "zhao-2012", "t": -1}, "t"),
+        ({"experiment": "zhao-2012", "t": 1e308}, "t"),
         ({"experiment": "zhao-2012", "set": {"seed": -1}}, "seed"),
         ({"spec": spec_data(observers=[{"label": "a", "kind": "no-such"}])}, "observers[0].kind"),
         ({"experiment": "zhao-2012", "playing": True}, "playing"),
@@ -164,6 +165,14 @@ def test_what_is_wrong_with_a_request_is_said_field_by_field(client, fields, fie
         client.post("/api/sessions", fields)
     assert refusal.value.status == 422
     assert refusal.value.problem["errors"][0]["field"] == field
+
+
+@pytest.mark.parametrize("asked", ["from=1e308", "from=nan", "to=-inf", "to=inf"])
+def test_times_that_are_none_are_refused(client, asked):
+    """With the field, whatever the number."""
+    with pytest.raises(ServiceError) as refusal:
+        client.get(opened(client, play=False)["links"]["data"] + f"?{asked}")
+    assert refusal.value.status == 422 and refusal.value.problem["errors"][0]["field"] == asked.partition("=")[0]
 
 
 def test_an_experiment_or_session_that_is_not_there_is_404(client):

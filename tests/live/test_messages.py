@@ -34,6 +34,10 @@ def malformed(draw: random.Random) -> str | None:
         lambda: '{"type": "inject", "id": 1, "fault": ' + '{"a": ' * 500 + "1" + "}" * 501,
         lambda: json.dumps({"type": "step", "id": 1, "rows": draw.choice([0, -5, 1e9, "1", None, 10**30])}),
         lambda: json.dumps({"type": "speed", "id": 1, "value": draw.choice([0, -1, 1e6, "fast"])}),
+        lambda: json.dumps({"type": "clear", "id": 1, "channel": "\ud800"}),
+        lambda: json.dumps({"type": "remove-observer", "id": 1, "label": "\udfffx"}),
+        lambda: json.dumps(draw.choice(["\ud800", message | {"\ud800": 1}])),
+        lambda: json.dumps({"type": "seek", "id": 1, "t": draw.choice([1e308, -1, "1"])}),
     ]
     return draw.choice(spoilt)()
 

@@ -204,6 +204,33 @@ def test_speeds_are_kept_and_reported():
     staged(scenario)
 
 
+def test_a_command_that_fails_inside_leaves_the_session_as_it_was(monkeypatch):
+    """Half carried out and computed ahead of: it is refused, and rows go on as those of a run without it."""
+    handle = Session.handle
+
+    def broken(session: Session, command: object):
+        handle(session, command)
+        session.advance(7)
+        raise RuntimeError("in the middle of it")
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        await stage.go(0.5)
+        before = stage.session.spec
+        monkeypatch.setattr(Session, "handle", broken)
+        answer = await stage.say(page, "inject", fault=FAULT)
+        assert answer["type"] == "refused" and "inside the program" in answer["problem"]
+        monkeypatch.setattr(Session, "handle", handle)
+        assert stage.session.spec is before and "inject" not in [event["kind"] for event in page.of("event")]
+        await stage.go(0.5)
+        assert (await stage.say(page, "inject", fault=FAULT))["type"] == "ack"
+        await stage.go(0.5)
+        same(page.rows(), stage.session.spec, page.texts[0]["columns"])
+
+    staged(scenario)
+
+
 def test_a_session_ends_at_its_limit():
     """It pauses, says so, refuses to play on, and goes back when asked."""
 

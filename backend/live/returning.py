@@ -1,0 +1,58 @@
+"""How a session goes back to an earlier row: to the newest moment that it remembers before it, and on from there."""
+
+from dataclasses import replace
+
+from backend.engine.simulation import Simulation
+from backend.engine.spread import latest
+from backend.live.moments import Block, Moment
+from backend.live.view import View
+
+_COMMANDED = ("inject", "clear", "gain", "signal", "noise", "observer-added", "observer-removed", "rewound", "reset")
+
+
+class Returning:
+    """What a session (session.py, whose state it is) does to stand at an earlier row."""
+
+    def rewind_unseen(self, row: int) -> None:
+        """Give up rows from ``row`` on that were computed ahead and shown to nobody: no new epoch."""
+        if row < self.row:
+            self._return_to(row)
+
+    def _return_to(self, row: int) -> None:
+        """Stand at an earlier row with the stages as they are."""
+        base = self._moments.whole(row) or self._found(row)
+        spec, stages = self.spec, self._stages
+        log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
+        past, known = self.past.cut(row), self._moments.known(base.row, row)
+        self.now, self.ended = base, False
+        self._moments.cut(row)
+        self.past, self.log = self.past.cut(base.row), self.log[: base.told]
+        self.columns = base.view.columns
+        if known is not None:
+            self._recall(known, row)
+        self._again = True
+        while self.row < row:
+            self.advance(row - self.row)
+        self._again = False
+        self.past, self.log = past, log
+        self._new = [e for e in self._new if e.row < row]
+        self.spec, self._stages = spec, stages
+        self.now = replace(self.now, told=len(log))
+
+    def _recall(self, known: Block, row: int) -> None:
+        """Advance to a row over rows that are known."""
+        now, experiment, block = self.now, self.experiment, known.until(row)
+        simulation = Simulation(experiment, self._substeps, remember=True)
+        view = now.view.continued(experiment, block.recorded, latest(block.made.tables))
+        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, block.made.values, False, self.leaves_watching)
+        self.now = Moment(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
+
+    def _found(self, row: int) -> Moment:
+        """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""
+        start = Moment(0, Simulation(self._stages[0].experiment).initial(), 0, None, self.watch.begin(), 0)
+        for moment in (*self._moments.bare(row), start):
+            experiment = self._stages[moment.stage].experiment
+            begin = View.resumable(experiment, moment.row, row, moment.spreads)
+            if begin is not None:
+                return replace(moment, view=begin)
+        return replace(start, view=View.opening(self._stages[0].experiment, 0))
