@@ -11,7 +11,7 @@ from fastapi import APIRouter, FastAPI
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from backend import library
+from backend import library, warming
 from backend.api import (
     catalogue,
     equations,
@@ -108,4 +108,8 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
                 host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
                 ready(f"http://{host}:{port}/")
 
-    Server(config).run()
+    beside = warming.begin() if settings.prepare else None
+    try:
+        Server(config).run()
+    finally:
+        warming.end(beside)

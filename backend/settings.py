@@ -30,6 +30,8 @@ class Settings:
     port: int = 8000
     #: Runs computed at the same time. Kernels leave Python's lock, so threads use several cores.
     workers: int = min(4, os.cpu_count() or 1)
+    #: Whether the library's experiments are prepared in the background after the first start (0: not).
+    prepare: int = 1
     #: Runs that may wait; one more is refused with 503.
     queue: int = 64
     #: How long POST /api/runs waits for the result before it answers 202, and the most a client may ask for.

@@ -89,6 +89,7 @@ def service(sessions: int) -> Iterator[tuple[subprocess.Popen, str]]:
     with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as data:
         environment = os.environ | {
             "THETASCOPE_DATA": data, "THETASCOPE_SESSIONS": str(sessions), "PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT),
+            "THETASCOPE_PREPARE": "0",
         }  # fmt: skip
         command = [sys.executable, "-m", "backend.cli", "serve", "--port", "0"]
         with pinned(command, environment) as (process, line):

@@ -23,7 +23,8 @@ ROOT = Path(__file__).parents[1]
 @contextmanager
 def service(data: Path) -> Iterator[tuple[str, float]]:
     """A service of its own in a new process: its address, and the seconds until it answered."""
-    environment = os.environ | {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT)}
+    more = {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT), "THETASCOPE_PREPARE": "0"}
+    environment = os.environ | {"THETASCOPE_DATA": str(data)} | more
     command = [sys.executable, "-m", "backend.cli", "serve", "--port", "0"]
     begin = time.perf_counter()
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)

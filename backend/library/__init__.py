@@ -1,5 +1,6 @@
 """The library: plants, experiments and lessons as data, read once and validated by the schemas."""
 
+import hashlib
 from difflib import get_close_matches
 from functools import cache, lru_cache
 from pathlib import Path
@@ -48,6 +49,15 @@ def experiments() -> dict[str, Experiment]:
 def lessons() -> dict[str, Lesson]:
     """What to try, by the id of the experiment."""
     return {name: _read("lessons", name) for name in _names("lessons")}
+
+
+@lru_cache(maxsize=1)
+def digest() -> str:
+    """Hash of all its files."""
+    found = hashlib.sha256()
+    for path in sorted(_HERE.rglob("*.yaml")):
+        found.update(path.relative_to(_HERE).as_posix().encode() + b"\0" + path.read_bytes())
+    return found.hexdigest()
 
 
 def plant(id: str) -> Plant:
