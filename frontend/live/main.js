@@ -24,7 +24,9 @@ import {mountTransport} from './transport.js';
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
+const AWAITED = 10; // s after which the first fault should come
 const BRISK = 100; // the fastest that a session begins with
+
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
 const TEXTS = Object.fromEntries(['en', 'zh'].map((language) => [language, {...words[language], ...scopeWords[language]}]));
@@ -93,7 +95,7 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
         app.edge.t = Infinity; // anything but where the last session was
         if (message.parent) watchParent(message.parent);
         if (message.role === 'view') app.act.tell(app.text.viewOnly);
-        if (fresh) app.act.speed(SPEEDS.findLast((speed) => speed !== null && speed <= Math.min(BRISK, message.spec.horizon / WATCHED)) ?? SPEEDS[0]);
+        if (fresh) app.act.speed(openingSpeed(message.spec));
         then();
       }
       if (message.type === 'ack') addressSoon();
@@ -182,6 +184,13 @@ addEventListener('pagehide', () => {
   const mine = kept.read(); // a page that is loaded again knows its session by its address
   if (mine?.id === store.state.session) kept.write({...mine, address: location.search + location.hash});
 });
+
+/** The speed that a session begins with: the first fault is soon there, and the whole is over in a minute. */
+function openingSpeed({horizon, faults}) {
+  const first = Math.min(...faults.map(({onset}) => onset).filter((onset) => onset > 0));
+  const wanted = Math.min(BRISK, Math.max(horizon / WATCHED, Number.isFinite(first) ? first / AWAITED : 0));
+  return SPEEDS.findLast((speed) => speed !== null && speed <= wanted) ?? SPEEDS[0];
+}
 
 /** Open what the address asks for; without any, the first experiment, already running. */
 async function open() {

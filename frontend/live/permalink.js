@@ -40,7 +40,16 @@ export async function read(from) {
   const fragment = new URLSearchParams(from.hash.slice(1)).get('s');
   const t = Number(query.get('t') ?? 0);
   const asked = {session: query.get('session'), experiment: query.get('experiment'), t: Number.isFinite(t) && t > 0 ? t : 0};
-  return fragment ? {...asked, ...await unpack(fragment)} : asked;
+  if (!fragment) return asked;
+  const found = await unpack(fragment);
+  if (!isSession(found)) throw new Error('what the link holds is no session');
+  return {...asked, ...found};
+}
+
+/** Whether what a fragment held says which experiment, and how it differs. */
+function isSession(found) {
+  const object = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
+  return object(found) && (object(found.spec) || (object(found.changed) && typeof found.experiment === 'string')) && Number.isFinite(found.t ?? 0);
 }
 
 /** The spec that an address with a fragment means; `load(id)` gives a library experiment with its plant in full. */

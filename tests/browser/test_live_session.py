@@ -1,5 +1,8 @@
 """The live page and its session: links, going back, forks, lost connections, watching, and what is said when it ends."""
 
+import base64
+import zlib
+
 import pytest
 from live_page import APP, last_row, ready, send, state, until
 
@@ -54,9 +57,16 @@ def test_loading_the_page_again_keeps_the_session_and_its_control(page):
     send(opened, "{type: 'clear'}")
 
 
-def test_a_damaged_link_says_so(page):
-    """A link that was cut off is an answer with a way on, not a blank page."""
-    opened = page("/#s=nZDBcoMw")
+def packed(text: str) -> str:
+    """As the fragment of an address holds it."""
+    made = zlib.compressobj(wbits=-15)
+    return base64.urlsafe_b64encode(made.compress(text.encode()) + made.flush()).decode().rstrip("=")
+
+
+@pytest.mark.parametrize("fragment", ["nZDBcoMw", packed("null"), packed("[]"), packed('{"spec": 3}'), packed('{"changed": {}}')])
+def test_a_damaged_link_says_so(page, fragment):
+    """A link that was cut off, or holds something else, is an answer with a way on, not a blank page or another session."""
+    opened = page(f"/#s={fragment}")
     opened.wait_for_selector("#notice button")
     assert "damaged" in opened.inner_text("#notice")
     opened.click("#notice button")
