@@ -78,13 +78,14 @@ def window_of(made: Detector, sums: Sums, horizon: float) -> tuple[np.ndarray, f
 def resolution(made: Detector, seen: Excitation) -> list[dict]:
     """For each channel the smallest fault that a window like the last one shows, other faults unknown."""
     noise, threshold = made.calibrated.noise, made.calibrated.glr
+    declared = all(std > 0 for std in made.filter.experiment.measurement.std)
     answer = []
     for j, c in enumerate(made.filter.context.model["channels"]):
         name, typical = c["name"], float(c.get("typical", 1.0))
         deviation = seen.deviations.get(name, np.inf) * noise.v[-1, j] ** 0.5
         sigma = float(deviation) if np.isfinite(deviation) else None
         smallest = None if sigma is None else sigma * float((threshold * noise.loud[-1, j] / noise.v[-1, j]) ** 0.5)  # as tests go by it
-        text = _able(name, smallest, typical)
+        text = _able(name, smallest, typical, declared)
         answer.append(_resolved(name, sigma, typical, smallest, seen.identifiable.get(name, False), text))
     return answer
 
@@ -95,12 +96,13 @@ def _resolved(name: str, sigma: float | None, typical: float, smallest: float | 
             "identifiable": identifiable, "text": text}  # fmt: skip
 
 
-def _able(name: str, smallest: float | None, typical: float) -> str:
+def _able(name: str, smallest: float | None, typical: float, declared: bool) -> str:
     if smallest is None:
         return f"{name} cannot be seen with this input"
     if smallest <= typical:
         return f"{name}: faults from {smallest:.3g} on are found and told from the others"
-    return (f"{name} cannot be resolved at this noise: it takes {smallest:.3g} to be told from the other faults within a "
+    at = "at this noise" if declared else "at the noise that is assumed where none is declared"
+    return (f"{name} cannot be resolved {at}: it takes {smallest:.3g} to be told from the other faults within a "
             f"window, a typical fault is {typical:.3g}")  # fmt: skip
 
 

@@ -24,6 +24,7 @@ export const diagnosisRules = [
   rule('(.+) cannot be seen with this input', '$1 在当前输入下不可见'), rule('(.+): faults from # on are found and told from the others', '$1：大小自 $2 起的故障可被发现并与其他故障区分'),
   rule('(.+): faults from # on are found', '$1：大小自 $2 起的故障可被发现'), rule('(.+): the estimate is lost', '$1：估计已丢失'),
   rule('(.+) cannot be resolved at this noise: it takes # to be told from the other faults within a window, a typical fault is #', '$1 在此噪声下无法分辨：须达 $2 才能在一个窗口内与其他故障区分，典型故障为 $3'),
+  rule('(.+) cannot be resolved at the noise that is assumed where none is declared: it takes # to be told from the other faults within a window, a typical fault is #', '$1 在未声明噪声时所假定的噪声下无法分辨：须达 $2 才能在一个窗口内与其他故障区分，典型故障为 $3'),
   rule('(.+) cannot be resolved by this observer at this noise: its estimate scatters by #, a typical fault is #', '$1 在此噪声下无法由该观测器分辨：其估计的离散为 $2，典型故障为 $3'),
 
   rule('the input as it is tells the faults apart as far as any does: none is proposed', '现有输入已尽可能区分各故障：无需建议'),
