@@ -23,6 +23,7 @@ class Returning:
         base = self._moments.whole(row) or self._found(row)
         spec, stages = self.spec, self._stages
         log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
+        new = [e for e in self._new if e.row < row]
         past, known = self.past.cut(row), self._moments.known(base.row, row)
         self.now, self.ended = base, False
         self._moments.cut(row)
@@ -35,7 +36,7 @@ class Returning:
             self.advance(row - self.row)
         self._again = False
         self.past, self.log = past, log
-        self._new = [e for e in self._new if e.row < row]
+        self._new = new  # what the rows between have been found to hold is told already
         self.spec, self._stages = spec, stages
         self.now = replace(self.now, told=len(log))
 
