@@ -1,10 +1,13 @@
 // What the page has to say about itself: a quiet line for some seconds or, while something stands in the way, until it is over.
 
 import {fill, h, number} from '../dom.js';
+import {seconds} from './format.js';
+import {seconds as timed} from './panels/parts.js';
 import {called} from './panels/symbols.js';
 
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
+const BEFORE = 0.2; // of the time at which a plant broke down: so much earlier one may go on from
 const PATIENCE = 700; // ms of a lost connection before it is worth a word
 
 const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
@@ -20,7 +23,7 @@ export function mountNotice(root, app) {
     root.hidden = true;
     fill(root);
   };
-  app.subscribe((state) => [state.connection, state.ended, state.told, state.problem, state.language, state.session, state.viewers > 1], ([connection, , told], before) => {
+  app.subscribe((state) => [state.connection, state.ended, state.told, state.problem, state.language, state.session, state.viewers > 1, state.broken], ([connection, , told], before) => {
     clearTimeout(timer);
     const standing = inTheWay(app);
     if (standing) {
@@ -43,6 +46,13 @@ export function mountNotice(root, app) {
   });
 }
 
+/** The faults under which the plant broke down, as words. */
+function under({plant, faults}, text) {
+  const sensors = new Set(plant?.channels.filter(({kind}) => kind === 'sensor').map(({name}) => name));
+  const acting = faults.filter(({active, onChannel, subject}) => active && onChannel && !sensors.has(subject));
+  return acting.map(({subject, fault}) => `${called(subject, plant, text)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`).join(', ');
+}
+
 /** What stands in the way, with the ways on; null: nothing. */
 function inTheWay(app) {
   const {state, text, act} = app;
@@ -57,9 +67,8 @@ function inTheWay(app) {
     default:
   }
   if (!state.ended) return null;
-  const escaped = state.log.some((event) => event.kind === 'diverged' && !state.observers.some(({label}) => label === event.subject));
-  const sensors = new Set(state.plant?.channels.filter(({kind}) => kind === 'sensor').map(({name}) => name));
-  const acting = state.faults.filter(({active, onChannel, subject}) => active && onChannel && !sensors.has(subject));
-  const names = acting.map(({subject, fault}) => `${called(subject, state.plant, text)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`);
-  return {kind: 'note', words: escaped ? text.plantEscaped(names.join(', ')) : text.horizon};
+  if (state.broken === null) return {kind: 'note', words: text.horizon};
+  const before = Math.max(0, state.broken - Math.max(BEFORE * state.broken, 10 * state.record));
+  return {kind: 'note', words: text.plantEscaped(under(state, text), timed(state.broken, state.spec.horizon)),
+    buttons: state.role === 'control' ? [button(text.goBefore(seconds(before, 0.1)), () => act.seek(before))] : []};
 }

@@ -2,7 +2,7 @@
 
 import {h} from '../dom.js';
 import {palette} from './canvas.js';
-import {plain} from './panels/symbols.js';
+import {plain, symbolic} from './panels/symbols.js';
 
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
 const OPTIONS = {displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: '', modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage']};
@@ -101,7 +101,8 @@ function tintsOf(strip, axis, faults, t0, t1, now) {
 const escaped = (words) => words.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
 
 function nameOf(strip, text) {
-  const words = {residual: `${plain(strip.symbol)}: ${text.residual}`, excitation: text.excitation}[strip.kind] ?? plain(strip.symbol);
+  const name = symbolic(strip.symbol) ? plain(strip.symbol) : text.named(strip.title) || plain(strip.symbol);
+  const words = {residual: `${name}: ${text.residual}`, excitation: text.excitation}[strip.kind] ?? name;
   return escaped(words + (strip.unit ? ` / ${strip.unit}` : ''));
 }
 

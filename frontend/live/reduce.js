@@ -1,6 +1,6 @@
 // How events change the state of the live page. Pure: (state, event) → state. Events are the server's messages, as they come, and the page's own.
 
-import {alarmsOf} from './alarms.js';
+import {alarmsOf, plantBroke} from './alarms.js';
 
 const COLOURS = 6; // --o0 … --o5
 const MOST_EVENTS = 5000;
@@ -10,8 +10,11 @@ const EARLY = 1e-3; // of a row: times that differ by rounding only are the same
 /** What counts at present is what acts from the next row on: what was done while time stands still is shown at once. */
 const nextRow = ({t, record}) => t + record * (1 + EARLY);
 
-/** Observers that watch at time t, from the spec's own and its timed commands, with the colours they had. */
-export function observersAt(spec, t, before = [], log = []) {
+/**
+ * Observers that watch at time t, from the spec's own and its timed commands, with the colours they had. `places`: those of observers that have
+ * gone, too, so that one that is started again comes back in its own.
+ */
+export function observersAt(spec, t, before = [], log = [], places = {}) {
   const watching = new Map(spec.observers.map((config) => [config.label, {config, gains: {...config.gains}, since: 0}]));
   for (const command of spec.commands ?? []) {
     if (command.at > t) break;
@@ -22,15 +25,16 @@ export function observersAt(spec, t, before = [], log = []) {
   }
   const taken = new Map(before.filter(({label}) => watching.has(label)).map(({label, place}) => [label, place]));
   return [...watching].map(([label, {config, gains, since}]) => {
-    if (!taken.has(label)) taken.set(label, free(new Set(taken.values())));
+    if (!taken.has(label)) taken.set(label, free(new Set(taken.values()), places[label]));
     const place = taken.get(label);
     const fallen = log.findLast((event) => event.kind === 'diverged' && event.subject === label && event.t >= since);
-    return {label, kind: config.kind, colour: `var(--o${place % COLOURS})`, place, gains, options: config.options ?? {}, since,
+    return {label, kind: config.kind, colour: `var(--o${place % COLOURS})`, place, gains, options: config.options ?? {}, config, since,
       diverged: fallen ? {t: fallen.t, text: fallen.text} : null};
   });
 }
 
-function free(taken) {
+function free(taken, own) {
+  if (own !== undefined && !taken.has(own)) return own;
   let place = 0;
   while (taken.has(place)) place += 1;
   return place;
@@ -44,6 +48,13 @@ export function faultsAt(spec, t) {
   }));
 }
 
+/** The measurement noise of every output at time t: {output: {std, sample_time}}. */
+export function noiseAt(spec, t) {
+  const noise = {...spec.noise};
+  for (const {command, at, output, std, sample_time: held} of spec.commands ?? []) if (command === 'set-noise' && at <= t) noise[output] = {std, sample_time: held};
+  return noise;
+}
+
 /** Keep the old array where nothing in it has changed, so that nobody is told for nothing. */
 const steady = (before, now) => (JSON.stringify(before) === JSON.stringify(now) ? before : now);
 
@@ -51,8 +62,9 @@ const steady = (before, now) => (JSON.stringify(before) === JSON.stringify(now) 
 function derived(state) {
   if (!state.spec) return state;
   const t = nextRow(state);
-  return {...state, observers: steady(state.observers, observersAt(state.spec, t, state.observers, state.log)),
-    faults: steady(state.faults, faultsAt(state.spec, t)), alarms: steady(state.alarms, alarmsOf(state.log, state.diagnosis))};
+  const observers = steady(state.observers, observersAt(state.spec, t, state.observers, state.log, state.places));
+  return {...state, observers, places: steady(state.places, {...state.places, ...Object.fromEntries(observers.map(({label, place}) => [label, place]))}),
+    noise: steady(state.noise, noiseAt(state.spec, t)), broken: state.log.find(plantBroke)?.t ?? null, faults: steady(state.faults, faultsAt(state.spec, t)), alarms: steady(state.alarms, alarmsOf(state.log, state.diagnosis))};
 }
 
 /** Whether a fault began or ended, or a command of the spec took effect, between two times. */
@@ -95,7 +107,7 @@ const messages = {
 const own = {
   connection: (state, {now}) => ({...state, connection: now, playing: state.playing && (now === 'live' || now === 'reconnecting')}),
   begin: (state, {session, role, experiment, parent}) => ({...state, connection: 'starting', session, role, experiment, parent: parent ?? null,
-    spec: null, plant: null, columns: [], observers: [], faults: [], alarms: [], log: [], checks: {}, diagnosis: null, strips: {}, selection: null, looking: null, cursor: null,
+    spec: null, plant: null, columns: [], observers: [], places: {}, noise: {}, broken: null, faults: [], alarms: [], log: [], checks: {}, diagnosis: null, strips: {}, selection: null, looking: null, cursor: null,
     site: null, problem: null, ended: false, row: 0, t: 0}),
   failed: (state, {problem}) => ({...state, connection: 'failed', problem}),
   set: (state, {type: _, ...values}) => ({...state, ...values}),

@@ -2,6 +2,7 @@
 
 import {fill, h, symbol} from '../dom.js';
 import {seconds} from './format.js';
+import {symbolic} from './panels/symbols.js';
 
 export function mountHead(root, app, scope) {
   const legend = h('ul', {class: 'legend'});
@@ -71,7 +72,8 @@ function fillMenu(menu, app) {
   const {text} = app;
   const all = app.strips();
   const box = (strip) => h('label', {}, h('input', {type: 'checkbox', checked: strip.shown, onchange: (event) => app.act.strip(strip.name, event.target.checked)}),
-    strip.kind === 'excitation' ? text.excitation : symbol(strip.symbol), h('small', {}, strip.kind === 'residual' ? text.residual : strip.title));
+    strip.kind === 'excitation' ? text.excitation : symbolic(strip.symbol) ? symbol(strip.symbol) : text.named(strip.title),
+    h('small', {}, strip.kind === 'residual' ? text.residual : symbolic(strip.symbol) ? text.named(strip.title) : ''));
   const groups = GROUPS.map(([kind, name]) => {
     const own = all.filter((strip) => strip.kind === kind);
     return own.length ? h('fieldset', {}, h('legend', {}, text[name]), own.map(box)) : null;

@@ -8,7 +8,7 @@ import {decimals, fixed} from './format.js';
 import {mountHead} from './scope-head.js';
 import {mountPointer} from './scope-pointer.js';
 import {untold} from './panels/sizes.js';
-import {badges, split} from './panels/symbols.js';
+import {badges, plain, split, symbolic} from './panels/symbols.js';
 import {stripsOf} from './strips.js';
 
 const AIM = 300; // ms between looks at what the axes should show
@@ -19,7 +19,7 @@ const BANDS = 2; // with more observers only the first one's band is drawn, or t
 
 export function mountScope(root, app) {
   const scope = new Scope(root, app);
-  app.subscribe((state) => [state.plant, state.columns, state.observers, state.faults, state.checks, state.strips, state.spec, state.language, state.presentation],
+  app.subscribe((state) => [state.plant, state.columns, state.observers, state.faults, state.checks, state.strips, state.noise, state.language, state.presentation],
     () => scope.build());
   app.subscribe((state) => [state.plant, state.selection, state.window, state.session], () => scope.refit());
   app.subscribe((state) => state.language, () => { scope.title.textContent = app.text.scope; });
@@ -87,7 +87,7 @@ class Scope {
     row.element.dataset.kind = strip.kind;
     row.element.dataset.strip = strip.name;
     row.element.classList.toggle('fault-on', strip.kind === 'theta' && this.app.state.faults.some(({subject, active}) => active && subject === strip.subject));
-    row.canvas.dataset.name = `${strip.symbol} ${words}`;
+    row.canvas.dataset.name = [symbolic(strip.symbol) && plain(strip.symbol), words].filter(Boolean).join(' ');
     row.canvas.setAttribute('aria-label', row.canvas.dataset.name);
     const own = strip.traces.map((trace) => h('span', {style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`, 'data-label': trace.label}));
     row.values.style.setProperty('--lines', Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2));

@@ -8,6 +8,7 @@
  * @property {number} place         number of the colour
  * @property {object} gains         present values of those that were set (the catalogue has the defaults)
  * @property {object} options
+ * @property {object} config        ObserverConfig with which it began to watch
  * @property {number} since         time in s from which it watches
  * @property {{t: number, text: string} | null} diverged
  *
@@ -44,6 +45,9 @@
  * @property {Object<string, object[]>} checks    observer label → assumption checks
  * @property {ObserverState[]} observers
  * @property {FaultState[]} faults        oldest first
+ * @property {Object<string, {std: number, sample_time: number}>} noise   of every output now: what the spec began with, and what was set since
+ * @property {number | null} broken       when the plant itself broke down
+ * @property {Object<string, number>} places    observer label → number of its colour, of those that have gone, too
  * @property {{id: string, t: number} | null} parent    the session that this one was forked from
  * @property {number | null} window       length of the scope's window in s; null: all
  * @property {number[]} windows           those to choose from
@@ -65,7 +69,7 @@
 export const initial = Object.freeze({
   connection: 'starting', session: null, role: 'control', experiment: null, spec: null, plant: null, columns: [], epoch: 0,
   step: 0, record: 0, row: 0, t: 0, playing: false, speed: 1, rate: null, viewers: 1, ended: false,
-  log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], parent: null,
+  log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], noise: {}, broken: null, places: {}, parent: null,
   window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, strips: {}, site: null, presentation: false, desk: 'inject', theme: 'light', language: 'en',
   problem: null, told: null,
 });

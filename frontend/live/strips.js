@@ -52,14 +52,14 @@ export function derivedColumns(columns) {
 }
 
 /** All strips of a session in their order. */
-export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, spec, presentation}) {
+export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, noise, presentation}) {
   if (!plant) return [];
   const known = new Set(columns);
   const traces = (make) => observers.map((observer) => ({label: observer.label, colour: observer.colour, place: observer.place,
     fallen: observer.diverged?.t ?? null, ...make(observer)}))
     .filter(({column}) => known.has(column) || column.includes('.residual.') || column.endsWith('.excitation'));
   const all = [
-    ...channelStrips(plant, known, faults, traces), ...stateStrips(plant, traces), ...residualStrips(plant, spec, known, observers, traces),
+    ...channelStrips(plant, known, faults, traces), ...stateStrips(plant, traces), ...residualStrips(plant, noise, known, observers, traces),
     ...excitationStrip(known, observers, checks, traces),
   ];
   const few = presentation ? fewer(all) : () => true;
@@ -101,10 +101,10 @@ function stateStrips(plant, traces) {
   return made.map((strip) => ({...strip, usual: first.has(strip)}));
 }
 
-function residualStrips(plant, spec, known, observers, traces) {
+function residualStrips(plant, present, known, observers, traces) {
   if (observers.length === 0) return [];
   return plant.outputs.map(({name, unit, description}, place) => {
-    const noise = 3 * (spec.noise[name]?.std ?? 0);
+    const noise = 3 * (present[name]?.std ?? 0);
     return {
       name: `residual.${name}`, kind: 'residual', symbol: name, subject: name, title: short(description), unit, truth: null,
       traces: traces(({label}) => ({column: `${label}.residual.${name}`})).filter(({label}) => known.has(`${label}.y.${name}`)),

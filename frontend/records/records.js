@@ -6,7 +6,7 @@ import {language} from '../language.js';
 import {alarmFrom} from '../live/alarms.js';
 import {badge} from '../live/panels/parts.js';
 import {amount} from '../live/panels/sizes.js';
-import {badges, capital, plain, split, spoken} from '../live/panels/symbols.js';
+import {badges, called, capital, split, spoken} from '../live/panels/symbols.js';
 import * as words from '../live/strings.js';
 import {text} from '../strings.js';
 import {problemBlock} from '../views/problem.js';
@@ -34,7 +34,7 @@ function course(output, t, y, alarms) {
 function row(one, plant, short) {
   const channel = plant.channels.find(({name}) => name === one.subject);
   const names = one.explained ? one.subjects : [one.subject];
-  const title = one.explained ? text.named(channel?.title ?? '') || plain(one.subject) : live.measurementOf(plain(one.subject));
+  const title = one.explained ? text.named(channel?.title ?? '') || called(one.subject, plant, live) : live.measurementOf(called(one.subject, plant, live));
   return h('tr', {}, h('td', {class: 'name'}, names.map((name, k) => [k > 0 && ` ${live.or} `, badge(short.get(name) ?? split(name), {square: !one.explained})]), ' ', title),
     h('td', {}, one.explained ? amount(one, channel) : '–', one.explained && channel?.unit ? ` ${channel.unit}` : ''), h('td', {}, number(one.onset, 5)),
     h('td', {}, one.from === one.to ? '–' : `${number(one.from, 5)} … ${number(one.to, 5)}`), h('td', {}, number(one.t, 5)), h('td', {}, one.over === null ? text.stillOn : number(one.over, 5)));
@@ -53,9 +53,9 @@ function found(told, plant, columns) {
   const {calibration, noise} = told;
   return [h('section', {class: 'card found', role: 'status'}, h('h2', {}, text.diagnosis),
     h('p', {class: 'verdict'}, alarms.length ? text.faultsFound(alarms.length) : text.noFault), table,
-    calibration && h('p', {class: 'soft'}, [...noise.map((one) => text.noiseFound(plain(one.output), number(one.estimated, 3))),
+    calibration && h('p', {class: 'soft'}, [...noise.map((one) => text.noiseFound(called(one.output, plant, live), number(one.estimated, 3))),
       text.judged(number(calibration.false_alarms), calibration.seeds, number(calibration.from_time, 3))].join(' ')),
-    told.note && h('p', {class: 'soft'}, capital(text.said(spoken(told.note, plant))))),
+    told.note && h('p', {class: 'soft'}, capital(spoken(text.said(told.note), plant, live)))),
   shown.length > 0 && h('section', {class: 'card'}, h('h2', {}, text.recorded), shown.map(([output, y]) => course(output, t, y, alarms)))];
 }
 

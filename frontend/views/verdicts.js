@@ -9,7 +9,7 @@ import {took} from '../live/panels/parts.js';
 import {trajectory, visible} from '../live/panels/seen.js';
 import {amount} from '../live/panels/sizes.js';
 import {certainty} from '../live/panels/sure.js';
-import {capital, plain, spoken} from '../live/panels/symbols.js';
+import {called, capital, spoken} from '../live/panels/symbols.js';
 import {faultsAt} from '../live/reduce.js';
 import * as words from '../live/strings.js';
 import {text} from '../strings.js';
@@ -63,7 +63,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
 }
 
 /** What became of each fault, one a line. */
-const told = (faults, plant) => faults.map((one) => `${spoken(one.name, plant)}, ${one.onset} s: ${text.outcomes[one.outcome]}${one.delay === null ? '' : ` ${took(one.delay)}`}${one.alternative ? `, ${text.asAlternative}` : ''}`).join('\n');
+const told = (faults, plant) => faults.map((one) => `${called(one.name, plant, live)}, ${one.onset} s: ${text.outcomes[one.outcome]}${one.delay === null ? '' : ` ${took(one.delay)}`}${one.alternative ? `, ${text.asAlternative}` : ''}`).join('\n');
 
 /** What the tests on one observer's own estimates say: what is on at the end, else the last that were. */
 function own({observer, alarms, note, calibration, resolution}, place, plant) {
@@ -71,10 +71,10 @@ function own({observer, alarms, note, calibration, resolution}, place, plant) {
   const on = raised.filter((alarm) => alarm.over === null);
   const said = (on.length ? on : raised.slice(-3)).map((alarm) => {
     const channel = plant.channels.find((one) => one.name === alarm.subject);
-    return `${plain(alarm.subject)} ${amount(alarm, channel)}, ${live.since(`${number(alarm.onset, 3)} s`)}${alarm.over === null ? '' : `, ${live.cleared}`}`;
+    return `${called(alarm.subject, plant, live)} ${amount(alarm, channel)}, ${live.since(`${number(alarm.onset, 3)} s`)}${alarm.over === null ? '' : `, ${live.cleared}`}`;
   });
   const lost = resolution.filter((one) => !one.resolvable);
   const limit = calibration && Object.entries(calibration.thresholds).map(([test, value]) => `${text.tests[test] ?? test} ${number(value, 3)}`).join(', ');
   return h('li', {}, chip(place), h('b', {}, observer), ' ', note ? text.said(note) : said.join(text.andThen) || live.sentences.quiet(),
-    limit && h('span', {class: 'soft'}, ` ${text.thresholdOf(limit)}`), lost.map((one) => h('span', {class: 'soft'}, ` ${capital(text.said(spoken(one.text, plant)))}.`)));
+    limit && h('span', {class: 'soft'}, ` ${text.thresholdOf(limit)}`), lost.map((one) => h('span', {class: 'soft'}, ` ${capital(spoken(text.said(one.text), plant, live))}.`)));
 }

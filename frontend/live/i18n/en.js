@@ -6,6 +6,7 @@ const capital = (words) => words && words.replace(/^[a-z](?=[a-z])/, (first) => 
 export const en = {
   named: (words) => words, // names of the library; another language may have its own
   said: (words) => words, // what the server says, too
+  tight: (words) => words, // blanks as the language has them
   skip: 'To the curves', wait: 'Loading …', stop: '.', and: '; ', close: 'Close', cancel: 'Cancel', remedyIs: (words) => `Remedy: ${words}`, copy: 'Copy', copied: 'Copied',
 
   pages: 'Pages', page: {live: 'Live', runs: 'Runs', plants: 'Plants', records: 'Records'},
@@ -46,6 +47,10 @@ export const en = {
   unknownSize: 'not in the model',
   sentences: {
     noDiagnosis: ({note}) => `No diagnosis: ${note}.`,
+    broken: ({at}) => `The plant broke down at ${at}: nothing can be judged from there on. Go back to before it.`,
+    lost: ({label, at, count: n, all, only}) => (only ? `No fault found. But ${label} diverged at ${at}, and nothing is estimated any more.`
+      : all ? `No fault found. But all ${n} observers have diverged, and nothing is estimated any more.`
+        : n > 1 ? `No fault found. But ${n} observers have diverged.` : `No fault found. But ${label} diverged at ${at}.`),
     early: ({from}) => `Nothing found yet; judging from ${from} s on.`,
     quiet: () => 'No fault. All is quiet.',
     quietAgain: () => 'All faults are over.',
@@ -77,7 +82,8 @@ export const en = {
   apply: 'Apply', dismiss: 'Close', applied: 'Applied. Watch the level rise.',
 
   observers: 'Observers', add: '+ add', addObserver: 'Add an observer', addIt: 'Add', kind: 'Kind of observer', label: 'label', estimates: 'estimates', whichChannels: 'all faults …', notHere: ' (not for this plant)', automatic: 'automatic',
-  removeObserver: (label) => `Remove ${label}`, noObserver: 'No observer watches.', moreGains: 'more gains', fellAt: (t) => `Diverged at ${t}`,
+  startObserver: 'Start again', startObserverHint: 'It begins anew from its initial estimates, with its gains as they are now',
+  removeObserver: (label) => `Remove ${label}`, noObserver: 'No observer watches.', moreGains: 'more gains', fellAt: (t) => `Diverged at ${t}`, lostAt: (label, t) => `${label} diverged at ${t}; its card can start it again.`,
   assumptions: 'Assumptions', verdicts: {holds: 'holds', fails: 'fails', 'cannot tell': 'cannot tell'},
   kindNames: {'high-gain': 'High gain', 'zhao-adaptive': 'Adaptive, Zhao (34)', 'nonsmooth-adaptive': 'Nonsmooth adaptive', 'linear-adaptive': 'Linear adaptive',
     'reduced-order': 'Reduced order', 'full-order': 'Full order', 'sandwich-nonsmooth': 'Sandwich, non-smooth', 'sandwich-conventional': 'Sandwich, conventional',
@@ -88,7 +94,7 @@ export const en = {
 
   log: 'Log', emptyLog: 'Nothing has happened yet.', showMoment: 'Show this moment', backHere: 'Go back to here',
   events: {
-    inject: ({name, size, shape}) => `you injected ${name}${size === '' ? '' : ` = ${size}`}${shape ? `, ${shape}` : ''}`,
+    inject: ({name, size, quantity, shape, later}) => `you injected ${quantity || size === '' ? `${name}: ${shape}${size === '' ? '' : `, ${quantity} ${size}`}` : `${name} = ${size}, ${shape}`}${later ? `, to begin at ${later} s` : ''}`,
     clear: ({name, planned}) => `you cleared ${name || 'all faults'}${planned ? ', and what was planned' : ''}`,
     'fault-begins': ({name}) => `${name} begins`, 'fault-ends': ({name}) => `${name} ends`,
     gain: ({subject, gain, size}) => `you set ${[gain, 'of', subject].filter(Boolean).join(' ')}${size === '' ? '' : ` to ${size}`}`,

@@ -4,8 +4,11 @@ import {named, said} from './zh-said.js';
 
 const capital = (words) => words;
 
+/** Names stand in sentences with blanks around them; between Chinese signs there is none. */
+const tight = (words) => words.replace(/(?<=[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]) +(?=[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef])/g, '');
+
 export const zh = {
-  named, said,
+  named, said, tight,
   skip: '跳到曲线', wait: '正在加载……', stop: '。', and: '；', close: '关闭', cancel: '取消', remedyIs: (words) => `解决办法：${words}`, copy: '复制', copied: '已复制',
 
   pages: '页面', page: {live: '实时', runs: '仿真', plants: '对象', records: '记录'},
@@ -46,6 +49,10 @@ export const zh = {
   unknownSize: '模型之外',
   sentences: {
     noDiagnosis: ({note}) => `没有诊断：${note}。`,
+    broken: ({at}) => `对象于 ${at} 失控，此后无法判断。请回到此前的时刻。`,
+    lost: ({label, at, count: n, all, only}) => (only ? `未发现故障。但 ${label} 于 ${at} 发散，不再有任何估计。`
+      : all ? `未发现故障。但全部 ${n} 个观测器都已发散，不再有任何估计。`
+        : n > 1 ? `未发现故障。但有 ${n} 个观测器发散。` : `未发现故障。但 ${label} 于 ${at} 发散。`),
     early: ({from}) => `尚未发现故障；自 ${from} s 起判断。`,
     quiet: () => '没有故障，一切平静。',
     quietAgain: () => '所有故障都已结束。',
@@ -77,7 +84,8 @@ export const zh = {
   apply: '采用', dismiss: '关闭', applied: '已采用。请看激励水平上升。',
 
   observers: '观测器', add: '+ 添加', addObserver: '添加观测器', addIt: '添加', kind: '观测器类型', label: '标签', estimates: '估计', whichChannels: '全部故障……', notHere: '（不适用于该对象）', automatic: '自动',
-  removeObserver: (label) => `移除 ${label}`, noObserver: '没有观测器。', moreGains: '更多增益', fellAt: (t) => `在 ${t} 发散`,
+  startObserver: '重新启动', startObserverHint: '以现有增益从初始估计重新开始',
+  removeObserver: (label) => `移除 ${label}`, noObserver: '没有观测器。', moreGains: '更多增益', fellAt: (t) => `在 ${t} 发散`, lostAt: (label, t) => `${label} 于 ${t} 发散；可在其卡片中重新启动。`,
   assumptions: '假设', verdicts: {holds: '成立', fails: '不成立', 'cannot tell': '无法判断'},
   kindNames: {'high-gain': '高增益', 'zhao-adaptive': '自适应，赵 (34)', 'nonsmooth-adaptive': '非光滑自适应', 'linear-adaptive': '线性自适应',
     'reduced-order': '降阶', 'full-order': '全阶', 'sandwich-nonsmooth': '三明治，非光滑', 'sandwich-conventional': '三明治，常规',
@@ -88,7 +96,7 @@ export const zh = {
 
   log: '日志', emptyLog: '尚无事件。', showMoment: '显示这一时刻', backHere: '回到这里',
   events: {
-    inject: ({name, size, shape}) => `您注入了 ${name}${size === '' ? '' : ` = ${size}`}${shape ? `，${shape}` : ''}`,
+    inject: ({name, size, quantity, shape, later}) => `您注入了 ${quantity || size === '' ? `${name}：${shape}${size === '' ? '' : `，${quantity} ${size}`}` : `${name} = ${size}，${shape}`}${later ? `，将于 ${later} s 开始` : ''}`,
     clear: ({name, planned}) => `您清除了${name ? ` ${name}` : '所有故障'}${planned ? '，以及原定的故障' : ''}`,
     'fault-begins': ({name}) => `${name} 开始`, 'fault-ends': ({name}) => `${name} 结束`,
     gain: ({subject, gain, size}) => `您把 ${subject} 的 ${gain || '增益'} 设为 ${size}`,

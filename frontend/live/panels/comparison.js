@@ -4,7 +4,7 @@ import {fill, h, hatted, symbol} from '../../dom.js';
 import {finding} from '../alarms.js';
 import {noise, rmse, settled} from './metrics.js';
 import {chip, heading, steady, took} from './parts.js';
-import {badges, plain, split} from './symbols.js';
+import {badges, called, plain, split, symbolic, titleOf} from './symbols.js';
 
 const EVERY = 900; // ms between two computations
 const LONGEST = 6000; // rows of a window of "all"

@@ -3,11 +3,11 @@
 import {fill, h} from '../../dom.js';
 import {line, spell} from './findingline.js';
 import {findings, sentence} from './findings.js';
-import {asOfNow, heading, link} from './parts.js';
+import {asOfNow, heading, link, seconds} from './parts.js';
 import {createSeen} from './seen.js';
 import {untold} from './sizes.js';
 import {createSure} from './sure.js';
-import {capital, plain, spoken} from './symbols.js';
+import {called, capital, spoken} from './symbols.js';
 
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
@@ -37,14 +37,16 @@ export function mount(element, app) {
     const found = findings(state);
     const words = spell(sentence(found, state), app);
     if (verdict.textContent !== words) verdict.textContent = words;
-    const weak = weakness(state, app.text);
+    const weak = state.broken === null ? weakness(state, app.text) : '';
+    const lost = state.broken === null ? state.observers.filter((one) => one.diverged) : [];
     fill(list, found.map((one) => line(one, app)),
+      found.length > 0 && lost.map((one) => h('p', {class: 'hint'}, h('span', {class: 'light bad'}), h('span', {}, app.text.lostAt(one.label, seconds(one.diverged.t, state.spec.horizon))))),
       weak && h('p', {class: 'hint'}, h('span', {class: 'light open'}), h('button', {type: 'button', class: 'plain-words', onclick: () => open('canSee')}, weak)),
-      found.length === 0 && state.plant.channels.length > 0 && h('p', {class: 'soft'}, state.plant.inputs.length ? app.text.invite : app.text.inviteOutputs));
+      found.length === 0 && state.broken === null && state.plant.channels.length > 0 && h('p', {class: 'soft'}, state.plant.inputs.length ? app.text.invite : app.text.inviteOutputs));
     for (const fold of Object.values(folds)) if (!fold.element.hidden) fold.show();
   };
   app.subscribe((state) => [state.language, state.session], build);
-  app.subscribe((state) => [state.plant, state.alarms, state.faults, state.diagnosis, state.role, early(state)], update);
+  app.subscribe((state) => [state.plant, state.alarms, state.faults, state.diagnosis, state.role, state.observers, state.broken, early(state)], update);
 }
 
 /** Whether it is too soon to judge: the sentence changes when that is over. */
@@ -55,7 +57,7 @@ function weakness(state, text) {
   const lost = untold(state);
   const {excitation} = state.diagnosis ?? {};
   if (!excitation || lost.length === 0) return '';
-  if (lost.every((one) => one.smallest !== null)) return text.unresolved(lost.map((one) => plain(one.channel)));
+  if (lost.every((one) => one.smallest !== null)) return capital(text.unresolved(lost.map((one) => called(one.channel, state.plant, text))));
   const whole = lost.length === state.diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable).length;
-  return whole ? text.said(spoken(excitation.text, state.plant)) : capital(lost.map((one) => text.said(spoken(one.text, state.plant))).join(text.and)) + text.stop;
+  return whole ? capital(spoken(text.said(excitation.text), state.plant, text)) + text.stop : capital(lost.map((one) => spoken(text.said(one.text), state.plant, text)).join(text.and)) + text.stop;
 }

@@ -3,16 +3,16 @@
 import {h, number} from '../../dom.js';
 import {badge, seconds, took} from './parts.js';
 import {amount, resolutionOf, small} from './sizes.js';
-import {badges, called, plain, spoken, split} from './symbols.js';
+import {badges, called, spoken, split, symbolic} from './symbols.js';
 
 /** The sentence in the page's language, with symbols for names. */
 export function spell(said, {state, text}) {
   const nameOf = (subject) => called(subject, state.plant, text);
   const {alarm} = said;
   const channel = alarm && state.plant.channels.find((one) => one.name === alarm.subject);
-  return text.sentences[said.key]({...said, name: said.subject && nameOf(said.subject), otherName: said.other && nameOf(said.other), names: said.subjects?.map(nameOf),
-    took: typeof said.took === 'number' && took(said.took), note: said.note && text.said(spoken(said.note, state.plant)), from: number(said.from, 3),
-    ...(alarm && {kind: split(alarm.subject)[0].length === 1 ? text.kinds[channel.kind] : null, size: amount(alarm, channel), since: seconds(alarm.onset, state.spec.horizon)})});
+  return text.tight(text.sentences[said.key]({...said, name: said.subject && nameOf(said.subject), otherName: said.other && nameOf(said.other), names: said.subjects?.map(nameOf),
+    took: typeof said.took === 'number' && took(said.took), note: said.note && spoken(text.said(said.note), state.plant, text), from: number(said.from, 3), at: typeof said.at === 'number' && seconds(said.at, state.spec.horizon),
+    ...(alarm && {kind: symbolic(alarm.subject) ? text.kinds[channel.kind] : null, size: amount(alarm, channel), since: seconds(alarm.onset, state.spec.horizon)})}));
 }
 
 /** One finding: the size with its interval, and the story in a line. */
@@ -36,7 +36,7 @@ export function line(one, app) {
 function story({verdict, subjects, onChannel, alarm, fault}, channel, app) {
   const {state, text} = app;
   const {horizon} = state.spec;
-  const title = subjects.length > 1 ? text.ifIt(plain(subjects[0])) : onChannel ? text.named(channel?.title) || plain(subjects[0]) : text.measurementOf(plain(subjects[0]));
+  const title = subjects.length > 1 ? text.ifIt(called(subjects[0], state.plant, text)) : onChannel ? text.named(channel?.title) || called(subjects[0], state.plant, text) : text.measurementOf(called(subjects[0], state.plant, text));
   if (verdict === 'unseen') return [title, text.since(seconds(fault.onset, horizon)), reason(fault, state, text)];
   if (verdict === 'past') return [title, `${seconds(alarm.onset, horizon)} – ${seconds(alarm.over, horizon)}`];
   const [from, to] = [alarm.from, alarm.to].map((t) => seconds(t, horizon));

@@ -50,9 +50,10 @@ function judged(alarm, faults, active) {
 /**
  * The sentence: {key, …} of app.text.sentences.
  * @param {Finding[]} all
- * @param {{t: number, diagnosis: object | null}} state
+ * @param {{t: number, diagnosis: object | null, broken?: number | null, observers?: object[]}} state
  */
-export function sentence(all, {t, diagnosis}) {
+export function sentence(all, {t, diagnosis, broken = null, observers = []}) {
+  if (broken !== null) return {key: 'broken', at: broken};
   const of = (verdict) => all.filter((one) => one.verdict === verdict);
   const [good, unseen] = [of('found'), of('unseen')];
   const [blamed] = of('blamed');
@@ -76,7 +77,10 @@ export function sentence(all, {t, diagnosis}) {
     const last = good.filter((one) => one.delay !== null).at(-1);
     return last ? {key: 'allNamed', count: good.length, subject: last.subject, took: last.delay} : {key: 'several', count: good.length};
   }
-  if (all.length) return {key: of('over').length ? 'ending' : 'quietAgain'};
+  if (of('over').length) return {key: 'ending'};
+  const lost = observers.filter((one) => one.diverged);
+  if (lost.length) return {key: 'lost', count: lost.length, label: lost.at(-1).label, at: lost.at(-1).diverged.t, all: lost.length === observers.length, only: observers.length === 1};
+  if (all.length) return {key: 'quietAgain'};
   const from = diagnosis?.calibration?.from_time;
   return from > t ? {key: 'early', from} : {key: 'quiet'};
 }

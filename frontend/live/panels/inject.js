@@ -4,7 +4,7 @@ import {fill, h} from '../../dom.js';
 import {createRow} from './injectrow.js';
 import {asOfNow, badge, heading, link, slider, throttled} from './parts.js';
 import {logarithmic} from './scale.js';
-import {badges, split} from './symbols.js';
+import {badges, called, split} from './symbols.js';
 
 export function mount(element, app) {
   let rows = new Map();
@@ -85,8 +85,8 @@ const titled = (words) => words && words[0].toUpperCase() + words.slice(1);
 
 /** The times that first values go by. */
 function times(app) {
-  const {spec, step} = app.state;
-  const held = Object.values(spec.noise)[0]?.sample_time;
+  const {spec, noise, step} = app.state;
+  const held = Object.values(noise)[0]?.sample_time;
   return {horizon: spec.horizon, sampleTime: spec.measurement?.period ?? held ?? 10 * step};
 }
 
@@ -102,21 +102,22 @@ function size(app, name) {
 /** The measurement noise of one output: its standard deviation, moved while time runs. */
 function noiseRow(app, output, ends) {
   const {text} = app;
-  const noise = () => app.state.spec.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
+  const noise = () => app.state.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
   const begin = noise().std || size(app, output.name).typical / 30 || 0.01;
   const send = throttled(async (std) => {
     try {
       await app.send({type: 'set-noise', output: output.name, std, sample_time: noise().sample_time});
     } catch (error) {
       app.act.refused(error);
+      made.show(noise().std);
     }
   });
-  const made = slider({name: text.noiseOf(output.name), scale: logarithmic(begin / 30, begin * 30, true), value: noise().std, low: 0, change: (std) => send(std)});
-  ends.push(app.subscribe((state) => [state.spec?.noise[output.name]?.std ?? 0, state.role], ([std, role]) => {
-    if (!made.busy()) made.show(std);
+  const made = slider({name: text.noiseOf(called(output.name, app.state.plant, text)), scale: logarithmic(begin / 30, begin * 30, true), value: noise().std, low: 0, change: (std) => send(std)});
+  ends.push(app.subscribe((state) => [state.noise[output.name]?.std ?? 0, state.role], ([std, role]) => {
+    made.follow(std);
     made.disable(role === 'view');
   }));
   const hint = [text.noiseHeld(String(noise().sample_time)), output.unit].filter(Boolean).join(', ');
-  return h('div', {class: 'fault noise', role: 'group', 'aria-label': text.noiseOf(output.name), title: hint}, badge(split(output.name), {square: true}),
+  return h('div', {class: 'fault noise', role: 'group', 'aria-label': text.noiseOf(called(output.name, app.state.plant, text)), title: hint}, badge(split(output.name), {square: true}),
     h('div', {class: 'control'}, h('span', {}, text.noise, ' ', h('i', {}, 'σ')), made.range, made.field));
 }

@@ -7,6 +7,7 @@ import {lines} from './words.js';
 
 export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
+  let signs = {}; // gains as their cards write them
   let made = new WeakMap(); // event → its line, so that a long log is not made anew with every event
   const build = () => {
     made = new WeakMap();
@@ -15,7 +16,7 @@ export function mount(element, app) {
     update();
   };
   const update = () => {
-    const found = lines(app.state.log, app.text, app.state.plant);
+    const found = lines(app.state.log, app.text, app.state.plant, signs);
     fill(list, found.length ? found.map(kept) : h('li', {class: 'soft'}, app.text.emptyLog));
   };
   const kept = (one) => {
@@ -29,6 +30,7 @@ export function mount(element, app) {
     const span = app.state.window ?? 30;
     app.act.select(Math.max(0, t - span / 5), Math.max(0, t - span / 5) + span);
   };
+  app.catalogue.then(({observers}) => { signs = Object.fromEntries(observers.flatMap(({gains}) => gains.map(({name, symbol}) => [name, symbol]).filter(([, symbol]) => symbol))); build(); }, () => {});
   app.subscribe((state) => [state.language, state.session], build);
   app.subscribe((state) => state.log, update);
 }

@@ -26,7 +26,7 @@ export function createCard(app, observer, kind) {
   const more = h('div', {class: 'gains'});
   const fold = h('details', {class: 'fold', hidden: true}, h('summary', {}, text.moreGains), more);
   const problem = h('p', {class: 'refused', role: 'alert'});
-  const fallen = h('p', {class: 'alarm small'});
+  const fallen = h('div', {class: 'fallen', hidden: true});
   const cross = h('button', {type: 'button', class: 'plain control-only', title: text.removeObserver(observer.label), 'aria-label': text.removeObserver(observer.label)}, icon('close', 13));
   const element = h('section', {class: 'observer', 'aria-label': observer.label},
     h('div', {class: 'observer-head'}, chip(observer.colour), h('b', {}, observer.label), h('span', {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`}, text.kindNames[kind.id] ?? kind.title), lights, cross),
@@ -36,6 +36,7 @@ export function createCard(app, observer, kind) {
   lights.addEventListener('click', () => {
     checks.hidden = !checks.hidden;
     lights.setAttribute('aria-expanded', String(!checks.hidden));
+    card.checks();
   });
   const ask = async (command) => {
     try {
@@ -53,7 +54,7 @@ export function createCard(app, observer, kind) {
     if (controls.names !== names) build(now, names);
     for (const {gain, place, value} of now) {
       const control = controls.get(`${gain.name}.${place}`);
-      if (control && value !== null && value !== undefined && (force || !control.busy()) && control.value !== value) control.show(value);
+      if (control && value !== null && value !== undefined && control.value !== value) control[force ? 'show' : 'follow'](value);
     }
   };
   const build = (now, names) => {
@@ -71,7 +72,8 @@ export function createCard(app, observer, kind) {
     element, label: observer.label,
     update(next) {
       present = next ?? present;
-      fallen.textContent = present.diverged ? `${text.fellAt(seconds(present.diverged.t, app.state.spec?.horizon))}. ${text.said(present.diverged.text.replace(`${present.label} diverged: `, ''))}` : '';
+      fill(fallen, present.diverged && fall(app, present));
+      fallen.hidden = !present.diverged;
       show();
       card.checks();
     },
@@ -85,6 +87,22 @@ export function createCard(app, observer, kind) {
     end() { element.remove(); },
   };
   return card;
+}
+
+/** Where and why it diverged, what to do about it, and a button that lets it begin anew with its present gains. */
+function fall(app, {label, config, gains, diverged}) {
+  const {text} = app;
+  const words = text.said(diverged.text.replace(`${label} diverged: `, ''));
+  const again = async (event) => {
+    event.currentTarget.disabled = true;
+    try { // one right after the other: both act from the same row on
+      await Promise.all([app.send({type: 'remove-observer', label}), app.send({type: 'add-observer', observer: {...config, gains}})]);
+    } catch (error) {
+      app.act.refused(error);
+    }
+  };
+  return [h('p', {class: 'alarm small'}, `${text.fellAt(seconds(diverged.t, app.state.spec?.horizon))}. ${words}${/[.。]$/.test(words) ? '' : text.stop}`),
+    app.state.broken === null && h('button', {type: 'button', class: 'press quiet-press control-only', title: text.startObserverHint, onclick: again}, text.startObserver)];
 }
 
 /** A slider for one number of a gain; sent while it moves. */
@@ -117,9 +135,11 @@ function showLights(lights, list, found, text) {
   lights.hidden = found.length === 0;
   lights.title = spoken;
   lights.setAttribute('aria-label', `${text.assumptions}: ${spoken}`);
-  if (list.hidden && list.childElementCount) fill(list);
-  if (list.hidden && found === list.shown) return;
-  list.shown = found;
+  if (list.hidden) fill(list);
+  const wanted = list.hidden ? null : found;
+  if (wanted === list.shown) return;
+  list.shown = wanted;
+  if (wanted === null) return;
   fill(list, found.map((check) => h('li', {}, h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
     h('b', {}, text.said(check.name)), ` ${text.verdicts[check.verdict]}`,
     check.value === null || check.value === undefined ? null : h('span', {class: 'num'}, ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`),

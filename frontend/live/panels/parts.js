@@ -58,8 +58,10 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
   const range = h('input', {type: 'range', min: 0, max: ENDS, step: 5, 'aria-label': name});
   const field = h('input', {type: 'text', inputmode: 'decimal', class: 'number', 'aria-label': name, autocomplete: 'off', spellcheck: 'false'});
   let present = value;
+  let typing = false;
+  let waiting = null; // what came from elsewhere while one typed
   const show = (next) => {
-    present = next;
+    [present, typing, waiting] = [next, false, null];
     range.value = position(scale, next);
     range.setAttribute('aria-valuetext', number(next));
     field.value = typed(next);
@@ -68,6 +70,8 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
   const slide = (done) => { show(valueAt(scale, Number(range.value))); change(present, done); };
   range.addEventListener('input', () => slide(false));
   range.addEventListener('change', () => slide(true));
+  field.addEventListener('input', () => { typing = true; });
+  field.addEventListener('blur', () => { if (waiting !== null) show(waiting); });
   field.addEventListener('change', () => {
     const read = Number(field.value.trim().replace(',', '.').replace('−', '-'));
     if (field.value.trim() === '' || !Number.isFinite(read) || read < low || read > high) return field.setAttribute('aria-invalid', 'true');
@@ -78,7 +82,11 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
   return {
     range, field, show,
     get value() { return present; },
-    busy: () => document.activeElement === field || range.matches(':active'),
+    /** Show what a command has set, wherever it came from; it does not take what one is typing or dragging from under the hand. */
+    follow(next) {
+      if (typing || range.matches(':active')) waiting = next;
+      else show(next);
+    },
     disable(off) { range.disabled = off; field.disabled = off; },
   };
 }

@@ -5,7 +5,7 @@ import {HALF, layout, WIDTH} from './diagram.js';
 import {open} from './dialogs.js';
 import {asOfNow, heading, link, steady} from './parts.js';
 import {letters, s} from './svg.js';
-import {badges} from './symbols.js';
+import {badges, called} from './symbols.js';
 
 export function mount(element, app) {
   let values = [];
@@ -135,7 +135,7 @@ function watchers({foot, axis}, app) {
 /** One fault site: round for a channel, a small square for what can happen to a measurement. */
 function button(spot, short, app, sites) {
   const press = () => { app.act.site(null); app.act.site(spot.subject); };
-  const title = spot.onChannel ? app.text.siteOf(app.text.named(spot.title)) : app.text.siteOfOutput(spot.name);
+  const title = spot.onChannel ? app.text.siteOf(app.text.named(spot.title)) : app.text.siteOfOutput(called(spot.name, app.state.plant, app.text));
   const key = (event) => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); press(); } };
   const [base, index] = short.get(spot.name) ?? ['', ''];
   const long = base.length + index.length > 2;

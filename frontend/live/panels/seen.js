@@ -47,7 +47,7 @@ export function createSeen(app) {
         refusal(problem, error, text);
       }
     };
-    const words = text.said(spoken(found.text, state.plant));
+    const words = spoken(text.said(found.text), state.plant, text);
     fill(proposal, h('p', {role: 'status'}, capital(words), text.stop), h('div', {class: 'presses'},
       found.input && h('button', {type: 'button', class: 'press control-only', onclick: apply}, text.apply),
       h('button', {type: 'button', class: 'press quiet-press', onclick: offer}, text.dismiss)), problem);
@@ -65,10 +65,10 @@ export function trajectory(app) {
     try {
       const {spec, plant} = app.state;
       const found = await post('/api/observability', {...spec, observers: [], figures: [], commands: []});
-      fill(place, h('p', {}, text.byEquations(found.rank ?? '–', found.size), ' ', capital(text.said(spoken(found.text, plant))), text.stop),
+      fill(place, h('p', {}, text.byEquations(found.rank ?? '–', found.size), ' ', capital(spoken(text.said(found.text), plant, text)), text.stop),
         h('table', {class: 'seen'}, h('thead', {}, h('tr', {}, [text.windowFrom(number(found.window, 3)), text.rank, text.condition].map((head) => h('th', {scope: 'col'}, head)))),
           h('tbody', {}, found.t.map((t, k) => h('tr', {}, h('td', {}, number(t, 4)), h('td', {}, `${found.ranks[k] ?? '–'} / ${found.size}`), h('td', {}, number(found.conditions[k], 2)))))),
-        h('p', {class: 'soft small'}, capital(text.said(spoken(found.along, plant))), text.stop));
+        h('p', {class: 'soft small'}, capital(spoken(text.said(found.along), plant, text)), text.stop));
       place.scrollIntoView({block: 'nearest'});
     } catch (error) {
       fill(place, h('p', {class: 'refused', role: 'alert'}, error.message));
@@ -83,9 +83,9 @@ export function visible(app) {
   const {diagnosis, plant} = app.state;
   const {text} = app;
   if (!diagnosis) return h('p', {class: 'soft'}, text.wait);
-  if (!diagnosis.excitation) return h('p', {class: 'soft'}, text.said(spoken(diagnosis.note, plant)));
+  if (!diagnosis.excitation) return h('p', {class: 'soft'}, spoken(text.said(diagnosis.note), plant, text));
   const {excitation, resolution} = diagnosis;
-  const words = text.said(spoken(excitation.text, plant));
+  const words = spoken(text.said(excitation.text), plant, text);
   return [h('p', {}, capital(words), text.stop), excitation.level !== null && bar(excitation, text), table(resolution, app)];
 }
 
@@ -106,7 +106,7 @@ function table(resolution, app) {
   return h('table', {class: 'seen'}, h('thead', {}, h('tr', {}, h('td'), h('th', {scope: 'col', title: text.smallestHint}, text.smallest), h('th', {scope: 'col'}, text.typical), h('td'))),
     h('tbody', {}, resolution.map((one) => {
       const title = state.plant.channels.find(({name}) => name === one.channel)?.title;
-      return h('tr', {title: text.said(spoken(one.text, state.plant))}, h('th', {scope: 'row'}, badge(short.get(one.channel)), h('span', {class: 'said'}, text.named(title))),
+      return h('tr', {title: spoken(text.said(one.text), state.plant, text)}, h('th', {scope: 'row'}, badge(short.get(one.channel)), h('span', {class: 'said'}, text.named(title))),
         h('td', {}, one.smallest === null ? '–' : small(one.smallest)), h('td', {}, small(one.typical)),
         h('td', {class: 'words'}, h('span', {class: `light ${one.identifiable && one.resolvable ? 'ok' : 'open'}`}), ' ',
           text[one.smallest === null ? 'notSeenNow' : !one.resolvable ? 'underNoise' : one.identifiable ? 'canBeSeen' : 'hardlySeen']));

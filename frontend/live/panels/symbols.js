@@ -20,17 +20,23 @@ export function plain(name) {
   return base + [...index].map((digit) => '₀₁₂₃₄₅₆₇₈₉'[digit] ?? digit).join('');
 }
 
-/** What a sentence calls a channel, an output or a signal: its symbol, or where that is a word what the plant says it is. */
+/** Whether a name is a symbol: a letter, perhaps with a short index; y_speed is a word. */
+export const symbolic = (name) => split(name)[0].length === 1 && !/^[A-Za-z]{2}/.test(split(name)[1]);
+
+/** What plants call something beyond its name: a channel's title, else the beginning of the description. */
+export const titleOf = (item) => item.title || (item.description ?? '').split(/[,;(]/)[0].trim();
+
+/** What the page calls a channel, an output, an input, a signal or a state wherever it names it: its symbol, or where that is a word what the plant says it is. */
 export function called(name, plant, text) {
-  if (split(name)[0].length === 1) return plain(name);
-  const item = plant?.channels.find((one) => one.name === name);
-  return text.named(item?.title) || plain(name);
+  if (symbolic(name) || !plant) return plain(name);
+  const item = [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...plant.states].find((one) => one.name === name);
+  return (item && text.named(titleOf(item))) || plain(name);
 }
 
-/** A sentence of the server with symbols for the plant's names: theta1 and theta2 → θ₁ and θ₂. */
-export function spoken(words, plant) {
+/** A sentence of the server, in the page's language already, with what the page calls them for the plant's names: theta1 and leak1 → θ₁ and leak in tank 1. */
+export function spoken(words, plant, text) {
   const names = plant ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name) : [];
-  return String(words).replace(/[A-Za-z_]\w*/g, (word) => (names.includes(word) ? plain(word) : word));
+  return text.tight(String(words).replace(/[A-Za-z_]\w*/g, (word) => (names.includes(word) ? called(word, plant, text) : word)));
 }
 
 /** With a capital letter at its beginning; a symbol stays as it is. */

@@ -1,32 +1,36 @@
 // Events of the session as sentences, in the language of the page.
 
 import {number} from '../../dom.js';
+import {plantBroke} from '../alarms.js';
 import {amount} from './sizes.js';
 import {called, plain} from './symbols.js';
 
+const DRAGGED = 5; // s between two values of one slider that are told as one
+
 /**
- * Lines for the log, newest first; a gain or noise that was dragged is one line.
+ * Lines for the log, newest first: by the time of what they tell, as an alarm, say, is told later than it was raised. A gain or noise that was dragged
+ * is one line. `signs`: what the observers' gains are called.
  * @returns {{event: object, t: number, words: string, alarm: boolean, own: boolean}[]}
  */
-export function lines(log, text, plant, most = 200) {
+export function lines(log, text, plant, signs = {}, most = 200) {
+  const told = log.filter(({kind}) => kind !== 'substeps').map((event, place) => ({event, place})).sort((a, b) => b.event.t - a.event.t || b.place - a.place);
   const made = [];
-  for (let k = log.length - 1; k >= 0 && made.length < most; k -= 1) {
-    const event = log[k];
-    const newer = log[k + 1];
-    const dragged = (event.kind === 'gain' || event.kind === 'noise') && newer?.kind === event.kind && newer.subject === event.subject && newer.value?.gain === event.value?.gain && newer.t - event.t < 5;
-    if (event.kind === 'substeps' || dragged) continue;
-    made.push({event, t: event.t, words: words(event, text, plant), alarm: event.kind === 'alarm' || event.kind === 'diverged', own: OWN.has(event.kind)});
+  for (const [place, {event}] of told.entries()) {
+    if (made.length >= most) break;
+    const next = told[place - 1]?.event;
+    const dragged = (event.kind === 'gain' || event.kind === 'noise') && next?.kind === event.kind && next.subject === event.subject && next.value?.gain === event.value?.gain && next.t - event.t < DRAGGED;
+    if (!dragged) made.push({event, t: event.t, words: words(event, text, plant, signs), alarm: event.kind === 'alarm' || event.kind === 'diverged', own: OWN.has(event.kind)});
   }
   return made;
 }
 
 const OWN = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-added', 'observer-removed', 'rewound', 'reset']);
 
-function words(event, text, plant) {
+function words(event, text, plant, signs) {
   const say = text.events[event.kind];
   if (!say) return event.text;
-  if (event.kind === 'alarm' || event.kind === 'alarm-over') return say(alarmed(event, plant, text));
-  return say({name: called(event.subject, plant, text), subject: event.subject, observer: event.observer, ...numbers(event, text), planned: event.value?.planned, t: number(event.t, 4)});
+  if (event.kind === 'alarm' || event.kind === 'alarm-over') return text.tight(say(alarmed(event, plant, text)));
+  return text.tight(say({name: event.subject && called(event.subject, plant, text), subject: plantBroke(event) ? '' : event.subject, observer: event.observer, ...numbers(event, text, signs), planned: event.value?.planned, t: number(event.t, 4)}));
 }
 
 /** What an alarm names: the channel and those that explain the data as well, or an output that nothing explains. */
@@ -37,14 +41,16 @@ function alarmed({subject, value}, plant, text) {
   return {names: names.map((name) => called(name, plant, text)), explained: value.kind === 'fault', size, onset: number(value.onset, 4)};
 }
 
-const MAIN = ['size', 'rate', 'intensity', 'value', 'std', 'probability', 'resolution', 'delay']; // what a fault's shape is told by
+/** What a fault's shape is told by; anything but a size is told with its name. */
+const MAIN = ['size', 'rate', 'intensity', 'value', 'std', 'probability', 'resolution', 'delay', 'values'];
 
 /** What an event's value says: a number, a gain, or a fault. */
-function numbers({value}, text) {
+function numbers({value, t}, text, signs) {
   if (value === null || typeof value !== 'object') return {size: spelt(value)};
-  if ('gain' in value) return {gain: plain(value.gain), size: spelt(value.value)};
+  if ('gain' in value) return {gain: signs[value.gain] ?? plain(value.gain), size: spelt(value.value)};
   const name = MAIN.find((one) => one in value);
-  return {size: name ? spelt(value[name]) : '', shape: value.shape && (text.shapes[value.shape] ?? value.shape)};
+  return {size: name ? spelt(value[name]) : '', quantity: name && name !== 'size' ? text.fields[name] : '', shape: value.shape && (text.shapes[value.shape] ?? value.shape),
+    later: value.onset > 0 ? (t + value.onset).toFixed(1) : ''};
 }
 
 function spelt(value) {
