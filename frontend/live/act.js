@@ -39,6 +39,16 @@ function transport(app, link) {
     tell(app, app.text.wentBack(seconds(t, 0.1)), {action: {words: app.text.undo, act: undo, alone: true}}); // those who watch would stay behind
   }
   return {
+    /** Commands that belong together act from the same row on: time stands still for them, however fast it runs. */
+    async together(commands) {
+      const moves = app.state.playing && commands.length > 1;
+      if (moves) await app.send({type: 'pause'});
+      try {
+        return await Promise.all(commands.map((command) => app.send(command)));
+      } finally {
+        if (moves) await app.send({type: 'play'});
+      }
+    },
     play: () => send({type: 'play'}),
     pause: () => send({type: 'pause'}),
     toggle: () => send({type: app.state.playing ? 'pause' : 'play'}),
@@ -54,6 +64,7 @@ function sessions(app, link) {
     open: (id) => link.begin({experiment: id ?? app.first, play: true}),
     openSpec: (spec, {t = 0} = {}) => link.begin({spec, t, play: false, experiment: app.state.experiment}),
     fork: (t) => link.fork(t),
+    visit: (id) => link.visit(id),
     save: () => save(app.state.session, link.token()),
     async link({view = false} = {}) {
       if (view) return `${location.origin}/?session=${encodeURIComponent(app.state.session)}`;

@@ -40,7 +40,7 @@ let token = null;
 const app = {
   store,
   samples: new Samples(1),
-  ghost: null, // the parent's samples
+  ghost: null, // the parent's samples; state.origin is what is known of it
   edge: new Edge(),
   first: FIRST.experiment,
   get state() { return store.state; },
@@ -119,11 +119,16 @@ function prepare(samples, arrivals, message) {
 function watchParent(id) {
   const samples = new Samples(1, 24e6);
   const arrivals = new Arrivals(samples, id, loop.wake);
+  let known = reduce(initial, {type: 'begin', session: id, role: 'view', experiment: null});
   ghostSocket = connect({
     session: id, token: null, onFrame: (frame) => arrivals.frame(frame),
     onMessage(message) {
       prepare(samples, arrivals, message);
       app.ghost = samples;
+      known = reduce(known, message);
+      const {observers, faults, alarms} = known;
+      const {origin} = store.state;
+      if (known.spec && (origin?.observers !== observers || origin.faults !== faults || origin.alarms !== alarms)) store.dispatch({type: 'set', origin: {observers, faults, alarms}});
     },
     onConnection(now) {
       if (now === 'ended' && app.ghost === null) store.dispatch({type: 'set', parent: null});
@@ -146,13 +151,31 @@ const link = {
     const {session, experiment, begunPlain} = store.state;
     const now = t ?? app.samples.now;
     try {
+      await writeAddress();
       const made = await fork(session, token, t);
-      join({id: made.id, control: made.token, experiment, plain: begunPlain, parent: {id: session, t: now}, then: () => app.act.tell(app.text.forked(now.toFixed(1)))});
+      const parent = {id: session, t: now};
+      kept.write({id: made.id, token: made.token, address: '', experiment, plain: begunPlain, parent});
+      history.pushState({session: made.id}, '', location.href); // the browser's Back leads to the first one
+      join({id: made.id, control: made.token, experiment, plain: begunPlain, parent, then: () => app.act.tell(app.text.forked(now.toFixed(1)))});
     } catch (error) {
       app.act.refused(error);
     }
   },
+  /** Go to another session of this tab: the one that this was forked from, or one that was forked from this. */
+  async visit(id) {
+    await writeAddress();
+    history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
+    if (!await rejoin(id)) app.act.tell(app.text.sessionEnded, {kind: 'problem'});
+  },
 };
+
+/** Join a session that this tab has had before, if it is still there. */
+async function rejoin(id) {
+  const known = kept.of(id);
+  if (!await look(id).catch(() => null)) return false;
+  join({id, control: known?.token ?? null, experiment: known?.experiment ?? null, plain: known?.plain ?? false, parent: known?.parent ?? null});
+  return true;
+}
 
 function failed(error) {
   const problem = {title: app.text.said(error.title ?? app.text.failed), detail: app.text.said(error.detail ?? error.message)};
@@ -171,7 +194,7 @@ async function writeAddress() {
   if (state.role !== 'control' || !state.spec || state.connection !== 'live') return;
   const address = await addressOf(app);
   if (store.state.session !== state.session) return;
-  history.replaceState(null, '', address.startsWith('?') ? `/${address}` : `/${address}`);
+  history.replaceState({session: state.session}, '', `/${address}`);
   kept.write({id: state.session, token, address, experiment: state.experiment, plain: state.begunPlain, parent: state.parent});
 }
 
@@ -202,10 +225,9 @@ async function open() {
   }
   const mine = kept.read();
   const here = location.search + location.hash;
-  if (asked.session) return join({id: asked.session, control: mine?.id === asked.session ? mine.token : null, experiment: null, plain: false});
-  if (mine && here && mine.address === here && await look(mine.id).catch(() => null)) {
-    return join({id: mine.id, control: mine.token, experiment: mine.experiment, plain: mine.plain, parent: mine.parent});
-  }
+  const own = [history.state?.session, mine?.address === here && here && mine.id].find((id) => id && kept.of(id));
+  if (own && await rejoin(own)) return undefined;
+  if (asked.session) return join({id: asked.session, control: kept.of(asked.session)?.token ?? null, experiment: null, plain: false});
   const linked = asked.t > 0 || asked.changed || asked.spec;
   const then = linked ? () => app.act.tell(app.text.fromLink(asked.t.toFixed(1))) : undefined;
   try {

@@ -2,7 +2,9 @@
 
 import {fill, h, symbol} from '../dom.js';
 import {seconds} from './format.js';
+import {link} from './panels/parts.js';
 import {symbolic} from './panels/symbols.js';
+import {kept} from './session.js';
 
 export function mountHead(root, app, scope) {
   const legend = h('ul', {class: 'legend'});
@@ -11,7 +13,7 @@ export function mountHead(root, app, scope) {
   const menu = h('details', {class: 'menu strips-menu'});
   fill(root, legend, zoom, windows, menu);
 
-  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns], () => {
+  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns, state.session], () => {
     fill(legend, legendOf(app, scope));
     fitLegend(legend);
   });
@@ -53,6 +55,7 @@ function fitLegend(legend) {
 
 function legendOf(app, scope) {
   const {state, text} = app;
+  const forked = kept.forkOf(state.session);
   const item = (mark, words, extra = {}) => h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
   const key = (name, style = null) => h('span', {class: `key ${name}`, style, 'aria-hidden': 'true'});
   return [
@@ -61,7 +64,8 @@ function legendOf(app, scope) {
       class: 'own', onpointerenter: () => scope.point(observer.label), onpointerleave: () => scope.point(null)})),
     state.columns.some((column) => column.includes('.sigma.')) && item(key('band', `--c:${state.observers[0]?.colour ?? 'var(--o0)'}`), text.band),
     item(key('tinted'), text.faultActive), item(key('triangle'), text.alarm),
-    state.parent && item(key('ghost'), text.parentCurves),
+    state.parent && item(key('ghost'), [link(text.parentCurves, () => app.act.visit(state.parent.id), {title: text.toParent})], {title: text.toParent}),
+    forked && item(key('ghost'), [link(text.forkFrom(seconds(forked.parent.t, 0.1)), () => app.act.visit(forked.id), {title: text.toFork})], {title: text.toFork}),
   ];
 }
 

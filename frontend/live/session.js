@@ -2,7 +2,8 @@
 
 import {get, post, Problem, request} from '../api.js';
 
-const KEPT = 'thetascope.session';
+const KEPT = 'thetascope.sessions';
+const MOST = 8; // sessions that are remembered
 
 /** Begin a session. `play`: time runs at once; `t`: begin at that time. */
 export const create = (body) => post('/api/sessions', body);
@@ -39,18 +40,23 @@ export function library(id) {
   return asked.get(id);
 }
 
-/** What this tab controls: {id, token, address, experiment, parent}, so that loading the page again does not lose it. */
+/** What this tab controls, {id, token, address, experiment, plain, parent}, so that loading the page again and going back in it do not lose it; the newest last. */
 export const kept = {
-  read() {
+  all() {
     try {
-      return JSON.parse(sessionStorage.getItem(KEPT));
+      return JSON.parse(sessionStorage.getItem(KEPT)) ?? [];
     } catch {
-      return null;
+      return [];
     }
   },
+  /** The one that was shown last. */
+  read: () => kept.all().at(-1) ?? null,
+  of: (id) => kept.all().find((one) => one.id === id) ?? null,
+  /** The newest that was forked from a session. */
+  forkOf: (id) => kept.all().findLast((one) => one.parent?.id === id) ?? null,
   write(value) {
     try {
-      sessionStorage.setItem(KEPT, JSON.stringify(value));
+      sessionStorage.setItem(KEPT, JSON.stringify([...kept.all().filter(({id}) => id !== value.id), value].slice(-MOST)));
     } catch { /* private windows keep nothing */ }
   },
 };

@@ -49,6 +49,7 @@
  * @property {number | null} broken       when the plant itself broke down
  * @property {Object<string, number>} places    observer label → number of its colour, of those that have gone, too
  * @property {{id: string, t: number} | null} parent    the session that this one was forked from
+ * @property {{observers: ObserverState[], faults: FaultState[], alarms: object[]} | null} origin   what is known of that one
  * @property {number | null} window       length of the scope's window in s; null: all
  * @property {number[]} windows           those to choose from
  * @property {boolean} begunPlain         began with a library experiment as it is
@@ -69,7 +70,7 @@
 export const initial = Object.freeze({
   connection: 'starting', session: null, role: 'control', experiment: null, spec: null, plant: null, columns: [], epoch: 0,
   step: 0, record: 0, row: 0, t: 0, playing: false, speed: 1, rate: null, viewers: 1, ended: false,
-  log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], noise: {}, broken: null, places: {}, parent: null,
+  log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], noise: {}, broken: null, places: {}, parent: null, origin: null,
   window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, strips: {}, site: null, presentation: false, desk: 'inject', theme: 'light', language: 'en',
   problem: null, told: null,
 });

@@ -2,7 +2,7 @@
 
 const en = {
   scope: 'Scope',
-  truth: 'true', estimate: 'estimate', band: '±2σ', alarm: 'alarm', faultActive: 'fault active', parentCurves: 'the first session',
+  truth: 'true', estimate: 'estimate', band: '±2σ', alarm: 'alarm', faultActive: 'fault active', parentCurves: 'the first session', toParent: 'Go to the session that this one was forked from', forkFrom: (t) => `the fork of ${t} s`, toFork: 'Go to the session that was forked from this one',
   residual: 'residual', excitation: 'excitation', excited: 'excited', notExcited: 'too weak',
   window: 'Window', windowOf: (s) => `${s} s`, all: 'all', windowHint: 'How much time the scope shows',
   strips: 'Strips', stripsHint: 'Choose which curves are shown', channels: 'Faults', states: 'States', residuals: 'Residuals', other: 'Other',
@@ -26,7 +26,7 @@ const en = {
 
 const zh = {
   scope: '示波器',
-  truth: '真值', estimate: '估计', band: '±2σ', alarm: '报警', faultActive: '故障存在', parentCurves: '原会话',
+  truth: '真值', estimate: '估计', band: '±2σ', alarm: '报警', faultActive: '故障存在', parentCurves: '原会话', toParent: '转到本会话所分支自的会话', forkFrom: (t) => `${t} s 处的分支`, toFork: '转到由本会话分支出的会话',
   residual: '残差', excitation: '激励', excited: '充分激励', notExcited: '激励不足',
   window: '窗口', windowOf: (s) => `${s} s`, all: '全部', windowHint: '示波器显示的时间长度',
   strips: '曲线', stripsHint: '选择显示哪些曲线', channels: '故障', states: '状态', residuals: '残差', other: '其他',

@@ -115,6 +115,11 @@ function drawFaults({app, ctx, colours}, x, now, end, top, body) {
     ctx.fillStyle = colours.amber;
     bar(fault.onset, Math.min(fault.end ?? now, now), 1);
     bar(Math.max(now, fault.onset), Math.min(fault.end ?? end, end), 0.28);
+    if (fault.onset <= 0 || fault.onset > end) continue;
+    ctx.fillStyle = colours.fault; // where it begins, as others may act there already
+    ctx.globalAlpha = fault.onset > now ? 0.5 : 1;
+    ctx.fillRect(Math.round(x(fault.onset)), y - 1, 1.5, tall + 2);
+    ctx.globalAlpha = 1;
   }
 }
 

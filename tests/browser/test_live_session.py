@@ -178,7 +178,7 @@ def test_a_session_that_ended_can_be_taken_up_again(page):
     changed(opened)
     before = last_row(opened)
     opened.evaluate("""(() => {
-      const {id, token} = JSON.parse(sessionStorage['thetascope.session']);
+      const {id, token} = JSON.parse(sessionStorage['thetascope.sessions']).at(-1);
       return fetch(`/api/sessions/${id}`, {method: 'DELETE', headers: {'X-Control-Token': token}});
     })()""")
     until(opened, f"{APP}.state.connection === 'ended'")

@@ -72,7 +72,7 @@ def test_an_active_fault_is_changed_in_place(page):
     row(live, "theta2").locator(".press.clear").wait_for()
     field = row(live, "theta2").locator("input.number")
     field.fill("0.03")
-    field.press("Enter")
+    field.press("Tab")
     row(live, "theta2").locator(".quiet-press").click()
     until(live, "thetascope.state.faults.at(-1).fault.size === 0.03")
     live.evaluate("thetascope.act.step(5)")

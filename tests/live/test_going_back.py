@@ -6,7 +6,7 @@ import pytest
 from backend import library
 from backend.engine.errors import SpecError
 from backend.live.session import Session
-from tests.live.test_session import advance, do, saved, zhao
+from tests.live.test_session import advance, assert_same, do, live_rows, saved, zhao
 
 ACTS = {
     "a fault with an end ahead": ("inject", {"fault": {"channel": "theta3", "shape": "step", "onset": 0, "end": 3, "size": 0.02}}),
@@ -59,3 +59,30 @@ def test_there_is_no_going_back_to_what_is_ahead():
     with pytest.raises(SpecError, match="the session stands at 1 s"):
         do(session, "seek", t=500.0)
     assert session.spec is before and session.row == 100
+
+
+def test_an_observer_that_diverged_is_started_again_under_its_name():
+    """Removed and added again in one row, the only one, and while another watches: its columns go on, and the saved run has the same."""
+    session, pieces = Session(library.experiment("zhao-2012-as-printed")), []
+    own = session.spec.observers[0]
+    advance(session, 100, pieces)
+    assert [e.subject for e in session.log if e.kind == "diverged"] == ["adaptive"]
+    for label in ("kalman", "another"):
+        do(session, "remove-observer", label="adaptive")
+        do(session, "add-observer", observer=own.model_dump())
+        advance(session, 20, pieces)
+        assert np.isfinite(live_rows(pieces, "adaptive.x.x1")[-20:]).all()
+        do(session, "add-observer", observer={"label": label, "kind": "adaptive-kalman"})
+    assert sum(e.kind == "diverged" for e in session.log) == 1
+    assert_same(pieces, session)
+
+
+def test_what_was_told_is_not_told_again_when_rows_are_given_up():
+    """A divergence and an alarm are events once, though the rows after them are given up and found again."""
+    for experiment, rows, back in (("zhao-2012-as-printed", 100, 74), ("zhao-2012", 2300, 2250)):
+        session = Session(library.experiment(experiment))
+        session.advance(rows)
+        assert {"diverged", "alarm"} & {e.kind for e in session.take_events()}
+        session.rewind_unseen(back)
+        session.advance(rows - back)
+        assert session.take_events() == []

@@ -152,51 +152,6 @@ def test_rewinding_gives_up_what_came_after():
     np.testing.assert_array_equal(one.rows(0, 600), two.rows(0, 600))
 
 
-def test_going_back_keeps_what_was_planned_and_not_what_was_given_up_before():
-    """Between Clear and a fault injected to begin later: the later one still comes, the cleared plan of the experiment does not."""
-    session = Session(library.experiment("zhao-2012"))
-    session.advance(2200)
-    do(session, "clear")
-    do(session, "inject", fault={"channel": "theta3", "shape": "step", "onset": 8, "size": 0.02})
-    session.advance(300)
-    planned = session.spec.faults
-    assert [(f.channel, f.onset, f.end) for f in planned] == [("theta3", 20, 22), ("theta3", 30, None)]
-    do(session, "seek", t=25.0)
-    assert session.spec.faults == planned
-    do(session, "clear")
-    do(session, "seek", t=24.0)
-    assert session.spec.faults == planned
-    do(session, "seek", t=22.0)  # what was done at that very time is given up
-    assert session.spec.faults == library.experiment("zhao-2012").faults
-
-
-def test_an_observer_that_diverged_is_started_again_under_its_name():
-    """Removed and added again in one row, the only one, and while another watches: its columns go on, and the saved run has the same."""
-    session, pieces = Session(library.experiment("zhao-2012-as-printed")), []
-    own = session.spec.observers[0]
-    advance(session, 100, pieces)
-    assert [e.subject for e in session.log if e.kind == "diverged"] == ["adaptive"]
-    for label in ("kalman", "another"):
-        do(session, "remove-observer", label="adaptive")
-        do(session, "add-observer", observer=own.model_dump())
-        advance(session, 20, pieces)
-        assert np.isfinite(live_rows(pieces, "adaptive.x.x1")[-20:]).all()
-        do(session, "add-observer", observer={"label": label, "kind": "adaptive-kalman"})
-    assert sum(e.kind == "diverged" for e in session.log) == 1
-    assert_same(pieces, session)
-
-
-def test_what_was_told_is_not_told_again_when_rows_are_given_up():
-    """A divergence and an alarm are events once, though the rows after them are given up and found again."""
-    for experiment, rows, back in (("zhao-2012-as-printed", 100, 74), ("zhao-2012", 2300, 2250)):
-        session = Session(library.experiment(experiment))
-        session.advance(rows)
-        assert {"diverged", "alarm"} & {e.kind for e in session.take_events()}
-        session.rewind_unseen(back)
-        session.advance(rows - back)
-        assert session.take_events() == []
-
-
 def test_a_fork_goes_its_own_way():
     """A fork at 1.5 s repeats the past and leaves its parent alone."""
     parent = Session(zhao())

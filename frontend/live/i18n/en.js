@@ -41,7 +41,8 @@ export const en = {
 
   asOfNow: (t) => `now, ${t}`,
   diagnosis: 'Diagnosis', findings: 'Findings', howSure: 'how sure?', canSee: 'what can be seen?', or: 'or', foundIn: 'found in', notFound: 'not found yet', noFaultActs: 'no fault acts', faultElsewhere: 'not this one',
-  isOver: 'it has ended', cleared: 'over', ifIt: (name) => `if it is ${name}`, tooSmall: (size) => `below ${size}, the least that shows now`, suspects: 'suspect the sensor: stuck, dropout, delay',
+  isOver: 'it has ended', plannedAt: (t) => `from ${t}`, besides: (what) => `Together with ${what.join(' and ')}.`, inAll: (size) => ` In all ${size}.`, moreFrom: (what) => `Planned on top: ${what.join(', ')}.`,
+  part: ({size, shape, t}) => `${size || shape} since ${t}`, partFrom: ({size, shape, t}) => `${size || shape} from ${t}`, coming: ({name, t}) => `Waiting: ${name} begins at ${t}.`, cleared: 'over', ifIt: (name) => `if it is ${name}`, tooSmall: (size) => `below ${size}, the least that shows now`, suspects: 'suspect the sensor: stuck, dropout, delay',
   invite: 'Click a circle in the plant, or press Inject. What watches sees only u and y, never the fault.',
   inviteOutputs: 'Click a circle in the plant, or press Inject. What watches sees only y, never the fault.',
   unknownSize: 'not in the model',
@@ -57,6 +58,7 @@ export const en = {
     ending: () => 'The fault has ended; its alarm is about to clear.',
     one: ({name, kind, size, since}) => `${capital(name)}${kind ? ` ${kind} fault` : ''}: ${size} since ${since}.`,
     oneFound: ({name, kind, size, since, took}) => `${capital(name)}${kind ? ` ${kind} fault` : ''}: ${size} since ${since}, found in ${took}.`,
+    oneAgain: ({name, kind, size, since, again}) => `${capital(name)}${kind ? ` ${kind} fault` : ''}: ${size} since ${since}. The one of ${again} came before that alarm was over.`,
     several: ({count: n}) => `${count(n, 'fault, named', 'faults, all named')}.`,
     allNamed: ({count: n, name, took}) => `${count(n, 'fault, named', 'faults, all named')}. ${capital(name)} was found ${took} after it began.`,
     either: ({names}) => `${capital(names.join(' or '))}: this input does not tell them apart.`,
@@ -90,7 +92,8 @@ export const en = {
     'adaptive-kalman': 'Adaptive Kalman', 'adaptive-kalman-discrete': 'Adaptive Kalman, sampled', 'joint-ekf': 'Joint EKF', 'joint-ukf': 'Joint UKF'},
 
   comparison: 'Comparison', rmseHint: 'Root mean square error of the state over the window shown', settle: 'settle', settleHint: 'Time from a step fault until its estimate stays within 10 % of the step, up to now or to the next fault; taken back where it leaves again',
-  noiseShort: 'noise', noiseHint: 'Standard deviation of the estimate about its trend, over the last quarter of the window', notYet: 'not yet', whichState: 'State to compare', whichFault: 'Fault to compare', foundBy: 'found by the detector in', foundHint: 'Time from the fault to the alarm of the detector that names it; it does not depend on the observers',
+  noiseShort: 'noise', noiseHint: 'Standard deviation of the estimate about its trend, over the last quarter of the window', notYet: 'not yet', notSoFar: 'This session has not come so far',
+  alarmWasOn: 'Its alarm was on already', tooNoisy: 'too noisy', tooNoisyHint: 'The estimate has come to the truth, but its noise throws it further than 10 % of the step, so that it never stays within', whichState: 'State to compare', whichFault: 'Fault to compare', foundBy: 'found by the detector in', foundHint: 'Time from the fault to the alarm of the detector that names it; it does not depend on the observers',
 
   log: 'Log', emptyLog: 'Nothing has happened yet.', showMoment: 'Show this moment', backHere: 'Go back to here',
   events: {
@@ -115,7 +118,7 @@ export const en = {
   pngHint: 'What the scope shows, as pixels', svgHint: 'What the scope shows, as lines',
   keyNames: {Space: 'Space', ArrowLeft: '←', ArrowRight: '→', Home: 'Home', End: 'End', Escape: 'Esc'},
   keys: {toggle: 'play or pause', step: 'one step', back: 'look back', on: 'look on', now: 'back to now', reset: 'back to the start', faster: 'faster', slower: 'slower', fork: 'fork here: a second session',
-    site: 'a fault channel: its injection', clear: 'clear all faults', equations: 'equations', present: 'presentation; Esc leaves it', desk: 'presentation: inject, observers, comparison, log, try this', theme: 'light or dark', language: 'English or 中文', share: 'share', help: 'this list'},
+    site: 'a fault channel; Enter injects', clear: 'clear all faults', equations: 'equations', present: 'presentation; Esc leaves it', desk: 'presentation: inject, observers, comparison, log, try this', theme: 'light or dark', language: 'English or 中文', share: 'share', help: 'this list'},
   keysNote: 'Tab reaches everything; arrows move a slider.',
   tabs: {curves: 'Curves', inject: 'Inject', observers: 'Observers', diagnosis: 'Diagnosis'}, tabsLabel: 'Parts of the page', deskLabel: 'Panels',
 };

@@ -43,7 +43,8 @@ export const zh = {
 
   asOfNow: (t) => `现在，${t}`,
   diagnosis: '诊断', findings: '诊断结果', howSure: '有多可靠？', canSee: '能看到什么？', or: '或', foundIn: '发现用时', notFound: '尚未发现', noFaultActs: '并无故障', faultElsewhere: '不是它',
-  isOver: '故障已结束', cleared: '已解除', ifIt: (name) => `若为 ${name}`, tooSmall: (size) => `小于目前可见的最小值 ${size}`, suspects: '怀疑传感器：卡死、丢失、延迟',
+  isOver: '故障已结束', plannedAt: (t) => `将于 ${t}`, besides: (what) => `同时有 ${what.join('、')}。`, inAll: (size) => `合计 ${size}。`, moreFrom: (what) => `另计划：${what.join('，')}。`,
+  part: ({size, shape, t}) => `${size || shape}（自 ${t}）`, partFrom: ({size, shape, t}) => `${size || shape}（自 ${t}）`, coming: ({name, t}) => `等待中：${name} 将于 ${t} 开始。`, cleared: '已解除', ifIt: (name) => `若为 ${name}`, tooSmall: (size) => `小于目前可见的最小值 ${size}`, suspects: '怀疑传感器：卡死、丢失、延迟',
   invite: '点击对象图中的圆圈，或按“注入”。诊断只看到 u 和 y，看不到故障。',
   inviteOutputs: '点击对象图中的圆圈，或按“注入”。诊断只看到 y，看不到故障。',
   unknownSize: '模型之外',
@@ -59,6 +60,7 @@ export const zh = {
     ending: () => '故障已结束，报警即将解除。',
     one: ({name, kind, size, since}) => `${name}${kind ? ` ${kind}故障` : ''}：${size}，自 ${since} 起。`,
     oneFound: ({name, kind, size, since, took}) => `${name}${kind ? ` ${kind}故障` : ''}：${size}，自 ${since} 起，${took} 后发现。`,
+    oneAgain: ({name, kind, size, since, again}) => `${name}${kind ? ` ${kind}故障` : ''}：${size}，自 ${since} 起。${again} 的新故障在该报警解除之前到来。`,
     several: ({count: n}) => `${n} 个故障，全部识别。`,
     allNamed: ({count: n, name, took}) => `${n} 个故障，全部识别。${name} 在出现 ${took} 后被发现。`,
     either: ({names}) => `${names.join(' 或 ')}：当前输入无法区分。`,
@@ -92,7 +94,8 @@ export const zh = {
     'adaptive-kalman': '自适应卡尔曼', 'adaptive-kalman-discrete': '自适应卡尔曼，采样', 'joint-ekf': '联合 EKF', 'joint-ukf': '联合 UKF'},
 
   comparison: '比较', rmseHint: '所示窗口内状态的均方根误差', settle: '收敛', settleHint: '从阶跃故障出现到估计一直保持在阶跃的 10 % 以内的时间，算到现在或下一个故障；若再次离开则撤回',
-  noiseShort: '噪声', noiseHint: '窗口最后四分之一内估计相对其趋势的标准差', notYet: '尚未', whichState: '比较的状态', whichFault: '比较的故障', foundBy: '检测器发现用时', foundHint: '从故障出现到检测器报警指出它的时间；与观测器无关',
+  noiseShort: '噪声', noiseHint: '窗口最后四分之一内估计相对其趋势的标准差', notYet: '尚未', notSoFar: '该会话尚未到达此时刻',
+  alarmWasOn: '其报警早已存在', tooNoisy: '噪声过大', tooNoisyHint: '估计已到达真值，但噪声使其超出阶跃的 10 %，因而不能一直保持在内', whichState: '比较的状态', whichFault: '比较的故障', foundBy: '检测器发现用时', foundHint: '从故障出现到检测器报警指出它的时间；与观测器无关',
 
   log: '日志', emptyLog: '尚无事件。', showMoment: '显示这一时刻', backHere: '回到这里',
   events: {
@@ -117,7 +120,7 @@ export const zh = {
   pngHint: '示波器所示，像素图', svgHint: '示波器所示，矢量图',
   keyNames: {Space: '空格', ArrowLeft: '←', ArrowRight: '→', Home: 'Home', End: 'End', Escape: 'Esc'},
   keys: {toggle: '播放或暂停', step: '单步', back: '向前回看', on: '向后查看', now: '回到当前', reset: '回到起点', faster: '加快', slower: '放慢', fork: '从此处分支：第二个会话',
-    site: '某个故障通道：其注入', clear: '清除所有故障', equations: '方程', present: '演示模式；Esc 退出', desk: '演示模式下：注入、观测器、比较、日志、试一试', theme: '浅色或深色', language: 'English 或 中文', share: '分享', help: '本列表'},
+    site: '某个故障通道；按 Enter 注入', clear: '清除所有故障', equations: '方程', present: '演示模式；Esc 退出', desk: '演示模式下：注入、观测器、比较、日志、试一试', theme: '浅色或深色', language: 'English 或 中文', share: '分享', help: '本列表'},
   keysNote: 'Tab 可到达所有控件；方向键移动滑块。',
   tabs: {curves: '曲线', inject: '注入', observers: '观测器', diagnosis: '诊断'}, tabsLabel: '页面的各部分', deskLabel: '面板',
 };

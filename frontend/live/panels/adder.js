@@ -4,6 +4,10 @@ import {post} from '../../api.js';
 import {fill, h} from '../../dom.js';
 import {refusal} from './parts.js';
 
+/** What an observer of a kind is called; of a kind that is not known here: the kind. */
+const SHORT = {'zhao-adaptive': 'adaptive', 'nonsmooth-adaptive': 'nonsmooth', 'linear-adaptive': 'linear', 'reduced-order': 'reduced', 'full-order': 'full',
+  'sandwich-nonsmooth': 'nonsmooth', 'sandwich-conventional': 'conventional', 'adaptive-kalman': 'kalman', 'adaptive-kalman-discrete': 'sampled', 'joint-ekf': 'ekf', 'joint-ukf': 'ukf'};
+
 /** Fill `element`, which is shown, with the form; `done` is called when it has been added or given up. */
 export function createAdder(element, app, kinds, done) {
   const {text} = app;
@@ -28,7 +32,7 @@ export function createAdder(element, app, kinds, done) {
   const choose = () => {
     const kind = chosen();
     about.textContent = text.named(kind?.summary) ?? '';
-    if (!typed) label.value = free(kind?.id.split('-').at(kind.id.startsWith('joint') ? 1 : 0) ?? 'observer', observers);
+    if (!typed) label.value = free(SHORT[kind?.id] ?? kind?.id ?? 'observer', observers);
     inputs.clear();
     fill(options, kind ? optionFields(kind, plant, text, inputs) : null);
     refusal(problem, null, text);

@@ -1,38 +1,53 @@
-// The table that compares the observers over the window that the scope shows.
+// The table that compares the observers over the window that the scope shows; in a fork with those of the session that it came from.
 
 import {fill, h, hatted, symbol} from '../../dom.js';
-import {finding} from '../alarms.js';
-import {noise, rmse, settled} from './metrics.js';
-import {chip, heading, steady, took} from './parts.js';
+import {detected, figuresOf} from './compared.js';
+import {chip, heading, link} from './parts.js';
 import {badges, called, plain, split, symbolic, titleOf} from './symbols.js';
 
 const EVERY = 900; // ms between two computations
 const LONGEST = 6000; // rows of a window of "all"
-const MOST = 200_000; // rows after a fault that are looked at
-const SETTLED = 0.1; // of the step: as in backend/diagnosis/metrics.py
 
 export function mount(element, app) {
   let state = null; // chosen by hand
   let channel = null;
-  let cells = [];
+  let rows = []; // {cells, of: () => [{words, title}, …]}
   let last = 0;
-  let detector = null;
+  let late = 0;
   const body = h('tbody');
 
   const build = () => {
-    const {plant, observers} = app.state;
+    const {plant, observers, origin} = app.state;
     element.hidden = !plant || observers.length === 0;
     if (element.hidden) return;
+    const {text} = app;
     const [x, theta] = chosen();
-    const head = h('tr', {}, h('td'), h('th', {scope: 'col', title: app.text.rmseHint}, 'RMSE ', picker(plant.states, x, app.text.whichState, (name) => { state = name; build(); })),
-      theta && h('th', {scope: 'col', title: app.text.settleHint}, app.text.settle, ' ', picker(plant.channels, theta, app.text.whichFault, (name) => { channel = name; build(); })),
-      theta && h('th', {scope: 'col', title: app.text.noiseHint}, app.text.noiseShort, ' ', short(theta, plant.channels, true)));
-    cells = observers.map((observer) => ({observer, row: [h('td'), ...(theta ? [h('td'), h('td')] : [])]}));
-    detector = theta ? h('td') : null;
-    fill(body, cells.map(({observer, row}) => h('tr', {}, h('th', {scope: 'row', title: observer.label}, chip(observer.colour), h('span', {class: 'said'}, observer.label)), row)),
-      theta && app.state.diagnosis?.note === '' && h('tr', {class: 'detector', title: app.text.foundHint}, h('th', {scope: 'row', colspan: 2}, app.text.foundBy), detector, h('td')));
-    fill(element, heading(app.text.comparison), h('div', {class: 'scroll'}, h('table', {}, h('caption', {class: 'said'}, app.text.comparison), h('thead', {}, head), body)));
+    const head = h('tr', {}, h('td'), h('th', {scope: 'col', title: text.rmseHint}, 'RMSE ', picker(plant.states, x, text.whichState, (name) => { state = name; build(); }, app)),
+      theta && h('th', {scope: 'col', title: text.settleHint}, text.settle, ' ', picker(plant.channels, theta, text.whichFault, (name) => { channel = name; build(); }, app)),
+      theta && h('th', {scope: 'col', title: text.noiseHint}, text.noiseShort, ' ', short(theta, plant.channels, app, true)));
+    rows = [];
+    const mine = group(observers, () => ({samples: app.samples, faults: app.state.faults, alarms: app.state.alarms}));
+    const first = origin && group(origin.observers.map((one) => ({...one, colour: observers.find(({label}) => label === one.label)?.colour ?? one.colour})),
+      () => ({samples: app.ghost, faults: origin.faults, alarms: origin.alarms}));
+    fill(body, mine, first && [h('tr', {class: 'origin'}, h('th', {scope: 'rowgroup', colspan: 4}, link(text.parentCurves, () => app.act.visit(app.state.parent.id), {title: text.toParent}))),
+      first.map((row) => { row.classList.add('of-origin'); return row; })]);
+    fill(element, heading(text.comparison), h('div', {class: 'scroll'}, h('table', {}, h('caption', {class: 'said'}, text.comparison), h('thead', {}, head), body)));
     compute();
+  };
+  /** The rows of one session: one an observer, and how soon its detector found the fault. `watched` gives it when figures are wanted. */
+  const group = (observers, watched) => {
+    const {text} = app;
+    const [x, theta] = chosen();
+    const cell = () => h('td');
+    const made = observers.map(({label, colour, kind}) => {
+      const cells = theta ? [cell(), cell(), cell()] : [cell()];
+      rows.push({cells, of: () => figuresOf(watched(), label, [x, theta], span(), text)});
+      return h('tr', {}, h('th', {scope: 'row', title: [label, text.kindNames[kind]].filter(Boolean).join(', ')}, h('span', {class: 'who'}, chip(colour), h('span', {}, label))), cells);
+    });
+    if (!theta || app.state.diagnosis?.note !== '') return made;
+    const found = cell();
+    rows.push({cells: [found], of: () => [detected(watched(), theta, span()[1], text)]});
+    return [...made, h('tr', {class: 'detector', title: text.foundHint}, h('th', {scope: 'row', colspan: 2}, text.foundBy), found, h('td'))];
   };
   /** State and channel of the columns: chosen by hand, else the first state and the newest fault. */
   const chosen = () => {
@@ -42,65 +57,43 @@ export function mount(element, app) {
     const x = plant.states.some((one) => one.name === state) ? state : plant.states[0].name;
     return [x, plant.channels.some((one) => one.name === channel) ? channel : newest?.subject ?? estimated[0]?.name ?? null];
   };
+  const span = () => {
+    const {t, window, selection} = app.state;
+    return selection ?? [Math.max(0, t - (window ?? LONGEST * app.state.record)), t];
+  };
   const compute = () => {
-    const {plant, t, window, selection} = app.state;
-    if (!plant || cells.length === 0) return;
-    const [x, theta] = chosen();
-    const [from, to] = selection ?? [Math.max(0, t - (window ?? LONGEST * app.state.record)), t];
-    const truth = app.window(`x.${x}`, from, to);
-    const fault = app.state.faults.findLast((one) => one.subject === theta && one.onset <= t);
-    if (detector) put(detector, fault ? delay(fault) : '–');
-    for (const {observer, row} of cells) {
-      const mine = app.window(`${observer.label}.x.${x}`, from, to);
-      put(row[0], mine.v.length === truth.v.length ? steady(rmse(mine.v, truth.v), undefined, 2) : '–');
-      if (row.length === 1) continue;
-      const estimate = app.window(`${observer.label}.theta.${theta}`, to - (to - from) / 4, to);
-      put(row[1], fault ? settling(observer, theta, fault, t) : '–');
-      put(row[2], steady(noise(estimate.t, estimate.v), undefined, 2));
+    if (!app.state.plant || element.hidden) return;
+    for (const {cells, of} of rows) {
+      for (const [place, {words, title}] of of().entries()) put(cells[place], words, title);
     }
   };
-  /** How soon the detector named it. */
-  const delay = (fault) => {
-    const found = finding(fault, app.state.alarms);
-    return found === null ? app.text.notYet : found.delay === null ? '–' : took(found.delay);
-  };
-  const settling = (observer, theta, fault, t) => {
-    if (fault.shape !== 'step') return '–';
-    const {record, faults} = app.state;
-    const from = fault.onset;
-    const next = Math.min(...faults.flatMap(({onset, end}) => [onset, end ?? Infinity]).filter((event) => event > from)); // disturbs the estimate, too
-    const until = Math.min(next - record / 2, t, from + MOST * record);
-    const truth = app.window(`theta.${theta}`, from, until);
-    const mine = app.window(`${observer.label}.theta.${theta}`, from, until);
-    if (mine.v.length !== truth.v.length || mine.v.length < 3 || !mine.v.some(Number.isFinite)) return '–';
-    const time = settled(truth.t, truth.v, mine.v, from, SETTLED * Math.abs(fault.fault.size));
-    return time === null ? app.text.notYet : took(time);
-  };
   app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, s.diagnosis?.note], build);
-  app.subscribe((s) => s.faults, build);
+  app.subscribe((s) => [s.faults, s.origin], build);
   app.onTick(() => {
-    const now = performance.now();
-    if (now - last < EVERY) return;
-    last = now;
-    compute();
+    late ||= setTimeout(() => { // the last of many changes counts, too
+      [late, last] = [0, performance.now()];
+      compute();
+    }, Math.max(0, last + EVERY - performance.now()));
   });
 }
 
 /** Set a cell; a number that has not changed is left alone. */
-function put(cell, words) {
+function put(cell, words, title) {
   if (cell.textContent !== words) cell.textContent = words;
+  if (cell.title !== title) cell.title = title;
 }
 
 /** A name that fits the head of a column: long ones as in the badges. */
-function short(name, items, hat = false) {
+function short(name, items, app, hat = false) {
   if (split(name)[0].length === 1) return symbol(name, hat);
   const [letters, index] = badges(items).get(name);
-  return h('span', {class: 'math', title: plain(name)}, hat ? hatted(letters) : h('i', {}, letters), index && h('sub', {}, index));
+  return h('span', {class: 'math', title: called(name, app.state.plant, app.text)}, hat ? hatted(letters) : h('i', {}, letters), index && h('sub', {}, index));
 }
 
 /** Which state or channel a column is about. */
-function picker(items, chosen, name, choose) {
-  if (items.length < 2) return short(chosen, items);
-  return h('span', {class: 'picker'}, short(chosen, items), h('select', {'aria-label': name, onchange: (event) => choose(event.target.value)},
-    items.map((item) => h('option', {value: item.name, selected: item.name === chosen}, `${plain(item.name)}  ${item.title || item.description || ''}`))));
+function picker(items, chosen, name, choose, app) {
+  if (items.length < 2) return short(chosen, items, app);
+  const title = (item) => app.text.named(titleOf(item));
+  return h('span', {class: 'picker'}, short(chosen, items, app), h('select', {'aria-label': name, onchange: (event) => choose(event.target.value)},
+    items.map((item) => h('option', {value: item.name, selected: item.name === chosen}, symbolic(item.name) ? `${plain(item.name)}  ${title(item)}` : title(item) || plain(item.name)))));
 }

@@ -11,7 +11,7 @@ export function spell(said, {state, text}) {
   const {alarm} = said;
   const channel = alarm && state.plant.channels.find((one) => one.name === alarm.subject);
   return text.tight(text.sentences[said.key]({...said, name: said.subject && nameOf(said.subject), otherName: said.other && nameOf(said.other), names: said.subjects?.map(nameOf),
-    took: typeof said.took === 'number' && took(said.took), note: said.note && spoken(text.said(said.note), state.plant, text), from: number(said.from, 3), at: typeof said.at === 'number' && seconds(said.at, state.spec.horizon),
+    took: typeof said.took === 'number' && took(said.took), note: said.note && spoken(text.said(said.note), state.plant, text), from: number(said.from, 3), at: typeof said.at === 'number' && seconds(said.at, state.spec.horizon), again: typeof said.again === 'number' && seconds(said.again, state.spec.horizon),
     ...(alarm && {kind: symbolic(alarm.subject) ? text.kinds[channel.kind] : null, size: amount(alarm, channel), since: seconds(alarm.onset, state.spec.horizon)})}));
 }
 
@@ -25,7 +25,7 @@ export function line(one, app) {
   const acting = new Set(state.faults.filter((fault) => fault.active && fault.onChannel === one.onChannel).map((fault) => fault.subject));
   const chips = one.subjects.map((name, place) => [place > 0 && h('small', {}, text.or), badge(short.get(name) ?? split(name), {square: !one.onChannel, lit: verdict !== 'past' && acting.has(name)})]);
   const shown = alarm?.size === null || alarm?.size === undefined ? (verdict === 'unseen' ? '' : text.unknownSize) : amount(alarm, channel);
-  const end = {found: () => one.delay !== null && [text.foundIn, ' ', h('b', {}, took(one.delay))], blamed: () => h('span', {class: 'alarm'}, text.faultElsewhere),
+  const end = {found: () => (one.delay !== null ? [text.foundIn, ' ', h('b', {}, took(one.delay))] : one.again ? text.alarmWasOn.toLowerCase() : null), blamed: () => h('span', {class: 'alarm'}, text.faultElsewhere),
     false: () => h('span', {class: 'alarm'}, text.noFaultActs), over: () => text.isOver, unseen: () => text.notFound, past: () => text.cleared}[verdict]();
   return h('div', {class: `finding ${verdict}${one.subjects.length > 1 ? ' either' : ''}`},
     h('span', {class: 'chips'}, chips),

@@ -13,6 +13,7 @@ import {resolutionOf} from './sizes.js';
  * @property {import('../alarms.js').Alarm | null} alarm
  * @property {object | null} fault    the one without an alarm
  * @property {number | null} delay   from the fault to the alarm, where this alarm found it
+ * @property {number | null} again   when the fault that acts began, where the alarm of one before it was on already
  */
 
 const MOST_PAST = 20;
@@ -34,8 +35,13 @@ const outlasted = (alarm, {end}) => end !== null && alarm.t <= end && alarm.over
 
 function found(alarm, verdict, faults, alarms) {
   const mine = faults.filter((one) => one.onset <= alarm.t).map((fault) => finding(fault, alarms)).filter((one) => one?.alarm === alarm && one.delay !== null);
-  return {verdict, subject: alarm.subject, subjects: alarm.explained ? alarm.subjects : [alarm.subject], onChannel: alarm.explained, alarm, fault: null,
-    delay: mine.length ? mine.at(-1).delay : null};
+  const made = {verdict, subject: alarm.subject, subjects: alarm.explained ? alarm.subjects : [alarm.subject], onChannel: alarm.explained, alarm, fault: null,
+    delay: mine.length ? mine.at(-1).delay : null, again: null};
+  if (verdict !== 'found') return made;
+  // what was found may be over, and another have come while its alarm was still on: that one was not found in so much time
+  const now = faults.filter((fault) => fault.active && names(alarm, fault)).map((fault) => ({fault, by: finding(fault, alarms)})).filter(({by}) => by?.alarm === alarm);
+  if (now.length === 0 || now.some(({by}) => by.delay !== null)) return made;
+  return {...made, delay: null, again: now.at(-1).fault.onset};
 }
 
 /** An alarm that is on, held against the truth. */
@@ -72,7 +78,10 @@ export function sentence(all, {t, diagnosis, broken = null, observers = []}) {
     const hidden = known && !known.identifiable && !known.resolvable;
     return {key: hidden ? 'hidden' : first.onChannel ? 'looking' : 'measurement', subject: first.subject, count: good.length, open: unseen.length};
   }
-  if (good.length === 1) return {key: good[0].delay === null ? 'one' : 'oneFound', subject: good[0].subject, alarm: good[0].alarm, took: good[0].delay};
+  if (good.length === 1) {
+    const [{subject, alarm, delay, again}] = good;
+    return {key: delay !== null ? 'oneFound' : again ? 'oneAgain' : 'one', subject, alarm, took: delay, again};
+  }
   if (good.length) {
     const last = good.filter((one) => one.delay !== null).at(-1);
     return last ? {key: 'allNamed', count: good.length, subject: last.subject, took: last.delay} : {key: 'several', count: good.length};

@@ -42,8 +42,7 @@ export function mount(element, app) {
   };
   const update = () => {
     const {role, spec} = app.state;
-    const active = app.state.faults.filter((fault) => fault.active);
-    for (const [subject, row] of rows) row.show(active.findLast((fault) => fault.subject === subject), role, spec?.horizon);
+    for (const [subject, row] of rows) row.show(app.state.faults.filter((fault) => fault.subject === subject && !fault.ended), role, spec?.horizon);
     list.show?.(open);
   };
   const choose = (site) => {

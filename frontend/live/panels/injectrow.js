@@ -16,12 +16,13 @@ export function createRow(app, subjectOf, about) {
   const control = h('div', {class: 'control'});
   const more = h('div', {class: 'more-fields'});
   const problem = h('p', {class: 'refused', role: 'alert'});
+  const stack = h('p', {class: 'stack'});
   const sub = h('span', {class: 'sub'});
   const press = h('button', {type: 'button', class: 'press'});
   const change = h('button', {type: 'button', class: 'press quiet-press', hidden: true}, text.change);
   const element = h('div', {class: 'fault', id: `fault-${subject.name}`, role: 'group', 'aria-label': about.title},
     badge(about.badge, {square: !subject.onChannel}), h('div', {class: 'name'}, h('b', {title: about.description}, about.title), sub),
-    h('div', {class: 'presses'}, change, press), control, more, problem);
+    h('div', {class: 'presses'}, change, press), control, more, stack, problem);
   const row = {element, shape: null, values: {}, end: null, typed: null, active: null, edited: false, main: null};
 
   const touch = () => {
@@ -53,7 +54,7 @@ export function createRow(app, subjectOf, about) {
     refusal(problem, null, text);
     press.disabled = true;
     try {
-      for (const command of commands) await app.send(command);
+      await app.act.together(commands);
       row.edited = false;
       change.hidden = true;
     } catch (error) {
@@ -64,10 +65,22 @@ export function createRow(app, subjectOf, about) {
   };
   const where = subject.onChannel ? {channel: subject.name} : {output: subject.name};
   const inject = () => ({type: 'inject', fault: {...where, shape: row.shape.shape, onset: 0, ...(row.end === null ? {} : {end: row.end}), ...row.values}});
+  control.addEventListener('keydown', (event) => {
+    if (event.key !== 'Enter' || !event.target.matches('input') || press.disabled) return;
+    event.preventDefault();
+    if (event.target.matches('.number')) event.target.dispatchEvent(new Event('change')); // what was typed counts
+    if (row.main?.field.matches('[aria-invalid]')) return;
+    if (!row.active) press.click();
+    else if (row.edited) change.click();
+  });
   press.addEventListener('click', () => ask([row.active ? {type: 'clear', ...where} : inject()]));
   change.addEventListener('click', () => ask([{type: 'clear', ...where}, inject()]));
 
-  row.show = (fault, role, horizon) => {
+  /** `faults`: those on it that act, and those that are planned. */
+  row.show = (faults, role, horizon) => {
+    const acting = faults.filter(({active}) => active);
+    const planned = faults.filter(({active}) => !active);
+    const fault = acting.at(-1);
     const other = identity(fault) !== identity(row.active);
     row.active = fault ?? null;
     element.classList.toggle('on', Boolean(fault));
@@ -75,7 +88,8 @@ export function createRow(app, subjectOf, about) {
     press.classList.toggle('clear', Boolean(fault));
     press.setAttribute('aria-label', `${fault ? text.clear : text.inject}: ${about.title}`);
     press.disabled = role === 'view';
-    const beside = fault ? text.since(seconds(fault.onset, horizon)) : subject.unit;
+    const beside = fault ? text.since(seconds(fault.onset, horizon)) : planned.length ? text.plannedAt(seconds(Math.min(...planned.map(({onset}) => onset)), horizon)) : subject.unit;
+    stack.textContent = fault ? stacked(acting, planned, horizon, text) : '';
     fill(sub, h('span', {class: 'kind'}, about.kind, beside && ' · '), beside);
     if (fault && other) adopt(row, menu, fault, build);
     if (!fault && row.end !== row.typed) build(row.values, row.typed); // how long the last one lasted says nothing of the next
@@ -83,6 +97,15 @@ export function createRow(app, subjectOf, about) {
   };
   build();
   return row;
+}
+
+/** What else acts there and is added to it, and what is planned on top. */
+function stacked(acting, planned, horizon, text) {
+  const part = (way) => ({fault, shape, onset}) => way({size: fault.size === undefined ? '' : number(fault.size, 3), shape: text.shapes[shape] ?? shape, t: seconds(onset, horizon)});
+  const steps = acting.length > 1 && acting.every(({shape, onChannel}) => shape === 'step' && onChannel);
+  const said = [acting.length > 1 && text.besides(acting.slice(0, -1).map(part(text.part))), steps && text.inAll(number(acting.reduce((sum, {fault}) => sum + fault.size, 0), 3)),
+    planned.length > 0 && `${acting.length > 1 ? ' ' : ''}${text.moreFrom(planned.map(part(text.partFrom)))}`];
+  return text.tight(said.filter(Boolean).join(''));
 }
 
 /** What makes a fault itself: all but its end, which Clear sets. */

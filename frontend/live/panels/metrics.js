@@ -1,5 +1,6 @@
 // Figures by which observers are compared, from columns of samples. Pure.
 
+const REACH = 3; // standard deviations that noise may throw an estimate
 const LATEST = 0.9; // share of the rows by which an estimate must be there for good
 
 /** Root mean square of the difference of two columns; NaN without rows. */
@@ -25,6 +26,24 @@ export function settled(t, truth, estimate, from, within) {
   while (first > 0 && Math.abs(estimate[first - 1] - truth[first - 1]) <= within) first -= 1;
   if (first === 0) return 0;
   return first < LATEST * t.length ? t[first] - from : null;
+}
+
+/**
+ * Whether an estimate has come to the truth, and noise alone keeps throwing it out of `within`: in the later half its mean is there, and single values
+ * are not.
+ */
+export function unsettled(t, truth, estimate, within) {
+  const from = Math.floor(t.length / 2);
+  let sum = 0;
+  let out = 0;
+  for (let k = from; k < t.length; k += 1) {
+    const error = estimate[k] - truth[k];
+    if (error !== error) return false;
+    sum += error;
+    if (Math.abs(error) > within) out += 1;
+  }
+  const spread = noise(t.subarray(from), estimate.subarray(from));
+  return out > 0 && Math.abs(sum / (t.length - from)) < within / 2 && REACH * spread > within;
 }
 
 /** How much an estimate trembles: standard deviation about its straight line over the samples given. */

@@ -95,8 +95,8 @@ function fall(app, {label, config, gains, diverged}) {
   const words = text.said(diverged.text.replace(`${label} diverged: `, ''));
   const again = async (event) => {
     event.currentTarget.disabled = true;
-    try { // one right after the other: both act from the same row on
-      await Promise.all([app.send({type: 'remove-observer', label}), app.send({type: 'add-observer', observer: {...config, gains}})]);
+    try {
+      await app.act.together([{type: 'remove-observer', label}, {type: 'add-observer', observer: {...config, gains}}]);
     } catch (error) {
       app.act.refused(error);
     }
@@ -114,7 +114,7 @@ function gainLine(app, label, {gain, place, value}, controls, column, ask) {
     const whole = place === null ? next : column().map((one, at) => (at === place ? next : one));
     return ask({type: 'set-gain', observer: label, gain: gain.name, value: whole});
   }, 160);
-  const made = slider({name: `${label}: ${gain.name}${place === null ? '' : ` ${place + 1}`}, ${app.text.named(gain.meaning)}`, scale: gainScale(gain, value), value,
+  const made = slider({name: `${label}: ${gain.symbol || gain.name}${place === null ? '' : ` ${place + 1}`}, ${app.text.named(gain.meaning)}`, scale: gainScale(gain, value), value,
     low: gain.low, high: gain.high, change: send});
   controls.set(`${gain.name}.${place}`, made);
   return h('div', {class: 'gain', title: [app.text.named(gain.meaning), gain.unit].filter(Boolean).join(', ')}, gainSymbol(gain, place), made.range, made.field);

@@ -51,6 +51,6 @@ export function mount(element, app) {
     button.classList.toggle('long', name.textContent.length > 26);
     button.title = app.text.chooseExperiment;
     fill(sub, spec && [app.text.named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, observers.length)}`)]);
-    sub.title = [spec?.title, spec?.source].filter(Boolean).join('. ');
+    sub.title = [app.text.named(spec?.title), spec?.source].filter(Boolean).join('. ');
   });
 }

@@ -2,13 +2,16 @@
 
 import {get} from '../../api.js';
 import {fill, h, hatted} from '../../dom.js';
-import {heading} from './parts.js';
+import {heading, seconds} from './parts.js';
 import {icon} from './svg.js';
+import {called} from './symbols.js';
 
+const SAME = 1e-6; // s
 const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;
 
 export function mount(element, app) {
   const lessons = new Map();
+  let shown = [];
   const draw = async () => {
     const {experiment, language} = app.state;
     element.hidden = experiment === null;
@@ -19,19 +22,33 @@ export function mount(element, app) {
     const {questions} = await lessons.get(experiment);
     if (experiment !== app.state.experiment) return;
     element.hidden = questions.length === 0;
+    shown = questions;
     fill(element, heading(app.text.tryThis), h('ol', {class: 'try scroll', tabindex: 0, 'aria-label': app.text.tryThis}, questions.map((step) => question(step, language))));
   };
   const question = ({question: words, do: commands}, language) => h('li', {}, h('span', {}, set(words[language] ?? words.en)),
-    commands.length > 0 && h('button', {type: 'button', class: 'plain go control-only', title: app.text.doIt, 'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`, onclick: () => carryOut(commands)}, icon('go', 13)));
+    commands.length > 0 && h('button', {type: 'button', class: 'plain go control-only', title: app.text.doIt, 'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`, onclick: () => carryOut(commands)}, icon('go', 13)), h('p', {class: 'coming', role: 'status'}));
   const carryOut = async (commands) => {
     try {
-      for (const command of commands) await app.send(command);
+      await app.act.together(commands);
       if (!app.state.playing) app.act.play();
     } catch (error) {
       app.act.refused(error);
     }
   };
-  app.subscribe((state) => [state.experiment, state.language], draw);
+  /** What a question waits for: a fault that it has injected to begin later. It stands in the log, so it is there again after going back or loading. */
+  const wait = () => {
+    const {faults, log, plant, spec} = app.state;
+    const {text} = app;
+    for (const [place, {do: commands}] of shown.entries()) {
+      const later = commands.filter(({fault}) => fault?.onset > 0);
+      const coming = later.length === 0 ? null : faults.findLast(({subject, shape, onset, active, ended}) => !active && !ended && later.some(({fault}) => (fault.channel ?? fault.output) === subject && fault.shape === shape)
+        && log.some(({kind, subject: of, value, t}) => kind === 'inject' && of === subject && Math.abs(t + value.onset - onset) < SAME));
+      const line = element.querySelectorAll('.coming')[place];
+      if (line) line.textContent = coming ? text.tight(text.coming({name: called(coming.subject, plant, text), t: seconds(coming.onset, spec.horizon)})) : '';
+    }
+  };
+  app.subscribe((state) => [state.experiment, state.language], () => draw().then(wait));
+  app.subscribe((state) => [state.faults, state.log.length], wait);
 }
 
 /** Words with their symbols in italics. */

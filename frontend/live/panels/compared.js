@@ -1,0 +1,55 @@
+// What the comparison says of one observer of one session, this one or the one that it was forked from.
+
+import {finding} from '../alarms.js';
+import {noise, rmse, settled, unsettled} from './metrics.js';
+import {steady, took} from './parts.js';
+
+const MOST = 200_000; // rows after a fault that are looked at
+const SETTLED = 0.1; // of the step: as in backend/diagnosis/metrics.py
+
+/**
+ * @typedef {object} Watched     a session
+ * @property {import('../ring.js').Samples} samples
+ * @property {object[]} faults
+ * @property {object[]} alarms
+ */
+
+/** RMSE, time to settle and noise as {words, title}, over from … to; a session that has not come so far has none. */
+export function figuresOf({samples, faults}, label, [x, theta], [from, to], text) {
+  const none = {words: '–', title: ''};
+  if (to > samples.now + 1.5 * samples.record) return theta ? [{words: '–', title: text.notSoFar}, none, none] : [{words: '–', title: text.notSoFar}];
+  const truth = samples.window(`x.${x}`, from, to);
+  const mine = samples.window(`${label}.x.${x}`, from, to);
+  const error = {words: mine.v.length === truth.v.length ? steady(rmse(mine.v, truth.v), undefined, 2) : '–', title: ''};
+  if (!theta) return [error];
+  const estimate = samples.window(`${label}.theta.${theta}`, to - (to - from) / 4, to);
+  const fault = newest(faults, theta, to);
+  return [error, fault ? settling(samples, faults, label, theta, fault, text) : none, {words: steady(noise(estimate.t, estimate.v), undefined, 2), title: ''}];
+}
+
+const newest = (faults, theta, t) => faults.findLast((one) => one.subject === theta && one.onset <= t);
+
+/** How soon the detector named the newest fault. */
+export function detected({samples, faults, alarms}, theta, to, text) {
+  const fault = newest(faults, theta, Math.min(to, samples.now));
+  if (!fault) return {words: '–', title: ''};
+  const found = finding(fault, alarms);
+  if (found === null) return {words: text.notYet, title: ''};
+  return found.delay === null ? {words: '–', title: text.alarmWasOn} : {words: took(found.delay), title: ''};
+}
+
+function settling(samples, faults, label, theta, fault, text) {
+  const none = {words: '–', title: ''};
+  if (fault.shape !== 'step') return none;
+  const {record} = samples;
+  const from = fault.onset;
+  const next = Math.min(...faults.flatMap(({onset, end}) => [onset, end ?? Infinity]).filter((event) => event > from)); // disturbs the estimate, too
+  const until = Math.min(next - record / 2, samples.now, from + MOST * record);
+  const truth = samples.window(`theta.${theta}`, from, until);
+  const mine = samples.window(`${label}.theta.${theta}`, from, until);
+  if (mine.v.length !== truth.v.length || mine.v.length < 3 || !mine.v.some(Number.isFinite)) return none;
+  const within = SETTLED * Math.abs(fault.fault.size);
+  const time = settled(truth.t, truth.v, mine.v, from, within);
+  if (time !== null) return {words: took(time), title: ''};
+  return unsettled(truth.t, truth.v, mine.v, within) ? {words: text.tooNoisy, title: text.tooNoisyHint} : {words: text.notYet, title: text.settleHint};
+}

@@ -1,0 +1,84 @@
+"""The live page when something breaks down: the plant, the only observer, one of several; and how one goes on."""
+
+import re
+
+from tests.browser.live import opened, until
+
+VERDICT = "document.querySelector('.verdict').textContent"
+
+
+def test_a_plant_that_broke_down_is_not_called_healthy(page):
+    """As fast as possible and at 0.5×: sentence and notice name the time; the button goes back before it, and time can run again."""
+    live = opened(page, "/?experiment=reduced-order-mimo&t=2")
+    for speed in ("null", "0.5"):
+        live.evaluate(f"thetascope.act.speed({speed})")
+        live.evaluate("thetascope.act.play()")
+        said = until(live, f"/broke down at 2\\.52/.test({VERDICT}) && {VERDICT}", 30)
+        assert "Go back" in said and live.locator(".hint").count() == 0
+        until(live, "/broke down at 2\\.52/.test(document.querySelector('#notice').textContent)")
+        live.click("#notice button")
+        until(live, "thetascope.state.t < 2.2 && thetascope.state.broken === null")
+        until(live, f"!/broke/.test({VERDICT})")
+    assert live.watch.errors == []
+
+
+def test_the_only_observer_is_started_again(page, server):
+    """Lost, the sentence says so; its card starts it again with its present gains, colour and name, and the link gives the same numbers."""
+    live = opened(page, "/?experiment=zhao-2012-as-printed&t=1")
+    until(live, f"/adaptive diverged at 0\\.70.*nothing is estimated/.test({VERDICT})")
+    live.evaluate("thetascope.send({type: 'set-gain', observer: 'adaptive', gain: 'rho', value: 2})")
+    live.click(".fallen button")
+    until(live, "thetascope.state.observers[0]?.since === 1.01 || thetascope.state.observers[0]?.since === 1")
+    live.evaluate("thetascope.act.step(20)")
+    until(live, "thetascope.samples.now > 1.19 && Number.isFinite(thetascope.latest('adaptive.x.x1'))")
+    until(live, "document.querySelector('.fallen').hidden")
+    observer = live.evaluate("thetascope.state.observers[0]")
+    assert (observer["label"], observer["colour"], observer["gains"]["rho"], observer["diverged"]) == ("adaptive", "var(--o0)", 2, None)
+    assert not re.search("diverged", live.evaluate(VERDICT))
+    link = live.evaluate("thetascope.act.link()")
+    again = opened(page, link.removeprefix(server))
+    until(again, "thetascope.samples.now > 1.19")
+    assert again.evaluate("thetascope.latest('adaptive.x.x2')") == live.evaluate("thetascope.latest('adaptive.x.x2')")
+    assert live.watch.errors == []
+
+
+def test_an_observer_started_again_keeps_its_colour_among_others(page):
+    """With a lower number free it still comes back in its own; the lights of the others open to their checks while time stands still."""
+    live = opened(page, "/?experiment=zhao-2012-observers&t=3")
+    live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
+    until(live, "thetascope.state.observers.length === 3")
+    live.evaluate("thetascope.act.together([{type: 'remove-observer', label: 'ekf'}, {type: 'add-observer', observer: thetascope.state.observers.find((one) => one.label === 'ekf').config}])")
+    until(live, "thetascope.state.observers.length === 3 && thetascope.state.observers.at(-1).label === 'ekf'")
+    assert live.evaluate("Object.fromEntries(thetascope.state.observers.map((one) => [one.label, one.place]))") == {"kalman": 1, "ukf": 3, "ekf": 2}
+    until(live, "thetascope.state.checks.kalman?.length", 40)
+    live.evaluate("thetascope.send({type: 'set-gain', observer: 'kalman', gain: 'lambda', value: 1})")
+    lights = live.locator(".observer[aria-label=kalman] .lights")
+    for _ in range(2):
+        lights.click()
+        assert live.locator(".observer[aria-label=kalman] .checks li").count() == live.evaluate("thetascope.state.checks.kalman.length")
+        lights.click()
+        assert live.locator(".observer[aria-label=kalman] .checks li").count() == 0
+
+
+def test_what_is_lost_beside_faults_that_act_is_told_too(page):
+    """The sentence is of the fault, a line below names the observer that diverged; with no fault the sentence names it."""
+    live = opened(page, "/?experiment=zhao-2012&t=8")
+    said = live.evaluate("""async () => {
+      const {sentence} = await import('/live/panels/findings.js');
+      const {spell} = await import('/live/panels/findingline.js');
+      const lost = (label, t) => ({label, diverged: t && {t, text: ''}});
+      const say = (all, state) => spell(sentence(all, {t: 9, diagnosis: null, ...state}), thetascope);
+      return [say([], {observers: [lost('a', 3), lost('b', null)]}), say([], {observers: [lost('a', 3), lost('b', 4)]}), say([], {broken: 2, observers: []})];
+    }""")
+    assert "a diverged at 3" in said[0] and "all 2 observers have diverged" in said[1] and "broke down at 2" in said[2]
+
+
+def test_a_fault_that_comes_before_the_alarm_of_the_last_is_over_is_not_said_to_be_found(page):
+    """Cleared and injected again at once: since when the alarm says, when the new one began, and no time to find it."""
+    live = opened(page, "/?experiment=zhao-2012&t=25")
+    until(live, f"/found in/.test({VERDICT})", 40)
+    live.evaluate("thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', onset: 0, size: 0.02}}])")
+    live.evaluate("thetascope.act.step(60)")
+    said = until(live, f"/came before that alarm was over/.test({VERDICT}) && {VERDICT}")
+    assert "since 20.0" in said and "The one of 25.0" in said and "found in" not in live.inner_text(".finding")
+    assert live.locator("#panel-comparison .detector td").first.get_attribute("title") == "Its alarm was on already"

@@ -1,0 +1,138 @@
+"""What the page tells: lessons that wait, the noise as it is, faults on faults, the log in its order, one name for a thing."""
+
+import pytest
+
+from tests.browser.live import opened, row, until
+
+PAUSED = "/?experiment=zhao-2012&t=12"
+
+
+def test_the_noise_field_shows_the_noise_that_acts(page):
+    """Set from elsewhere, typed, and back at the start: the field follows, and so does another viewer's."""
+    live = opened(page, PAUSED)
+    field = live.locator(".noise input.number")
+    live.evaluate("thetascope.send({type: 'set-noise', output: 'y', std: 0.003, sample_time: 0.01})")
+    until(live, "document.querySelector('.noise input.number').value === '0.003'")
+    viewer = opened(page, f"/?session={live.evaluate('thetascope.state.session')}")
+    assert viewer.locator(".noise input.number").input_value() == "0.003"
+    field.fill("0.004")
+    field.press("Enter")
+    until(viewer, "document.querySelector('.noise input.number').value === '0.004'")
+    live.evaluate("thetascope.act.reset()")
+    until(live, "document.querySelector('.noise input.number').value === '0.001'")
+    field.press("2")  # what one is typing is not taken away
+    live.evaluate("thetascope.send({type: 'set-noise', output: 'y', std: 0.005, sample_time: 0.01})")
+    until(live, "thetascope.state.noise.y.std === 0.005")
+    assert "2" in field.input_value()
+
+
+def test_a_lesson_waits_in_the_time_of_the_plant(page):
+    """Clear, then the sensor alone 8 s later, both from one row on at 50×; while it waits the question says so, after going back, too."""
+    live = opened(page, "/?experiment=zhao-2012&t=75")
+    live.evaluate("thetascope.act.speed(50)")
+    live.evaluate("thetascope.act.play()")
+    until(live, "thetascope.state.t > 80")
+    live.locator(".try .go").nth(1).click()
+    until(live, "thetascope.state.faults.some((fault) => fault.subject === 'theta3' && fault.end === null)")
+    live.evaluate("thetascope.act.pause()")
+    cleared, onset = live.evaluate("[thetascope.state.faults[0].end, thetascope.state.faults.at(-1).onset]")
+    assert onset - cleared == pytest.approx(8)
+    if live.evaluate("thetascope.state.t") > onset - 1:
+        live.evaluate(f"thetascope.act.seek({onset - 1})")
+    until(live, f"document.querySelector('.coming:not(:empty)')?.textContent.includes('{onset:.1f}')")
+    live.evaluate(f"thetascope.act.seek({cleared + 2})")
+    until(live, f"thetascope.state.t < {cleared + 2.1}")
+    assert live.evaluate("thetascope.state.faults.at(-1).onset") == onset
+    assert live.locator(".coming:not(:empty)").count() == 1 and f"from {onset:.1f}" in row(live, "theta3").inner_text()
+    live.evaluate("thetascope.act.play()")
+    until(live, f"thetascope.state.alarms.some((alarm) => alarm.subject === 'theta3' && alarm.t > {onset})", 40)
+    assert live.locator(".coming:not(:empty)").count() == 0
+    assert "found in" in until(live, "/found in/.test(document.querySelector('.verdict').textContent) && document.querySelector('.verdict').textContent")
+
+
+def test_enter_on_the_size_injects(page):
+    """The key of a channel leads to its slider, Enter injects; typed and Enter again, it changes at once, to what was typed."""
+    live = opened(page, PAUSED)
+    live.keyboard.press("2")
+    live.keyboard.press("Enter")
+    until(live, "thetascope.state.faults.some((fault) => fault.subject === 'theta2' && fault.active)")
+    field = row(live, "theta2").locator("input.number")
+    field.fill("0.008")
+    field.press("Enter")
+    until(live, "thetascope.state.faults.some((fault) => fault.subject === 'theta2' && fault.active && fault.fault.size === 0.008)")
+    assert live.evaluate("thetascope.state.faults.filter((fault) => fault.subject === 'theta2' && !fault.ended).length") == 1
+    field.fill("much")
+    field.press("Enter")
+    live.wait_for_timeout(300)
+    assert live.evaluate("thetascope.state.faults.at(-1).fault.size") == 0.008
+
+
+def test_a_fault_on_a_fault_is_said_to_be_one(page):
+    """Before: what is planned on top; then: what acts with it, and the sum that the strip shows."""
+    live = opened(page, "/?experiment=zhao-2012&t=18")
+    press = row(live, "theta3").locator("button.press:not(.quiet-press)")
+    assert "from 20.0" in row(live, "theta3").inner_text()
+    press.click()
+    until(live, "/0\\.02 from 20\\.0/.test(document.querySelector('#fault-theta3 .stack').textContent)")
+    live.evaluate("thetascope.act.step(300)")
+    until(live, "/Together with 0\\.02 since 20\\.0.*In all 0\\.04/.test(document.querySelector('#fault-theta3 .stack').textContent)")
+    assert live.evaluate("thetascope.latest('theta.theta3')") == pytest.approx(0.04)
+
+
+def test_the_log_is_in_order_and_names_the_quantity(page):
+    """Newest first by the time of what is told; a probability is no size; what begins later says when; gains as on their cards."""
+    live = opened(page, "/?experiment=friction-motor&t=2")
+    told = live.evaluate("""async () => {
+      const {lines} = await import('/live/panels/words.js');
+      const event = (t, kind, subject, value, text = '') => ({t, row: t, kind, subject, value, text});
+      const log = [event(1, 'inject', 'y_speed', {output: 'y_speed', shape: 'dropout', onset: 0, probability: 0.3}), event(9, 'inject', 'friction', {shape: 'step', onset: 3, size: 2}),
+        event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5, 'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', 'plant', null, 'the plant escapes')];
+      return lines(log, thetascope.text, thetascope.state.plant, {q_theta: 'Qθ'}).map(({t, words}) => [t, words]);
+    }""")
+    assert told == [[12, "the plant diverged"], [9, "you injected added friction = 2, step, to begin at 12.0 s"], [6.5, "you set Qθ of ekf to 4"],
+                    [4, "added friction begins"], [1, "you injected measured speed: dropout, probability 0.3"]]  # fmt: skip
+    live.evaluate("thetascope.send({type: 'set-gain', observer: 'ekf', gain: 'q_theta', value: 3})")
+    until(live, "document.querySelector('#panel-log').textContent.includes('you set Qθ')")
+
+
+def test_things_have_one_name_in_chinese(page):
+    """Sentences, findings, notes and menus say the label of a channel or output that is no symbol, in Chinese, without blanks between its signs."""
+    live = opened(page, "/?experiment=dts200&t=20")
+    live.evaluate("thetascope.act.language('zh')")
+    until(live, "document.querySelector('#panel-comparison option')?.textContent.includes('液位')")
+    live.evaluate("thetascope.send({type: 'inject', fault: {channel: 'leak1', shape: 'step', onset: 0, size: 0.05}})")
+    until(live, "/1 号罐泄漏/.test(document.querySelector('#panel-log').textContent)")
+    said = live.evaluate("""async () => {
+      const {spoken, called} = await import('/live/panels/symbols.js');
+      const {plant} = thetascope.state, {text} = thetascope;
+      return [spoken(text.said('leak1, level1 and clog13 cannot be told apart with this input: only 2 combinations of them show'), plant, text), called('y1', plant, text), called('leak1', plant, text)];
+    }""")
+    assert "1 号罐泄漏" in said[0] and "leak1" not in said[0] and said[1:] == ["y₁", "1 号罐泄漏"]
+    options = live.locator("#panel-comparison option").all_inner_texts()
+    assert not [one for one in options if "leak" in one or "level" in one]
+
+
+def test_an_added_observer_is_called_after_its_kind(page):
+    """A Kalman observer is not called adaptive; the second of a kind has a number."""
+    live = opened(page, PAUSED)
+    live.click("#panel-observers .heading .link")
+    menu, label = live.locator(".add-form > select"), live.locator(".add-form input[type=text]").first
+    found = []
+    for kind in ("adaptive-kalman", "joint-ekf", "high-gain", "zhao-adaptive"):
+        menu.select_option(kind)
+        found.append(label.input_value())
+    assert found == ["kalman", "ekf", "high-gain", "adaptive-2"]
+
+
+def test_an_estimate_that_noise_keeps_out_is_said_to_be_noisy(page):
+    """On the truth but thrown beyond 10 % it never settles: that is said, and not that it is not there yet."""
+    live = opened(page, PAUSED)
+    found = live.evaluate("""async () => {
+      const {settled, unsettled} = await import('/live/panels/metrics.js');
+      const t = Float64Array.from({length: 1000}, (_, k) => k / 100), truth = new Float32Array(1000).fill(1);
+      const course = (make) => Float32Array.from(t, (at, k) => make(at, k));
+      const wave = (k) => Math.sin(1.7 * k) + Math.sin(0.61 * k);
+      return [course((at, k) => 1 + 0.1 * wave(k)), course(() => 0.5), course((at) => 1 - Math.exp(-at)), course((at, k) => 0.7 + 0.1 * wave(k))]
+        .map((mine) => [settled(t, truth, mine, 0, 0.1) === null, unsettled(t, truth, mine, 0.1)]);
+    }""")
+    assert found == [[True, True], [True, False], [False, False], [True, False]]
