@@ -64,12 +64,12 @@ function legendOf(app, scope) {
       class: 'own', onpointerenter: () => scope.point(observer.label), onpointerleave: () => scope.point(null)})),
     state.columns.some((column) => column.includes('.sigma.')) && item(key('band', `--c:${state.observers[0]?.colour ?? 'var(--o0)'}`), text.band),
     item(key('tinted'), text.faultActive), item(key('triangle'), text.alarm),
-    state.parent && item(key('ghost'), [link(text.parentCurves, () => app.act.visit(state.parent.id), {title: text.toParent})], {title: text.toParent}),
-    forked && item(key('ghost'), [link(text.forkFrom(seconds(forked.parent.t, 0.1)), () => app.act.visit(forked.id), {title: text.toFork})], {title: text.toFork}),
+    state.parent && item(key('ghost'), [link(text.parentCurves, () => app.act.visit(state.parent.id), {title: text.toParent})], {class: 'own'}),
+    forked && item(key('ghost'), [link(text.forkFrom(seconds(forked.parent.t, 0.1)), () => app.act.visit(forked.id), {title: text.toFork})], {class: 'own'}),
   ];
 }
 
-const SPOKEN = ['band', 'triangle', 'tinted', 'dash', 'ghost']; // which marks lose their words first
+const SPOKEN = ['band', 'triangle', 'tinted', 'dash']; // which marks lose their words first
 const GROUPS = [['theta', 'channels'], ['state', 'states'], ['residual', 'residuals'], ['excitation', 'other']];
 
 function fillMenu(menu, app) {

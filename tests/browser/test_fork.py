@@ -35,7 +35,7 @@ def test_a_fork_is_compared_with_its_parent(page):
       return [of({APP}.samples), of({APP}.ghost)];
     }})()""")
     own, first = (float(opened.locator(f"#panel-comparison {row} td").first.inner_text()) for row in ("tbody tr:not(.of-origin)", ".of-origin"))
-    assert abs(own / expected[0] - 1) < 0.1 and abs(first / expected[1] - 1) < 0.1 and own != first
+    assert abs(own / expected[0] - 1) < 0.1 and abs(first / expected[1] - 1) < 0.1
     noise = [float(opened.locator(f"#panel-comparison {row} td").nth(2).inner_text()) for row in ("tbody tr:not(.of-origin)", ".of-origin")]
     assert noise[0] < noise[1]  # what the lower λ is for
 

@@ -1,6 +1,6 @@
 // Figures by which observers are compared, from columns of samples. Pure.
 
-const REACH = 3; // standard deviations that noise may throw an estimate
+const REACH = 4; // standard deviations that noise may throw an estimate
 const LATEST = 0.9; // share of the rows by which an estimate must be there for good
 
 /** Root mean square of the difference of two columns; NaN without rows. */
