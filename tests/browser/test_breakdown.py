@@ -32,6 +32,7 @@ def test_the_only_observer_is_started_again(page, server):
     live.evaluate("thetascope.act.step(20)")
     until(live, "thetascope.samples.now > 1.19 && Number.isFinite(thetascope.latest('adaptive.x.x1'))")
     until(live, "document.querySelector('.fallen').hidden")
+    assert "you started adaptive again" in live.inner_text("#panel-log") and "watches no more" not in live.inner_text("#panel-log")
     observer = live.evaluate("thetascope.state.observers[0]")
     assert (observer["label"], observer["colour"], observer["gains"]["rho"], observer["diverged"]) == ("adaptive", "var(--o0)", 2, None)
     assert not re.search("diverged", live.evaluate(VERDICT))

@@ -136,3 +136,13 @@ def test_an_estimate_that_noise_keeps_out_is_said_to_be_noisy(page):
         .map((mine) => [settled(t, truth, mine, 0, 0.1) === null, unsettled(t, truth, mine, 0.1)]);
     }""")
     assert found == [[True, True], [True, False], [False, False], [True, False]]
+
+
+def test_gains_that_follow_from_the_noise_follow_it(page):
+    """R of a Kalman observer that nobody set is that of the noise that acts."""
+    live = opened(page, PAUSED)
+    live.evaluate("thetascope.send({type: 'add-observer', observer: {label: 'kalman', kind: 'adaptive-kalman'}})")
+    shown = "Number(document.querySelector(`.observer[aria-label=kalman] input.number[aria-label^='kalman: R']`)?.value)"
+    until(live, f"{shown} === 1e-8")
+    live.evaluate("thetascope.send({type: 'set-noise', output: 'y', std: 0.01, sample_time: 0.01})")
+    until(live, f"{shown} === 1e-6")

@@ -102,7 +102,7 @@ export const en = {
     'fault-begins': ({name}) => `${name} begins`, 'fault-ends': ({name}) => `${name} ends`,
     gain: ({subject, gain, size}) => `you set ${[gain, 'of', subject].filter(Boolean).join(' ')}${size === '' ? '' : ` to ${size}`}`,
     signal: ({name}) => `you changed the signal ${name}`, noise: ({name, size}) => `you set the noise of ${name}${size === '' ? '' : ` to ${size}`}`,
-    'observer-added': ({subject}) => `${subject} begins to watch`, 'observer-removed': ({subject}) => `${subject} watches no more`,
+    'observer-added': ({subject}) => `${subject} begins to watch`, 'observer-removed': ({subject}) => `${subject} watches no more`, restarted: ({subject}) => `you started ${subject} again`,
     alarm: ({names, explained, size}) => (explained ? `alarm: ${names.join(' or ')}${names.length > 1 ? ', not told apart' : `, ${size}`}` : `alarm: ${names[0]}, not explained by the model`),
     'alarm-over': ({names}) => `alarm over: ${names.join(' or ')}`,
     diverged: ({subject}) => `${subject || 'the plant'} diverged`, rewound: ({t}) => `back to ${t} s`, reset: () => 'back to the start',

@@ -104,7 +104,7 @@ export const zh = {
     'fault-begins': ({name}) => `${name} 开始`, 'fault-ends': ({name}) => `${name} 结束`,
     gain: ({subject, gain, size}) => `您把 ${subject} 的 ${gain || '增益'} 设为 ${size}`,
     signal: ({name}) => `您改变了信号 ${name}`, noise: ({name, size}) => `您把 ${name} 的噪声设为 ${size}`,
-    'observer-added': ({subject}) => `${subject} 开始观测`, 'observer-removed': ({subject}) => `${subject} 停止观测`,
+    'observer-added': ({subject}) => `${subject} 开始观测`, 'observer-removed': ({subject}) => `${subject} 停止观测`, restarted: ({subject}) => `您重新启动了 ${subject}`,
     alarm: ({names, explained, size}) => (explained ? `报警：${names.join(' 或 ')}${names.length > 1 ? '，无法区分' : `，${size}`}` : `报警：${names[0]}，模型无法解释`),
     'alarm-over': ({names}) => `报警解除：${names.join(' 或 ')}`,
     diverged: ({subject}) => `${subject || '对象'} 发散`, rewound: ({t}) => `回到 ${t} s`, reset: () => '回到起点',

@@ -77,7 +77,7 @@ export function createCard(app, observer, kind) {
       show();
       card.checks();
     },
-    lacks: () => kind.gains.some((gain) => gain.live !== false && !(gain.name in present.gains) && !(gain.name in known) && gain.default === null),
+    lacks: (anew) => kind.gains.some((gain) => gain.live !== false && !(gain.name in present.gains) && (anew || !(gain.name in known)) && gain.default === null),
     defaults(found) { known = {...found}; show(); },
     checks() {
       showLights(lights, checks, app.state.checks[observer.label] ?? [], text);

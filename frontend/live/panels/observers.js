@@ -42,19 +42,20 @@ export function mount(element, app) {
     for (const [key, card] of cards) card.update(observers.find((one) => key.startsWith(`${one.label}/${one.kind}/${one.since}`)));
     return filled();
   };
-  /** Every gain's present value, with defaults that depend on plant and noise, from the server. */
-  const filled = async () => {
-    const {spec, observers} = app.state;
+  /** Every gain's present value, with defaults that depend on plant and noise, from the server; `anew`: the noise is another now. */
+  const filled = async (anew = false) => {
+    const {spec, noise, observers} = app.state;
     const mine = serial += 1;
-    if (!spec || ![...cards.values()].some((card) => card.lacks())) return;
+    if (!spec || ![...cards.values()].some((card) => card.lacks(anew))) return;
     const plain = observers.map(({label, kind, gains, options}) => ({label, kind, gains, options}));
     try {
-      const {gains} = await post('/api/gains', {...spec, commands: [], faults: [], figures: [], observers: plain});
+      const {gains} = await post('/api/gains', {...spec, noise, commands: [], faults: [], figures: [], observers: plain});
       if (mine === serial) for (const card of cards.values()) card.defaults(gains[card.label]);
     } catch { /* the gains that were set are shown all the same */ }
   };
   app.catalogue.then((catalogue) => { kinds = catalogue.observers; build(); }, app.act.refused);
   app.subscribe((state) => [state.language, state.session], build);
   app.subscribe((state) => state.observers, update);
+  app.subscribe((state) => state.noise, () => filled(true));
   app.subscribe((state) => [state.checks, state.role], () => { for (const card of cards.values()) card.checks(); });
 }

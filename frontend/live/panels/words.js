@@ -18,11 +18,19 @@ export function lines(log, text, plant, signs = {}, most = 200) {
   for (const [place, {event}] of told.entries()) {
     if (made.length >= most) break;
     const next = told[place - 1]?.event;
-    const dragged = (event.kind === 'gain' || event.kind === 'noise') && next?.kind === event.kind && next.subject === event.subject && next.value?.gain === event.value?.gain && next.t - event.t < DRAGGED;
-    if (!dragged) made.push({event, t: event.t, words: words(event, text, plant, signs), alarm: event.kind === 'alarm' || event.kind === 'diverged', own: OWN.has(event.kind)});
+    if (dragged(event, next) || restarted(event, next)) continue;
+    const said = restarted(told[place + 1]?.event, event) ? text.events.restarted(event) : words(event, text, plant, signs);
+    made.push({event, t: event.t, words: said, alarm: event.kind === 'alarm' || event.kind === 'diverged', own: OWN.has(event.kind)});
   }
   return made;
 }
+
+/** Whether a slider went on from a gain or a noise to the next. */
+const dragged = (event, next) => (event.kind === 'gain' || event.kind === 'noise') && next?.kind === event.kind && next.subject === event.subject
+  && next.value?.gain === event.value?.gain && next.t - event.t < DRAGGED;
+
+/** Whether an observer was taken away and put back in one row: it was started again. */
+const restarted = (removed, added) => removed?.kind === 'observer-removed' && added?.kind === 'observer-added' && removed.subject === added.subject && removed.row === added.row;
 
 const OWN = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-added', 'observer-removed', 'rewound', 'reset']);
 
