@@ -1,5 +1,7 @@
 // Small helpers for the document: elements, symbols, numbers. Text is always set as text, never as markup.
 
+import {word} from './word.js';
+
 /** An element: h('button', {class: 'run', onclick: f}, 'Run'). Properties that are null or false are left out. */
 export function h(tag, properties = {}, ...children) {
   const element = tag === 'svg' || SVG.has(tag)
@@ -27,8 +29,8 @@ export function symbol(name, hat = false) {
   const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
   const [base, index] = match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1]))
     ? [match[1], match[2]] : [name, ''];
-  const letter = Object.hasOwn(GREEK, base) ? GREEK[base] : base.replaceAll('_', ' ');
-  return h('span', {class: 'math'}, hat ? hatted(letter) : h('i', {}, letter), index && h('sub', {}, index));
+  const letter = Object.hasOwn(GREEK, base) ? GREEK[base] : word(base.replaceAll('_', ' '));
+  return h('span', {class: 'math'}, hat ? hatted(letter) : h('i', {class: letter.length > 1 && 'word'}, letter), index && h('sub', {}, word(index)));
 }
 
 /** A number to four significant digits, powers of ten as such. */

@@ -1,5 +1,6 @@
 // SVG elements, icons, and symbols set as SVG text.
 
+import {word} from '../../word.js';
 import {GREEK, split} from './symbols.js';
 
 const SPACE = 'http://www.w3.org/2000/svg';
@@ -39,8 +40,8 @@ export function icon(name, size = 15) {
 /** A name as mathematics within SVG text: tspans, the index lower and smaller. */
 export function letters(name, size = 13) {
   const [base, index] = split(name);
-  const word = base.length > 1 && !Object.values(GREEK).includes(base);
-  return [s('tspan', {class: word ? 'word' : 'letter'}, base),
-    index && s('tspan', {dy: size * 0.22, 'font-size': size * 0.7, class: 'index'}, index),
+  const worded = base.length > 1 && !Object.values(GREEK).includes(base);
+  return [s('tspan', {class: worded ? 'word' : 'letter'}, word(base)),
+    index && s('tspan', {dy: size * 0.22, 'font-size': size * 0.7, class: 'index'}, word(index)),
     index && s('tspan', {dy: -size * 0.22, 'font-size': size}, '\u200b')].filter(Boolean);
 }
