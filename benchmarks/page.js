@@ -18,7 +18,7 @@ async ({plotly, updates}) => {
     const range = new Range();
     range.aim(-1.5, 1.5, 0, true);
     const traces = [0, 1, 2].map((place) => ({label: `o${place}`, place, fallen: null, column: `o${place}.x.s${strip}`}));
-    return {canvas, ctx: canvas.getContext('2d'), range, strip: {kind: 'state', subject: '', log: false, threshold: null, truth: null, ticks: [-1, 0, 1], tickPlaces: 0, traces}};
+    return {canvas, ctx: canvas.getContext('2d'), range, strip: {kind: 'state', subject: '', log: false, threshold: null, truth: null, ticks: [-1, 0, 1], labels: ['−1', '0', '1'], power: '', traces}};
   });
   const place = {left: 46, width: 650, height: 180, full: 700};
   const own = [];

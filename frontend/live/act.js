@@ -86,6 +86,7 @@ function looks(app) {
       const end = t === null ? null : Math.max(t, length);
       set(app, {looking: t, selection: t === null ? null : [end - length, end]});
     },
+    band: (label) => set(app, {band: label}),
     strip(name, shown) {
       if (name === null) set(app, {strips: {}});
       else app.store.dispatch({type: 'strip', name, shown});

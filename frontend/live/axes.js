@@ -1,8 +1,8 @@
 // Axes that are calm: marks at round numbers, and ranges that widen when they must, shrink only after a while, and glide.
 
 const GLIDE = 380; // ms
-const PATIENCE = 2500; // ms for which a range must be too wide before it shrinks
-const MUCH = 0.5; // how little of it must be used
+const PATIENCE = 3000; // ms for which a range must be too wide before it shrinks
+const MUCH = 0.7; // how little of it must be used
 const ROOM = 0.12; // of the range, added where it widens
 const EDGE = 0.015; // of it, which nothing may enter for long
 const still = matchMedia('(prefers-reduced-motion: reduce)');
@@ -23,6 +23,13 @@ export function marks(low, high, step) {
   return found;
 }
 
+/** A range with a little room about two values, its ends at round numbers, and the step between these. */
+function rounded(low, high) {
+  const span = high - low || Math.abs(high) * 0.1 || 1;
+  const step = niceStep(span, 8);
+  return [[Math.floor((low - 0.04 * span) / step) * step, Math.ceil((high + 0.04 * span) / step) * step], step];
+}
+
 /** The range of an axis. `aim` is told what should be seen, `move` brings it there. */
 export class Range {
   constructor() {
@@ -36,9 +43,7 @@ export class Range {
   /** Values between low and high should be seen. `at once` where the old range means nothing (another plant, another window). */
   aim(low, high, now, atOnce = false) {
     if (!(high >= low)) return;
-    const span = high - low || Math.abs(high) * 0.1 || 1;
-    const step = niceStep(span, 8);
-    const wanted = [Math.floor((low - 0.04 * span) / step) * step, Math.ceil((high + 0.04 * span) / step) * step];
+    const [wanted, step] = rounded(low, high);
     if (this.target === null || atOnce) {
       this.jump(wanted);
       return;
@@ -60,6 +65,13 @@ export class Range {
     [this.low, this.high] = wanted;
     this.start = null;
     this.wide = 0;
+  }
+
+  /** Show just these values now, however long the range has been too wide. */
+  show(low, high, now) {
+    if (!(high >= low)) return;
+    if (this.target === null) this.jump(rounded(low, high)[0]);
+    else this.glide(rounded(low, high)[0], now);
   }
 
   glide(wanted, now) {
@@ -85,26 +97,27 @@ export class Range {
   }
 }
 
-/**
- * What of a column deserves to be seen between two rows: [low, high] without the outermost `share` of its bins on either side. An observer's
- * start or a fault elsewhere throws an estimate far off for a moment; the axis does not follow it there.
- */
-export function extent(samples, name, first, last, share) {
+/** A column between two rows as minima and maxima of at most some 120 bins, the first of which is number `from`; null without any. */
+export function bins(samples, name, first, last) {
   const power = samples.power(first, last, 120);
   const source = samples.source(name, power);
   if (!source || last <= first) return null;
   const each = source.rows;
+  const from = Math.floor(first / each);
   const low = [];
   const high = [];
-  for (let bin = Math.floor(first / each); bin * each < last; bin += 1) {
-    const a = source.low[bin & source.mask];
-    const b = source.high[bin & source.mask];
-    if (a === a) low.push(a);
-    if (b === b) high.push(b);
+  for (let bin = from; bin * each < last; bin += 1) {
+    low.push(source.low[bin & source.mask]);
+    high.push(source.high[bin & source.mask]);
   }
-  if (low.length === 0) return null;
-  if (share === 0) return [Math.min(...low), Math.max(...high)];
-  low.sort((a, b) => a - b);
-  high.sort((a, b) => a - b);
+  return {low, high, each, from};
+}
+
+/** The range of bins without the outermost `share` of them on either side; null where none has a value. */
+export function quantiles(found, share) {
+  const known = (values) => values.filter((value) => value === value).sort((a, b) => a - b);
+  const low = known(found?.low ?? []);
+  const high = known(found?.high ?? []);
+  if (low.length === 0 || high.length === 0) return null;
   return [low[Math.floor(share * low.length)], high[Math.ceil((1 - share) * high.length) - 1]];
 }

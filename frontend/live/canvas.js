@@ -1,10 +1,10 @@
 // Drawing one strip on its canvas. Everything is in CSS pixels; the caller has set the scale. The only code that runs 30 to 60 times a second.
 
-import {fixed, raised} from './format.js';
 import {marks} from './axes.js';
 import {bandPath, PIECE, strokeTrace, WHOLE} from './traces.js';
 
 const SLIVER = 3; // px
+const FILLED = 2; // bands; more of them are paler
 
 /** Colours and fonts as the style sheet has them, read once a theme. */
 export function palette() {
@@ -81,14 +81,14 @@ function drawGround(ctx, strip, {left, width, height}, view, range, scale, colou
   ctx.font = colours.number;
   ctx.textAlign = 'right';
   ctx.textBaseline = 'middle';
-  for (const value of strip.ticks) {
+  const half = 5 * colours.size; // at an edge the number moves inside
+  if (strip.power) ctx.fillText(strip.power, left - 6, half);
+  strip.ticks.forEach((value, i) => {
     const y = scale.y(value);
-    if (y < 1 || y > height - 1) continue;
-    const half = 5 * colours.size; // at an edge the number moves inside
-    ctx.fillText(strip.log ? `10${raised(Math.round(value))}` : value === 0 ? '0' : fixed(value, strip.tickPlaces), left - 6, Math.min(height - half, Math.max(half, y)));
-    if (value === 0 && !strip.log) continue;
-    ctx.fillRect(left - 3, Math.round(y), 3, 1);
-  }
+    if (y < (strip.power ? 3 * half : 1) || y > height - 1) return;
+    ctx.fillText(strip.labels[i], left - 6, Math.min(height - half, Math.max(half, y)));
+    if (value !== 0 || strip.log) ctx.fillRect(left - 3, Math.round(y), 3, 1);
+  });
   ctx.strokeStyle = colours.line;
   if (!strip.log && range.low < 0 && range.high > 0) line(ctx, left, right, Math.round(scale.y(0)) + 0.5);
   if (strip.threshold === null) return;
@@ -138,14 +138,15 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
   ctx.globalAlpha = 1;
 }
 
+/** Confidence bands, the first observer's on top; many of them are paler. (Outlines would cost the square of what crosses in them.) */
 function drawBands(ctx, strip, view, samples, geometry, colours) {
-  for (const trace of strip.traces) {
-    if (!trace.low || !view.bands.has(trace.label)) continue;
+  const shown = strip.traces.filter((trace) => trace.low && view.bands.has(trace.label)).reverse();
+  for (const trace of shown) {
     const lower = samples.source(trace.low, geometry[2]);
     const upper = samples.source(trace.high, geometry[2]);
     if (!lower || !upper) continue;
     ctx.fillStyle = colours.observers[trace.place % 6];
-    ctx.globalAlpha = 0.16;
+    ctx.globalAlpha = shown.length > FILLED ? 0.11 : 0.16;
     ctx.beginPath();
     bandPath(ctx, lower, upper, ...geometry);
     ctx.fill();
@@ -171,8 +172,29 @@ function drawMarks(ctx, strip, {left, width, height}, view, scale, colours) {
     ctx.stroke();
   }
   ctx.globalAlpha = 1;
+  drawLeaving(ctx, strip, {left, right, height}, scale, colours);
   for (const {fallen, place} of strip.traces) if (fallen !== null && fallen >= view.t0 && fallen <= view.t1) cross(ctx, scale.x(fallen), colours, place);
   drawAlarms(ctx, strip, {left, right, height}, view, scale, colours);
+}
+
+/** Arrows at the edge where a curve is beyond the axis, in its colour. */
+function drawLeaving(ctx, strip, {left, right, height}, scale, colours) {
+  const arm = 3.6 * colours.size;
+  for (const {from, to, up, place, trace} of strip.leaving ?? []) {
+    const x = scale.x((from + to) / 2) + (trace - (strip.traces.length - 1) / 2) * 2 * arm; // beside those of other curves
+    if (x < left || x > right) continue;
+    const [tip, foot] = up ? [1, 1 + 1.5 * arm] : [height - 1, height - 1 - 1.5 * arm];
+    ctx.fillStyle = colours.observers[place % 6];
+    ctx.strokeStyle = colours.card;
+    ctx.lineWidth = 1.5;
+    ctx.beginPath();
+    ctx.moveTo(x, tip);
+    ctx.lineTo(x + arm, foot);
+    ctx.lineTo(x - arm, foot);
+    ctx.closePath();
+    ctx.stroke();
+    ctx.fill();
+  }
 }
 
 /** Alarms on the strip that they name: a flag where it was raised, a line above for as long as it is on, and at the foot when the fault began. */

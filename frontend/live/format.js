@@ -2,22 +2,19 @@
 
 const RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 
-/** Decimals that tell about a hundredth of the span apart. */
-export function decimals(span) {
-  if (!(span > 0)) return 3;
-  return Math.max(0, Math.min(8, Math.ceil(-Math.log10(span) + 2.05)));
-}
+const LONGEST = 9; // characters
 
-/** A value with so many decimals and a true minus; very large and small ones as powers of ten; '–' for none. */
+/** A value with so many decimals and a true minus, as a power of ten where that is too long; '–' for none. */
 export function fixed(value, places) {
   if (!Number.isFinite(value)) return '–';
-  if (value !== 0 && (Math.abs(value) >= 1e6 || (places >= 8 && Math.abs(value) < 1e-5))) return power(value);
   const text = value.toFixed(places);
+  if (Math.abs(value) >= 1e6 || text.length > LONGEST) return power(value);
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 }
 
 /** 3.2·10⁻⁷ */
 export function power(value) {
+  if (value === 0) return '0';
   const [mantissa, exponent] = value.toExponential(1).split('e');
   return `${mantissa}·10${raised(Number(exponent))}`.replace('-', '−');
 }

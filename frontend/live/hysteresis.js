@@ -4,6 +4,7 @@ import {fill, h, symbol} from '../dom.js';
 import {Range, marks, niceStep} from './axes.js';
 import {palette} from './canvas.js';
 import {fixed} from './format.js';
+import {moment} from './scope-values.js';
 
 const SHOWN = 240; // rows of the loop
 const BACKLASH = /^\s*backlash\(\s*(\w+)\s*,.*,\s*([\w.]+)\s*,\s*([\w.]+)\s*\)\s*$/;
@@ -77,11 +78,12 @@ function zoneWords({app, found, observer}) {
 function draw(picture, now) {
   const {app, found} = picture;
   if (!found || picture.loop.clientWidth === 0) return false;
-  const shown = `${app.samples.version} ${app.state.cursor}`;
+  const t = moment(app.state, app.samples.now);
+  const shown = `${app.samples.version} ${t}`;
   const moving = picture.x.move(now) | picture.y.move(now);
   if (shown === picture.still && !moving) return false;
   picture.still = shown;
-  const end = app.state.cursor === null ? app.samples.rows - 1 : Math.round(app.state.cursor / app.samples.record);
+  const end = Math.min(app.samples.rows - 1, Math.round(t / app.samples.record));
   const true_ = trueLoop(app.samples, found, end);
   const own = picture.observer ? estimated(app.samples, found, picture.observer.label, end) : null;
   if (true_.x.length > 1 && now - picture.at > 300) {

@@ -107,7 +107,7 @@ const messages = {
 const own = {
   connection: (state, {now}) => ({...state, connection: now, playing: state.playing && (now === 'live' || now === 'reconnecting')}),
   begin: (state, {session, role, experiment, parent}) => ({...state, connection: 'starting', session, role, experiment, parent: parent ?? null, origin: null,
-    spec: null, plant: null, columns: [], observers: [], places: {}, noise: {}, broken: null, faults: [], alarms: [], log: [], checks: {}, diagnosis: null, strips: {}, selection: null, looking: null, cursor: null,
+    spec: null, plant: null, columns: [], observers: [], places: {}, noise: {}, broken: null, faults: [], alarms: [], log: [], checks: {}, diagnosis: null, strips: {}, selection: null, looking: null, cursor: null, band: null,
     site: null, problem: null, ended: false, row: 0, t: 0}),
   failed: (state, {problem}) => ({...state, connection: 'failed', problem}),
   set: (state, {type: _, ...values}) => ({...state, ...values}),

@@ -13,9 +13,11 @@ export function mountHead(root, app, scope) {
   const menu = h('details', {class: 'menu strips-menu'});
   fill(root, legend, zoom, windows, menu);
 
-  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns, state.session], () => {
+  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns, state.band, state.presentation, state.session], () => {
+    const focused = legend.contains(document.activeElement) && document.activeElement.closest('li').dataset.label;
     fill(legend, legendOf(app, scope));
     fitLegend(legend);
+    if (focused) legend.querySelector(`[data-label="${CSS.escape(focused)}"] button`)?.focus();
   });
   new ResizeObserver(() => fitLegend(legend)).observe(root);
   app.subscribe((state) => [state.window, state.selection, state.language, state.windows, state.looking], ([window, selection, , lengths, looking]) => {
@@ -43,10 +45,11 @@ export function mountHead(root, app, scope) {
   });
 }
 
-/** On one line: where there is no room, marks that mean the same everywhere do without their words, the plainest first. */
+/** A projector's legend stands on one line: where there is no room, marks that mean the same everywhere go, the plainest first. Else it wraps. */
 function fitLegend(legend) {
   const plain = [...legend.children].filter((item) => !item.classList.contains('own')).sort((a, b) => SPOKEN.indexOf(a.dataset.mark) - SPOKEN.indexOf(b.dataset.mark));
   for (const item of plain) item.classList.remove('mute');
+  if (!document.documentElement.classList.contains('presentation')) return;
   for (const item of plain) {
     if (legend.offsetHeight < 1.7 * item.offsetHeight) return;
     item.classList.add('mute');
@@ -58,15 +61,34 @@ function legendOf(app, scope) {
   const forked = kept.forkOf(state.session);
   const item = (mark, words, extra = {}) => h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
   const key = (name, style = null) => h('span', {class: `key ${name}`, style, 'aria-hidden': 'true'});
+  const banded = state.observers.filter(({label}) => state.columns.some((column) => column.startsWith(`${label}.sigma.`)));
   return [
     item(key('dash'), text.truth),
-    ...state.observers.map((observer) => item(key('solid', `--c:${observer.colour}`), observer.label, {
-      class: 'own', onpointerenter: () => scope.point(observer.label), onpointerleave: () => scope.point(null)})),
-    state.columns.some((column) => column.includes('.sigma.')) && item(key('band', `--c:${state.observers[0]?.colour ?? 'var(--o0)'}`), text.band),
+    ...state.observers.map((observer) => nameOf(observer, banded, app, scope, key('solid', `--c:${observer.colour}`))),
+    banded.length > 0 && bandOf(banded, app, key),
     item(key('tinted'), text.faultActive), item(key('triangle'), text.alarm),
     state.parent && item(key('ghost'), [link(text.parentCurves, () => app.act.visit(state.parent.id), {title: text.toParent})], {class: 'own'}),
     forked && item(key('ghost'), [link(text.forkFrom(seconds(forked.parent.t, 0.1)), () => app.act.visit(forked.id), {title: text.toFork})], {class: 'own'}),
   ];
+}
+
+/** An observer's name; where several have a band, a button that leaves only its own. */
+function nameOf({label}, banded, app, scope, mark) {
+  const {state: {band}, text} = app;
+  if (banded.length < 2 || !banded.some((one) => one.label === label)) return h('li', {class: 'own', title: label}, mark, h('span', {}, label));
+  return h('li', {class: 'own', 'data-label': label, onpointerenter: (event) => event.pointerType === 'mouse' && scope.point(label), onpointerleave: () => scope.point(null)}, mark,
+    h('button', {type: 'button', class: 'name', title: text.bandOnly(label), 'aria-pressed': String(band === label),
+      onclick: () => { scope.point(null); app.act.band(band === label ? null : label); }}, label));
+}
+
+/** Whose bands are drawn: of all of them the colours, of the chosen one its name, and the way back to all. */
+function bandOf(banded, app, key) {
+  const {state: {band}, text} = app;
+  const chosen = banded.length > 1 ? banded.find(({label}) => label === band) : null;
+  const shown = chosen ? [chosen] : banded;
+  return h('li', {'data-mark': 'band', title: chosen ? null : text.bandHint}, h('span', {class: 'bands', 'aria-hidden': 'true'}, shown.map(({colour}) => key('band', `--c:${colour}`))),
+    h('span', {}, chosen ? text.bandOf(chosen.label) : banded.length > 1 ? text.bandOfAll : text.band),
+    chosen && h('button', {type: 'button', class: 'link', onclick: () => app.act.band(null)}, text.allBands));
 }
 
 const SPOKEN = ['band', 'triangle', 'tinted', 'dash']; // which marks lose their words first

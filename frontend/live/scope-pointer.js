@@ -11,20 +11,41 @@ class Pointer {
   constructor(plots, app, scope) {
     this.line = h('div', {class: 'cursor', hidden: true}, h('span', {class: 'cursor-time'}));
     this.area = h('div', {class: 'zoom-area', hidden: true});
+    this.mark = h('div', {class: 'cursor looked', hidden: true}, h('span', {class: 'cursor-time'}));
     Object.assign(this, {plots, app, scope, left: 0, width: 1, drag: null, over: 0});
-    plots.append(this.line, this.area);
+    plots.append(this.mark, this.line, this.area);
     plots.addEventListener('pointermove', (event) => this.move(event));
     plots.addEventListener('pointerdown', (event) => this.press(event));
     plots.addEventListener('pointerup', (event) => this.release(event));
     plots.addEventListener('pointercancel', () => this.end());
     plots.addEventListener('pointerleave', () => this.drag === null && this.hide());
-    plots.addEventListener('dblclick', () => app.act.select(null));
+    plots.addEventListener('dblclick', (event) => this.back(event));
+    app.subscribe((state) => [state.looking, state.selection, state.record], () => this.showLooking());
+  }
+
+  /** A double click on an axis shows all of its strip, one on the curves ends the zoom. */
+  back(event) {
+    const name = event.target.closest('.strip')?.dataset.strip;
+    const row = this.x(event) < 0 ? this.scope.rows.get(name) : null;
+    if (row && event.target === row.canvas) this.scope.showAll(row);
+    else if (this.x(event) >= 0) this.app.act.select(null);
+  }
+
+  /** The time that is looked back to, over all strips. */
+  showLooking() {
+    const {looking, record} = this.app.state;
+    this.mark.hidden = looking === null;
+    if (looking === null) return;
+    const [t0, t1] = this.scope.span();
+    this.mark.style.transform = `translateX(${this.left + this.clamped(((looking - t0) / (t1 - t0)) * this.width)}px)`;
+    fill(this.mark.firstChild, `${seconds(looking, record >= 1 ? 1 : 0.1)} s`);
   }
 
   /** Where the plot areas begin, and how wide they are, in the list's own pixels. */
   measure(from, wide) {
     this.left = from;
     this.width = Math.max(1, wide);
+    this.showLooking();
   }
 
   /** The time under a resting pointer while the curves move on below it. */

@@ -1,21 +1,20 @@
 // The scope: strips on one time axis. This file lays them out and draws them; scope-head.js and scope-pointer.js are its controls.
 
 import {fill, h, symbol} from '../dom.js';
-import {extent, marks, niceStep, Range} from './axes.js';
+import {niceStep, Range} from './axes.js';
 import {drawStrip, drawTimeAxis, palette} from './canvas.js';
 import {openFigure} from './figure.js';
-import {decimals, fixed} from './format.js';
 import {mountHead} from './scope-head.js';
 import {mountPointer} from './scope-pointer.js';
+import {showValues} from './scope-values.js';
 import {untold} from './panels/sizes.js';
 import {badges, plain, split, symbolic} from './panels/symbols.js';
+import {leaving, setTicks, wanted} from './sight.js';
 import {stripsOf} from './strips.js';
 
 const AIM = 300; // ms between looks at what the axes should show
-const GUTTER = 46; // px for the marks of the vertical axis
+const GUTTER = 52; // px for the marks of the vertical axis
 const LINE = 14.3; // px of one number beside a strip
-const TRIMMED = 0.12; // share of an estimate's outermost moments that its axis does not follow: starts, and what other faults throw it to
-const BANDS = 2; // with more observers only the first one's band is drawn, or that of the one that is pointed at
 
 export function mountScope(root, app) {
   const scope = new Scope(root, app);
@@ -24,7 +23,7 @@ export function mountScope(root, app) {
   app.subscribe((state) => [state.plant, state.selection, state.window, state.session], () => scope.refit());
   app.subscribe((state) => state.language, () => { scope.title.textContent = app.text.scope; });
   app.subscribe((state) => [state.theme, state.presentation], () => scope.restyle());
-  app.subscribe((state) => [state.connection, state.alarms, state.log.length], () => {
+  app.subscribe((state) => [state.connection, state.alarms, state.log.length, state.band], () => {
     scope.still = '';
     app.wake();
   });
@@ -57,7 +56,7 @@ class Scope {
     for (const strip of shown) {
       const row = this.rows.get(strip.name) ?? createRow();
       this.rows.set(strip.name, row);
-      row.strip = {...strip, ticks: [], tickPlaces: 2};
+      row.strip = {...strip, ticks: [], labels: [], power: ''};
       this.label(row, text);
     }
     const wanted = shown.map((strip) => this.rows.get(strip.name).element);
@@ -79,10 +78,13 @@ class Scope {
     const [letters, index] = split(strip.symbol);
     const wordy = strip.kind === 'excitation' ? false : letters.length > 1 || index.length > 3;
     const unit = strip.unit ? ` ${strip.unit}` : '';
-    const open = h('button', {type: 'button', class: 'open', title: text.openFigure, 'aria-label': `${text.openFigure}: ${words}`,
-      onclick: () => openFigure(this.app, strip.name)}, h('svg', {viewBox: '0 0 16 16', width: 13, height: 13, fill: 'none', stroke: 'currentColor',
-      'stroke-width': 1.5, 'stroke-linecap': 'round', 'aria-hidden': 'true'}, h('path', {d: 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4'})));
-    fill(row.label, h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)), open, h('small', {title: words + unit}, words));
+    const open = tool('open', 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4', () => openFigure(this.app, strip.name));
+    open.title = text.openFigure;
+    open.setAttribute('aria-label', `${text.openFigure}: ${words}`);
+    row.all ??= tool('all', 'M8 2v12M5 4.500L8 2l3 2.500M5 11.500L8 14l3-2.500', () => this.showAll(row));
+    row.all.dataset.name = words;
+    this.labelAll(row);
+    fill(row.label, h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)), h('span', {class: 'tools'}, row.all, open), h('small', {title: words + unit}, words));
     row.element.style.setProperty('--weight', strip.weight);
     row.element.dataset.kind = strip.kind;
     row.element.dataset.strip = strip.name;
@@ -91,7 +93,7 @@ class Scope {
     row.canvas.setAttribute('aria-label', row.canvas.dataset.name);
     const own = strip.traces.map((trace) => h('span', {style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`, 'data-label': trace.label}));
     row.values.style.setProperty('--lines', Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2));
-    fill(row.values, strip.truth && h('span', {class: 'truth'}), own);
+    fill(row.values, strip.truth && h('span', {class: 'truth'}), own, strip.log && own.length === 1 && h('span', {class: 'judged', style: '--c:var(--ok)', 'data-label': ''}));
   }
 
   /** Say which faults the input of the last window does not tell. */
@@ -173,10 +175,12 @@ class Scope {
     this.app.wake();
   }
 
+  /** Whose bands are drawn: the one that is pointed at or was chosen, else all. */
   bands() {
-    const {observers} = this.app.state;
-    if (this.pointed) return new Set([this.pointed]);
-    return new Set((observers.length > BANDS ? observers.slice(0, 1) : observers).map(({label}) => label));
+    const {observers, band} = this.app.state;
+    const known = (label) => observers.some((one) => one.label === label);
+    const chosen = [this.pointed, band].find(known);
+    return new Set(chosen ? [chosen] : observers.map(({label}) => label));
   }
 
   /** Let every axis see what it should; whether one is still gliding. */
@@ -186,11 +190,9 @@ class Scope {
     if (look) [this.aimed, this.seen] = [now, this.app.samples.version];
     const settled = this.app.samples.rows > 1 && this.app.samples.rows >= this.app.state.row;
     let gliding = false;
-    for (const {strip, range, place} of this.rows.values()) {
-      if (look) {
-        const [low, high] = this.wanted(strip, t0, t1);
-        range.aim(low, high, now, this.atOnce);
-      }
+    for (const row of this.rows.values()) {
+      const {strip, range, place} = row;
+      if (look) this.look(row, t0, t1, now);
       gliding = range.move(now) || gliding;
       if (look || gliding) setTicks(strip, range, place.height / this.colours.size);
     }
@@ -198,24 +200,30 @@ class Scope {
     return gliding || due;
   }
 
-  /** What a strip should show between two times: all of the truth, and of the estimates all but their outermost moments. */
-  wanted(strip, t0, t1) {
+  /** What one axis should show, and which curves leave it. */
+  look(row, t0, t1, now) {
+    const {strip, range} = row;
     const {samples} = this.app;
-    const first = Math.max(0, Math.floor(t0 / samples.record));
-    const last = Math.min(samples.rows, Math.ceil(t1 / samples.record) + 1);
-    const parts = strip.base ? [strip.base] : [];
-    if (last > first) {
-      if (strip.truth) parts.push(extent(samples, strip.truth, first, last, 0));
-      for (const {column} of strip.traces) parts.push(extent(samples, column, first, last, TRIMMED));
-    }
-    const found = parts.filter(Boolean);
-    if (found.length === 0) return [0, 1];
-    let low = Math.min(...found.map(([a]) => a));
-    let high = Math.max(...found.map(([, b]) => b));
-    if (strip.kind === 'residual') [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
-    const least = Math.max(strip.least, 0.02 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
-    const middle = (low + high) / 2;
-    return high - low < least ? [middle - least / 2, middle + least / 2] : [low, high];
+    range.aim(...wanted(strip, samples, t0, t1, row.whole), now, this.atOnce);
+    strip.leaving = leaving(strip, samples, t0, t1, range.target ?? [-Infinity, Infinity]);
+    row.all.classList.toggle('needed', row.whole || strip.leaving.length > 0);
+  }
+
+  /** Show all of a strip's curves, wherever they go, or again what its axis usually holds. */
+  showAll(row, whole = !row.whole) {
+    row.whole = whole;
+    row.range.show(...wanted(row.strip, this.app.samples, ...this.span(), whole), performance.now());
+    this.labelAll(row);
+    this.aimed = 0;
+    this.still = '';
+    this.app.wake();
+  }
+
+  labelAll({all, whole}) {
+    const words = whole ? this.app.text.usualAxis : this.app.text.wholeAxis;
+    all.title = words;
+    all.setAttribute('aria-label', `${words}: ${all.dataset.name}`);
+    all.setAttribute('aria-pressed', String(Boolean(whole)));
   }
 
   /** What stands where there are no curves (yet). */
@@ -227,33 +235,11 @@ class Scope {
     if (this.empty.textContent !== words) this.empty.textContent = words;
   }
 
-  /** The numbers on the right: at the pointer where it is over the curves, else at the right edge. */
   showValues() {
-    const {state, samples} = this.app;
+    const {state} = this.app;
     this.showEmpty();
     if (state.playing && !state.selection) this.pointer.refresh();
-    const row = Math.min(samples.rows - 1, Math.round((state.cursor ?? state.selection?.[1] ?? samples.now) / samples.record));
-    for (const {strip, values, range, canvas} of this.rows.values()) {
-      const places = decimals(range.high - range.low);
-      const shown = [...(strip.truth ? [{column: strip.truth, label: this.app.text.truth, fallen: null}] : []), ...strip.traces];
-      const words = shown.map(({column, fallen}, i) => {
-        const value = samples.value(column, row);
-        const text = fallen !== null && value !== value ? this.app.text.diverged
-          : strip.log ? this.excited(value, strip, shown.length) : fixed(value, places);
-        const cell = values.children[i];
-        if (cell && cell.textContent !== text) cell.textContent = text;
-        if (strip.log) cell?.classList.toggle('warning', [this.app.text.diverged, this.app.text.notExcited].includes(text));
-        return `${shown[i].label} ${text}`;
-      });
-      if (!state.playing) canvas.setAttribute('aria-label', this.app.text.describe(canvas.dataset.name, words.join(', ')));
-    }
-  }
-
-  excited(value, {threshold}, count) {
-    if (value !== value) return '–';
-    const {text} = this.app;
-    if (threshold === null || count > 1) return (10 ** value).toExponential(1).replace('-', '−');
-    return value >= threshold ? text.excited : text.notExcited;
+    showValues(this.rows.values(), this.app);
   }
 }
 
@@ -265,6 +251,10 @@ function signOf({kind, symbol: name}, plant) {
   const [letters, index] = badges(plant.channels).get(name);
   return h('span', {class: 'math'}, h('i', {}, letters), index && h('sub', {}, index));
 }
+
+/** A small button of a strip. */
+const tool = (name, d, act) => h('button', {type: 'button', class: name, onclick: act}, h('svg', {viewBox: '0 0 16 16', width: 13, height: 13, fill: 'none', stroke: 'currentColor',
+  'stroke-width': 1.5, 'stroke-linecap': 'round', 'stroke-linejoin': 'round', 'aria-hidden': 'true'}, h('path', {d})));
 
 function createRow() {
   const label = h('div', {class: 'strip-label'});
@@ -285,13 +275,4 @@ function fit(owner, canvas, ratio, gutter) {
   }
   owner.ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
   owner.place = {left: gutter, width: Math.max(0, width - gutter - 1), height, full: width};
-}
-
-/** Two to four marks on a vertical axis, whole powers of ten on a logarithmic one. */
-function setTicks(strip, range, height) {
-  const span = range.high - range.low;
-  if (!(span > 0)) return;
-  const step = strip.log ? Math.max(1, Math.round(niceStep(span, height / 30))) : niceStep(span, Math.max(2, height / (height < 80 ? 17 : 23)));
-  strip.ticks = marks(range.low, range.high, step);
-  strip.tickPlaces = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
 }

@@ -56,6 +56,7 @@
  * @property {[number, number] | null} selection    zoomed to
  * @property {number | null} cursor       time under the pointer
  * @property {number | null} looking      time that is looked back to on the timeline
+ * @property {string | null} band         observer whose band alone is drawn; null: all of them
  * @property {Object<string, boolean>} strips   strip name → shown, where chosen by hand
  * @property {string | null} site         fault site that was chosen in the plant
  * @property {boolean} presentation
@@ -71,7 +72,7 @@ export const initial = Object.freeze({
   connection: 'starting', session: null, role: 'control', experiment: null, spec: null, plant: null, columns: [], epoch: 0,
   step: 0, record: 0, row: 0, t: 0, playing: false, speed: 1, rate: null, viewers: 1, ended: false,
   log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], noise: {}, broken: null, places: {}, parent: null, origin: null,
-  window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, strips: {}, site: null, presentation: false, desk: 'inject', theme: 'light', language: 'en',
+  window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, band: null, strips: {}, site: null, presentation: false, desk: 'inject', theme: 'light', language: 'en',
   problem: null, told: null,
 });
 

@@ -1,7 +1,8 @@
 // The words of the scope, the timeline and the transport.
 
 const en = {
-  scope: 'Scope',
+  scope: 'Scope', wholeAxis: 'Curves leave this axis: show all of them (or double-click the axis)', usualAxis: 'Back to the usual axis',
+  bandOfAll: '±2σ of each', bandOf: (label) => `±2σ of ${label}`, allBands: 'all', bandOnly: (label) => `Only the band of ${label}; again: all`, bandHint: 'A click on a name leaves only its band',
   truth: 'true', estimate: 'estimate', band: '±2σ', alarm: 'alarm', faultActive: 'fault active', parentCurves: 'the first session', toParent: 'Go to the session that this one was forked from', forkFrom: (t) => `the fork of ${t} s`, toFork: 'Go to the session that was forked from this one',
   residual: 'residual', excitation: 'excitation', excited: 'excited', notExcited: 'too weak',
   window: 'Window', windowOf: (s) => `${s} s`, all: 'all', windowHint: 'How much time the scope shows',
@@ -25,7 +26,8 @@ const en = {
 };
 
 const zh = {
-  scope: '示波器',
+  scope: '示波器', wholeAxis: '有曲线超出坐标范围：全部显示（或双击坐标轴）', usualAxis: '恢复常用坐标范围',
+  bandOfAll: '各自的 ±2σ', bandOf: (label) => `${label} 的 ±2σ`, allBands: '全部', bandOnly: (label) => `只显示 ${label} 的置信带；再按显示全部`, bandHint: '点击名称只显示其置信带',
   truth: '真值', estimate: '估计', band: '±2σ', alarm: '报警', faultActive: '故障存在', parentCurves: '原会话', toParent: '转到本会话所分支自的会话', forkFrom: (t) => `${t} s 处的分支`, toFork: '转到由本会话分支出的会话',
   residual: '残差', excitation: '激励', excited: '充分激励', notExcited: '激励不足',
   window: '窗口', windowOf: (s) => `${s} s`, all: '全部', windowHint: '示波器显示的时间长度',

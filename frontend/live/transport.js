@@ -44,7 +44,7 @@ export function mountTransport(root, app) {
     showSpeeds(speed, state.speed, text);
   });
   app.onTick(() => {
-    const text = seconds(app.state.cursor ?? app.state.looking ?? app.samples.now, app.state.record >= 1 ? 1 : 0.1);
+    const text = seconds(app.samples.now, app.state.record >= 1 ? 1 : 0.1); // now, wherever one looks: that time stands at its line in the scope
     if (figures.textContent !== text) figures.textContent = text;
   });
 }
