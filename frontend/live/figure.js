@@ -2,6 +2,7 @@
 
 import {fill, h} from '../dom.js';
 import {figureOf, image, show} from './plotly.js';
+import {wanted} from './sight.js';
 
 const STRIP = 230; // px of height for each strip in a picture of all
 
@@ -10,10 +11,10 @@ function shown(app, name) {
   return name === null || name === undefined ? all.filter((strip) => strip.shown) : all.filter((strip) => strip.name === name);
 }
 
-function make(app, strips, span = app.span()) {
+function make(app, strips, {span = app.span(), whole = false} = {}) {
   const {state, samples, text} = app;
-  const inSight = strips.map((strip) => ({...strip, range: rangeOf(app, strip.name)}));
-  return figureOf({samples, strips: inSight, faults: state.faults, text, t0: span[0], t1: span[1], title: strips.length > 1 ? text.named(state.spec.title) || state.spec.id : null});
+  const inSight = strips.map((strip) => ({...strip, range: whole ? wanted(strip, samples, ...span, true) : rangeOf(app, strip.name)}));
+  return figureOf({samples, strips: inSight, faults: state.faults, alarms: state.alarms, bands: app.scope.bands(), text, t0: span[0], t1: span[1], title: strips.length > 1 ? text.named(state.spec.title) || state.spec.id : null});
 }
 
 /** What the strip's own axis shows at present. */
@@ -48,7 +49,7 @@ export async function openFigure(app, name) {
   document.body.append(dialog);
   dialog.showModal();
   try {
-    const figure = make(app, [strip]);
+    const figure = make(app, [strip], {whole: true}); // whatever leaves the axis of the strip is seen here
     fill(plot);
     await show(plot, figure);
   } catch (error) {

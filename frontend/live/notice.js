@@ -4,6 +4,7 @@ import {fill, h, number} from '../dom.js';
 import {seconds} from './format.js';
 import {seconds as timed} from './panels/parts.js';
 import {called} from './panels/symbols.js';
+import {stand, standsInHeader, watchRoom} from './stand.js';
 
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
@@ -18,7 +19,11 @@ export function mountNotice(root, app) {
     root.className = kind;
     root.hidden = false;
     fill(root, h('span', {}, words), buttons);
+    place();
   };
+  const place = () => { if (!root.hidden && root.childElementCount) stand(root, {breaks: true, taken: standsInHeader('.choice:not([hidden])')}); };
+  watchRoom(place);
+  app.subscribe((state) => [state.looking, state.presentation], () => queueMicrotask(place)); // after the choice on the timeline
   const hide = () => {
     root.hidden = true;
     fill(root);

@@ -7,6 +7,8 @@ import {plain, symbolic} from './panels/symbols.js';
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
 const OPTIONS = {displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: '', modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage']};
 
+const TINT = 'rgba(230,159,0,.15)'; // where a fault acts
+
 let library = null;
 
 /** window.Plotly, from this server. */
@@ -45,7 +47,7 @@ export function points(samples, name, t0, t1) {
 }
 
 /** Strips between two times as a Plotly figure, one above the other on one time axis. */
-export function figureOf({samples, strips, faults, text, t0, t1, title}) {
+export function figureOf({samples, strips, faults, alarms, bands, text, t0, t1, title}) {
   const colours = palette();
   const figure = {data: [], layout: layoutOf({colours, title, t0, t1, axis: `y${strips.length > 1 ? strips.length : ''}`})};
   const total = strips.reduce((sum, {weight}) => sum + weight, 0);
@@ -58,15 +60,36 @@ export function figureOf({samples, strips, faults, text, t0, t1, title}) {
       linecolor: colours.line, zerolinecolor: colours.line, mirror: true, ...(strip.range ? {range: strip.range} : {}),
       ...(strip.log ? {tickprefix: '10<sup>', ticksuffix: '</sup>', dtick: 1} : {})};
     top -= high + 0.03;
-    figure.data.push(...curvesOf(strip, axis, {samples, text, t0, t1, colours, named}));
+    figure.data.push(...curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}));
     if (strip.kind === 'theta') figure.layout.shapes.push(...tintsOf(strip, axis, faults, t0, t1, samples.now));
+    if (strip.threshold !== null) figure.layout.shapes.push({type: 'line', xref: 'x', yref: axis, x0: t0, x1: t1, y0: strip.threshold, y1: strip.threshold, line: {color: colours.alarm, width: 1, dash: 'dot'}});
+    figure.layout.annotations.push(...flagsOf(strip, axis, alarms, t0, t1, colours));
   });
+  figure.data.push(...keysOf(figure, strips, text, colours));
   return figure;
+}
+
+/** What the marks of a figure mean, as entries of its legend: curves without points. */
+function keysOf({layout}, strips, text, colours) {
+  const entry = (name, look) => ({type: 'scatter', mode: 'markers', x: [null], y: [null], name, hoverinfo: 'skip', showlegend: true, ...look});
+  return [
+    layout.shapes.some(({type}) => type === 'rect') && entry(text.faultActive, {marker: {symbol: 'square', size: 11, color: TINT}}),
+    layout.annotations.length > 0 && entry(text.alarm, {marker: {symbol: 'triangle-down', size: 10, color: colours.alarm}}),
+    strips.some(({threshold}) => threshold !== null) && entry(text.threshold, {mode: 'lines', line: {color: colours.alarm, width: 1, dash: 'dot'}}),
+  ].filter(Boolean);
+}
+
+/** Alarms on the strip that they name, as flags at its upper edge. */
+function flagsOf(strip, axis, alarms, t0, t1, colours) {
+  const named = ({explained, subject, subjects}) => (strip.kind === 'theta' ? subjects.includes(strip.subject) : strip.kind === 'residual' && !explained && subject === strip.subject);
+  return alarms.filter((alarm) => named(alarm) && alarm.t >= t0 && alarm.t <= t1).map(({t, subject}) => ({
+    x: t, y: 1, xref: 'x', yref: `${axis} domain`, xanchor: 'center', yanchor: 'middle', text: subject === strip.subject ? '▼' : '▽', showarrow: false, font: {color: colours.alarm, size: 11 * colours.size},
+  }));
 }
 
 function layoutOf({colours, title, t0, t1, axis}) {
   return {
-    paper_bgcolor: colours.card, plot_bgcolor: colours.card, margin: {l: 84, r: 16, t: title ? 74 : 40, b: 42}, hovermode: 'x unified', shapes: [],
+    paper_bgcolor: colours.card, plot_bgcolor: colours.card, margin: {l: 84, r: 16, t: title ? 74 : 40, b: 42}, hovermode: 'x unified', shapes: [], annotations: [],
     font: {family: 'system-ui, "Noto Sans", "DejaVu Sans", sans-serif', size: 12 * colours.size, color: colours.ink},
     legend: {orientation: 'h', y: 1.005, yanchor: 'bottom', x: 0, xanchor: 'left'},
     title: title ? {text: escaped(title), x: 0.01, y: 1, yref: 'container', yanchor: 'top', pad: {t: 14}, font: {size: 14 * colours.size}} : undefined,
@@ -75,17 +98,23 @@ function layoutOf({colours, title, t0, t1, axis}) {
 }
 
 /** Bands, estimates and truth of a strip; a name stands in the legend once. */
-function curvesOf(strip, axis, {samples, text, t0, t1, colours, named}) {
+function curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}) {
   const base = {type: 'scatter', mode: 'lines', xaxis: 'x', yaxis: axis};
   const edge = {...base, line: {width: 0}, hoverinfo: 'skip', showlegend: false};
-  const bands = strip.traces.slice(0, 2).filter(({low}) => low).flatMap((trace) => [{...edge, ...points(samples, trace.low, t0, t1)},
-    {...edge, ...points(samples, trace.high, t0, t1), fill: 'tonexty', fillcolor: `${colours.observers[trace.place % 6]}2b`}]);
+  const shown = strip.traces.filter(({low, label}) => low && bands.has(label)).reverse();
+  const areas = shown.flatMap((trace) => {
+    const name = text.bandOf(trace.label);
+    const showlegend = !named.has(name);
+    named.add(name);
+    return [{...edge, ...points(samples, trace.low, t0, t1), legendgroup: name}, {...edge, ...points(samples, trace.high, t0, t1), name: escaped(name), legendgroup: name, showlegend,
+      fill: 'tonexty', fillcolor: `${colours.observers[trace.place % 6]}${shown.length > 2 ? '1c' : '2b'}`}];
+  });
   const curve = (column, name, line) => {
     const showlegend = !named.has(name);
     named.add(name);
     return {...base, ...points(samples, column, t0, t1), name: escaped(name), legendgroup: name, showlegend, line};
   };
-  return [...bands, ...strip.traces.map((trace) => curve(trace.column, trace.label, {color: colours.observers[trace.place % 6], width: 1.4})),
+  return [...areas, ...strip.traces.map((trace) => curve(trace.column, trace.label, {color: colours.observers[trace.place % 6], width: 1.4})),
     ...(strip.truth ? [curve(strip.truth, text.truth, {color: colours.ink, width: 1.2, dash: 'dash'})] : [])];
 }
 
@@ -93,7 +122,7 @@ function curvesOf(strip, axis, {samples, text, t0, t1, colours, named}) {
 function tintsOf(strip, axis, faults, t0, t1, now) {
   return faults.filter(({subject, onset}) => subject === strip.subject && onset <= t1).map(({onset, end}) => ({
     type: 'rect', xref: 'x', yref: `${axis} domain`, x0: Math.max(t0, onset), x1: Math.min(t1, end ?? now), y0: 0, y1: 1,
-    fillcolor: 'rgba(230,159,0,.15)', line: {width: 0}, layer: 'below',
+    fillcolor: TINT, line: {width: 0}, layer: 'below',
   }));
 }
 

@@ -2,6 +2,7 @@
 
 import {fill, h} from '../dom.js';
 import {seconds} from './format.js';
+import {markWords} from './markwords.js';
 
 const DRAG = 6; // px before it counts as one
 
@@ -85,12 +86,21 @@ class Pointer {
   move(event) {
     const x = this.x(event);
     this.show(x);
+    this.say(event, x);
     if (this.drag === null) return;
     this.drag.far ||= Math.abs(x - this.drag.from) > DRAG;
     if (!this.drag.far) return;
     const [a, b] = [this.clamped(Math.min(x, this.drag.from)), this.clamped(Math.max(x, this.drag.from))];
     this.area.hidden = false;
     Object.assign(this.area.style, {left: `${this.left + a}px`, width: `${b - a}px`});
+  }
+
+  /** What the mark under the pointer says, as a hint. */
+  say({target, offsetY}, x) {
+    const row = this.scope.rows.get(target.closest?.('.strip')?.dataset.strip);
+    if (!row || target !== row.canvas) return;
+    const words = x >= 0 ? markWords(row, x, offsetY, (at) => this.timeAt(at), this.app) : '';
+    if (row.canvas.title !== words) row.canvas.title = words;
   }
 
   release(event) {

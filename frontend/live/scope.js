@@ -101,6 +101,7 @@ class Scope {
     const {state, text} = this.app;
     const lost = untold(state);
     for (const {strip, untold: mark} of this.rows.values()) {
+      if (strip.kind === 'excitation') continue;
       const one = strip.kind === 'theta' ? lost.find(({channel}) => channel === strip.subject) : undefined;
       mark.hidden = one === undefined;
       mark.textContent = one?.smallest === null ? text.notSeenNow : text.underNoise;
@@ -240,6 +241,19 @@ class Scope {
     this.showEmpty();
     if (state.playing && !state.selection) this.pointer.refresh();
     showValues(this.rows.values(), this.app);
+    this.showNoExcitation();
+  }
+
+  /** Why no observer tells the excitation yet. */
+  showNoExcitation() {
+    const {state, samples, text} = this.app;
+    const row = this.rows.get('excitation');
+    if (!row) return;
+    const told = row.strip.traces.some(({column}) => Number.isFinite(samples.latest(column)));
+    const why = told ? null : row.strip.traces.flatMap(({label}) => state.checks[label] ?? []).find(({name, value}) => /excit/i.test(name) && value === null);
+    row.untold.hidden = !why;
+    const words = why ? text.said(why.text) : '';
+    if (row.untold.textContent !== words) row.untold.textContent = words;
   }
 }
 

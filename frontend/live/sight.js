@@ -78,7 +78,10 @@ export function leaving(strip, samples, t0, t1, [low, high]) {
 export function setTicks(strip, range, height) {
   const span = range.high - range.low;
   if (!(span > 0)) return;
-  const step = strip.log ? Math.max(1, Math.round(niceStep(span, height / 30))) : niceStep(span, Math.max(2, height / (height < 80 ? 17 : 23)));
+  let count = strip.log ? height / 30 : Math.max(2, height / (height < 80 ? 17 : 23));
+  let step = strip.log ? Math.max(1, Math.round(niceStep(span, count))) : niceStep(span, count);
+  const inside = () => marks(range.low + 0.05 * span, range.high - 0.05 * span, step).length;
+  while (!strip.log && inside() < 2 && count < 10) step = niceStep(span, count += 1); // one alone says nothing of the scale
   strip.ticks = marks(range.low, range.high, step);
   [strip.labels, strip.power] = strip.log ? [strip.ticks.map((value) => `10${raised(Math.round(value))}`), ''] : spelt(strip.ticks, step);
 }

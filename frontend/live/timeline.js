@@ -5,7 +5,10 @@ import {fill, h} from '../dom.js';
 import {marks, niceStep} from './axes.js';
 import {palette} from './canvas.js';
 import {seconds} from './format.js';
+import {lines} from './panels/words.js';
+import {stand, watchRoom} from './stand.js';
 
+const NEAR = 6; // px
 const CHANGES = new Set(['gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
 
 export function mountTimeline(root, app) {
@@ -15,6 +18,7 @@ export function mountTimeline(root, app) {
   fill(root, slider, choice);
   const timeline = {app, root, canvas, slider, choice, ctx: canvas.getContext('2d'), colours: palette(), still: '', width: 0, height: 0};
   new ResizeObserver(() => measure(timeline)).observe(canvas);
+  watchRoom(() => place(timeline));
   app.subscribe((state) => [state.theme, state.presentation], () => {
     timeline.colours = palette();
     measure(timeline);
@@ -160,19 +164,17 @@ function offer(timeline, t) {
     may && h('button', {type: 'button', class: 'run', title: text.continueHint, onclick: () => act.seek(t)}, text.continueHere),
     may && h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => act.fork(t)}, text.forkHere),
     h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, text.backToNow));
-  const x = (t / reach(timeline)) * timeline.width;
-  const wide = choice.offsetWidth;
-  const [low, high] = roomFor(root);
-  choice.style.left = `${Math.max(low, Math.min(x - wide / 2, high - wide))}px`;
+  place(timeline);
 }
 
-/** Where the choice may stand, so that nothing that is looked at is covered: in the empty middle of the header; while presenting, over the scope's legend. */
-function roomFor(root) {
-  const {left, width} = root.getBoundingClientRect();
-  const box = (selector) => document.querySelector(selector)?.getBoundingClientRect();
-  if (getComputedStyle(root.parentElement).display !== 'contents') return [0, Math.min(width, (box('.top .connection')?.left ?? Infinity) - left - 10)];
-  const scope = box('#scope');
-  return [scope.left - left, scope.right - left];
+function place({app, choice, root}) {
+  if (choice.hidden) return;
+  stand(choice, {narrow: (on) => choice.classList.toggle('short', on)});
+  if (!app.state.presentation || getComputedStyle(root.parentElement).display !== 'contents') return;
+  const {left, width} = root.getBoundingClientRect(); // while presenting: over the scope's legend, below its time
+  const scope = document.querySelector('#scope').getBoundingClientRect();
+  const wide = choice.offsetWidth;
+  choice.style.left = `${Math.max(scope.left - left, Math.min((app.state.looking / reach({app})) * width - wide / 2, scope.right - left - wide))}px`;
 }
 
 function listen(timeline) {
@@ -188,7 +190,10 @@ function listen(timeline) {
     slider.setPointerCapture(event.pointerId);
     go(timeAt(event));
   });
-  slider.addEventListener('pointermove', (event) => slider.hasPointerCapture(event.pointerId) && go(timeAt(event)));
+  slider.addEventListener('pointermove', (event) => {
+    if (slider.hasPointerCapture(event.pointerId)) go(timeAt(event));
+    else slider.title = near(timeline, event) || app.text.timelineHint;
+  });
   slider.addEventListener('keydown', (event) => {
     const by = reach(timeline) / 100;
     const {looking, role} = app.state;
@@ -200,6 +205,15 @@ function listen(timeline) {
     event.stopPropagation();
     keys[event.key]();
   });
+}
+
+/** What happened where the pointer is, as the log says it. */
+function near({app, slider, width, ...timeline}, event) {
+  const {state, text} = app;
+  const x = event.clientX - slider.getBoundingClientRect().left;
+  const end = reach({app, ...timeline});
+  const found = lines(state.log, text, state.plant).filter(({t}) => Math.abs((t / end) * width - x) < NEAR);
+  return found.slice(0, 5).reverse().map(({t, words}) => `${seconds(t, state.record >= 1 ? 1 : 0.1)} s: ${words}`).join('\n');
 }
 
 function speak({app, slider}) {

@@ -7,13 +7,14 @@ export const en = {
   named: (words) => words, // names of the library; another language may have its own
   said: (words) => words, // what the server says, too
   tight: (words) => words, // blanks as the language has them
+  moreLines: (n) => `${n} more ↓`,
   skip: 'To the curves', wait: 'Loading …', stop: '.', and: '; ', close: 'Close', cancel: 'Cancel', remedyIs: (words) => `Remedy: ${words}`, copy: 'Copy', copied: 'Copied',
 
   pages: 'Pages', page: {live: 'Live', runs: 'Runs', plants: 'Plants', records: 'Records'},
   moreActions: 'Share, export, language and look',
   share: 'Share', shareHint: 'Links to this session', export: 'Export', exportHint: 'Data, pictures and a report of this session',
-  present: 'Presentation', look: 'Light or dark', help: 'Keys',
-  presentHint: 'Presentation: larger type, for a projector (P)', leave: 'Leave', leaveHint: 'Leave the presentation (P, Esc)', themeHint: 'Light or dark (T)', helpHint: 'Keys of the page (?)',
+  present: 'Presentation', look: 'Light or dark', help: 'Keys and marks',
+  presentHint: 'Presentation: larger type, for a projector (P)', leave: 'Leave', leaveHint: 'Leave the presentation (P, Esc)', themeHint: 'Light or dark (T)', helpHint: 'Keys of the page, and what the marks say (?)',
   languageHint: 'Language: English or 中文 (L)',
   connections: {starting: 'starting …', live: 'live', reconnecting: 'connection lost, trying again', ended: 'ended', full: 'full', failed: 'no session'},
   viewing: 'view only', viewers: (n) => `${n} watching`, slow: (rate) => `${rate}, the machine is busy`,
@@ -85,7 +86,7 @@ export const en = {
 
   observers: 'Observers', add: '+ add', addObserver: 'Add an observer', addIt: 'Add', kind: 'Kind of observer', label: 'label', estimates: 'estimates', whichChannels: 'all faults …', notHere: ' (not for this plant)', automatic: 'automatic',
   startObserver: 'Start again', startObserverHint: 'It begins anew from its initial estimates, with its gains as they are now',
-  removeObserver: (label) => `Remove ${label}`, noObserver: 'No observer watches.', moreGains: 'more gains', fellAt: (t) => `Diverged at ${t}`, lostAt: (label, t) => `${label} diverged at ${t}; its card can start it again.`,
+  gainsOf: (label) => `Gains of ${label}`, removeObserver: (label) => `Remove ${label}`, noObserver: 'No observer watches.', moreGains: 'more gains', fellAt: (t) => `Diverged at ${t}`, lostAt: (label, t) => `${label} diverged at ${t}; its card can start it again.`,
   assumptions: 'Assumptions', verdicts: {holds: 'holds', fails: 'fails', 'cannot tell': 'cannot tell'},
   kindNames: {'high-gain': 'High gain', 'zhao-adaptive': 'Adaptive, Zhao (34)', 'nonsmooth-adaptive': 'Nonsmooth adaptive', 'linear-adaptive': 'Linear adaptive',
     'reduced-order': 'Reduced order', 'full-order': 'Full order', 'sandwich-nonsmooth': 'Sandwich, non-smooth', 'sandwich-conventional': 'Sandwich, conventional',
@@ -108,7 +109,7 @@ export const en = {
     diverged: ({subject}) => `${subject || 'the plant'} diverged`, rewound: ({t}) => `back to ${t} s`, reset: () => 'back to the start',
   },
 
-  dialogs: {equations: 'Equations', help: 'Keys', share: 'Share this session', export: 'Take it with you'},
+  dialogs: {equations: 'Equations', help: 'Keys and marks', share: 'Share this session', export: 'Take it with you'},
   with: 'with', measured: 'measured', faultsIn: 'faults, the amber terms', nextSample: (s) => `x⁺ is the value one sample later; a sample is ${s} s.`,
   controlLink: 'The same session anew', controlLinkHint: 'Opens the same plant, faults and changes at this time, with the same numbers. Whoever opens it may change it.',
   viewLink: 'Watch this one', viewLinkHint: 'Shows this very session while it runs. Whoever opens it can look, not touch.',
@@ -119,6 +120,11 @@ export const en = {
   keyNames: {Space: 'Space', ArrowLeft: '←', ArrowRight: '→', Home: 'Home', End: 'End', Escape: 'Esc'},
   keys: {toggle: 'play or pause', step: 'one step', back: 'look back', on: 'look on', now: 'back to now', reset: 'back to the start', faster: 'faster', slower: 'slower', fork: 'fork here: a second session',
     site: 'a fault channel; Enter injects', clear: 'clear all faults', equations: 'equations', present: 'presentation; Esc leaves it', desk: 'presentation: inject, observers, comparison, log, try this', theme: 'light or dark', language: 'English or 中文', share: 'share', help: 'this list'},
+  marksTitle: 'Marks on the curves and on the timeline', marks: {truth: 'the truth, which no observer sees', band: 'where the truth should be by an observer\'s own account: two standard deviations on either side',
+    tint: 'a fault acts on this channel', alarm: 'an alarm was raised that names this channel; on the timeline, any alarm', second: 'this channel would explain the alarm as well',
+    stands: 'for so long the alarm stands', onset: 'when the fault began, as the alarm has it: the interval', leaves: 'a curve is beyond the axis there; ↕ beside the strip, or a double click on its axis, shows all of it',
+    threshold: 'the least excitation that is asked for', fallen: 'this observer diverged', bar: 'on the timeline: a fault acts; pale, one that is planned', change: 'on the timeline: a gain, a signal, the noise or an observer was changed',
+    escaped: 'on the timeline: an observer or the plant diverged'},
   keysNote: 'Tab reaches everything; arrows move a slider.',
   tabs: {curves: 'Curves', inject: 'Inject', observers: 'Observers', diagnosis: 'Diagnosis'}, tabsLabel: 'Parts of the page', deskLabel: 'Panels',
 };

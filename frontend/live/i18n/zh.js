@@ -9,13 +9,14 @@ const tight = (words) => words.replace(/(?<=[\u3000-\u303f\u4e00-\u9fff\uff00-\u
 
 export const zh = {
   named, said, tight,
+  moreLines: (n) => `还有 ${n} 项 ↓`,
   skip: '跳到曲线', wait: '正在加载……', stop: '。', and: '；', close: '关闭', cancel: '取消', remedyIs: (words) => `解决办法：${words}`, copy: '复制', copied: '已复制',
 
   pages: '页面', page: {live: '实时', runs: '仿真', plants: '对象', records: '记录'},
   moreActions: '分享、导出、语言和外观',
   share: '分享', shareHint: '本会话的链接', export: '导出', exportHint: '本会话的数据、图片和报告',
-  present: '演示模式', look: '浅色或深色', help: '按键',
-  presentHint: '演示模式：大号字体，适合投影 (P)', leave: '退出', leaveHint: '退出演示模式 (P, Esc)', themeHint: '浅色或深色 (T)', helpHint: '页面按键 (?)',
+  present: '演示模式', look: '浅色或深色', help: '按键与标记',
+  presentHint: '演示模式：大号字体，适合投影 (P)', leave: '退出', leaveHint: '退出演示模式 (P, Esc)', themeHint: '浅色或深色 (T)', helpHint: '页面按键，以及各标记的含义 (?)',
   languageHint: '语言：English 或 中文 (L)',
   connections: {starting: '正在启动……', live: '实时', reconnecting: '连接断开，正在重试', ended: '已结束', full: '已满', failed: '没有会话'},
   viewing: '仅观看', viewers: (n) => `${n} 人在看`, slow: (rate) => `${rate}，机器繁忙`,
@@ -87,7 +88,7 @@ export const zh = {
 
   observers: '观测器', add: '+ 添加', addObserver: '添加观测器', addIt: '添加', kind: '观测器类型', label: '标签', estimates: '估计', whichChannels: '全部故障……', notHere: '（不适用于该对象）', automatic: '自动',
   startObserver: '重新启动', startObserverHint: '以现有增益从初始估计重新开始',
-  removeObserver: (label) => `移除 ${label}`, noObserver: '没有观测器。', moreGains: '更多增益', fellAt: (t) => `在 ${t} 发散`, lostAt: (label, t) => `${label} 于 ${t} 发散；可在其卡片中重新启动。`,
+  gainsOf: (label) => `${label} 的增益`, removeObserver: (label) => `移除 ${label}`, noObserver: '没有观测器。', moreGains: '更多增益', fellAt: (t) => `在 ${t} 发散`, lostAt: (label, t) => `${label} 于 ${t} 发散；可在其卡片中重新启动。`,
   assumptions: '假设', verdicts: {holds: '成立', fails: '不成立', 'cannot tell': '无法判断'},
   kindNames: {'high-gain': '高增益', 'zhao-adaptive': '自适应，赵 (34)', 'nonsmooth-adaptive': '非光滑自适应', 'linear-adaptive': '线性自适应',
     'reduced-order': '降阶', 'full-order': '全阶', 'sandwich-nonsmooth': '三明治，非光滑', 'sandwich-conventional': '三明治，常规',
@@ -110,7 +111,7 @@ export const zh = {
     diverged: ({subject}) => `${subject || '对象'} 发散`, rewound: ({t}) => `回到 ${t} s`, reset: () => '回到起点',
   },
 
-  dialogs: {equations: '方程', help: '按键', share: '分享本会话', export: '带走'},
+  dialogs: {equations: '方程', help: '按键与标记', share: '分享本会话', export: '带走'},
   with: '其中', measured: '测量', faultsIn: '故障，即琥珀色各项', nextSample: (s) => `x⁺ 是下一采样的值；采样周期 ${s} s。`,
   controlLink: '重新打开同样的会话', controlLinkHint: '在同一时刻打开同样的对象、故障和更改，数值相同。打开者可以更改。',
   viewLink: '观看本会话', viewLinkHint: '实时显示本会话。打开者只能看，不能操作。',
@@ -121,6 +122,11 @@ export const zh = {
   keyNames: {Space: '空格', ArrowLeft: '←', ArrowRight: '→', Home: 'Home', End: 'End', Escape: 'Esc'},
   keys: {toggle: '播放或暂停', step: '单步', back: '向前回看', on: '向后查看', now: '回到当前', reset: '回到起点', faster: '加快', slower: '放慢', fork: '从此处分支：第二个会话',
     site: '某个故障通道；按 Enter 注入', clear: '清除所有故障', equations: '方程', present: '演示模式；Esc 退出', desk: '演示模式下：注入、观测器、比较、日志、试一试', theme: '浅色或深色', language: 'English 或 中文', share: '分享', help: '本列表'},
+  marksTitle: '曲线和时间轴上的标记', marks: {truth: '真值，观测器看不到', band: '观测器自己认为真值所在的范围：两侧各两倍标准差',
+    tint: '该通道上存在故障', alarm: '指出该通道的报警；时间轴上为任意报警', second: '该通道同样能解释此报警',
+    stands: '报警持续的时间', onset: '报警所判断的故障开始时刻：区间', leaves: '曲线在此超出坐标范围；曲线旁的 ↕ 或双击坐标轴可全部显示',
+    threshold: '要求的最低激励', fallen: '该观测器发散', bar: '时间轴上：故障存在；淡色为原定的故障', change: '时间轴上：增益、信号、噪声或观测器被更改',
+    escaped: '时间轴上：观测器或对象发散'},
   keysNote: 'Tab 可到达所有控件；方向键移动滑块。',
   tabs: {curves: '曲线', inject: '注入', observers: '观测器', diagnosis: '诊断'}, tabsLabel: '页面的各部分', deskLabel: '面板',
 };

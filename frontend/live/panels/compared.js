@@ -2,7 +2,7 @@
 
 import {finding} from '../alarms.js';
 import {noise, rmse, settled, unsettled} from './metrics.js';
-import {steady, took} from './parts.js';
+import {took} from './parts.js';
 
 const MOST = 200_000; // rows after a fault that are looked at
 const SETTLED = 0.1; // of the step: as in backend/diagnosis/metrics.py
@@ -14,17 +14,17 @@ const SETTLED = 0.1; // of the step: as in backend/diagnosis/metrics.py
  * @property {object[]} alarms
  */
 
-/** RMSE, time to settle and noise as {words, title}, over from … to; a session that has not come so far has none. */
+/** RMSE, time to settle and noise as {value or words, title}, over from … to; a session that has not come so far has none. */
 export function figuresOf({samples, faults}, label, [x, theta], [from, to], text) {
   const none = {words: '–', title: ''};
   if (to > samples.now + 1.5 * samples.record) return theta ? [{words: '–', title: text.notSoFar}, none, none] : [{words: '–', title: text.notSoFar}];
   const truth = samples.window(`x.${x}`, from, to);
   const mine = samples.window(`${label}.x.${x}`, from, to);
-  const error = {words: mine.v.length === truth.v.length ? steady(rmse(mine.v, truth.v), undefined, 2) : '–', title: ''};
+  const error = {value: mine.v.length === truth.v.length ? rmse(mine.v, truth.v) : NaN, title: ''};
   if (!theta) return [error];
   const estimate = samples.window(`${label}.theta.${theta}`, to - (to - from) / 4, to);
   const fault = newest(faults, theta, to);
-  return [error, fault ? settling(samples, faults, label, theta, fault, text) : none, {words: steady(noise(estimate.t, estimate.v), undefined, 2), title: ''}];
+  return [error, fault ? settling(samples, faults, label, theta, fault, text) : none, {value: noise(estimate.t, estimate.v), title: ''}];
 }
 
 const newest = (faults, theta, t) => faults.findLast((one) => one.subject === theta && one.onset <= t);

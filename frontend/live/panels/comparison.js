@@ -1,7 +1,9 @@
 // The table that compares the observers over the window that the scope shows; in a fork with those of the session that it came from.
 
 import {fill, h, hatted, symbol} from '../../dom.js';
+import {Form} from './columnform.js';
 import {detected, figuresOf} from './compared.js';
+import {wholeLines} from './lines.js';
 import {chip, heading, link} from './parts.js';
 import {badges, called, plain, split, symbolic, titleOf} from './symbols.js';
 
@@ -11,10 +13,13 @@ const LONGEST = 6000; // rows of a window of "all"
 export function mount(element, app) {
   let state = null; // chosen by hand
   let channel = null;
-  let rows = []; // {cells, of: () => [{words, title}, …]}
+  let rows = []; // {cells, of: () => [{words or value, title}, …]}
+  let forms = []; // how the numbers of each column are written
   let last = 0;
   let late = 0;
   const body = h('tbody');
+  const scroll = h('div', {class: 'scroll'});
+  const more = wholeLines(scroll, () => [...body.children], app);
 
   const build = () => {
     const {plant, observers, origin} = app.state;
@@ -31,7 +36,9 @@ export function mount(element, app) {
       () => ({samples: app.ghost, faults: origin.faults, alarms: origin.alarms}));
     fill(body, mine, first && [h('tr', {class: 'origin'}, h('th', {scope: 'rowgroup', colspan: 4}, link(text.parentCurves, () => app.act.visit(app.state.parent.id), {title: text.toParent}))),
       first.map((row) => { row.classList.add('of-origin'); return row; })]);
-    fill(element, heading(text.comparison), h('div', {class: 'scroll'}, h('table', {}, h('caption', {class: 'said'}, text.comparison), h('thead', {}, head), body)));
+    fill(scroll, h('table', {}, h('caption', {class: 'said'}, text.comparison), h('thead', {}, head), body));
+    fill(element, heading(text.comparison), scroll, more);
+    forms = [new Form(), new Form(), new Form()];
     compute();
   };
   /** The rows of one session: one an observer, and how soon its detector found the fault. `watched` gives it when figures are wanted. */
@@ -63,8 +70,10 @@ export function mount(element, app) {
   };
   const compute = () => {
     if (!app.state.plant || element.hidden) return;
-    for (const {cells, of} of rows) {
-      for (const [place, {words, title}] of of().entries()) put(cells[place], words, title);
+    const found = rows.map(({cells, of}) => [cells, of()]);
+    forms.forEach((form, place) => form.take(found.map(([, figures]) => figures[place]?.value)));
+    for (const [cells, figures] of found) {
+      for (const [place, {words, value, title}] of figures.entries()) put(cells[place], words ?? forms[place].write(value), title);
     }
   };
   app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, s.diagnosis?.note], build);

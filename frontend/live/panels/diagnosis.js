@@ -3,6 +3,7 @@
 import {fill, h} from '../../dom.js';
 import {line, spell} from './findingline.js';
 import {findings, sentence} from './findings.js';
+import {wholeLines} from './lines.js';
 import {asOfNow, heading, link, seconds} from './parts.js';
 import {createSeen} from './seen.js';
 import {untold} from './sizes.js';
@@ -13,16 +14,17 @@ export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
   const list = h('div', {class: 'scroll', role: 'region', tabindex: 0});
   const folds = {canSee: createSeen(app), howSure: createSure(app)};
+  const more = wholeLines(list, () => [...list.children], app);
   const tag = asOfNow(app);
   let links = {};
   const build = () => {
     links = Object.fromEntries(Object.keys(folds).map((name) => [name, link(app.text[name], () => open(name), {'aria-expanded': 'false'})]));
     list.setAttribute('aria-label', app.text.findings);
-    fill(element, heading(app.text.diagnosis, tag, h('span', {class: 'heading-links'}, Object.values(links))), verdict, Object.values(folds).map((fold) => fold.element), list);
+    fill(element, heading(app.text.diagnosis, tag, h('span', {class: 'heading-links'}, Object.values(links))), verdict, Object.values(folds).map((fold) => fold.element), list, more);
     open(null);
     update();
   };
-  /** One fold at a time; it takes the room it needs, and the panel grows with it. */
+  /** One fold at a time; beside the scope it lies over the column, from the findings on down, so that nothing moves. */
   const open = (name) => {
     for (const [one, {element: fold, show}] of Object.entries(folds)) {
       fold.hidden = one !== name || !fold.hidden;
@@ -30,7 +32,21 @@ export function mount(element, app) {
       if (!fold.hidden) show();
     }
     element.classList.toggle('unfolded', Object.values(folds).some((fold) => !fold.element.hidden));
+    place();
   };
+  const place = () => {
+    const column = element.parentElement.getBoundingClientRect();
+    element.style.setProperty('--below', `${verdict.offsetTop + verdict.offsetHeight}px`);
+    element.style.setProperty('--room', `${column.bottom - verdict.getBoundingClientRect().bottom - 8}px`);
+  };
+  element.addEventListener('keydown', (event) => {
+    if (event.key !== 'Escape' || !element.classList.contains('unfolded')) return;
+    event.preventDefault();
+    const [name] = Object.entries(folds).find(([, fold]) => !fold.element.hidden);
+    open(null);
+    links[name].focus();
+  });
+  addEventListener('resize', place);
   const update = () => {
     const {state} = app;
     if (!state.plant) return;
@@ -44,6 +60,7 @@ export function mount(element, app) {
       weak && h('p', {class: 'hint'}, h('span', {class: 'light open'}), h('button', {type: 'button', class: 'plain-words', onclick: () => open('canSee')}, weak)),
       found.length === 0 && state.broken === null && state.plant.channels.length > 0 && h('p', {class: 'soft'}, state.plant.inputs.length ? app.text.invite : app.text.inviteOutputs));
     for (const fold of Object.values(folds)) if (!fold.element.hidden) fold.show();
+    place();
   };
   app.subscribe((state) => [state.language, state.session], build);
   app.subscribe((state) => [state.plant, state.alarms, state.faults, state.diagnosis, state.role, state.observers, state.broken, early(state)], update);

@@ -2,6 +2,7 @@
 
 import {fill, h} from '../../dom.js';
 import {createRow} from './injectrow.js';
+import {wholeLines} from './lines.js';
 import {asOfNow, badge, heading, link, slider, throttled} from './parts.js';
 import {logarithmic} from './scale.js';
 import {badges, called, split} from './symbols.js';
@@ -11,6 +12,7 @@ export function mount(element, app) {
   let open = false; // the rows of measurement faults
   const ends = []; // of subscriptions that the rows hold
   const list = h('div', {class: 'scroll faults'});
+  const more = wholeLines(list, () => [...list.children], app);
   const tag = asOfNow(app);
 
   const build = async () => {
@@ -35,7 +37,7 @@ export function mount(element, app) {
     };
     fill(list, channels.map((row) => row.element), plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
       plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]));
-    fill(element, heading(app.text.injectTitle, tag, toggle), list);
+    fill(element, heading(app.text.injectTitle, tag, toggle), list, more);
     list.show = show;
     show(open);
     return update();

@@ -62,6 +62,7 @@ function own(element, key) {
 export function mount(element, app) {
   element.addEventListener('keydown', (event) => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || own(event.target, event.key)) return;
+    if (event.key === 'Escape' && document.querySelector(':popover-open')) return; // the browser closes it
     const name = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toUpperCase() : event.key;
     const channel = /^[1-9]$/.test(name) ? app.state.plant?.channels[Number(name) - 1] : null;
     const found = KEYS.find((one) => one.act && one.keys.includes(name));

@@ -1,6 +1,7 @@
 // The log of what happened; a click shows that moment in the scope.
 
 import {fill, h} from '../../dom.js';
+import {wholeLines} from './lines.js';
 import {heading} from './parts.js';
 import {icon} from './svg.js';
 import {lines} from './words.js';
@@ -8,11 +9,12 @@ import {lines} from './words.js';
 export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
   let signs = {}; // gains as their cards write them
+  const more = wholeLines(list, () => [...list.children], app);
   let made = new WeakMap(); // event → its line, so that a long log is not made anew with every event
   const build = () => {
     made = new WeakMap();
     list.setAttribute('aria-label', app.text.log);
-    fill(element, heading(app.text.log), list);
+    fill(element, heading(app.text.log), list, more);
     update();
   };
   const update = () => {

@@ -21,21 +21,31 @@ export function createCard(app, observer, kind) {
   let present = observer;
   let known = {}; // defaults from the server
   const lights = h('button', {type: 'button', class: 'lights', 'aria-expanded': 'false'});
-  const checks = h('ul', {class: 'checks', hidden: true});
+  const checks = h('ul', {class: 'checks', popover: 'auto'}); // over the page: opened, it moves nothing
+  lights.popoverTargetElement = checks;
   const gains = h('div', {class: 'gains'});
   const more = h('div', {class: 'gains'});
   const fold = h('details', {class: 'fold', hidden: true}, h('summary', {}, text.moreGains), more);
   const problem = h('p', {class: 'refused', role: 'alert'});
   const fallen = h('div', {class: 'fallen', hidden: true});
   const cross = h('button', {type: 'button', class: 'plain control-only', title: text.removeObserver(observer.label), 'aria-label': text.removeObserver(observer.label)}, icon('close', 13));
+  const unfold = h('button', {type: 'button', class: 'unfold', title: `${text.gainsOf(observer.label)} (${text.kindNames[kind.id] ?? kind.title})`, onclick: () => open(body.hidden, true)}, h('b', {}, observer.label));
+  const body = h('div', {class: 'tuning'}, gains, fold);
+  let chosen = false; // opened or closed by hand
+  const open = (on, byHand = false) => {
+    chosen ||= byHand;
+    body.hidden = !on;
+    unfold.setAttribute('aria-expanded', String(on));
+  };
   const element = h('section', {class: 'observer', 'aria-label': observer.label},
-    h('div', {class: 'observer-head'}, chip(observer.colour), h('b', {}, observer.label), h('span', {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`}, text.kindNames[kind.id] ?? kind.title), lights, cross),
-    checks, fallen, gains, fold, problem);
+    h('div', {class: 'observer-head'}, chip(observer.colour), unfold, h('span', {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`}, text.kindNames[kind.id] ?? kind.title), lights, cross),
+    checks, fallen, body, problem);
   const controls = new Map();
   cross.addEventListener('click', () => ask({type: 'remove-observer', label: observer.label}));
-  lights.addEventListener('click', () => {
-    checks.hidden = !checks.hidden;
-    lights.setAttribute('aria-expanded', String(!checks.hidden));
+  checks.addEventListener('beforetoggle', ({newState}) => {
+    if (newState === 'open') beside(lights, checks, element.closest('.card'));
+    lights.setAttribute('aria-expanded', String(newState === 'open'));
+    checks.shown = null;
     card.checks();
   });
   const ask = async (command) => {
@@ -85,6 +95,7 @@ export function createCard(app, observer, kind) {
       cross.hidden = app.state.role === 'view';
     },
     end() { element.remove(); },
+    unfold(on) { if (!chosen) open(on); },
   };
   return card;
 }
@@ -125,6 +136,15 @@ function gainSymbol(gain, place) {
   return h('span', {class: 'math'}, base, place === null ? null : h('sub', {}, String(place + 1)));
 }
 
+/** Put a list that opens over the page below its button, as wide as the card and within the window. */
+function beside(button, list, card) {
+  const {left, width} = card.getBoundingClientRect();
+  const {top, bottom} = button.getBoundingClientRect();
+  const below = innerHeight - bottom - 16;
+  Object.assign(list.style, {left: `${left}px`, width: `${width}px`,
+    ...(below > 0.4 * innerHeight ? {top: `${bottom + 4}px`, bottom: 'auto', maxHeight: `${below}px`} : {top: 'auto', bottom: `${innerHeight - top + 4}px`, maxHeight: `${top - 16}px`})});
+}
+
 const MARK = {holds: 'ok', fails: 'bad'};
 
 /** Lights, one a check, and the list that they open to. */
@@ -135,11 +155,8 @@ function showLights(lights, list, found, text) {
   lights.hidden = found.length === 0;
   lights.title = spoken;
   lights.setAttribute('aria-label', `${text.assumptions}: ${spoken}`);
-  if (list.hidden) fill(list);
-  const wanted = list.hidden ? null : found;
-  if (wanted === list.shown) return;
-  list.shown = wanted;
-  if (wanted === null) return;
+  if (found === list.shown) return;
+  list.shown = found;
   fill(list, found.map((check) => h('li', {}, h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
     h('b', {}, text.said(check.name)), ` ${text.verdicts[check.verdict]}`,
     check.value === null || check.value === undefined ? null : h('span', {class: 'num'}, ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`),

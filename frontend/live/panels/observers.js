@@ -4,12 +4,16 @@ import {post} from '../../api.js';
 import {fill, h} from '../../dom.js';
 import {createAdder} from './adder.js';
 import {createCard} from './observercard.js';
+import {wholeLines} from './lines.js';
 import {heading, link} from './parts.js';
+
+const FOLDED = 3; // so many observers are a line each, until one is opened
 
 export function mount(element, app) {
   const list = h('div', {class: 'watching'});
   const adder = h('div', {class: 'adder', hidden: true});
   const body = h('div', {class: 'scroll'}, adder, list); // the form scrolls with the cards: however low the card is, its buttons can be reached
+  const more = wholeLines(body, () => [...list.children], app);
   let cards = new Map();
   let kinds = [];
   let serial = 0;
@@ -24,7 +28,7 @@ export function mount(element, app) {
     toggle(false);
     for (const card of cards.values()) card.end();
     cards = new Map();
-    fill(element, heading(app.text.observers, add), body);
+    fill(element, heading(app.text.observers, add), body, more);
     update();
   };
   const update = () => {
@@ -37,6 +41,7 @@ export function mount(element, app) {
     }
     for (const [key, card] of cards) if (!kept.has(key)) card.end();
     cards = kept;
+    for (const card of cards.values()) card.unfold(cards.size < FOLDED);
     const wanted = [...cards.values()].map((card) => card.element);
     if (wanted.some((one, place) => list.children[place] !== one) || list.children.length !== wanted.length) fill(list, wanted.length ? wanted : h('p', {class: 'soft'}, app.text.noObserver));
     for (const [key, card] of cards) card.update(observers.find((one) => key.startsWith(`${one.label}/${one.kind}/${one.since}`)));

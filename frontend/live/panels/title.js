@@ -45,10 +45,18 @@ export function mount(element, app) {
   });
   document.addEventListener('pointerdown', (event) => { if (!menu.hidden && !element.contains(event.target)) toggle(false); });
 
+  /** A name that does not fit is smaller; if it then still takes two lines, what it is about has one. */
+  const fit = () => {
+    button.classList.remove('long');
+    button.classList.toggle('long', name.scrollWidth > name.clientWidth);
+    button.classList.toggle('two-lines', name.offsetHeight > 2 * parseFloat(getComputedStyle(name).fontSize));
+  };
+  new ResizeObserver(fit).observe(element);
+
   app.subscribe((state) => [state.spec?.title, state.plant, state.observers.length, state.language], () => {
     const {spec, plant, observers} = app.state;
     name.textContent = spec ? app.text.named(plant?.title) || app.text.named(spec.title) || spec.id : app.text.wait;
-    button.classList.toggle('long', name.textContent.length > 26);
+    fit();
     button.title = app.text.chooseExperiment;
     fill(sub, spec && [app.text.named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, observers.length)}`)]);
     sub.title = [app.text.named(spec?.title), spec?.source].filter(Boolean).join('. ');

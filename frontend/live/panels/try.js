@@ -2,6 +2,7 @@
 
 import {get} from '../../api.js';
 import {fill, h, hatted} from '../../dom.js';
+import {wholeLines} from './lines.js';
 import {heading, seconds} from './parts.js';
 import {icon} from './svg.js';
 import {called} from './symbols.js';
@@ -12,6 +13,8 @@ const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u03
 export function mount(element, app) {
   const lessons = new Map();
   let shown = [];
+  const list = h('ol', {class: 'try scroll', tabindex: 0});
+  const more = wholeLines(list, () => [...list.children], app);
   const draw = async () => {
     const {experiment, language} = app.state;
     element.hidden = experiment === null;
@@ -23,7 +26,9 @@ export function mount(element, app) {
     if (experiment !== app.state.experiment) return;
     element.hidden = questions.length === 0;
     shown = questions;
-    fill(element, heading(app.text.tryThis), h('ol', {class: 'try scroll', tabindex: 0, 'aria-label': app.text.tryThis}, questions.map((step) => question(step, language))));
+    list.setAttribute('aria-label', app.text.tryThis);
+    fill(list, questions.map((step) => question(step, language)));
+    fill(element, heading(app.text.tryThis), list, more);
   };
   const question = ({question: words, do: commands}, language) => h('li', {}, h('span', {}, set(words[language] ?? words.en)),
     commands.length > 0 && h('button', {type: 'button', class: 'plain go control-only', title: app.text.doIt, 'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`, onclick: () => carryOut(commands)}, icon('go', 13)), h('p', {class: 'coming', role: 'status'}));
