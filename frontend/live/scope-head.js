@@ -45,13 +45,18 @@ export function mountHead(root, app, scope) {
   });
 }
 
-/** A projector's legend stands on one line: where there is no room, marks that mean the same everywhere go, the plainest first. Else it wraps. */
+/** A projector's legend stands on one line: where there is no room, marks that mean the same everywhere go, the plainest first. Else it is set closer, and wraps. */
 function fitLegend(legend) {
   const plain = [...legend.children].filter((item) => !item.classList.contains('own')).sort((a, b) => SPOKEN.indexOf(a.dataset.mark) - SPOKEN.indexOf(b.dataset.mark));
   for (const item of plain) item.classList.remove('mute');
-  if (!document.documentElement.classList.contains('presentation')) return;
+  const oneLine = () => legend.offsetHeight < 1.7 * (plain[0]?.offsetHeight ?? 0);
+  legend.classList.remove('tight');
+  if (!document.documentElement.classList.contains('presentation')) {
+    legend.classList.toggle('tight', !oneLine());
+    return;
+  }
   for (const item of plain) {
-    if (legend.offsetHeight < 1.7 * item.offsetHeight) return;
+    if (oneLine()) return;
     item.classList.add('mute');
   }
 }

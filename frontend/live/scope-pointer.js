@@ -14,7 +14,7 @@ class Pointer {
     this.area = h('div', {class: 'zoom-area', hidden: true});
     this.mark = h('div', {class: 'cursor looked', hidden: true}, h('span', {class: 'cursor-time'}));
     Object.assign(this, {plots, app, scope, left: 0, width: 1, drag: null, over: 0});
-    plots.append(this.mark, this.line, this.area);
+    plots.append(this.line, this.mark, this.area);
     plots.addEventListener('pointermove', (event) => this.move(event));
     plots.addEventListener('pointerdown', (event) => this.press(event));
     plots.addEventListener('pointerup', (event) => this.release(event));
@@ -78,7 +78,7 @@ class Pointer {
 
   press(event) {
     const x = this.x(event);
-    if (event.button !== 0 || x < 0 || x > this.width || event.pointerType === 'touch') return;
+    if (event.button !== 0 || x < 0 || x > this.width || event.pointerType === 'touch' || event.target.closest('button')) return;
     this.drag = {from: x, span: this.scope.span(), far: false}; // the window as it was: it may move on meanwhile
     this.plots.setPointerCapture(event.pointerId);
   }

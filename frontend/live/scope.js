@@ -28,6 +28,7 @@ export function mountScope(root, app) {
     app.wake();
   });
   app.subscribe((state) => untold(state).map((one) => `${one.channel} ${one.smallest === null}`).join(), () => scope.showUntold());
+  app.subscribe((state) => [state.cursor, state.looking], () => app.wake()); // the numbers follow while time stands still, too
   app.onFrame((now) => scope.draw(now));
   app.onTick(() => scope.showValues());
   return scope;
@@ -84,7 +85,8 @@ class Scope {
     row.all ??= tool('all', 'M8 2v12M5 4.500L8 2l3 2.500M5 11.500L8 14l3-2.500', () => this.showAll(row));
     row.all.dataset.name = words;
     this.labelAll(row);
-    fill(row.label, h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)), h('span', {class: 'tools'}, row.all, open), h('small', {title: words + unit}, words));
+    row.plot.append(row.all);
+    fill(row.label, h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)), open, h('small', {title: words + unit}, words));
     row.element.style.setProperty('--weight', strip.weight);
     row.element.dataset.kind = strip.kind;
     row.element.dataset.strip = strip.name;
@@ -186,9 +188,10 @@ class Scope {
 
   /** Let every axis see what it should; whether one is still gliding. */
   aim(now, t0, t1) {
-    const due = this.seen !== this.app.samples.version; // look once more after the last change, too
+    const shown = `${this.app.samples.version} ${t0} ${t1}`;
+    const due = this.seen !== shown; // look once more after the last change, too
     const look = now - this.aimed > AIM || (due && this.atOnce);
-    if (look) [this.aimed, this.seen] = [now, this.app.samples.version];
+    if (look) [this.aimed, this.seen] = [now, shown];
     const settled = this.app.samples.rows > 1 && this.app.samples.rows >= this.app.state.row;
     let gliding = false;
     for (const row of this.rows.values()) {
@@ -275,7 +278,8 @@ function createRow() {
   const canvas = h('canvas', {role: 'img'});
   const values = h('div', {class: 'strip-values', 'aria-hidden': 'true'});
   const mark = h('span', {class: 'untold', hidden: true});
-  return {label, canvas, values, untold: mark, ctx: canvas.getContext('2d'), range: new Range(), element: h('div', {class: 'strip'}, label, h('div', {class: 'strip-plot'}, canvas, mark), values),
+  const plot = h('div', {class: 'strip-plot'}, canvas, mark);
+  return {label, canvas, values, plot, untold: mark, ctx: canvas.getContext('2d'), range: new Range(), element: h('div', {class: 'strip'}, label, plot, values),
     place: {left: 0, width: 0, height: 0, full: 0}};
 }
 

@@ -244,18 +244,3 @@ def test_an_axis_keeps_ahead_of_what_grows(page):
       return [outside, moves];
     }""")
     assert outside < 0.2 * 1200 and moves <= 14
-
-
-@pytest.mark.parametrize(("path", "width"), [("/", 1280), ("/?experiment=dc-motor", 1440), ("/?experiment=dts200", 1280)])
-def test_the_legend_stands_on_one_line(page, path, width):
-    """With three observers, too: what means the same everywhere gives up its words, and keeps them as a hint."""
-    opened = page(path, width=width, height=800)
-    ready(opened)
-    opened.wait_for_timeout(300)
-    rows, words = opened.evaluate(
-        "[new Set([...document.querySelectorAll('.legend li')].map((one) => one.offsetTop)).size,"
-        " [...document.querySelectorAll('.legend li')].map((one) => one.innerText || one.title)]"
-    )
-    assert rows == 1 and all(words) and "true" in words and "alarm" in words
-    for label in opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)"):
-        assert opened.locator(f".legend .own:has-text('{label}')").inner_text() == label
