@@ -19,7 +19,8 @@ export function stand(element, {breaks = false, taken = false, narrow = () => {}
     narrow(false);
     const scope = document.getElementById('scope').getBoundingClientRect();
     element.style.maxWidth = `${scope.width - 16}px`;
-    put(element, scope.left + scope.width / 2, scope.top + 6);
+    const plots = document.querySelector('.plots').getBoundingClientRect();
+    put(element, scope.left + scope.width / 2, plots.top - element.offsetHeight - 2);
   }
 }
 
