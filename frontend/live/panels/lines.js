@@ -20,21 +20,37 @@ export function wholeLines(list, lines, app) {
   const one = {list, more, app, lines: () => lines().filter((line) => line.offsetHeight > 0)};
   kept.add(one);
   list.addEventListener('scroll', () => count(one), {passive: true});
-  new MutationObserver(soon).observe(list, {childList: true, subtree: true, attributeFilter: ['hidden', 'open']});
+  new MutationObserver((changes) => { if (changes.some(matters)) soon(); }).observe(list, {childList: true, subtree: true, attributeFilter: ['hidden', 'open']});
   app.subscribe((state) => [state.language, state.presentation], soon);
   return more;
 }
+
+/** Numbers that change within a line change no line. */
+const matters = ({type, addedNodes, removedNodes}) => type === 'attributes' || [...addedNodes, ...removedNodes].some((node) => node.nodeType === Node.ELEMENT_NODE);
 
 /** Where a line ends, from the top of what is seen. */
 const bottom = (line, list) => line.getBoundingClientRect().bottom - list.getBoundingClientRect().top;
 
 function fitAll() {
   for (const {list} of kept) for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one); // a capped list does not grow with its card
+  const before = [...kept].map((one) => [one, one.list.scrollTop, inUse(one)]);
+  const free = [...kept].filter(({list}) => !list.closest('.desk')); // a projector's card has one size, whatever is in it
   for (const {list} of kept) cap(list, null);
-  const whole = new Map([...kept].map((one) => [one, lastWhole(one)]));
+  const whole = new Map(free.map((one) => [one, lastWhole(one)]));
   for (const [{list}, end] of whole) if (end) cap(list, end);
   for (const [one, end] of whole) if (end && grows(one.list)) refit(one); // what the others left empty is theirs
-  for (const one of kept) count(one);
+  for (const [one, top, line] of before) {
+    if (one.list.scrollTop !== top) one.list.scrollTop = top; // higher for a moment, it may have been scrolled less
+    const out = line ? bottom(line, one.list) - one.list.clientHeight : 0;
+    if (out > 0) one.list.scrollTop += out; // what was whole in sight stays so while it is used
+    count(one);
+  }
+}
+
+/** The line with the focus, if it is seen whole. */
+function inUse({list, lines}) {
+  const line = list.contains(document.activeElement) ? lines().find((each) => each.contains(document.activeElement)) : null;
+  return line && bottom(line, list) <= list.clientHeight + 1 ? line : null;
 }
 
 const grows = (list) => getComputedStyle(list.closest('.card') ?? list).flexGrow !== '0';
