@@ -126,7 +126,7 @@ def test_the_hysteresis_is_whole_on_a_phone(page):
 def test_numbers_of_a_column_have_one_form(page):
     """In the comparison every number of a column is a power of ten, or none is, with as many decimals."""
     forms = page("/").evaluate("""async () => {
-      const {Form} = await import('/live/panels/comparison.js');
+      const {Form} = await import('/live/panels/columnform.js');
       return [[0.00033, 0.0107], [0.00007, 0.5], [0.5, 0.76], [2e6, 3]].map((values) => {
         const form = new Form();
         form.take(values);
