@@ -159,7 +159,7 @@ def test_the_comparison_is_computed_over_the_window(page):
     """The RMSE in the table is that of the columns themselves."""
     live = opened(page)
     live.evaluate("thetascope.act.pause()")
-    live.wait_for_timeout(1500)
+    live.wait_for_timeout(3000)
     expected = live.evaluate(
         "(() => { const {t, window: w} = thetascope.state, a = thetascope.window('x.x1', Math.max(0, t - w), t).v,"
         " b = thetascope.window('adaptive.x.x1', Math.max(0, t - w), t).v; let s = 0;"

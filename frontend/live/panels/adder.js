@@ -26,6 +26,7 @@ export function createAdder(element, app, kinds, done) {
   const presses = h('div', {class: 'presses'}, add, cancel);
   const inputs = new Map();
   let typed = false; // a label of one's own outlives another choice of kind
+  let used = false; // what somebody has chosen or sent is not changed for him
   label.addEventListener('input', () => { typed = true; });
 
   const chosen = () => offered.find((kind) => kind.id === menu.value);
@@ -38,7 +39,10 @@ export function createAdder(element, app, kinds, done) {
     refusal(problem, null, text);
     presses.scrollIntoView({block: 'nearest'});
   };
-  menu.addEventListener('change', choose);
+  menu.addEventListener('change', () => {
+    used = true;
+    choose();
+  });
   const form = h('form', {class: 'add-form', 'aria-label': text.addObserver}, menu, about,
     h('div', {class: 'entries'}, h('label', {}, text.label), label), options, problem, presses);
   form.addEventListener('keydown', (event) => {
@@ -48,6 +52,7 @@ export function createAdder(element, app, kinds, done) {
   });
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
+    used = true;
     const given = Object.fromEntries([...inputs].map(([name, read]) => [name, read()]).filter(([, value]) => value !== null));
     add.disabled = true;
     try {
@@ -63,7 +68,12 @@ export function createAdder(element, app, kinds, done) {
   menu.value = offered.find((kind) => kind.estimates_theta)?.id ?? menu.value;
   menu.focus();
   choose();
-  possible(plant).then((found) => mark(menu, found, kinds, text) && choose(), () => {}); // without it, the refusal says why
+  possible(plant).then((found) => {
+    if (!mark(menu, found, text) || used) return;
+    const left = [...menu.options].filter((one) => !one.disabled).map((one) => one.value);
+    menu.value = left.find((id) => kinds.find((kind) => kind.id === id).estimates_theta) ?? left[0] ?? '';
+    choose();
+  }, () => {}); // without it, the refusal says why
 }
 
 const checked = new Map();
@@ -75,8 +85,8 @@ function possible(plant) {
   return checked.get(key);
 }
 
-/** Grey out what cannot be built; true where another had to be chosen. */
-function mark(menu, found, kinds, text) {
+/** Grey out what cannot be built; true where another has to be chosen. */
+function mark(menu, found, text) {
   for (const option of menu.options) {
     const one = found.find(({kind}) => kind === option.value);
     if (!one || one.possible) continue;
@@ -84,10 +94,7 @@ function mark(menu, found, kinds, text) {
     option.title = text.said(one.why);
     if (!option.textContent.endsWith(text.notHere)) option.textContent += text.notHere;
   }
-  if (!menu.selectedOptions[0]?.disabled) return false;
-  const left = [...menu.options].filter((option) => !option.disabled).map((option) => option.value);
-  menu.value = left.find((id) => kinds.find((kind) => kind.id === id).estimates_theta) ?? left[0] ?? '';
-  return true;
+  return Boolean(menu.selectedOptions[0]?.disabled);
 }
 
 function free(base, observers) {
