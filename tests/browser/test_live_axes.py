@@ -190,6 +190,7 @@ def test_marks_are_explained(page):
     for language, said in (("en", "the interval"), ("zh", "区间")):
         opened.evaluate(f"{APP}.act.language('{language}')")
         opened.keyboard.press("?")
+        opened.wait_for_selector(".marks-list tr")
         assert opened.locator(".marks-list tr").count() == 13 and said in opened.inner_text(".marks-list")
         opened.keyboard.press("Escape")
 

@@ -32,6 +32,7 @@ export function createCard(app, observer, kind) {
   const unfold = h('button', {type: 'button', class: 'unfold', title: `${text.gainsOf(observer.label)} (${text.kindNames[kind.id] ?? kind.title})`, onclick: () => open(body.hidden, true)}, h('b', {}, observer.label));
   const body = h('div', {class: 'tuning'}, gains, fold);
   let chosen = false; // opened or closed by hand
+  let listed = false; // the checks
   const open = (on, byHand = false) => {
     chosen ||= byHand;
     body.hidden = !on;
@@ -45,7 +46,7 @@ export function createCard(app, observer, kind) {
   checks.addEventListener('beforetoggle', ({newState}) => {
     if (newState === 'open') beside(lights, checks, element.closest('.card'));
     lights.setAttribute('aria-expanded', String(newState === 'open'));
-    checks.shown = null;
+    listed = newState === 'open';
     card.checks();
   });
   const ask = async (command) => {
@@ -90,7 +91,7 @@ export function createCard(app, observer, kind) {
     lacks: (anew) => kind.gains.some((gain) => gain.live !== false && !(gain.name in present.gains) && (anew || !(gain.name in known)) && gain.default === null),
     defaults(found) { known = {...found}; show(); },
     checks() {
-      showLights(lights, checks, app.state.checks[observer.label] ?? [], text);
+      showLights(lights, checks, app.state.checks[observer.label] ?? [], listed, text);
       for (const control of controls.values()) control.disable(app.state.role === 'view');
       cross.hidden = app.state.role === 'view';
     },
@@ -148,15 +149,20 @@ function beside(button, list, card) {
 const MARK = {holds: 'ok', fails: 'bad'};
 
 /** Lights, one a check, and the list that they open to. */
-function showLights(lights, list, found, text) {
+function showLights(lights, list, found, listed, text) {
   const count = (verdict) => found.filter((check) => check.verdict === verdict).length;
   const spoken = Object.keys(text.verdicts).filter(count).map((verdict) => `${count(verdict)} ${text.verdicts[verdict]}`).join(', ');
   fill(lights, found.map((check) => h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`})));
   lights.hidden = found.length === 0;
   lights.title = spoken;
   lights.setAttribute('aria-label', `${text.assumptions}: ${spoken}`);
-  if (found === list.shown) return;
-  list.shown = found;
+  const wanted = listed ? found : null;
+  if (wanted === list.shown) return;
+  list.shown = wanted;
+  if (!listed) {
+    fill(list);
+    return;
+  }
   fill(list, found.map((check) => h('li', {}, h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
     h('b', {}, text.said(check.name)), ` ${text.verdicts[check.verdict]}`,
     check.value === null || check.value === undefined ? null : h('span', {class: 'num'}, ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`),
