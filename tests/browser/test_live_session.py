@@ -149,7 +149,7 @@ def test_a_lost_connection_is_survived_without_a_gap(page):
     ready(opened)
     opened.evaluate(f"{APP}.act.play()")
     until(opened, f"{APP}.samples.now > 13")
-    opened.evaluate(f"{APP}.subscribe((state) => state.connection, (now) => {{ window.lost ||= now === 'reconnecting'; }})")
+    opened.evaluate(f"void {APP}.subscribe((state) => state.connection, (now) => {{ window.lost ||= now === 'reconnecting'; }})")
     opened.evaluate(f"{APP}.drop()")
     until(opened, f"window.lost && {APP}.state.connection === 'live' && {APP}.samples.now > 15")
     opened.evaluate(f"{APP}.act.pause()")
