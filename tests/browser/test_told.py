@@ -46,7 +46,7 @@ def test_a_lesson_waits_in_the_time_of_the_plant(page):
     assert live.locator(".coming:not(:empty)").count() == 1 and f"from {onset:.1f}" in row(live, "theta3").inner_text()
     live.evaluate("thetascope.act.play()")
     until(live, f"thetascope.state.alarms.some((alarm) => alarm.subject === 'theta3' && alarm.t > {onset})", 40)
-    assert live.locator(".coming:not(:empty)").count() == 0
+    until(live, "document.querySelectorAll('.coming:not(:empty)').length === 0")
     assert "found in" in until(live, "/found in/.test(document.querySelector('.verdict').textContent) && document.querySelector('.verdict').textContent")
 
 
