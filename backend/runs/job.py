@@ -44,6 +44,7 @@ class Job:
     progress: float = 0.0
     deadline: float | None = None
     announced: bool = False
+    ending: bool = False
     done: "Future[Snapshot]" = field(default_factory=Future)
     _cancel: Event = field(default_factory=Event)
 

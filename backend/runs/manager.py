@@ -170,10 +170,14 @@ class RunManager:
     def _end(self, job: Job, end: Finished | InvalidSpec) -> None:
         """A job has ended: remember it, write it, and wake who waits. The second of two ends is passed over."""
         with self._lock:
-            if self._jobs.get(job.id) is not job:
+            if self._jobs.get(job.id) is not job or job.ending:
                 return
+            job.ending = True
             if isinstance(end, InvalidSpec) and job.announced:
                 end = Finished(replace(job.snapshot(), status="failed", problem=refused(end)))
+        if isinstance(end, Finished):
+            self._keep(end)  # queued before anybody can see the end: who then removes or pins the run comes after it
+        with self._lock:
             if isinstance(end, Finished):
                 self._memory.put(end)
             del self._jobs[job.id]
@@ -182,7 +186,6 @@ class RunManager:
             return
         job.status = end.snapshot.status
         job.done.set_result(end.snapshot)
-        self._keep(end)
 
     def _keep(self, end: Finished) -> None:
         record, result, version = record_of(end.snapshot), end.result, engine_version()

@@ -163,7 +163,9 @@ def test_settings_that_are_wrong_and_stores_that_are_damaged_are_told(call, tmp_
 def test_ctrl_c_stops_a_long_run_soon_with_exit_code_130(tmp_path):
     """As in other programs; no traceback."""
     (tmp_path / "e.json").write_text(json.dumps(long_data()))
-    command = [sys.executable, "-m", "backend.cli", "run", str(tmp_path / "e.json"), "--no-store"]
+    # Where the tests run in the background of a shell, SIGINT is ignored by all that they start.
+    heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); from backend.cli import main; sys.exit(main())"
+    command = [sys.executable, "-c", heard, "run", str(tmp_path / "e.json"), "--no-store"]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
     try:
         with pytest.raises(subprocess.TimeoutExpired):
