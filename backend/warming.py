@@ -5,7 +5,6 @@
 It is a process of its own and of the lowest priority, so that it takes nothing from sessions, and ends with the service.
 """
 
-import hashlib
 import logging
 import os
 import signal
@@ -13,7 +12,9 @@ import subprocess
 import sys
 import time
 
+from backend import library
 from backend.engine import cache
+from backend.runs.version import engine_version
 
 log = logging.getLogger(__name__)
 
@@ -40,17 +41,14 @@ def end(process: subprocess.Popen | None) -> None:
 
 
 def _key() -> str:
-    """A hash of the engine and of the library."""
-    from backend import library
-
-    return hashlib.sha256(f"{cache.package_digest()} {library.digest()}".encode()).hexdigest()[:32]
+    """The name under which it is noted that all is there: another once the numerics or the library have changed."""
+    return f"{engine_version()}-{library.digest()[:16]}"
 
 
 def main() -> None:
     """Open each experiment as a live session would be; stop where the service that began this has gone."""
-    from backend import library
     from backend.engine.errors import ThetascopeError
-    from backend.live.session import Session
+    from backend.live.session import Session  # SymPy comes with it, so the service starts without
 
     parent = os.getppid()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the service, which ends this

@@ -153,8 +153,10 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 """A finite number; neither a text nor a truth value is taken for one."""
 Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
-Instant = Annotated[float, Field(strict=True, ge=0, le=1e9, allow_inf_nan=False)]
-"""A time in s. Beyond 1e9 s steps of a microsecond are lost in rounding."""
+MAX_TIME = 1e9
+"""The latest time in s: beyond it steps of a microsecond are lost in rounding."""
+Instant = Annotated[float, Field(strict=True, ge=0, le=MAX_TIME, allow_inf_nan=False)]
+"""A time in s."""
 Seed = Annotated[int, Field(strict=True, ge=0, le=2**53 - 1)]
 """Seed of a generator; at most 2^53 − 1, so that every JSON reader keeps it exact."""
 Flag = Annotated[bool, Field(strict=True)]

@@ -48,12 +48,6 @@ PlantChoice = Annotated[
 ]
 
 
-def _intervals_of(path: str, item: object) -> Iterator[tuple[str, float]]:
-    for field in ("period", "hold", "sample_time"):
-        if (interval := getattr(item, field, None)) is not None:
-            yield f"{path}.{field}", interval
-
-
 class Experiment(Strict):
     """Everything that determines a run. The same spec gives the same numbers, bit for bit."""
 
@@ -179,25 +173,23 @@ class Experiment(Strict):
                 "step",
                 self.step,
             )
-        for field, interval in self._intervals():
-            self._check_interval(field, interval)
+        for path, item in self._timed():
+            if (found := self.too_often(item)) is not None:
+                field, interval, problem, remedy = found
+                raise refuse(problem, remedy, f"{path}.{field}".lstrip("."), interval)
         if self.record is not None:
             self._check_record(self.record)
 
-    def check_command(self, command: TimedCommand) -> None:
-        """Refuse a command (a PydanticCustomError) whose signal or noise changes more often than is allowed."""
-        for field, interval in _intervals_of("", getattr(command, "signal", command)):
-            self._check_interval(field.lstrip("."), interval)
-
-    def _check_interval(self, field: str, interval: float) -> None:
-        if self.horizon / interval > MAX_STEPS:
-            raise refuse(
-                f"{self.horizon:g} s in intervals of {interval:g} s are {self.horizon / interval:.3g} of them; "
-                f"the limit is {MAX_STEPS:g}",
-                f"give at least {self.horizon / MAX_STEPS:g} s, or shorten the horizon",
-                field,
-                interval,
-            )
+    def too_often(self, item: object) -> tuple[str, float, str, str] | None:
+        """The first interval of a signal, a fault, a noise or a command of which the horizon holds too many: its field, its
+        value, the problem and the remedy. None: none does.
+        """
+        for field in ("step", "period", "hold", "sample_time"):
+            interval = getattr(item, field, None)
+            if interval is not None and (count := self.horizon / interval) > MAX_STEPS:
+                problem = f"{self.horizon:g} s in intervals of {interval:g} s are {count:.3g} of them; the limit is {MAX_STEPS:g}"
+                return field, interval, problem, f"give at least {self.horizon / MAX_STEPS:g} s, or shorten the horizon"
+        return None
 
     def _check_record(self, record: float) -> None:
         steps = record / self.step
@@ -209,20 +201,20 @@ class Experiment(Strict):
                 f"{record:g} s is not a multiple of the step {self.step:g} s", f"for example {near:g}", "record", record
             )
 
-    def _intervals(self) -> Iterator[tuple[str, float]]:
-        """Every period of the experiment, with its field: the step, sample times, pulses."""
-        yield "step", self.step
-        if isinstance(self.measurement, SampledMeasurement):
-            yield "measurement.period", self.measurement.period
+    def _timed(self) -> Iterator[tuple[str, object]]:
+        """Everything that has an interval, with its path: the experiment itself, the measurement, signals, noise, faults, commands."""
+        yield "", self
+        yield "measurement", self.measurement
         groups = [("inputs", self.inputs), ("signals", self.signals), ("noise", self.noise)]
         if isinstance(self.plant, Plant):
             groups.append(("plant.signals", {item.name: item.default for item in self.plant.signals}))
-        items = [(f"{group}.{name}", item) for group, named in groups for name, item in named.items()]
-        items += [(f"faults[{index}]", fault) for index, fault in enumerate(self.faults)]
-        items += [(f"commands[{index}]", command) for index, command in enumerate(self.commands)]
-        items += [(f"commands[{index}].signal", c.signal) for index, c in enumerate(self.commands) if hasattr(c, "signal")]
-        for path, item in items:
-            yield from _intervals_of(path, item)
+        for group, named in groups:
+            for name, item in named.items():
+                yield f"{group}.{name}", item
+        for group, listed in (("faults", self.faults), ("commands", self.commands)):
+            for index, item in enumerate(listed):
+                yield f"{group}[{index}]", item
+                yield f"{group}[{index}].signal", getattr(item, "signal", None)
 
     def _check_labels(self) -> None:
         for field, names in (

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from shared.base import Instant, NonNegative, Number, Positive, Reference, Strict, example, refuse
+from shared.base import MAX_TIME, Instant, NonNegative, Number, Positive, Reference, Strict, example, refuse
 from shared.signals import Interpolation, Points, check_increasing, check_lengths, check_width
 
 
@@ -202,7 +202,7 @@ class DelayFault(MeasurementFault):
     model_config = example(output="y", shape="delay", onset=30, end=None, delay=0.2)
 
     shape: Literal["delay"] = "delay"
-    delay: Annotated[Positive, Field(le=1e9)] = Field(description="Delay in s.")
+    delay: Annotated[Positive, Field(le=MAX_TIME)] = Field(description="Delay in s.")
 
 
 Fault = Annotated[

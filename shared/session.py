@@ -227,7 +227,7 @@ class Event(Strict):
     t: Number
     kind: Literal["inject", "clear", "fault-begins", "fault-ends", "gain", "signal", "noise", "observer-added",
                   "observer-removed", "alarm", "alarm-over", "diverged", "rewound", "reset", "substeps"]  # fmt: skip
-    subject: str = Field("", description="Channel, output, observer label, or signal that it is about.")
+    subject: str = Field("", description="Channel, output, observer label, or signal that it is about; of \"diverged\", empty: the plant itself.")
     observer: str = Field("", description="The observer that says so (alarms).")
     value: JsonValue = Field(None, description="Size, gain value, estimate …")
     text: str = Field("", description="The event in English.")

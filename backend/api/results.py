@@ -5,12 +5,13 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from starlette.responses import Response, StreamingResponse
 
+from backend.api import span
 from backend.api.answers import from_result, json_response, run_links
 from backend.api.problems import documented
 from backend.api.services import Use
 from backend.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
 from backend.runs.compared import compared
-from backend.runs.errors import Unknown, invalid
+from backend.runs.errors import Unknown
 from backend.runs.job import Finished
 from backend.runs.report import report_html
 from backend.runs.resolve import plant_of
@@ -39,8 +40,8 @@ async def get_data(
     format: Literal["csv", "json", "mat"] = "csv",
     encoding: Annotated[Literal["plain", "bdata"], Query(description="json: numbers, or base64 of float64.")] = "plain",
     columns: Names = None,
-    start: Annotated[float | None, Query(alias="from", description="First time in s.")] = None,
-    end: Annotated[float | None, Query(alias="to", description="Last time in s.")] = None,
+    start: span.First = None,
+    end: span.Last = None,
     every: Annotated[int, Query(ge=1, description="Take every n-th row.")] = 1,
     points: Annotated[int | None, Query(ge=1, description="Take at most so many rows, evenly spaced.")] = None,
 ) -> Response:
@@ -49,8 +50,7 @@ async def get_data(
     CSV and JSON numbers read back to the very same float64. Missing values (after a divergence) are `nan` in CSV and
     null in JSON.
     """
-    if start is not None and end is not None and start > end:
-        raise invalid("from", start, f"is after to = {end:g}", "give from ≤ to")
+    span.check(start, end)
     tag = f'"{id}-{engine_version()}"'
     headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
     names = columns.split(",") if columns else None

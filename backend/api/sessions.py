@@ -7,6 +7,7 @@ from fastapi import APIRouter, Header, Query, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
 
+from backend.api import span
 from backend.api.answers import ended, json_response, progress_response, run_response
 from backend.api.asked import ForkRequest, SessionRequest
 from backend.api.bodies import body_schema, json_of, parsed, read_body
@@ -25,7 +26,6 @@ from shared.run import Problem, Progress, Run
 router = APIRouter(prefix="/sessions", tags=["sessions"])
 router.add_websocket_route("/sessions/{id}/stream", Stream())  # the router adds its prefix to requests only
 
-_LAST = 1e9  # s
 _FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
 
 
@@ -137,8 +137,8 @@ async def propose_input(id: str, services: Use) -> InputProposal:
 async def get_session_data(
     id: str,
     services: Use,
-    start: Annotated[float | None, Query(alias="from", description="First time in s.")] = None,
-    end: Annotated[float | None, Query(alias="to", description="Last time in s.")] = None,
+    start: span.First = None,
+    end: span.Last = None,
     every: Annotated[int, Query(ge=1, description="Take every n-th row.")] = 1,
     format: Annotated[
         Literal["json", "bdata", "csv", "mat"], Query(description="bdata: JSON with base64 of float64.")
@@ -146,11 +146,7 @@ async def get_session_data(
 ) -> Response:
     """The past as it was shown: float32, in the present columns. Save the session to get every digit."""
     room = _room(services, id)
-    for field, t in (("from", start), ("to", end)):
-        if t is not None and not abs(t) <= _LAST:
-            raise invalid(field, str(t), "this is no time of a session", f"give a time in s from 0 to {_LAST:g}")
-    if start is not None and end is not None and start > end:
-        raise invalid("from", start, f"is after to = {end:g}", "give from ≤ to")
+    span.check(start, end)
     record, shown, columns = room.session.record, room.shown, room.screen.columns
     first = min(shown, max(room.oldest, 0 if start is None else ceil(start / record - 1e-6)))
     last = shown if end is None else max(first, min(shown, floor(end / record + 1e-6) + 1))

@@ -7,14 +7,13 @@ from types import MappingProxyType
 import numpy as np
 
 from backend.assembly.estimators import estimator, plant_context
+from backend.assembly.intervals import multiple
 from backend.engine import faults, signals
 from backend.engine.errors import SpecError
 from backend.engine.measurement import Measurement
 from backend.engine.programs import plant_program
 from backend.engine.simulation import Experiment as Engine
 from shared import Experiment, Plant
-
-_ON_GRID = 1e-6  # relative: how exactly one interval must be a multiple of another
 
 
 def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
@@ -46,15 +45,6 @@ def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
 
 def _parameters(spec: Experiment, plant: Plant) -> dict[str, float]:
     return {p.name: spec.parameters.get(p.name, p.value) for p in plant.parameters}
-
-
-def multiple(interval: float, step: float, field: str, of: str = "step") -> int:
-    """How many steps an interval is. Raises SpecError unless it is a whole number of them, at least one."""
-    count = round(interval / step)
-    if count < 1 or abs(interval / step - count) > _ON_GRID * max(1, count):
-        near = max(1, count) * step
-        raise SpecError(field, interval, f"it must be a whole number of {of}s of {step:g} s", f"give {near:g}")
-    return count
 
 
 def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:

@@ -5,6 +5,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from difflib import get_close_matches
 
+from backend.assembly.intervals import multiple
 from backend.engine.errors import SpecError
 from backend.engine.observers.base import Context, Gain, Observer, Option
 from backend.engine.observers.registry import observer
@@ -97,8 +98,6 @@ def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str
 
 def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plant: Plant, step: float) -> int | None:
     """Base steps in the observer's sample period; None if it runs in the plant's own time."""
-    from backend.assembly.engines import multiple
-
     if kind.time != "discrete":
         return None
     if plant.time.kind == "discrete":

@@ -181,10 +181,7 @@ def _sure(made: Filter, states: np.ndarray) -> int:
 @lru_cache(maxsize=1)
 def _source() -> str:
     """Hash of the source that decides calibrations."""
-    digest = hashlib.sha256(cache.package_digest().encode())
-    for module in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(module.read_bytes())
-    return digest.hexdigest()
+    return f"{cache.package_digest()} {cache.digest_of(Path(__file__).parent)}"
 
 
 def kept_name(key: str) -> str:

@@ -41,11 +41,15 @@ def write(kind: str, key: str, body: bytes) -> None:
                 os.unlink(name)
 
 
+def digest_of(folder: Path, pattern: str = "*.py") -> str:
+    """Hash of the files in a folder and below it, with their names."""
+    digest = hashlib.sha256()
+    for path in sorted(folder.rglob(pattern)):
+        digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
 @lru_cache(maxsize=1)
 def package_digest() -> str:
     """Hash of the source of the whole engine: what other code has made is not found again."""
-    here = Path(__file__).parent
-    digest = hashlib.sha256()
-    for module in sorted(here.rglob("*.py")):
-        digest.update(module.relative_to(here).as_posix().encode() + b"\0" + module.read_bytes())
-    return digest.hexdigest()
+    return digest_of(Path(__file__).parent)

@@ -1,12 +1,12 @@
 """The library: plants, experiments and lessons as data, read once and validated by the schemas."""
 
-import hashlib
 from difflib import get_close_matches
 from functools import cache, lru_cache
 from pathlib import Path
 
 import yaml
 
+from backend.engine.cache import digest_of
 from backend.engine.errors import SpecError
 from shared import Experiment, Plant
 from shared.lesson import Lesson
@@ -54,10 +54,7 @@ def lessons() -> dict[str, Lesson]:
 @lru_cache(maxsize=1)
 def digest() -> str:
     """Hash of all its files."""
-    found = hashlib.sha256()
-    for path in sorted(_HERE.rglob("*.yaml")):
-        found.update(path.relative_to(_HERE).as_posix().encode() + b"\0" + path.read_bytes())
-    return found.hexdigest()
+    return digest_of(_HERE, "*.yaml")
 
 
 def plant(id: str) -> Plant:

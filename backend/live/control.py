@@ -108,10 +108,9 @@ class Control:
         """On the session, alone."""
         session = self._room.session
         session.rewind_unseen(self._room.shown)
-        before = session.copied()
-        refusal = None
         try:
-            return self._carried_out(command)
+            with session.attempt():
+                return self._carried_out(command)
         except SpecError as error:
             refusal = messages.refused(command.id, error)
         except ValidationError as error:
@@ -119,7 +118,6 @@ class Control:
         except Exception:
             log.exception("session %s: %s failed", self._room.id, command.type)
             refusal = Refused(id=command.id, problem=_INSIDE, remedy="report it")
-        session.become(before)
         return replace(self._carried_out(None), refusal=refusal)
 
     def _carried_out(self, command: Command | None) -> Done:

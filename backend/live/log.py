@@ -2,8 +2,6 @@
 
 import math
 
-from pydantic_core import PydanticCustomError
-
 from backend.assembly.timeline import changed
 from backend.engine.errors import SpecError
 from shared import Experiment
@@ -90,11 +88,8 @@ def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
 def changed_now(spec: Experiment, command: object, at: float, here: Experiment) -> tuple[Experiment, Experiment]:
     """The spec with a timed command noted at its end, and the experiment as it is from ``at`` on; ``here``: as it was."""
     note = timed(command, at)
-    try:
-        spec.check_command(note)
-    except PydanticCustomError as error:
-        told = error.context
-        raise SpecError(told["field"], told["value"], told["problem"], told["remedy"]) from None
+    if (too_often := spec.too_often(getattr(note, "signal", note))) is not None:
+        raise SpecError(*too_often)
     after = changed(here, note)
     rest = [c for c in spec.commands if c.at <= at]
     if isinstance(note, SetGain):  # a slider that is dragged: within one row the last value counts
@@ -129,17 +124,14 @@ def given_up_from(spec: Experiment, start: Experiment, faults: tuple[Fault, ...]
 
 def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record: float) -> list[Event]:
     """Faults that begin or end, and timed commands that act, by themselves in rows first … last − 1; not those the log tells already."""
-    told = set()
-    for back, e in enumerate(reversed(log)):
-        if back >= _LATELY and e.row < first:
-            break
-        told |= {(e.kind, e.subject, e.row), (e.kind, e.subject, e.row, repr(e.value))}
+    lately = _since(log, first)
+    told = {(e.kind, e.subject, e.row) for e in lately}
     found = []
     for command in spec.commands:
         row = math.ceil(command.at / record - 1e-9)
         if first <= row < last and not isinstance(command, SetSubsteps):
             made = event(command, row, row * record)
-            if (made.kind, made.subject, row, repr(made.value)) not in told:
+            if not any((e.kind, e.subject, e.row, e.value) == (made.kind, made.subject, row, made.value) for e in lately):
                 found.append(made)
     for fault in spec.faults:
         name = getattr(fault, "channel", None) or fault.output
@@ -152,6 +144,14 @@ def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record:
                 text = f"the fault {name} {word}"
                 found.append(Event(row=row, t=row * record, kind=kind, subject=name, text=text))
     return found
+
+
+def _since(log: list[Event], row: int) -> list[Event]:
+    """Events of the log from a row on. What was found of late stands behind events of later rows."""
+    begin = max(0, len(log) - _LATELY)
+    while begin > 0 and log[begin - 1].row >= row:
+        begin -= 1
+    return [e for e in log[begin:] if e.row >= row]
 
 
 def without_commands(spec: Experiment, t: float) -> Experiment:

@@ -2,10 +2,13 @@
 
 from dataclasses import replace
 
+from backend.engine.errors import SpecError
 from backend.engine.simulation import Simulation
 from backend.engine.spread import latest
+from backend.live import log as words
 from backend.live.moments import Block, Moment
 from backend.live.view import View
+from shared.session import Event, Seek
 
 _COMMANDED = ("inject", "clear", "gain", "signal", "noise", "observer-added", "observer-removed", "rewound", "reset")
 
@@ -17,6 +20,28 @@ class Returning:
         """Give up rows from ``row`` on that were computed ahead and shown to nobody: no new epoch."""
         if row < self.row:
             self._return_to(row)
+
+    def _row_before(self, command: Seek) -> int:
+        """The row to go back to. Raises SpecError where it lies ahead."""
+        if command.t > self.t + 0.5 * self.record:
+            raise SpecError("t", command.t, f"the session stands at {self.t:g} s", f"give at most {self.t:g}, or let time run")
+        return min(self.row, round(command.t / self.record))
+
+    def _seek(self, row: int) -> list[Event]:
+        """Back to a row; what was done from it on is given up."""
+        t = row * self.record
+        self._faults = self._faults[:1] + tuple(known for known in self._faults[1:] if known[0] < row)
+        spec = words.given_up_from(self.spec, self._start, self._faults[-1][1], t)
+        if row < self.row:
+            self._return_to(row)
+        self.log = [e for e in self.log if e.row < row]
+        self._new = []
+        kept = [s for s in self._stages if s.k < row * self._every] or self._stages[:1]
+        self._stages = kept
+        self.now = replace(self.now, stage=min(self.now.stage, len(kept) - 1), told=len(self.log))
+        self._adopt(spec, words.without_commands(spec, self.t), None)
+        self.epoch += 1
+        return [self._noted(Event(row=row, t=t, kind="rewound", text=f"back to {t:g} s"))]
 
     def _return_to(self, row: int) -> None:
         """Stand at an earlier row with the stages as they are."""

@@ -4,16 +4,16 @@ It is the experiment that runs use, advanced a few rows at a time. Everything do
 their times, timed commands), so that ``spec`` run as an ordinary run gives the same numbers bit for bit.
 """
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from itertools import takewhile
 
 import numpy as np
-from pydantic import ValidationError
 
 from backend.assembly.adapt import adapted
 from backend.assembly.engines import engine
 from backend.assembly.prepare import prepare
-from backend.engine.errors import SpecError
 from backend.engine.run import needed_substeps
 from backend.engine.simulation import Experiment as Engine
 from backend.engine.simulation import Simulation
@@ -45,11 +45,11 @@ class Session(Returning):
         self.spec = self.spec.model_copy(update={"substeps": self.spec.substeps or 1, "diagnosis": pinned(self.spec)})
         self._start = self.spec
         self._horizon = horizon_rows
-        self.epoch = 0
         self._begin()
 
-    def _begin(self) -> None:
+    def _begin(self, epoch: int = 0) -> None:
         """Stand at t = 0 with the spec as it is."""
+        self.epoch = epoch
         self._stages = list(prepare(self.spec).stages)
         first = self._stages[0].experiment
         self.step, self._every = first.step, first.every
@@ -174,29 +174,29 @@ class Session(Returning):
     def handle(self, command: object) -> tuple[list[Event], bool]:
         """Carry out a command of shared.session (all but play, pause, step and speed) at the present row.
 
-        Gives what happened, and whether the past or the columns changed (a new epoch). Raises SpecError, and then
-        nothing has changed, or ValidationError for a spec that is too much.
+        Gives what happened, and whether the past or the columns changed (a new epoch). Raises SpecError, or ValidationError
+        for a spec that is too much; then nothing has changed.
         """
+        before = self.epoch
+        with self.attempt():
+            events = self._carried_out(command)
+        return events, self.epoch != before
+
+    def _carried_out(self, command: object) -> list[Event]:
         if isinstance(command, Reset):
             self.spec = self._start
-            self._begin()
-            self.epoch += 1
-            return [self._noted(Event(row=0, t=0.0, kind="reset", text="back to the start"))], True
+            self._begin(self.epoch + 1)
+            return [self._noted(Event(row=0, t=0.0, kind="reset", text="back to the start"))]
         if isinstance(command, Seek):
-            return self._seek(self._row_before(command)), True
-        before = dict(self.__dict__)
-        try:
-            self._change(command)
-        except (SpecError, ValidationError):
-            self.__dict__.update(before)
-            raise
-        if self.spec.faults is not before["spec"].faults:
+            return self._seek(self._row_before(command))
+        faults = self.spec.faults
+        self._change(command)
+        if self.spec.faults is not faults:
             self._faults = (*self._faults, (self.row, self.spec.faults))
-        fewer = len(before["spec"].faults) - len(self.spec.faults)
-        return [self._noted(words.event(command, self.row, self.t, fewer))], self.epoch != before["epoch"]
+        return [self._noted(words.event(command, self.row, self.t, len(faults) - len(self.spec.faults)))]
 
     def _change(self, command: object) -> None:
-        """Take over what a command asks for. Raises SpecError, perhaps half way."""
+        """Take over what a command asks for. Raises SpecError or ValidationError, perhaps half way."""
         self._enter_stage()
         here = self._without_commands()
         if isinstance(command, Inject):
@@ -252,29 +252,7 @@ class Session(Returning):
         self._enter_stage()
         self._bare = complete, self.now.stage, here
 
-    # ---- going back --------------------------------------------------------------------------------------------------
-
-    def _row_before(self, command: Seek) -> int:
-        """The row to go back to. Raises SpecError where it lies ahead."""
-        if command.t > self.t + 0.5 * self.record:
-            raise SpecError("t", command.t, f"the session stands at {self.t:g} s", f"give at most {self.t:g}, or let time run")
-        return min(self.row, round(command.t / self.record))
-
-    def _seek(self, row: int) -> list[Event]:
-        """Back to a row; what was done from it on is given up."""
-        t = row * self.record
-        self._faults = self._faults[:1] + tuple(known for known in self._faults[1:] if known[0] < row)
-        spec = words.given_up_from(self.spec, self._start, self._faults[-1][1], t)
-        if row < self.row:
-            self._return_to(row)
-        self.log = [e for e in self.log if e.row < row]
-        self._new = []
-        kept = [s for s in self._stages if s.k < row * self._every] or self._stages[:1]
-        self._stages = kept
-        self.now = replace(self.now, stage=min(self.now.stage, len(kept) - 1), told=len(self.log))
-        self._adopt(spec, words.without_commands(spec, self.t), None)
-        self.epoch += 1
-        return [self._noted(Event(row=row, t=t, kind="rewound", text=f"back to {t:g} s"))]
+    # ---- copies -------------------------------------------------------------------------------------------------------
 
     def fork(self, row: int | None = None) -> "Session":
         """A second session that stands at a row of this one (its present one if not given) and goes its own way."""
@@ -284,6 +262,16 @@ class Session(Returning):
             other._seek(row)
             other.log, other._new = other.log[:-1], []  # for the fork it is no going back
         return other
+
+    @contextmanager
+    def attempt(self) -> Iterator[None]:
+        """Something that leaves no trace in the session if it fails."""
+        before = self.copied()
+        try:
+            yield
+        except Exception:
+            self.become(before)
+            raise
 
     def copied(self) -> "Session":
         """The same session once more."""

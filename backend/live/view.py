@@ -83,7 +83,7 @@ class View:
         count = len(rows.index)
         columns = {n: c[-count:] for n, c in plant_columns(experiment, values, plant, y).items()}
         lost = dict(self.lost or {})
-        for life in self._present(parts, experiment):
+        for life in _present(parts, experiment.estimators):
             more, report = observer_columns(
                 life, values, y, ended, check=False, first_row=self.first, wanted=len(plant) - count
             )
@@ -104,11 +104,6 @@ class View:
         """The view with rows whose columns are known, and in which nothing is lost; ``spreads``: after them."""
         rows = self._without_lost(experiment, rows)
         return replace(self, parts=_with(self.parts, experiment, rows), spreads=spreads)._trimmed(experiment)
-
-    def _present(self, parts: Parts, experiment: Engine) -> list[Life]:
-        """The lives of the observers that watch now, in their order."""
-        latest = {life.label: life for life in lives(parts)}
-        return [latest[e.label] for e in experiment.estimators]
 
     def _without_lost(self, experiment: Engine, rows: Rows) -> Rows:
         """Rows of a diverged observer are void, whatever its numbers do later."""
@@ -136,9 +131,9 @@ class View:
         """Events for what has diverged in the newest rows, each at the first row that is none."""
         new = {k: v for k, v in (self.lost or {}).items() if k not in (before.lost or {})}
         if self.plant_lost and not before.plant_lost:
-            new["plant"] = self.plant_lost
+            new[""] = self.plant_lost
         return [Event(row=round(d.time / record), t=d.time, kind="diverged", subject=name,
-                      text=d.cause if d is self.plant_lost else f"{name} diverged: {d.cause}") for name, d in new.items()]  # fmt: skip
+                      text=f"{name} diverged: {d.cause}" if name else d.cause) for name, d in new.items()]  # fmt: skip
 
     def assumptions(self, experiment: Engine) -> list[Assumptions]:
         """The checks of each observer over the rows of the tail; not of one that has none yet."""
@@ -150,7 +145,7 @@ class View:
         y = np.concatenate([r.y for _, r in self.parts])
         values, ended = plant_values(self.parts, plant), finite_rows(plant)
         found = []
-        for life in self._present(self.parts, replace(experiment, estimators=begun)):
+        for life in _present(self.parts, begun):
             if life.label in (self.lost or {}):
                 continue
             _, report = observer_columns(life, values, y, ended, first_row=self.first)
@@ -223,6 +218,12 @@ def _named(kept: _Kept) -> tuple[str, ...]:
         run = Observed(None, e.program, e.channels, e.facts, values, 1.0, e.context)
         more = e.kind.diagnostics(run)
     return (*(n for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)), *more)
+
+
+def _present(parts: Parts, estimators: tuple[Estimator, ...]) -> list[Life]:
+    """The lives of the observers that watch now, in their order."""
+    newest = {life.label: life for life in lives(parts)}
+    return [newest[e.label] for e in estimators]
 
 
 def _with(parts: Parts, experiment: Engine, rows: Rows) -> Parts:

@@ -102,7 +102,7 @@ class RunManager:
     def announce(self, job: Job) -> None:
         """Keep the spec of a run whose client was told to come back for it."""
         with self._lock:
-            if self._jobs.get(job.id) is job and not job.announced:
+            if self._jobs.get(job.id) is job and not job.announced and not job.ending:  # else "running" would be written last
                 job.announced = True
                 record = record_of(job.snapshot())
                 self._writer.later(lambda: self._store.put(record))
@@ -127,8 +127,7 @@ class RunManager:
         snapshot = self.get(id)
         if snapshot.active:
             raise NotReady("a run under way cannot be pinned", "pin it when it is done")
-        record = record_of(replace(snapshot, pinned=pinned))
-        self._writer.now(lambda: self._store.pin(id, pinned) or self._store.put(record))  # it may have ended just now
+        self._writer.now(lambda: self._store.pin(id, pinned))
         self._memory.change(id, pinned=pinned)
         return self.get(id)
 

@@ -46,8 +46,8 @@ export function alarmFrom({kind, channel, output, alternatives, t, cleared, onse
     onset, from, to, size, half: size === null ? null : (high - low) / 2};
 }
 
-/** Whether an event says that the plant itself broke down: of the subject "plant", which an observer may be called, too, but the server says it otherwise then. */
-export const plantBroke = ({kind, subject, text}) => kind === 'diverged' && subject === 'plant' && !text.startsWith('plant diverged');
+/** Whether an event says that the plant itself broke down: one of no subject. */
+export const plantBroke = ({kind, subject}) => kind === 'diverged' && subject === '';
 
 /** Whether an alarm names what a fault disturbs, as its first guess or as one of the alternatives. */
 export const names = (alarm, fault) => (fault.onChannel ? alarm.subjects.includes(fault.subject) : !alarm.explained && alarm.subject === fault.subject);

@@ -26,7 +26,6 @@ const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead:
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
 const AWAITED = 10; // s after which the first fault should come
 const BRISK = 100; // the fastest that a session begins with
-
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
 const TEXTS = Object.fromEntries(['en', 'zh'].map((language) => [language, {...words[language], ...scopeWords[language]}]));

@@ -7,14 +7,15 @@ const PANELS = [
   ['panel-dialogs', 'dialogs'], [null, 'keyboard'],
 ];
 
-/** Load and mount every panel; one that fails leaves its place empty. */
+/** Load every panel, then mount them all at once, so that keys work as soon as there is something to see; one that fails leaves its place empty. */
 export async function mountPanels(app) {
-  await Promise.all(PANELS.map(async ([id, name]) => {
+  const loaded = await Promise.allSettled(PANELS.map(([, name]) => import(`./panels/${name}.js`)));
+  PANELS.forEach(([id, name], place) => {
     try {
-      const {mount} = await import(`./panels/${name}.js`);
-      mount(id === null ? document.body : document.getElementById(id), app);
+      if (loaded[place].reason) throw loaded[place].reason;
+      loaded[place].value.mount(id === null ? document.body : document.getElementById(id), app);
     } catch (error) {
       console.error(`panel ${name}:`, error);
     }
-  }));
+  });
 }

@@ -128,7 +128,7 @@ def test_problem_documents_of_parameters_name_the_parameter(client, run):
     """Formats, counts, columns, ranges."""
     for query, field in (
         ("format=xml", "format"), ("every=0", "every"), ("points=no", "points"), ("columns=x.x3", "columns"),
-        ("from=3&to=2", "from"),
+        ("from=3&to=2", "from"), ("from=nan", "from"), ("to=inf", "to"), ("to=-1", "to"),
     ):  # fmt: skip
         with pytest.raises(ServiceError) as refusal:
             client.get(f"{run['links']['data']}?{query}")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from backend.runs.errors import Busy, InvalidSpec, NotReady, Unknown
-from backend.runs.job import Job, Snapshot
+from backend.runs.job import Finished, Job, Snapshot
 from backend.runs.manager import RunManager
 from shared.experiment import Experiment
 from tests.runs.samples import PLANT, long_spec, spec
@@ -66,16 +66,22 @@ def test_a_result_that_was_let_go_is_computed_again_with_the_same_numbers(start)
     assert numbers(runs, first.id).tobytes() == data.tobytes()
 
 
-def test_a_pin_that_comes_before_its_run_is_stored_is_kept(start, monkeypatch):
-    """Whoever sees that a run is done may pin it at once; the store is a moment behind."""
-    late, keep = [], RunManager._keep
-    monkeypatch.setattr(RunManager, "_keep", lambda runs, end: late.append(end))
+def test_the_end_of_a_run_is_queued_for_the_store_before_anybody_sees_it(start, monkeypatch):
+    """So whoever pins or removes it then comes after it; and that it runs is not written behind its end."""
+    seen, keep = [], RunManager._keep
+
+    def watched(runs: RunManager, end: Finished) -> None:
+        job = runs.job(end.snapshot.id)
+        runs.announce(job)
+        seen.append((runs.get(end.snapshot.id).active, job.announced))
+        keep(runs, end)
+
+    monkeypatch.setattr(RunManager, "_keep", watched)
     runs = start()
     id = completed(runs, spec()).id
-    assert runs.pin(id, True).pinned
-    for end in late:
-        keep(runs, end)
-    assert len(late) == 1 and start().get(id).pinned
+    assert runs.pin(id, True).pinned and seen == [(True, False)]
+    monkeypatch.undo()
+    assert start().get(id).pinned
 
 
 def test_a_pin_survives_recomputation_and_restart(start):

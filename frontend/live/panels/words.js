@@ -1,7 +1,6 @@
 // Events of the session as sentences, in the language of the page.
 
 import {number} from '../../dom.js';
-import {plantBroke} from '../alarms.js';
 import {amount} from './sizes.js';
 import {called, plain} from './symbols.js';
 
@@ -38,7 +37,7 @@ function words(event, text, plant, signs) {
   const say = text.events[event.kind];
   if (!say) return event.text;
   if (event.kind === 'alarm' || event.kind === 'alarm-over') return text.tight(say(alarmed(event, plant, text)));
-  return text.tight(say({name: event.subject && called(event.subject, plant, text), subject: plantBroke(event) ? '' : event.subject, observer: event.observer, ...numbers(event, text, signs), planned: event.value?.planned, t: number(event.t, 4)}));
+  return text.tight(say({name: event.subject && called(event.subject, plant, text), subject: event.subject, observer: event.observer, ...numbers(event, text, signs), planned: event.value?.planned, t: number(event.t, 4)}));
 }
 
 /** What an alarm names: the channel and those that explain the data as well, or an output that nothing explains. */
