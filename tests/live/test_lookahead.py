@@ -54,3 +54,13 @@ def test_what_much_longer_pieces_cost_is_not_concluded_from_one(monkeypatch):
     """After a single call nobody knows what its rows cost: the next ones grow step by step."""
     pieces = [rows for _, pieces in frames(playing(200), 0.011, 6e-6, count=10) for rows, _ in pieces]
     assert all(later <= 4 * max(earlier, 1000) for earlier, later in pairwise(pieces))
+
+
+def test_equal_short_calls_do_not_keep_the_pieces_short():
+    """Where every call had few rows nobody can tell the call from its rows; they grow all the same, as far as one may take."""
+    pace, ahead = playing(1), Lookahead()
+    for _ in range(40):
+        ahead.measured(110, 1e-3)
+    frame = pace.rows_in(FRAME)
+    rows, thread = ahead.wanted(pace, frame, MOST)
+    assert not thread and rows >= 4 * 110 - frame

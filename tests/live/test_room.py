@@ -1,5 +1,7 @@
 """A session with its viewers, on real sessions, with time in the test's hand."""
 
+import weakref
+
 import numpy as np
 
 from backend.assembly import prepare
@@ -309,3 +311,22 @@ def test_a_spec_with_timed_commands_changes_its_columns_by_itself():
         assert {frame.samples.shape[0] for frame in page.frames if frame.epoch == 1} == {len(change[0]["columns"])}
 
     staged(scenario, commands=[later])
+
+
+def test_a_session_that_is_closed_gives_its_past_back():
+    """At once, while the room itself may still be held by somebody; a fork of it keeps what the two had in common."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        await stage.go(2.0)
+        fork = await stage.room.fork(1.0)
+        kept = fork.rows(0, 100).copy()
+        past = weakref.ref(stage.session.past)
+        stage.room.close(CLOSE_ENDED, "it was ended")
+        assert past() is None and stage.session.past.end == 0 and stage.session.log == []
+        np.testing.assert_array_equal(fork.rows(0, 100), kept)
+        fork.advance(10)
+        assert fork.row == 111
+
+    staged(scenario)

@@ -29,6 +29,8 @@ export const checkRules = [
   rule('smallest eigenvalue of the Gramian of \\(x, θ\\) over # s, in scaled units and weighted by R: # to # along the run, asked for #',
     '(x, θ) 的 Gram 矩阵在 $1 s 内的最小特征值，按比例缩放并以 R 加权：沿运行 $2 至 $3，要求 $4'),
   rule('smallest eigenvalue over the run: #', '运行中的最小特征值：$1'),
+  rule('conditions of the theorem', '定理的条件'), rule('the numbers left the range in which they can be judged', '数值超出可判断的范围'),
+  rule('K = P Cᵀ R⁻¹ did not stay finite: raise r, or lower q', 'K = P Cᵀ R⁻¹ 趋于无穷：请增大 r 或减小 q'),
   rule('no finite (?:value|estimate|innovation) was recorded', '没有记录到有限的数值'), rule('there is nothing to estimate', '没有需要估计的量'),
   rule('smallest singular value of the observability matrix, relative to the largest: # to # along the run \\(frozen, in scaled states\\)',
     '可观性矩阵最小与最大奇异值之比：沿运行 $1 至 $2（冻结时刻，状态已缩放）'),
