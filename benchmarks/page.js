@@ -1,7 +1,7 @@
 // Script time of one update of the live page's scope: 33 new rows and 4 strips of 3 curves with 10 000 points each; beside it what Plotly
-// takes for the same curves. Run in the page by benchmarks/page.py and by tests/browser/test_live_scope.py: async ({plotly, updates}) => …
+// takes for the same curves. Run in the page by benchmarks/page.py: async ({updates}) => …
 
-async ({plotly, updates}) => {
+async ({updates}) => {
   const modules = ['ring', 'canvas', 'axes', 'plotly'].map((name) => import(`/live/${name}.js`));
   const [{Samples}, {drawStrip, palette}, {Range}, {load, points}] = await Promise.all(modules);
   const samples = new Samples(0.01);
@@ -35,20 +35,18 @@ async ({plotly, updates}) => {
   const frames = updates / ((performance.now() - begun) / 1000);
   for (const {canvas} of strips) canvas.remove();
   const react = [];
-  if (plotly) {
-    const Plotly = await load();
-    const box = document.body.appendChild(document.createElement('div'));
-    const figure = () => [names.map((name, i) => ({type: 'scatter', mode: 'lines', ...points(samples, name, samples.now - 100, samples.now), yaxis: `y${(Math.floor(i / 3) || '') && Math.floor(i / 3) + 1}`})),
-      {width: 700, height: 720, grid: {rows: 4, columns: 1}, yaxis2: {}, yaxis3: {}, yaxis4: {}}];
-    await Plotly.newPlot(box, ...figure());
-    for (let k = 0; k < 7; k += 1) {
-      push(rows(33));
-      const began = performance.now();
-      await Plotly.react(box, ...figure());
-      react.push((performance.now() - began) / 1000);
-    }
-    Plotly.purge(box);
-    box.remove();
+  const Plotly = await load();
+  const box = document.body.appendChild(document.createElement('div'));
+  const figure = () => [names.map((name, i) => ({type: 'scatter', mode: 'lines', ...points(samples, name, samples.now - 100, samples.now), yaxis: `y${(Math.floor(i / 3) || '') && Math.floor(i / 3) + 1}`})),
+    {width: 700, height: 720, grid: {rows: 4, columns: 1}, yaxis2: {}, yaxis3: {}, yaxis4: {}}];
+  await Plotly.newPlot(box, ...figure());
+  for (let k = 0; k < 7; k += 1) {
+    push(rows(33));
+    const began = performance.now();
+    await Plotly.react(box, ...figure());
+    react.push((performance.now() - began) / 1000);
   }
+  Plotly.purge(box);
+  box.remove();
   return {own, react, frames};
 }

@@ -1,6 +1,6 @@
 // Small helpers for the document: elements, symbols, numbers. Text is always set as text, never as markup.
 
-import {word} from './word.js';
+import {split, word} from './names.js';
 
 /** An element: h('button', {class: 'run', onclick: f}, 'Run'). Properties that are null or false are left out. */
 export function h(tag, properties = {}, ...children) {
@@ -16,20 +16,13 @@ export function h(tag, properties = {}, ...children) {
 }
 const SVG = new Set(['path', 'line', 'rect', 'circle', 'g', 'text', 'title']);
 
-const GREEK = Object.fromEntries(('alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ '
-  + 'nu ν xi ξ pi π rho ρ sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π '
-  + 'Sigma Σ Phi Φ Psi Ψ Omega Ω').split(' ').reduce((pairs, word, place, all) => (
-  place % 2 ? pairs : [...pairs, [word, all[place + 1]]]), []));
-
 /** An italic letter with the hat of an estimate, which sits lower on a letter without ascender. */
 export const hatted = (letter) => h('i', {class: `hat${/^[acegm-su-zαγεηικμνοπρστυφχψω]/.test(letter) ? ' low' : ''}`}, letter);
 
 /** A name as mathematics: theta1 becomes an italic θ with the index 1; `hat` puts the hat of an estimate on it. */
 export function symbol(name, hat = false) {
-  const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
-  const [base, index] = match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1]))
-    ? [match[1], match[2]] : [name, ''];
-  const letter = Object.hasOwn(GREEK, base) ? GREEK[base] : word(base.replaceAll('_', ' '));
+  const [base, index] = split(name);
+  const letter = word(base);
   return h('span', {class: 'math'}, hat ? hatted(letter) : h('i', {class: letter.length > 1 && 'word'}, letter), index && h('sub', {}, word(index)));
 }
 

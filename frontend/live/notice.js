@@ -1,9 +1,9 @@
 // What the page has to say about itself: a quiet line for some seconds or, while something stands in the way, until it is over.
 
 import {fill, h, number} from '../dom.js';
+import {called} from '../names.js';
 import {seconds} from './format.js';
 import {seconds as timed} from './panels/parts.js';
-import {called} from './panels/symbols.js';
 import {stand, standsInHeader, watchRoom} from './stand.js';
 
 const SHOWN = 6000; // ms

@@ -1,8 +1,8 @@
 // Plotly.js, loaded when it is first asked for: figures of the strips to measure in and to save. The live curves are not its affair.
 
 import {h} from '../dom.js';
+import {plain, symbolic} from '../names.js';
 import {palette} from './canvas.js';
-import {plain, symbolic} from './panels/symbols.js';
 
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
 const OPTIONS = {displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: '', modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage']};

@@ -1,9 +1,9 @@
 // Above the strips: what the lines mean, how long the window is, which strips are shown.
 
 import {fill, h, symbol} from '../dom.js';
+import {symbolic} from '../names.js';
 import {seconds} from './format.js';
 import {link} from './panels/parts.js';
-import {symbolic} from './panels/symbols.js';
 import {kept} from './session.js';
 
 export function mountHead(root, app, scope) {

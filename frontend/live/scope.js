@@ -1,6 +1,7 @@
 // The scope: strips on one time axis. This file lays them out and draws them; scope-head.js and scope-pointer.js are its controls.
 
 import {fill, h, symbol} from '../dom.js';
+import {badges, plain, split, symbolic} from '../names.js';
 import {niceStep, Range} from './axes.js';
 import {drawStrip, drawTimeAxis, palette} from './canvas.js';
 import {openFigure} from './figure.js';
@@ -8,7 +9,6 @@ import {mountHead} from './scope-head.js';
 import {mountPointer} from './scope-pointer.js';
 import {showValues} from './scope-values.js';
 import {untold} from './panels/sizes.js';
-import {badges, plain, split, symbolic} from './panels/symbols.js';
 import {leaving, setTicks, wanted} from './sight.js';
 import {stripsOf} from './strips.js';
 

@@ -9,9 +9,9 @@ import {took} from '../live/panels/parts.js';
 import {trajectory, visible} from '../live/panels/seen.js';
 import {amount} from '../live/panels/sizes.js';
 import {certainty} from '../live/panels/sure.js';
-import {called, capital, spoken} from '../live/panels/symbols.js';
 import {faultsAt} from '../live/reduce.js';
 import * as words from '../live/strings.js';
+import {called, capital, spoken} from '../names.js';
 import {text} from '../strings.js';
 import {errors, settling} from './errors.js';
 

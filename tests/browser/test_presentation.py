@@ -47,6 +47,10 @@ WRONG = """(() => {
 })()"""
 
 
+#: Two frames: sizes that follow from sizes are settled then.
+DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 20))))"
+
+
 def presented(page, path: str = "/?experiment=zhao-2012&t=24", **more):
     """The page while presenting, standing still, its first notice gone."""
     live = opened(page, path, **more)
@@ -168,7 +172,7 @@ def test_escape_closes_what_is_open_first(page):
 def test_it_is_kept_when_the_page_is_loaded_again(page):
     """After a reload the same session is presented; after leaving and another reload it is not."""
     live = presented(page)
-    until(live, "location.search.includes('experiment')")
+    until(live, "history.state?.session !== undefined")
     session = live.evaluate("thetascope.state.session")
     live.reload()
     until(live, f"window.thetascope?.state.session === '{session}' && thetascope.state.presentation && document.querySelector('.desk .fault') !== null")
@@ -194,7 +198,8 @@ def test_a_lost_connection_and_a_page_that_only_watches_say_so(page, server):
 
 @pytest.mark.parametrize("experiment", ["zhao-2012", "zhou-tan-2012", "dts200", "quadruple-tank", "zhao-2012-observers"])
 def test_nothing_overlaps_or_is_cut(page, experiment):
-    """In both languages, on every tab, at four sizes: controls and cards stand apart and whole; two injections and two observers are in sight."""
+    """In both languages, on every tab, at four sizes: controls and cards stand apart and whole; from 900 px of height on two injections and two observers
+    are in sight."""
     live = presented(page, f"/?experiment={experiment}&t=2")
     live.evaluate("thetascope.send({type: 'inject', fault: {channel: thetascope.state.plant.channels[0].name, shape: 'step', onset: 0, size: 1e-3}})")
     inside = """(selector) => { const all = [...document.querySelectorAll(selector)]; const list = all[0].closest('.scroll').getBoundingClientRect();
@@ -206,7 +211,7 @@ def test_nothing_overlaps_or_is_cut(page, experiment):
             live.evaluate(f"thetascope.act.language('{language}')")
             for tab in TABS:
                 live.evaluate(f"thetascope.act.desk('{tab}')")
-                live.wait_for_timeout(120)
+                live.evaluate(DRAWN)
                 found = live.evaluate(WRONG)
                 if found:
                     wrong[f"{width} {language} {tab}"] = found

@@ -86,7 +86,7 @@ def test_the_log_is_in_order_and_names_the_quantity(page):
       const {lines} = await import('/live/panels/words.js');
       const event = (t, kind, subject, value, text = '') => ({t, row: t, kind, subject, value, text});
       const log = [event(1, 'inject', 'y_speed', {output: 'y_speed', shape: 'dropout', onset: 0, probability: 0.3}), event(9, 'inject', 'friction', {shape: 'step', onset: 3, size: 2}),
-        event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5, 'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', 'plant', null, 'the plant escapes')];
+        event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5, 'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', '', null, 'the plant escapes')];
       return lines(log, thetascope.text, thetascope.state.plant, {q_theta: 'Qθ'}).map(({t, words}) => [t, words]);
     }""")
     assert told == [[12, "the plant diverged"], [9, "you injected added friction = 2, step, to begin at 12.0 s"], [6.5, "you set Qθ of ekf to 4"],
@@ -103,7 +103,7 @@ def test_things_have_one_name_in_chinese(page):
     live.evaluate("thetascope.send({type: 'inject', fault: {channel: 'leak1', shape: 'step', onset: 0, size: 0.05}})")
     until(live, "/1 号罐泄漏/.test(document.querySelector('#panel-log').textContent)")
     said = live.evaluate("""async () => {
-      const {spoken, called} = await import('/live/panels/symbols.js');
+      const {spoken, called} = await import('/names.js');
       const {plant} = thetascope.state, {text} = thetascope;
       return [spoken(text.said('leak1, level1 and clog13 cannot be told apart with this input: only 2 combinations of them show'), plant, text), called('y1', plant, text), called('leak1', plant, text)];
     }""")

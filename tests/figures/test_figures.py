@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import time
 
 import numpy as np
 import pytest
@@ -136,18 +135,6 @@ def test_panels_with_their_own_abscissa_have_their_own_axis(experiment, result, 
     layout = figure(result(spec), spec, plant, "both")["layout"]
     assert layout["xaxis"]["title"]["text"] == "<i>x</i><sub>1</sub> (1/h)"
     assert layout["xaxis2"]["title"]["text"] == "time (s)"
-
-
-def test_five_figures_take_less_than_20_ms(run, plant):
-    """All figures of a run of 10 001 rows are built in under 20 ms (the best of five tries)."""
-    outcome, spec = run
-    best = np.inf
-    for _ in range(5):
-        start = time.perf_counter()
-        for name in GENERAL[:5]:
-            figure(outcome, spec, plant, name)
-        best = min(best, time.perf_counter() - start)
-    assert best < 0.020
 
 
 def test_plotly_is_not_imported():

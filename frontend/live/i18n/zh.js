@@ -45,7 +45,7 @@ export const zh = {
   asOfNow: (t) => `现在，${t}`,
   diagnosis: '诊断', findings: '诊断结果', howSure: '有多可靠？', canSee: '能看到什么？', or: '或', foundIn: '发现用时', notFound: '尚未发现', noFaultActs: '并无故障', faultElsewhere: '不是它',
   isOver: '故障已结束', plannedAt: (t) => `将于 ${t}`, besides: (what) => `同时有 ${what.join('、')}。`, inAll: (size) => `合计 ${size}。`, moreFrom: (what) => `另计划：${what.join('，')}。`,
-  part: ({size, shape, t}) => `${size || shape}（自 ${t}）`, partFrom: ({size, shape, t}) => `${size || shape}（自 ${t}）`, coming: ({name, t}) => `等待中：${name} 将于 ${t} 开始。`, cleared: '已解除', ifIt: (name) => `若为 ${name}`, tooSmall: (size) => `小于目前可见的最小值 ${size}`, suspects: '怀疑传感器：卡死、丢失、延迟',
+  part: ({size, shape, t}) => `${size || shape}（自 ${t}）`, partFrom: ({size, shape, t}) => `${size || shape}（将于 ${t}）`, coming: ({name, t}) => `等待中：${name} 将于 ${t} 开始。`, cleared: '已解除', ifIt: (name) => `若为 ${name}`, tooSmall: (size) => `小于目前可见的最小值 ${size}`, suspects: '怀疑传感器：卡死、丢失、延迟',
   invite: '点击对象图中的圆圈，或按“注入”。诊断只看到 u 和 y，看不到故障。',
   inviteOutputs: '点击对象图中的圆圈，或按“注入”。诊断只看到 y，看不到故障。',
   unknownSize: '模型之外',

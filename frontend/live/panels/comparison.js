@@ -1,11 +1,11 @@
 // The table that compares the observers over the window that the scope shows; in a fork with those of the session that it came from.
 
 import {fill, h, hatted, symbol} from '../../dom.js';
+import {badges, called, plain, split, symbolic, titleOf} from '../../names.js';
 import {Form} from './columnform.js';
 import {detected, figuresOf} from './compared.js';
 import {wholeLines} from './lines.js';
 import {chip, heading, link} from './parts.js';
-import {badges, called, plain, split, symbolic, titleOf} from './symbols.js';
 
 const EVERY = 900; // ms between two computations
 const LONGEST = 6000; // rows of a window of "all"

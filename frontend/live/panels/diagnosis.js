@@ -1,6 +1,7 @@
 // The diagnosis: a sentence first, then one line a finding: how big, how sure, since when, found how fast; and what can be seen at all.
 
 import {fill, h} from '../../dom.js';
+import {called, capital, spoken} from '../../names.js';
 import {line, spell} from './findingline.js';
 import {findings, sentence} from './findings.js';
 import {wholeLines} from './lines.js';
@@ -8,7 +9,6 @@ import {asOfNow, heading, link, seconds} from './parts.js';
 import {createSeen} from './seen.js';
 import {untold} from './sizes.js';
 import {createSure} from './sure.js';
-import {called, capital, spoken} from './symbols.js';
 
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});

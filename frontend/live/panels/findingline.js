@@ -1,9 +1,9 @@
 // Findings in words: the sentence, and one line each. `app` need be no more than {state: {plant, spec, faults, diagnosis}, text}.
 
 import {h, number} from '../../dom.js';
+import {badges, called, spoken, split, symbolic} from '../../names.js';
 import {badge, seconds, took} from './parts.js';
 import {amount, resolutionOf, small} from './sizes.js';
-import {badges, called, spoken, split, symbolic} from './symbols.js';
 
 /** The sentence in the page's language, with symbols for names. */
 export function spell(said, {state, text}) {

@@ -1,11 +1,11 @@
 // Inject a fault: a row for every channel, one for every output's measurement, and the noise.
 
 import {fill, h} from '../../dom.js';
+import {badges, called, split} from '../../names.js';
 import {createRow} from './injectrow.js';
 import {wholeLines} from './lines.js';
 import {asOfNow, badge, heading, link, slider, throttled} from './parts.js';
 import {logarithmic} from './scale.js';
-import {badges, called, split} from './symbols.js';
 
 export function mount(element, app) {
   let rows = new Map();

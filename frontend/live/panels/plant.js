@@ -1,11 +1,11 @@
 // The plant as a picture one can touch: what goes in, where faults act, what is measured, who watches.
 
 import {fill} from '../../dom.js';
+import {badges, called} from '../../names.js';
 import {HALF, layout, WIDTH} from './diagram.js';
 import {open} from './dialogs.js';
 import {asOfNow, heading, link, steady} from './parts.js';
 import {letters, s} from './svg.js';
-import {badges, called} from './symbols.js';
 
 export function mount(element, app) {
   let values = [];

@@ -2,9 +2,9 @@
 
 import {post} from '../../api.js';
 import {fill, h, number} from '../../dom.js';
+import {badges, capital, spoken} from '../../names.js';
 import {badge, refusal} from './parts.js';
 import {small} from './sizes.js';
-import {badges, capital, spoken} from './symbols.js';
 
 const DECADES = [-3, 1.5]; // of level/needed, what the bar shows
 

@@ -1,7 +1,7 @@
 // How sure? Where the thresholds come from, what ± means, and the noise as declared and as it is.
 
 import {fill, h, number} from '../../dom.js';
-import {called, spoken} from './symbols.js';
+import {called, spoken} from '../../names.js';
 
 /** @returns {{element: HTMLElement, show: () => void}} */
 export function createSure(app) {

@@ -1,7 +1,6 @@
 // SVG elements, icons, and symbols set as SVG text.
 
-import {word} from '../../word.js';
-import {GREEK, split} from './symbols.js';
+import {GREEK, split, word} from '../../names.js';
 
 const SPACE = 'http://www.w3.org/2000/svg';
 

@@ -2,10 +2,10 @@
 
 import {get} from '../../api.js';
 import {fill, h, hatted} from '../../dom.js';
+import {called} from '../../names.js';
 import {wholeLines} from './lines.js';
 import {heading, seconds} from './parts.js';
 import {icon} from './svg.js';
-import {called} from './symbols.js';
 
 const SAME = 1e-6; // s
 const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;

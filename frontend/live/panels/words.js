@@ -1,8 +1,8 @@
 // Events of the session as sentences, in the language of the page.
 
 import {number} from '../../dom.js';
+import {called, plain} from '../../names.js';
 import {amount} from './sizes.js';
-import {called, plain} from './symbols.js';
 
 const DRAGGED = 5; // s between two values of one slider that are told as one
 

@@ -1,4 +1,4 @@
-// Names as symbols, and the short badges of fault channels.
+// Names as symbols or words, and the short badges of fault channels.
 
 const PAIRS = 'alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ '
   + 'sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π Sigma Σ Phi Φ Psi Ψ Omega Ω';
@@ -22,6 +22,15 @@ export function plain(name) {
 
 /** Whether a name is a symbol: a letter, perhaps with a short index; y_speed is a word. */
 export const symbolic = (name) => split(name)[0].length === 1 && !/^[A-Za-z]{2}/.test(split(name)[1]);
+
+/** Names that are words, in Chinese: where a symbol would stand there is room for two to five characters. */
+const WORDS = {
+  current: '电流', speed: '转速', voltage: '电压', torque: '转矩', acceleration: '加速度', biomass: '生物量', enzyme: '酶', friction: '摩擦', load: '负载',
+  'gain loss': '增益损失', 'load torque': '负载转矩', 'friction increase': '摩擦增大', 'current bias': '电流偏差', 'speed bias': '转速偏差',
+};
+
+/** A word of a name, in the page's language. */
+export const word = (text) => (document.documentElement.lang.startsWith('zh') ? WORDS[text] ?? text : text);
 
 /** What plants call something beyond its name: a channel's title, else the beginning of the description. */
 export const titleOf = (item) => item.title || (item.description ?? '').split(/[,;(]/)[0].trim();
