@@ -152,7 +152,7 @@ class Control:
         else:
             self._ack(viewer, command, done.row)
         screen.restart(done.columns, done.row)
-        room.resume(done.ended)
+        room.finished = done.ended
         for event in done.events:
             screen.tell(event)
         if done.computed is not None:

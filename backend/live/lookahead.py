@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from math import inf
 
 from backend.live.frames import narrowed
+from backend.live.moments import Begun
 from backend.live.pacing import FRAME, Pace
 from backend.live.session import Session
 from shared.session import Event
@@ -16,7 +17,9 @@ SHORTEST, LONGEST = 4 * FRAME, 8.0
 """Seconds of real time that are computed ahead: right after a command, and when nothing happens."""
 
 LIGHT = 0.004
-"""Seconds of work that the event loop may do itself: in a thread, Python's lock would keep the others waiting as long."""
+"""Seconds of work that the event loop may do itself at once: in a thread, Python's lock would keep the others waiting as long."""
+HALVES = 0.007
+"""Seconds of work that it may do in two halves, with time for commands and frames between them."""
 PIECE = 0.002
 """Of them, seconds for the rows: beyond that, a longer call is hardly cheaper by the row, and a command waits longer."""
 SLICE = 0.010
@@ -38,8 +41,13 @@ class Computed:
 
 def compute(session: Session, rows: int, past: int) -> Computed:
     """Advance a session, which is to keep `past` bytes of samples."""
+    return completed(session, session.begin(rows), past)
+
+
+def completed(session: Session, begun: Begun | None, past: int) -> Computed:
+    """The second half of that."""
     first = session.row
-    data = session.advance(rows)
+    data = session.finish(begun)
     session.past.forget(max(1, past // (4 * len(session.columns))))
     return Computed(first, session.columns, narrowed(data), session.take_events(), session.ended)
 
@@ -116,7 +124,7 @@ class Lookahead:
             return None
         frame = pace.rows_in(FRAME)
         long = self._cost.seconds(frame) > LIGHT
-        piece = self._cost.rows(SLICE) if long else max(self._cost.rows(PIECE), self._cost.surely(LIGHT))
+        piece = self._cost.rows(SLICE) if long else max(self._cost.rows(PIECE), self._cost.surely(HALVES))
         whole = max(2 * frame, min(pace.rows_in(self._reach), 64 * most, piece))
         # Asked for while there is still something to show, so that it may wait for a free moment.
         self._low = max(frame + frame // 2, min(pace.rows_in(MARGIN), whole // 2))

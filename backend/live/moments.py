@@ -29,6 +29,16 @@ class Moment:
 
 
 @dataclass(frozen=True)
+class Begun:
+    """Rows simulated from a moment on, with the state after them; what is shown of them is still to be made."""
+
+    since: Moment
+    count: int
+    state: State
+    recorded: Rows
+
+
+@dataclass(frozen=True)
 class Block:
     """The rows from ``first`` on, where a moment is: what was recorded, and what was made of it."""
 

@@ -5,18 +5,17 @@ for a viewer. Commands are in control.py.
 """
 
 import asyncio
-import logging
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from time import thread_time
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from backend.live.computing import Computing
 from backend.live.control import Control
 from backend.live.inspection import Inspection
-from backend.live.lookahead import Computed, Lookahead, compute
+from backend.live.lookahead import Computed, Lookahead
 from backend.live.pacing import Pace, Rate
 from backend.live.screen import Screen
 from backend.live.turns import Background, Turns
@@ -26,8 +25,6 @@ from shared.session import Event, Hello, Status
 
 if TYPE_CHECKING:
     from backend.live.session import Session
-
-log = logging.getLogger(__name__)
 
 STATUS = 1.0
 """Seconds between two messages on how a session stands while it plays."""
@@ -48,8 +45,8 @@ class Full(Exception):
 class House:
     """What a room needs of the outside.
 
-    clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room):
-    fill when there is time. watch(room): do what its `inspection` has to watch when there is time, in slices. may_check: whether
+    clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room, first):
+    fill when there is time, before all others or after them. watch(room): do what its `inspection` has to watch when there is time, in slices. may_check: whether
     it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer
     may be behind; past: those that a session may keep.
     """
@@ -58,7 +55,7 @@ class House:
     background: Background
     workshop: Background
     wake: Callable[["Room", float], None]
-    feed: Callable[["Room"], None]
+    feed: Callable[["Room", bool], None]
     watch: Callable[["Room"], None]
     may_check: Callable[[], bool]
     viewers: int
@@ -75,14 +72,13 @@ class Room:
         self.screen = Screen(session.columns, session.row, session.record)
         self.pace, self.rate, self.lookahead = Pace(session.record), Rate(), Lookahead()
         self.turns = Turns(house.background)
-        self.control = Control(self)
+        self.control, self.computing = Control(self), Computing(self)
         self.frozen = False  # while a command that takes long is carried out
         self.closed = False
         self.empty_since: float | None = house.clock()
-        self._filling = False
         self._told = house.clock()
         self.inspection = Inspection(self)
-        self._finished = session.ended  # the session has no more rows than those that are computed
+        self.finished = session.ended  # the session has no more rows than those that are computed
         session.leaves_watching = True
         session.take_events()  # of rows that are shown already: they are in the log
 
@@ -100,7 +96,7 @@ class Room:
     @property
     def ended(self) -> bool:
         """Whether there is nothing more to come."""
-        return self._finished and self.screen.left == 0 and not self.screen.blocked
+        return self.finished and self.screen.left == 0 and not self.screen.blocked
 
     def status(self) -> Status:
         pace = self.pace
@@ -220,8 +216,8 @@ class Room:
             if due > self.screen.end:
                 self.fill()
             self.show(due, now)
-            if not self.lookahead.enough(self.screen.left) and self._wanted() is not None:
-                self.house.feed(self)
+            if not self.lookahead.enough(self.screen.left) and self.computing.wanted() is not None:
+                self.house.feed(self, False)
         if now - self._told >= STATUS:
             self.rate.look(self.shown, now, self.session.record)
             self.tell_status()
@@ -239,56 +235,20 @@ class Room:
             if not pace.moving:
                 self.tell_status()
                 self.inspection.check(0.0)
-        if self._finished and self.ended and pace.moving:
+        if self.finished and self.ended and pace.moving:
             pace.pause()
             self.tell_status()
 
     def fill(self) -> None:
         """Compute ahead, if there is need to."""
-        wanted = self._wanted()
-        if wanted is not None:
-            self._filling = True
-            self.turns.do(partial(_timed, self.session, wanted[0], self.house.past()), self._filled, wanted[1])
-
-    def _wanted(self) -> tuple[int, bool] | None:
-        """How many rows to compute ahead now, and whether in a thread."""
-        if self._filling or self._finished or self.screen.blocked or self.frozen or self.closed or not self.pace.moving:
-            return None
-        left, target = self.screen.left, self.pace.target
-        wanted = self.lookahead.wanted(self.pace, left, self.screen.most)
-        if wanted is None or target is None:
-            return wanted
-        rows = min(wanted[0], target - self.shown - left)
-        return (rows, wanted[1]) if rows > 0 else None
-
-    def _filled(self, value: Any, error: Exception | None) -> None:
-        self._filling = False
-        if error is not None:
-            log.error("session %s cannot go on", self.id, exc_info=error)
-            self._finished = True
-            self.tell_status()
-            return
-        computed, seconds = value
-        self.lookahead.measured(computed.rows.shape[1], seconds)
-        self.take(computed)
-        hurried = self.pace.target is not None or self.pace.speed is None
-        if hurried and not self.frozen:
-            if self.pace.target is not None:
-                self.show(self.pace.target, self.house.clock())
-            self.fill()
-        elif self.lookahead.behind(self.pace, self.screen.left):
-            self.fill()
+        self.computing.fill()
 
     def take(self, computed: Computed) -> None:
         """Take over what was computed; it is shown when it is due."""
-        self._finished = computed.ended
+        self.finished = computed.ended
         if computed.rows.shape[1]:
             self.screen.add(computed)
             self.house.watch(self)
-
-    def resume(self, finished: bool) -> None:
-        """A command was carried out; the session may have more rows again, or none."""
-        self._finished = finished
 
     def moving(self) -> None:
         """Time goes on from now on."""
@@ -296,9 +256,3 @@ class Room:
         self.rate.start(self.shown, now)
         self._told = now
         self.house.wake(self, now)
-
-
-def _timed(session: "Session", rows: int, past: int) -> tuple[Computed, float]:
-    begin = thread_time()  # not the time of day: on a busy machine that would make the pieces ever smaller
-    computed = compute(session, rows, past)
-    return computed, thread_time() - begin

@@ -6,6 +6,7 @@ has a sleep of its own to drift. Rooms begin at different moments, so their fram
 
 import asyncio
 import logging
+from collections import OrderedDict
 from collections.abc import Callable
 from heapq import heappop, heappush
 from itertools import count
@@ -20,9 +21,10 @@ log = logging.getLogger(__name__)
 
 SHARE = 0.002
 """Seconds after which the event loop gets its turn, so that commands are read however many frames are due."""
-SLOT, FEW = FRAME / 8, 20
-"""Where there are more than a few rooms, those whose frames are due within such a slot are called together at its end:
-waking up for each would cost as much as its frame. A frame's time is a whole number of slots, so every room keeps its beat."""
+FEW, MANY, TOGETHER, SLOTS = 20, 150, 50, 8
+"""Where there are more than a few rooms all are called together, once in a frame's time: waking up for each would cost as much as its
+frame, and what one has brought into the processor's caches serves the next. Where there are many, a frame's time has as many such
+calls as leave about fifty rooms to each, a power of two up to a limit; so every room keeps its beat."""
 _TINY = 1e-6  # s, for the rounding of times
 PAUSE = 0.002
 """Seconds between two rooms that compute ahead."""
@@ -32,6 +34,11 @@ TURNS = 2
 """Turns of the event loop before a room computes ahead: so many it takes from a socket to the command's being carried out."""
 
 
+def slot(rooms: int) -> float:
+    """Seconds between two calls of so many rooms, each of those whose frames have become due meanwhile."""
+    return FRAME / (1 if rooms < MANY else min(SLOTS, 1 << ((rooms // TOGETHER).bit_length() - 1)))
+
+
 class Scheduler:
     """Ticks rooms. Made and used on the event loop."""
 
@@ -39,7 +46,7 @@ class Scheduler:
         self._loop = loop
         self._due: list[tuple[float, int, Room]] = []
         self._when: dict[Room, float] = {}
-        self._hungry: dict[Room, None] = {}  # in order
+        self._hungry: OrderedDict[Room, None] = OrderedDict()
         self._feeding = 0.0  # when the next of them may compute, or be watched
         self._unwatched: dict[Room, None] = {}  # in order
         self._slices = Slices()
@@ -58,9 +65,11 @@ class Scheduler:
         if not self._running:
             self._arm()
 
-    def feed(self, room: Room) -> None:
-        """Let a room compute ahead when no frame is due."""
+    def feed(self, room: Room, first: bool) -> None:
+        """Let a room compute ahead when no frame is due, before all that wait or after them."""
         self._hungry[room] = None
+        if first:
+            self._hungry.move_to_end(room, last=False)
 
     def watch(self, room: Room) -> None:
         """Let what a room shows be watched when nothing else is to be done."""
@@ -87,7 +96,8 @@ class Scheduler:
         if (self._due or self._left) and not self._stopped:
             at = self._due[0][0] if self._due else self._feeding
             if self._due and len(self._when) > FEW:
-                at = ceil((at - _TINY) / SLOT) * SLOT
+                part = slot(len(self._when))
+                at = ceil((at - _TINY) / part) * part
             if self._left:
                 at = min(at, self._feeding)
             if self._timer is not None:

@@ -21,7 +21,7 @@ from backend.engine.stability import MOST_SUBSTEPS
 from backend.engine.timeline import Stage, carry
 from backend.live import log as words
 from backend.live.gains import check_moves, substeps_at
-from backend.live.moments import Block, Moment, Moments
+from backend.live.moments import Begun, Block, Moment, Moments
 from backend.live.past import Past
 from backend.live.returning import Returning
 from backend.live.view import View
@@ -98,6 +98,10 @@ class Session(Returning):
 
     def advance(self, rows: int) -> np.ndarray:
         """Advance by up to ``rows`` rows (to where columns change, or the end): what is recorded, columns × rows."""
+        return self.finish(self.begin(rows))
+
+    def begin(self, rows: int) -> Begun | None:
+        """The first half of advancing: rows are simulated, and the session stays where it is. None: there are no more."""
         self._enter_stage()
         target = min(self.row + rows, self._horizon)
         following = self._stages[self.now.stage + 1 :]
@@ -105,12 +109,11 @@ class Session(Returning):
         count = max(0, min(target, max(boundary, self.row + (0 if target == self.row else 1))) - self.row)
         if self.ended or count == 0:
             self.ended = self.ended or self.row >= self._horizon
-            return np.empty((len(self.columns), 0))
-        return self._advance(count)
+            return None
+        return self._simulated(count)
 
-    def _advance(self, count: int) -> np.ndarray:
+    def _simulated(self, count: int) -> Begun:
         now, experiment = self.now, self.experiment
-        self._moments.remember(now)
         substeps = self._substeps
         state, recorded = Simulation(experiment, substeps, remember=True).advance(now.state, count * self._every)
         # it takes as long as the rest together: often after a change, but not for the few rows that are wanted at once;
@@ -121,7 +124,16 @@ class Session(Returning):
             needed = needed_substeps(experiment, recorded)
             if needed > substeps:
                 self._take_substeps(min(MOST_SUBSTEPS, needed))
-                return self._advance(count)
+                return self._simulated(count)
+        return Begun(now, count, state, recorded)
+
+    def finish(self, begun: Begun | None) -> np.ndarray:
+        """The second half: what is shown of the rows, and what they mean. Where a command came between they are void, and none are given."""
+        now, experiment = self.now, self.experiment
+        if begun is None or begun.since is not now:
+            return np.empty((len(self.columns), 0))
+        count, recorded = begun.count, begun.recorded
+        self._moments.remember(now)
         view, made = now.view.extended(experiment, recorded)
         data, watched, found = made.data, now.watched, []
         if view.plant_lost:  # time ends with the row that says so
@@ -136,7 +148,7 @@ class Session(Returning):
         self.past.append(self.columns, data)
         self.log += found
         self._new += found
-        self.now = Moment(now.row + count, state, now.stage, view, watched, len(self.log))
+        self.now = Moment(now.row + count, begun.state, now.stage, view, watched, len(self.log))
         self.ended = view.plant_lost is not None or self.row >= self._horizon
         if not view.plant_lost and (view.lost or {}) == (now.view.lost or {}):
             self._moments.keep(Block(now.row, recorded, made))

@@ -78,20 +78,29 @@ class Connection:
 
 
 class Stage:
-    """A session on the first-order plant, rows of 10 ms; `go` lets time pass in frames."""
+    """A session on the first-order plant, rows of 10 ms; `go` lets time pass in frames. While it is `busy` rooms compute ahead when two more
+    frames have gone out: time for commands to come between."""
 
-    def __init__(self, limit: int = 100_000, backlog: int = 1 << 20, viewers: int = 3, past: int = 1 << 24, **changes: object) -> None:
+    def __init__(self, limit: int = 100_000, backlog: int = 1 << 20, viewers: int = 3, past: int = 1 << 24, busy: bool = False,
+                 **changes: object) -> None:  # fmt: skip
         self.now = 0.0
         self.at: float | None = None
         self.session = Session(spec(**({"record": 0.01} | changes)), limit)
         self.session.advance(1)
         house = House(
-            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake, feed=Room.fill, watch=self._watch,
+            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake, feed=self._feed, watch=self._watch,
             may_check=lambda: True, viewers=viewers, backlog=backlog, past=lambda: past,
         )  # fmt: skip
         self.room = Room("room", "token", self.session, house)
+        self._busy, self.hungry = busy, False
         self._tasks: list[asyncio.Task] = []
-        self._number = 0
+        self._number = self._ticks = 0
+
+    def _feed(self, room: Room, _: bool) -> None:
+        """Compute ahead: at once, or, where the stage is busy, in the course of `go`."""
+        self.hungry = True
+        if not self._busy:
+            room.fill()
 
     def _watch(self, room: Room) -> None:
         while (left := room.inspection.watching()) is not None:
@@ -131,6 +140,10 @@ class Stage:
         while self.at is not None and self.at <= end:
             self.now = max(self.now, self.at)
             at, self.at = self.at, None
+            self._ticks += 1
+            if self._busy and self.hungry and self._ticks % 3 == 0:
+                self.hungry = False
+                self.room.fill()
             following = self.room.tick(at)
             if following is not None:
                 self.at = following if self.at is None else min(self.at, following)

@@ -3,6 +3,7 @@
 import weakref
 
 import numpy as np
+import pytest
 
 from backend.assembly import prepare
 from backend.live.session import Session
@@ -46,8 +47,10 @@ def test_the_frames_of_a_session_are_the_rows_of_a_run():
     staged(scenario)
 
 
-def test_commands_act_at_the_row_that_was_shown_and_their_effect_is_sent_at_once():
-    """However far was computed ahead: the answer names the next row, it is in the very next frame, and the past is a run's."""
+@pytest.mark.parametrize("busy", [False, True])
+def test_commands_act_at_the_row_that_was_shown_and_their_effect_is_sent_at_once(busy):
+    """However far was computed ahead, or half computed: the answer names the next row, it is in the very next frame, and the past is a run's."""
+    halves = []
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -58,15 +61,20 @@ def test_commands_act_at_the_row_that_was_shown_and_their_effect_is_sent_at_once
         ]  # fmt: skip
         for kind, fields in commands:
             await stage.go(0.7)
+            for _ in range(60 if busy else 0):
+                if not stage.room.computing.halfway:
+                    await stage.go(0.035)
             before = page.rows().shape[1]
+            halves.append(stage.room.computing.halfway)
             ack = await stage.say(page, kind, **fields)
             assert (ack["type"], ack["row"]) == ("ack", before)
             assert before < page.rows().shape[1] <= before + 4, "a row that shows it is there"
         await stage.go(0.5)
         same(page.rows(), stage.session.spec, page.texts[0]["columns"])
         assert len(page.of("spec")) == 4 and page.of("spec")[-1]["spec"]["faults"][1]["end"] is not None
+        assert halves == 4 * [busy]
 
-    staged(scenario)
+    staged(scenario, busy=busy)
 
 
 def test_a_refused_command_changes_nothing():

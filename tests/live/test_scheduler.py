@@ -5,7 +5,7 @@ from collections.abc import Callable
 from itertools import count
 
 from backend.live.pacing import FRAME
-from backend.live.scheduler import FEW, SLOT, Scheduler
+from backend.live.scheduler import FEW, MANY, SLOTS, Scheduler, slot
 
 
 class Timer:
@@ -89,19 +89,20 @@ def playing(rooms: int) -> tuple[Loop, list[Beat]]:
 
 
 def test_every_room_keeps_its_beat_however_many_there_are():
-    """Frames are a frame's time apart, and no later than a slot after they are due."""
-    for rooms in (1, FEW // 2, 10 * FEW):
+    """Frames are a frame's time apart, and no later than a part of a frame's time after they are due."""
+    for rooms in (1, FEW // 2, 2 * FEW, MANY, 20 * FEW):
         _, beats = playing(rooms)
         for i, beat in enumerate(beats):
             late = [at - FRAME * (i / rooms + n) for n, at in enumerate(beat.times)]
-            assert len(late) >= 29 and -1e-9 < min(late) and max(late) < SLOT + 1e-4
+            assert len(late) >= 29 and -1e-9 < min(late) and max(late) < slot(rooms) + 1e-4
             assert max(late) - min(late) < 1e-4
 
 
 def test_many_rooms_are_called_together():
-    """The loop wakes up once a slot, not once a frame."""
-    loop, _ = playing(10 * FEW)
-    assert loop.wakings < 1.2 / SLOT
+    """The loop wakes up once for about fifty frames, and not so rarely that frames come in one heap."""
+    for rooms, parts in ((2 * FEW, 1), (100, 1), (MANY, 2), (200, 4), (400, 8), (5000, SLOTS)):
+        loop, _ = playing(rooms)
+        assert slot(rooms) == FRAME / parts and loop.wakings < 1.2 / slot(rooms)
 
 
 def test_a_command_on_its_way_is_carried_out_before_a_room_computes_ahead():
@@ -109,8 +110,8 @@ def test_a_command_on_its_way_is_carried_out_before_a_room_computes_ahead():
     loop = Loop()
     scheduler, one, two = Scheduler(loop), Beat(loop), Beat(loop)
     scheduler.wake(one, 0.0)
-    scheduler.feed(one)
-    scheduler.feed(two)
+    scheduler.feed(one, False)
+    scheduler.feed(two, False)
     scheduler._run()
     loop.turn()
     loop.turn()
