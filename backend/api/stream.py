@@ -93,7 +93,10 @@ async def _read(websocket: WebSocket, room, viewer, settings) -> None:
 
 
 def same_origin(origin: str | None, host: str) -> bool:
-    """Whether a page of this service opens the connection. What is no browser sends no origin, and may."""
+    """Whether a page of this service opens the connection. What is no browser sends no origin, and may.
+
+    The scheme is not compared: behind a proxy that ends TLS the page's is https and the service's http.
+    """
     if origin is None:
         return True
     try:
