@@ -14,8 +14,9 @@ def until(page, expression: str, seconds: float = 20.0) -> None:
 
 
 def ready(page, rows: int = 2) -> None:
-    """Wait until a session is there, with so many rows and all that came before them."""
+    """Wait until a session is there, with so many rows and all that came before them, and the panels that make room for themselves."""
     until(page, f"{APP}?.state.connection === 'live' && {APP}.samples.rows >= Math.max({rows}, {APP}.state.row)")
+    until(page, "document.querySelector('#panel-inject .fault') !== null")
 
 
 def state(page, field: str):
