@@ -70,6 +70,8 @@ class Scheduler:
         self._hungry[room] = None
         if first:
             self._hungry.move_to_end(room, last=False)
+        if not self._running:
+            self._arm()
 
     def watch(self, room: Room) -> None:
         """Let what a room shows be watched when nothing else is to be done."""

@@ -9,10 +9,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from backend.assembly import prepare
 from backend.live.room import House, Room
 from backend.live.session import Session
 from backend.live.turns import Job, Then, outcome
 from backend.live.viewer import Viewer
+from shared.experiment import Experiment
 from shared.session import HEADER, Event
 from tests.runs.samples import spec
 
@@ -183,3 +185,16 @@ def staged(scenario, **options: object) -> None:
 
 def kinds(events: list[dict] | list[Event]) -> list[str]:
     return [event["kind"] if isinstance(event, dict) else event.kind for event in events]
+
+
+def expected(given: Experiment, columns: list[str], rows: int) -> np.ndarray:
+    """What an ordinary run of a spec gives, as it is sent."""
+    run = prepare(given.model_copy(update={"horizon": (rows - 1) * 0.01, "record": 0.01})).run()
+    return np.array([run.column(name) for name in columns]).astype("<f4")
+
+
+def same(sent: np.ndarray, given: Experiment, columns: list[str]) -> None:
+    """Every column of the run was sent bit for bit."""
+    run = expected(given, columns, sent.shape[1])
+    differ = [name for name, mine, other in zip(columns, sent, run, strict=True) if mine.tobytes() != other.tobytes()]
+    assert differ == []

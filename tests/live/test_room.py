@@ -1,31 +1,14 @@
 """A session with its viewers, on real sessions, with time in the test's hand."""
 
-import weakref
 
 import numpy as np
 import pytest
 
-from backend.assembly import prepare
 from backend.live.session import Session
-from shared.experiment import Experiment
-from shared.session import CLOSE_ENDED
-from tests.live.stage import Stage, kinds, staged
+from tests.live.stage import Stage, kinds, same, staged
 
 FAULT = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
 SECOND = {"label": "other", "kind": "adaptive-kalman"}
-
-
-def expected(given: Experiment, columns: list[str], rows: int) -> np.ndarray:
-    """What an ordinary run of a spec gives, as it is sent."""
-    run = prepare(given.model_copy(update={"horizon": (rows - 1) * 0.01, "record": 0.01})).run()
-    return np.array([run.column(name) for name in columns]).astype("<f4")
-
-
-def same(sent: np.ndarray, given: Experiment, columns: list[str]) -> None:
-    """Every column of the run was sent bit for bit."""
-    run = expected(given, columns, sent.shape[1])
-    differ = [name for name, mine, other in zip(columns, sent, run, strict=True) if mine.tobytes() != other.tobytes()]
-    assert differ == []
 
 
 def test_the_frames_of_a_session_are_the_rows_of_a_run():
@@ -241,23 +224,6 @@ def test_a_command_that_fails_inside_leaves_the_session_as_it_was(monkeypatch):
     staged(scenario)
 
 
-def test_a_session_ends_at_its_limit():
-    """It pauses, says so, refuses to play on, and goes back when asked."""
-
-    async def scenario(stage: Stage) -> None:
-        page = await stage.connect()
-        await stage.say(page, "play")
-        await stage.go(2.0)
-        assert stage.room.shown == 120 and page.of("status")[-1]["ended"] is True
-        assert (await stage.say(page, "play"))["type"] == "refused"
-        assert (await stage.say(page, "seek", t=0.5))["type"] == "ack"
-        assert (await stage.say(page, "play"))["type"] == "ack"
-        await stage.go(0.2)
-        assert 65 <= stage.room.shown <= 75
-
-    staged(scenario, limit=120)
-
-
 def test_who_only_watches_commands_nothing():
     """Each of its commands is refused; the session goes on."""
 
@@ -270,37 +236,6 @@ def test_who_only_watches_commands_nothing():
         await stage.go(1.0)
         np.testing.assert_array_equal(guest.rows(), page.rows())
         assert stage.room.shown > 95
-
-    staged(scenario)
-
-
-def test_closing_ends_every_connection_with_its_reason():
-    """And the clock stands still."""
-
-    async def scenario(stage: Stage) -> None:
-        page = await stage.connect()
-        await stage.say(page, "play")
-        stage.room.close(CLOSE_ENDED, "enough")
-        assert page.viewer.closing == (CLOSE_ENDED, "enough") and page.viewer.closed.is_set()
-        assert stage.room.tick(1.0) is None
-
-    staged(scenario)
-
-
-def test_a_fork_has_the_past_and_a_future_of_its_own():
-    """From an earlier row; the first goes on untouched."""
-
-    async def scenario(stage: Stage) -> None:
-        page = await stage.connect()
-        await stage.say(page, "play")
-        await stage.go(2.0)
-        fork: Session = await stage.room.fork(0.8)
-        assert fork.row == 81
-        await stage.go(0.2)
-        ours = page.rows()
-        np.testing.assert_array_equal(fork.rows(0, 81), ours[:, :81])
-        np.testing.assert_array_equal(fork.advance(20).astype("<f4"), ours[:, 81:101])  # as long as nobody acts
-        same(page.rows(), stage.session.spec, page.texts[0]["columns"])
 
     staged(scenario)
 
@@ -319,22 +254,3 @@ def test_a_spec_with_timed_commands_changes_its_columns_by_itself():
         assert {frame.samples.shape[0] for frame in page.frames if frame.epoch == 1} == {len(change[0]["columns"])}
 
     staged(scenario, commands=[later])
-
-
-def test_a_session_that_is_closed_gives_its_past_back():
-    """At once, while the room itself may still be held by somebody; a fork of it keeps what the two had in common."""
-
-    async def scenario(stage: Stage) -> None:
-        page = await stage.connect()
-        await stage.say(page, "play")
-        await stage.go(2.0)
-        fork = await stage.room.fork(1.0)
-        kept = fork.rows(0, 100).copy()
-        past = weakref.ref(stage.session.past)
-        stage.room.close(CLOSE_ENDED, "it was ended")
-        assert past() is None and stage.session.past.end == 0 and stage.session.log == []
-        np.testing.assert_array_equal(fork.rows(0, 100), kept)
-        fork.advance(10)
-        assert fork.row == 111
-
-    staged(scenario)

@@ -120,3 +120,15 @@ def test_a_command_on_its_way_is_carried_out_before_a_room_computes_ahead():
     assert (one.fills, two.fills) == (1, 0)
     loop.go(0.1)
     assert (one.fills, two.fills) == (1, 1)
+
+
+def test_what_waits_is_computed_though_no_frame_is_due():
+    """A room that has half of its rows when nothing else goes on gets the other half at once, before rooms that wait for longer."""
+    loop = Loop()
+    scheduler, one, two = Scheduler(loop), Beat(loop), Beat(loop)
+    scheduler.feed(one, False)
+    scheduler.feed(two, True)
+    loop.go(0.001)
+    assert (one.fills, two.fills) == (0, 1)
+    loop.go(0.1)
+    assert (one.fills, two.fills) == (1, 1)
