@@ -33,7 +33,7 @@ def test_a_lesson_waits_in_the_time_of_the_plant(page):
     live.evaluate("thetascope.act.play()")
     until(live, "thetascope.state.t > 80")
     live.locator(".try .go").nth(1).click()
-    until(live, "thetascope.state.faults.some((fault) => fault.subject === 'theta3' && fault.end === null)")
+    until(live, "thetascope.state.faults.some((fault) => fault.subject === 'theta3' && fault.onset > 80)")
     live.evaluate("thetascope.act.pause()")
     cleared, onset = live.evaluate("[thetascope.state.faults[0].end, thetascope.state.faults.at(-1).onset]")
     assert onset - cleared == pytest.approx(8)
