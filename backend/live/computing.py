@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from backend.live.lookahead import completed, compute
 
 if TYPE_CHECKING:
+    from backend.live.moments import Begun
     from backend.live.room import Room
 
 log = logging.getLogger(__name__)
@@ -20,7 +21,7 @@ class Computing:
     def __init__(self, room: "Room") -> None:
         self._room = room
         self._busy = False
-        self._begun: tuple[Any, float] | None = None  # rows half computed, and the seconds that took
+        self._begun: tuple[Begun | None, float] | None = None  # rows half computed, and the seconds that took
 
     @property
     def halfway(self) -> bool:

@@ -124,14 +124,15 @@ def given_up_from(spec: Experiment, start: Experiment, faults: tuple[Fault, ...]
 
 def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record: float) -> list[Event]:
     """Faults that begin or end, and timed commands that act, by themselves in rows first … last − 1; not those the log tells already."""
-    lately = _since(log, first)
-    told = {(e.kind, e.subject, e.row) for e in lately}
+    told: dict[tuple[str, str, int], list[object]] = {}  # values
+    for e in _since(log, first):
+        told.setdefault((e.kind, e.subject, e.row), []).append(e.value)
     found = []
     for command in spec.commands:
         row = math.ceil(command.at / record - 1e-9)
         if first <= row < last and not isinstance(command, SetSubsteps):
             made = event(command, row, row * record)
-            if not any((e.kind, e.subject, e.row, e.value) == (made.kind, made.subject, row, made.value) for e in lately):
+            if made.value not in told.get((made.kind, made.subject, row), []):
                 found.append(made)
     for fault in spec.faults:
         name = getattr(fault, "channel", None) or fault.output

@@ -18,10 +18,10 @@ SHORTEST, LONGEST = 4 * FRAME, 8.0
 
 LIGHT = 0.004
 """Seconds of work that the event loop may do itself at once: in a thread, Python's lock would keep the others waiting as long."""
-HALVES = 0.007
-"""Seconds of work that it may do in two halves, with time for commands and frames between them."""
 PIECE = 0.002
 """Of them, seconds for the rows: beyond that, a longer call is hardly cheaper by the row, and a command waits longer."""
+HALVES = 0.007
+"""Seconds of work that the event loop may do in two halves, with time for commands and frames between them."""
 SLICE = 0.010
 """Seconds of work in a thread, so that a command or another session need not wait long."""
 MARGIN = 0.5

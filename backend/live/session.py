@@ -45,9 +45,9 @@ class Session(Returning):
         self.spec = self.spec.model_copy(update={"substeps": self.spec.substeps or 1, "diagnosis": pinned(self.spec)})
         self._start = self.spec
         self._horizon = horizon_rows
-        self._begin()
+        self._stand_at_start()
 
-    def _begin(self, epoch: int = 0) -> None:
+    def _stand_at_start(self, epoch: int = 0) -> None:
         """Stand at t = 0 with the spec as it is."""
         self.epoch = epoch
         self._stages = list(prepare(self.spec).stages)
@@ -101,7 +101,10 @@ class Session(Returning):
         return self.finish(self.begin(rows))
 
     def begin(self, rows: int) -> Begun | None:
-        """The first half of advancing: rows are simulated, and the session stays where it is. None: there are no more."""
+        """The first half of advancing: rows are simulated, and the session stays where it is (it may note that it needs more substeps).
+
+        None: there are no more rows.
+        """
         self._enter_stage()
         target = min(self.row + rows, self._horizon)
         following = self._stages[self.now.stage + 1 :]
@@ -197,7 +200,7 @@ class Session(Returning):
     def _carried_out(self, command: object) -> list[Event]:
         if isinstance(command, Reset):
             self.spec = self._start
-            self._begin(self.epoch + 1)
+            self._stand_at_start(self.epoch + 1)
             return [self._noted(Event(row=0, t=0.0, kind="reset", text="back to the start"))]
         if isinstance(command, Seek):
             return self._seek(self._row_before(command))
