@@ -42,7 +42,7 @@ pins: ## Choose versions anew from pyproject.toml (needs uv)
 PIN := --universal --python-version 3.11 --fork-strategy fewest --generate-hashes --upgrade --custom-compile-command "make pins"
 
 clean: ## Remove the environment and what tools left behind
-	rm -rf .venv build dist *.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf .venv build dist *.egg-info backend/*.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +
 
 help:

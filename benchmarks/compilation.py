@@ -19,12 +19,12 @@ from pathlib import Path
 
 import sympy  # noqa: F401  (a server has imported it by its first plant)
 
-from backend import library
-from backend.assembly import prepare
-from backend.engine import cache
-from backend.engine.simulation import Simulation
 from benchmarks.measure import Figure
-from shared import Experiment
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.compiler import cache
+from thetascope.engine.simulation.simulation import Simulation
+from thetascope_schemas import Experiment
 
 ROOT = Path(__file__).parents[1]
 TEXT, LIBRARY = 0.5, 0.02  # s, asked
@@ -33,10 +33,10 @@ TEXT, LIBRARY = 0.5, 0.02  # s, asked
 IN_NEW_PROCESS = """
 import sys, time
 import numpy.ma
-from backend import library
-from backend.assembly import prepare
-from backend.engine.observers import registry
-from backend.engine.simulation import Simulation
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.observers import registry
+from thetascope.engine.simulation.simulation import Simulation
 for kind in registry.kinds():
     registry.observer(kind)
 begin = time.perf_counter()

@@ -13,13 +13,13 @@ from pathlib import Path
 
 import numpy as np
 
-from backend import library
-from backend.assembly import prepare
-from backend.assembly.recording import diagnose_recording, recording
-from backend.live.session import Session
-from shared import Experiment
-from shared.diagnosis import DiagnosisSettings
-from shared.session import (
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording
+from thetascope.live.session.session import Session
+from thetascope_schemas import Experiment
+from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
+from thetascope_schemas.service.session import (
     AddObserverNow,
     Clear,
     Inject,

@@ -8,11 +8,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from backend.engine import faults
-from backend.engine.batch import run_batch, with_seed
-from backend.engine.simulation import Experiment
 from benchmarks.measure import Figure, ratios, rounds
 from benchmarks.problem import ESTIMATES, PLACES, ByHand, engine, kernels_alone, rows, start
+from thetascope.engine.inputs import fault_signals
+from thetascope.engine.simulation.batch import run_batch, with_seed
+from thetascope.engine.simulation.experiment import Experiment
 
 RUNS = 1024
 SHARE = 32  # runs of the scalar code in a round: its time is proportional to their number
@@ -45,7 +45,7 @@ def varied(base: Experiment, i: int, runs: int) -> Experiment:
     signals = dict(e.signals)
     for name, onset, size in (("theta3", 20.0, 0.02), ("theta1", 40.0, 0.01), ("theta2", 70.0, 0.015)):
         fault = {"channel": name, "shape": "step", "onset": onset, "end": None, "size": size * (0.5 + share)}
-        signals[f"theta.{name}"] = faults.theta(name, [fault], 0)
+        signals[f"theta.{name}"] = fault_signals.theta(name, [fault], 0)
     return replace(e, parameters=e.parameters | {"p.a4": 0.1 + 0.01 * share}, x0=e.x0 * (1 + 0.1 * share), signals=signals,
                    estimators=(replace(estimator, parameters=numbers),))  # fmt: skip
 

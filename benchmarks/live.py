@@ -21,9 +21,9 @@ from itertools import pairwise
 from pathlib import Path
 from time import perf_counter
 
-from backend.client import Client
 from benchmarks.measure import Figure
 from benchmarks.watchers import Watcher, Watchers
+from thetascope.client import Client
 
 ROOT = Path(__file__).parents[1]
 EXPERIMENT = "zhao-2012"  # 21 columns in rows of 10 ms
@@ -91,7 +91,7 @@ def service(sessions: int) -> Iterator[tuple[subprocess.Popen, str]]:
             "THETASCOPE_DATA": data, "THETASCOPE_SESSIONS": str(sessions), "PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT),
             "THETASCOPE_PREPARE": "0",
         }  # fmt: skip
-        command = [sys.executable, "-m", "backend.cli", "serve", "--port", "0"]
+        command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
         with pinned(command, environment) as (process, line):
             if "http://" not in line:
                 raise RuntimeError(f"the service did not start: {line!r}")

@@ -10,10 +10,10 @@ import time
 from collections.abc import Iterator
 from pathlib import Path
 
-from backend.client import Client
 from benchmarks.live import EXPERIMENT, service
 from benchmarks.measure import Figure
 from benchmarks.watchers import Watchers
+from thetascope.client import Client
 
 PLAYED = 36_000.0  # s of simulated time
 PARTS = 6

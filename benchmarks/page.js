@@ -2,7 +2,7 @@
 // takes for the same curves. Run in the page by benchmarks/page.py: async ({updates}) => …
 
 async ({updates}) => {
-  const modules = ['ring', 'canvas', 'axes', 'plotly'].map((name) => import(`/live/${name}.js`));
+  const modules = ['state/samples', 'scope/canvas', 'scope/axes', 'scope/plotly-figure'].map((name) => import(`/live/${name}.js`));
   const [{Samples}, {drawStrip, palette}, {Range}, {load, points}] = await Promise.all(modules);
   const samples = new Samples(0.01);
   const names = [0, 1, 2, 3].flatMap((strip) => [0, 1, 2].map((observer) => `o${observer}.x.s${strip}`));

@@ -9,13 +9,14 @@ from pathlib import Path
 
 import numpy as np
 
-from backend import library
-from backend.assembly import prepare
-from backend.engine.grid import cut
-from backend.engine.plans import plan
-from backend.engine.simulation import Experiment, Simulation, joined
-from backend.engine.tables import Tables
-from shared import Experiment as Spec
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.inputs.input_tables import Tables
+from thetascope.engine.inputs.time_grid import cut
+from thetascope.engine.programs.call_plan import plan
+from thetascope.engine.simulation.experiment import Experiment
+from thetascope.engine.simulation.simulation import Simulation, joined
+from thetascope_schemas import Experiment as Spec
 
 HOLD = 10  # steps: noise and switching signals change on multiples of 0.01 s
 RHO = LAMBDA = 4.0

@@ -13,9 +13,9 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from backend.client import Client
 from benchmarks.measure import Figure, ratios, rounds
 from benchmarks.problem import engine, kernels_alone
+from thetascope.client import Client
 
 ROOT = Path(__file__).parents[1]
 
@@ -25,7 +25,7 @@ def service(data: Path) -> Iterator[tuple[str, float]]:
     """A service of its own in a new process: its address, and the seconds until it answered."""
     more = {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT), "THETASCOPE_PREPARE": "0"}
     environment = os.environ | {"THETASCOPE_DATA": str(data)} | more
-    command = [sys.executable, "-m", "backend.cli", "serve", "--port", "0"]
+    command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
     begin = time.perf_counter()
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
     try:

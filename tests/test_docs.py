@@ -13,12 +13,12 @@ from urllib.request import Request, urlopen
 import pytest
 import yaml
 
-from backend import library
-from backend.assembly import check_plant
-from backend.engine.language import FUNCTIONS
-from backend.engine.observers.registry import kinds
-from backend.settings import PREFIX, Settings
-from shared import Plant
+from thetascope import library
+from thetascope.assembly import check_plant
+from thetascope.engine.language.builtins import FUNCTIONS
+from thetascope.engine.observers.registry import kinds
+from thetascope.settings import PREFIX, Settings
+from thetascope_schemas import Plant
 from tools.document_observers import FILE, page
 
 ROOT = Path(__file__).parents[1]

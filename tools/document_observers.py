@@ -10,12 +10,12 @@ from collections.abc import Iterable
 from importlib import import_module
 from pathlib import Path
 
-from backend import library
-from backend.assembly import prepare
-from backend.engine.observers.base import Gain, Observer, Option
-from backend.engine.observers.registry import kinds, observer
-from backend.engine.result import Check
-from shared import Experiment
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.registry import kinds, observer
+from thetascope.engine.observers.support.declaration import Gain, Observer, Option
+from thetascope_schemas import Experiment
 
 FILE = Path(__file__).resolve().parents[1] / "docs" / "observers.md"
 
@@ -29,7 +29,7 @@ SHOWN_ON = {
 
 HEAD = """# Observers
 
-Written by `make docs` from the observers' files in `backend/engine/observers/`; change those, not this page.
+Written by `make docs` from the observers' files in `backend/thetascope/engine/observers/`; change those, not this page.
 
 Notation: x̂, θ̂, ŷ are estimates; Φ and Ψ are the columns by which faults θ enter the state and the output equations;
 A and C are the Jacobians of the state and the output equations at the estimate; n states, m outputs, p fault channels.
@@ -63,7 +63,7 @@ def section(kind: Observer) -> str:
     module = import_module(kind.write.__module__)
     times = {"continuous": "in continuous time", "discrete": "at the sample period", "plant": "in the plant's own time"}
     estimates = "the state and the faults" if kind.estimates_theta else "the state"
-    file = module.__name__.replace(".", "/") + ".py"
+    file = "backend/" + module.__name__.replace(".", "/") + ".py"
     parts = [
         f'## <a id="{kind.id}"></a>{kind.title}\n',
         f"`{kind.id}`, in [{Path(file).name}](../{file}); runs {times[kind.time]}, estimates {estimates}.\n",

@@ -50,7 +50,7 @@ def installed(level: str) -> bool:
 def digest(level: str) -> str:
     """Hash of all that decides what is installed."""
     parts = [sys.version.encode(), str(ROOT).encode()]
-    parts += [(ROOT / name).read_bytes() for name in (LEVELS[level], "pyproject.toml")]
+    parts += [(ROOT / name).read_bytes() for name in (LEVELS[level], "pyproject.toml", "setup.py")]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
@@ -59,8 +59,7 @@ def install(level: str) -> None:
     pip = create()
     print(f"set-up: installing {LEVELS[level]} into .venv (once; a minute or so)", flush=True)
     call(*pip, "install", "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
-    call(*pip, "install", "--no-deps", "--no-build-isolation", "--config-settings", "editable_mode=compat",
-         "--editable", str(ROOT))  # fmt: skip
+    call(*pip, "install", "--no-deps", "--no-build-isolation", "--editable", str(ROOT))
     names = list(LEVELS)
     NOTE.write_text("\n".join(digest(name) for name in names[: names.index(level) + 1]) + "\n")
 

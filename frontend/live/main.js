@@ -1,26 +1,26 @@
 // Starts the live page: makes the app, opens what the address asks for, joins sessions and leaves them.
 
-import {get} from '../api.js';
-import {actions, addressOf, languageNow, presented} from './act.js';
-import {SPEEDS} from './format.js';
-import {mountDesk} from './desk.js';
+import {get} from '../common/api.js';
+import {actions, addressOf, languageNow, presented} from './actions.js';
+import {SPEEDS} from '../widgets/number-format.js';
+import {mountDesk} from './ui/presentation.js';
 import {Edge, createLoop} from './loop.js';
-import {mountHysteresis} from './hysteresis.js';
-import {Arrivals} from './missed.js';
-import {mountNotice} from './notice.js';
-import {mountPanels} from './panels.js';
-import * as permalink from './permalink.js';
-import {reduce} from './reduce.js';
-import {Samples} from './ring.js';
-import {mountScope} from './scope.js';
-import {create, fork, kept, library, look} from './session.js';
-import {connect, Refused} from './socket.js';
-import {createStore, initial} from './store.js';
-import {derivedColumns, stripsOf} from './strips.js';
-import * as scopeWords from './strings-scope.js';
-import * as words from './strings.js';
-import {mountTimeline} from './timeline.js';
-import {mountTransport} from './transport.js';
+import {mountHysteresis} from './scope/hysteresis.js';
+import {Arrivals} from './net/missed-rows.js';
+import {mountNotice} from './ui/notice.js';
+import {mountPanels} from './mount-panels.js';
+import * as permalink from './state/permalink.js';
+import {reduce} from './state/reduce.js';
+import {Samples} from './state/samples.js';
+import {mountScope} from './scope/scope.js';
+import {create, fork, kept, library, look} from './net/session.js';
+import {connect, Refused} from './net/socket.js';
+import {createStore, initial} from './state/store.js';
+import {derivedColumns, stripsOf} from './state/strips.js';
+import * as scopeWords from '../i18n/live-scope.js';
+import * as words from '../i18n/live.js';
+import {mountTimeline} from './ui/session-timeline.js';
+import {mountTransport} from './ui/transport.js';
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one

@@ -10,18 +10,18 @@ from pathlib import Path
 
 import pytest
 
-from backend.client import Client
+from thetascope.client import Client
 
 ROOT = Path(__file__).parents[2]
 
 
 @contextmanager
 def service(data: Path, **settings: object) -> Iterator[str]:
-    """Start the service on a free port; gives its address. Settings are those of backend/settings.py."""
+    """Start the service on a free port; gives its address. Settings are those of backend/thetascope/settings.py."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("THETASCOPE_")}
     environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in settings.items()}
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
-    command = [sys.executable, "-m", "backend.cli", "serve", "--port", "0"]
+    command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
     try:
         line = process.stdout.readline()

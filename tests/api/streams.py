@@ -11,9 +11,9 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
-from backend.client import Client
 from tests.live.stage import Frame, decoded
 from tests.runs.samples import spec_data
+from thetascope.client import Client
 
 
 @dataclass

@@ -2,8 +2,8 @@
 
 import pytest
 
-from backend import library
-from backend.client import ServiceError
+from thetascope import library
+from thetascope.client import ServiceError
 
 
 def test_a_library_plant_and_all_kinds(client):

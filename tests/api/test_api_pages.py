@@ -6,8 +6,8 @@ import re
 
 import pytest
 
-from backend.client import ServiceError
-from backend.engine.observers.registry import kinds
+from thetascope.client import ServiceError
+from thetascope.engine.observers.registry import kinds
 
 
 def test_plotly_comes_from_the_installed_wheel_compressed_and_is_not_sent_twice(client):
@@ -50,8 +50,8 @@ def test_every_answer_has_the_security_headers(client):
 def test_files_outside_the_page_are_not_served(client):
     """No path leads out of the folder."""
     for path in (
-        "/../backend/settings.py",
-        "/%2e%2e/backend/settings.py",
+        "/../backend/thetascope/settings.py",
+        "/%2e%2e/backend/thetascope/settings.py",
         "/assets/../settings.py",
         "/assets/settings.py",
     ):

@@ -6,8 +6,8 @@ from urllib.parse import urlsplit
 
 import pytest
 
-from backend.client import ServiceError
 from tests.runs.samples import PLANT, spec_data
+from thetascope.client import ServiceError
 
 JSON = {"Content-Type": "application/json"}
 

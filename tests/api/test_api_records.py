@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from backend import library
-from backend.client import ServiceError
+from thetascope import library
+from thetascope.client import ServiceError
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from backend.client import ServiceError
+from thetascope.client import ServiceError
 
 
 def test_the_columns_are_those_of_the_contract_in_its_order(client, run):

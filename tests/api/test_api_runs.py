@@ -4,9 +4,9 @@ import json
 
 import pytest
 
-from backend.client import ServiceError
 from tests.api.conftest import Client, service, until
 from tests.runs.samples import long_data, spec_data
+from thetascope.client import ServiceError
 
 
 def posted(client: Client, data: dict, query: str = "") -> tuple[int, dict, dict]:

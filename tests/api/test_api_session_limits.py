@@ -6,15 +6,11 @@ import time
 
 import pytest
 
-from backend.client import Client, ServiceError
-from shared.session import (
-    CLOSE_ENDED,
-    CLOSE_FULL,
-    CLOSE_NO_SESSION,
-)
 from tests.api.conftest import service, until
 from tests.api.streams import closed, delete, opened, spec_of, watching
-from tests.live.test_messages import malformed
+from tests.live.wire.test_messages import malformed
+from thetascope.client import Client, ServiceError
+from thetascope_schemas.service.session import CLOSE_ENDED, CLOSE_FULL, CLOSE_NO_SESSION
 
 
 def test_two_hundred_malformed_messages_are_each_answered_and_change_nothing(tmp_path):

@@ -6,13 +6,10 @@ import time
 import numpy as np
 import pytest
 
-from backend.client import ServiceError
-from shared.session import (
-    CLOSE_ORIGIN,
-    CLOSE_TOKEN,
-)
 from tests.api.streams import FAULT, closed, delete, opened, spec_of, watching
 from tests.runs.samples import spec_data
+from thetascope.client import ServiceError
+from thetascope_schemas.service.session import CLOSE_ORIGIN, CLOSE_TOKEN
 
 
 def test_a_session_plays_at_once_and_says_how_it_stands(client, address):

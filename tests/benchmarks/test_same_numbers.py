@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backend.engine.batch import _Lanes, run_batch, with_seed
-from backend.engine.graph import evaluate
-from backend.engine.simulation import Simulation, joined
 from benchmarks import __main__ as command
 from benchmarks import compilation, kernels, others, service
 from benchmarks.measure import Figure, ratios, rounds
 from benchmarks.problem import ESTIMATES, HOLD, PLACES, ByHand, engine, kernels_alone, rates, rows, start
+from thetascope.engine.compiler.graph import evaluate
+from thetascope.engine.simulation.batch import _Lanes, run_batch, with_seed
+from thetascope.engine.simulation.simulation import Simulation, joined
 
 needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="the C code needs gcc")
 

@@ -69,7 +69,7 @@ def server(tmp_path_factory) -> Iterator[str]:
     port, folder = free_port(), tmp_path_factory.mktemp("served")
     environment = {**os.environ, "THETASCOPE_DATA": str(folder), "THETASCOPE_PORT": str(port), "THETASCOPE_HOST": "127.0.0.1",
                    "THETASCOPE_IDLE": "60"}
-    code = "from backend.app import serve; from backend.settings import load; serve(load())"
+    code = "from thetascope.server.app import serve; from thetascope.settings import load; serve(load())"
     with (folder / "log").open("w") as log:
         process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, env=environment, stdout=log, stderr=log)
     address = f"http://127.0.0.1:{port}"

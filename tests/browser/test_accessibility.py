@@ -5,7 +5,7 @@ from pathlib import Path
 import axe_playwright_python
 import pytest
 
-from tests.browser.live import opened
+from tests.browser.live_helpers import opened
 
 AXE = (Path(axe_playwright_python.__file__).parent / "axe.min.js").read_text() + ";0"
 UNFOLD = "for (const one of document.querySelectorAll('.lights, .heading .link[aria-expanded], .dots')) one.click()"

@@ -2,7 +2,7 @@
 
 import re
 
-from tests.browser.live import opened, until
+from tests.browser.live_helpers import opened, until
 
 VERDICT = "document.querySelector('.verdict').textContent"
 
@@ -65,8 +65,8 @@ def test_what_is_lost_beside_faults_that_act_is_told_too(page):
     """The sentence is of the fault, a line below names the observer that diverged; with no fault the sentence names it."""
     live = opened(page, "/?experiment=zhao-2012&t=8")
     said = live.evaluate("""async () => {
-      const {sentence} = await import('/live/panels/findings.js');
-      const {spell} = await import('/live/panels/findingline.js');
+      const {sentence} = await import('/diagnosis/findings.js');
+      const {spell} = await import('/diagnosis/finding-line.js');
       const lost = (label, t) => ({label, diverged: t && {t, text: ''}});
       const say = (all, state) => spell(sentence(all, {t: 9, diagnosis: null, ...state}), thetascope);
       return [say([], {observers: [lost('a', 3), lost('b', null)]}), say([], {observers: [lost('a', 3), lost('b', 4)]}), say([], {broken: 2, observers: []})];

@@ -4,13 +4,13 @@ import re
 
 import pytest
 
-from backend import library
-from backend.assembly import prepare
-from tests.browser.live import opened, until
+from tests.browser.live_helpers import opened, until
+from thetascope import library
+from thetascope.assembly import prepare
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 ENGLISH = re.compile("[a-z]{4,} [a-z]{2,}")  # two words in a row: not a symbol, not a name
-SAID = "(texts) => import('/live/i18n/zh-said.js').then(({named, said}) => texts.map((one) => [named(one), said(one)]))"
+SAID = "(texts) => import('/i18n/zh/server-text.js').then(({named, said}) => texts.map((one) => [named(one), said(one)]))"
 
 
 def texts_of_the_library() -> set[str]:

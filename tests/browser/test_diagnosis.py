@@ -4,8 +4,8 @@ import re
 
 import pytest
 
-from backend.diagnosis.excitation import excitation
-from tests.browser.live import opened, until
+from tests.browser.live_helpers import opened, until
+from thetascope.diagnosis.input_design.excitation import excitation
 
 VERDICT = "document.querySelector('.verdict').textContent"
 PAUSED = "/?experiment=zhao-2012&t=8"
@@ -139,8 +139,8 @@ def test_the_time_to_the_first_alarm_that_names_a_fault_counts(page):
     """Of several alarms the first raised after the fault that names it, also as an alternative, is the one that found it; earlier ones do not count."""
     live = opened(page, PAUSED)
     found = live.evaluate("""async () => {
-      const {finding} = await import('/live/alarms.js');
-      const {findings} = await import('/live/panels/findings.js');
+      const {finding} = await import('/diagnosis/alarms.js');
+      const {findings} = await import('/diagnosis/findings.js');
       const alarm = (t, subjects, over = null) => ({explained: true, subject: subjects[0], subjects, t, over, onset: t, from: t, to: t, size: 1, half: 0.1});
       const fault = {subject: 'b', onChannel: true, onset: 10, end: null, active: true};
       const alarms = [alarm(4, ['b'], 5), alarm(10.5, ['a']), alarm(11, ['a', 'b']), alarm(12, ['b'])];
@@ -162,7 +162,7 @@ def test_the_diagnosis_is_said_in_chinese(page):
               "theta1: faults from 0.0006 on are found and told from the others",
               "theta1 cannot be resolved at this noise: it takes 0.3 to be told from the other faults within a window, a typical fault is 0.01",
               "the input as it is tells the faults apart as far as any does: none is proposed", "the plant has no fault channels"]  # fmt: skip
-    said = page("/").evaluate("(texts) => import('/live/i18n/zh-said.js').then(({said}) => texts.map(said))", texts)
+    said = page("/").evaluate("(texts) => import('/i18n/zh/server-text.js').then(({said}) => texts.map(said))", texts)
     assert [words for words in said if re.search(r"(?<![a-z])(?!theta|voltage)[a-z]{3,}", words)] == []
     numbers = re.compile(r"\d+\.?\d*")
     assert [sorted(numbers.findall(words)) for words in said] == [sorted(numbers.findall(text)) for text in texts]
@@ -235,7 +235,7 @@ def test_a_found_fault_that_ends_is_never_called_unfound(page):
 def test_an_alarm_that_outlasted_its_fault_has_found_it(page):
     """An alarm's end that is told before the rows in which the fault ends: over, not unfound; one that ended before the fault did leaves it unfound."""
     live = opened(page, PAUSED)
-    said = live.evaluate("""import('/live/panels/findings.js').then(({findings}) => {
+    said = live.evaluate("""import('/diagnosis/findings.js').then(({findings}) => {
       const fault = {subject: 'a', onChannel: true, onset: 5, end: 9, active: true, ended: false};
       const alarm = {explained: true, subject: 'a', subjects: ['a'], t: 5.5, onset: 5, from: 5, to: 5};
       return [9.2, 7].map((over) => findings({faults: [fault], alarms: [{...alarm, over}]}).map(({verdict}) => verdict).join());
@@ -246,7 +246,7 @@ def test_an_alarm_that_outlasted_its_fault_has_found_it(page):
 def test_what_is_named_is_not_called_lost(page):
     """A strip says that its fault is not told now only while no alarm names that fault alone."""
     page = opened(page, PAUSED)
-    said = page.evaluate("""import('/live/panels/sizes.js').then(({untold}) => {
+    said = page.evaluate("""import('/diagnosis/fault-size.js').then(({untold}) => {
       const resolution = ['a', 'b'].map((channel) => ({channel, identifiable: false, resolvable: false}));
       const alarm = (subjects, over = null) => ({subjects, over});
       const of = (...alarms) => untold({t: 9, alarms, diagnosis: {calibration: {from_time: 1}, resolution}}).map(({channel}) => channel).join('');

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.browser.live import opened, row, until
+from tests.browser.live_helpers import opened, row, until
 
 PAUSED = "/?experiment=zhao-2012&t=12"
 
@@ -83,7 +83,7 @@ def test_the_log_is_in_order_and_names_the_quantity(page):
     """Newest first by the time of what is told; a probability is no size; what begins later says when; gains as on their cards."""
     live = opened(page, "/?experiment=friction-motor&t=2")
     told = live.evaluate("""async () => {
-      const {lines} = await import('/live/panels/words.js');
+      const {lines} = await import('/live/ui/event-words.js');
       const event = (t, kind, subject, value, text = '') => ({t, row: t, kind, subject, value, text});
       const log = [event(1, 'inject', 'y_speed', {output: 'y_speed', shape: 'dropout', onset: 0, probability: 0.3}), event(9, 'inject', 'friction', {shape: 'step', onset: 3, size: 2}),
         event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5, 'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', '', null, 'the plant escapes')];
@@ -103,7 +103,7 @@ def test_things_have_one_name_in_chinese(page):
     live.evaluate("thetascope.send({type: 'inject', fault: {channel: 'leak1', shape: 'step', onset: 0, size: 0.05}})")
     until(live, "/1 号罐泄漏/.test(document.querySelector('#panel-log').textContent)")
     said = live.evaluate("""async () => {
-      const {spoken, called} = await import('/names.js');
+      const {spoken, called} = await import('/common/names.js');
       const {plant} = thetascope.state, {text} = thetascope;
       return [spoken(text.said('leak1, level1 and clog13 cannot be told apart with this input: only 2 combinations of them show'), plant, text), called('y1', plant, text), called('leak1', plant, text)];
     }""")
@@ -128,7 +128,7 @@ def test_an_estimate_that_noise_keeps_out_is_said_to_be_noisy(page):
     """On the truth but thrown beyond 10 % it never settles: that is said, and not that it is not there yet."""
     live = opened(page, PAUSED)
     found = live.evaluate("""async () => {
-      const {settled, unsettled} = await import('/live/panels/metrics.js');
+      const {settled, unsettled} = await import('/live/panels/comparison/metrics.js');
       const t = Float64Array.from({length: 1000}, (_, k) => k / 100), truth = new Float32Array(1000).fill(1);
       const course = (make) => Float32Array.from(t, (at, k) => make(at, k));
       const wave = (k) => Math.sin(1.7 * k) + Math.sin(0.61 * k);

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from backend.cli import main
+from thetascope.cli.main import main
 
 ROOT = Path(__file__).parents[2]
 
@@ -40,7 +40,7 @@ def process(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess]:
     """Call it as a process."""
 
     def run_one(*arguments: str, **options: object) -> subprocess.CompletedProcess:
-        command = [sys.executable, "-m", "backend.cli", *arguments]
+        command = [sys.executable, "-m", "thetascope.cli.main", *arguments]
         environment = os.environ | {"PYTHONPATH": str(ROOT)}
         return subprocess.run(
             command, check=False, capture_output=True, text=True, timeout=60, env=environment, **options

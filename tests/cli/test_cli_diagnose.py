@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from backend import library
-from backend.assembly import prepare
-from backend.assembly.columns import columns_of_csv
-from backend.assembly.recording import diagnose_recording, recording
-from backend.engine.errors import SpecError
-from shared import Experiment
-from shared.diagnosis import DiagnosisSettings
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.assembly.analyses.csv_columns import columns_of_csv
+from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording
+from thetascope.engine.errors import SpecError
+from thetascope_schemas import Experiment
+from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 
 
 def recorded(call, experiment: str, *changes: str) -> dict[str, np.ndarray]:

@@ -65,8 +65,8 @@ def test_check_points_at_the_mistake_in_the_text(call, tmp_path, old, new, place
 def loaded(arguments: list[str], heavy: set[str]) -> set[str]:
     """Which of the modules a command has loaded when it ends well, in a process of its own."""
     probe = (
-        "import sys, backend.cli\n"
-        f"try: code = backend.cli.main({arguments})\n"
+        "import sys, thetascope.cli.main\n"
+        f"try: code = thetascope.cli.main.main({arguments})\n"
         "except SystemExit as leaving: code = leaving.code\n"
         f"assert not code\nprint('LOADED', *({heavy} & set(sys.modules)))"
     )
@@ -100,6 +100,6 @@ def test_serve_says_where_the_store_cannot_be_used(process, tmp_path, monkeypatc
 
 def test_a_pipe_that_closes_early_is_no_error():
     """`thetascope list | head -1`."""
-    shell = f"{sys.executable} -m backend.cli list | head -1"
+    shell = f"{sys.executable} -m thetascope.cli.main list | head -1"
     done = subprocess.run(shell, shell=True, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
     assert done.stdout.startswith("EXPERIMENT") and "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from scipy.io import loadmat
 
-from backend.commands.terminal import Progress, table
 from tests.cli.conftest import ROOT
 from tests.runs.samples import long_data, spec_data
+from thetascope.cli.terminal import Progress, table
 
 
 def columns(path) -> dict[str, np.ndarray]:
@@ -55,7 +55,7 @@ def test_one_run_writes_every_format_with_the_same_numbers(call, tmp_path):
 def test_the_same_command_again_writes_the_same_file_from_the_store(call, tmp_path, monkeypatch):
     """Byte for byte, and without the engine: it is taken away in between."""
     assert call("run", "shen-hu-2015", "--set", "horizon=2", "--out", "a.csv")[0] == 0
-    monkeypatch.setattr("backend.assembly.prepare", None)
+    monkeypatch.setattr("thetascope.assembly.prepare", None)
     assert call("run", "shen-hu-2015", "--set", "horizon=2", "--out", "b.csv")[0] == 0
     assert (tmp_path / "a.csv").read_bytes() == (tmp_path / "b.csv").read_bytes()
 
@@ -164,7 +164,7 @@ def test_ctrl_c_stops_a_long_run_soon_with_exit_code_130(tmp_path):
     """As in other programs; no traceback."""
     (tmp_path / "e.json").write_text(json.dumps(long_data()))
     # Where the tests run in the background of a shell, SIGINT is ignored by all that they start.
-    heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); from backend.cli import main; sys.exit(main())"
+    heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); from thetascope.cli.main import main; sys.exit(main())"
     command = [sys.executable, "-c", heard, "run", str(tmp_path / "e.json"), "--no-store"]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
     try:
@@ -188,7 +188,7 @@ class Terminal(io.StringIO):
 def test_the_progress_is_a_bar_on_a_terminal_and_lines_elsewhere(monkeypatch):
     """A log is not filled with carriage returns; short runs show nothing."""
     now = [0.0]
-    monkeypatch.setattr("backend.commands.terminal.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("thetascope.cli.terminal.time.monotonic", lambda: now[0])
     terminal, log, quiet = Terminal(), io.StringIO(), Terminal()
     bars = [Progress(terminal), Progress(log), Progress(quiet, quiet=True)]
     for second in range(100):

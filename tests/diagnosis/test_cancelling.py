@@ -1,9 +1,9 @@
 """A run may be cancelled while it is diagnosed."""
 
-from backend import library
-from backend.assembly import prepare
-from backend.engine.errors import Cancelled
-from shared import Experiment
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.errors import Cancelled
+from thetascope_schemas import Experiment
 
 
 def asked_in(name: str, stop) -> int:

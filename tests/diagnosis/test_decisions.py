@@ -5,11 +5,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from backend import library
-from backend.assembly import prepare
-from shared import Experiment
 from tests.diagnosis.watching import names, step, watching
 from tests.runs.samples import spec_data
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope_schemas import Experiment
 
 
 @pytest.fixture(scope="module")

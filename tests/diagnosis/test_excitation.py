@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backend.diagnosis.excitation import band, excitation
+from thetascope.diagnosis.input_design.excitation import band, excitation
 
 PAIR = np.outer([1, -0.7], [1, -0.7]) * 1e8
 

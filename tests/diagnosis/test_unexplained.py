@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from backend.diagnosis.windows import Sums
 from tests.diagnosis.watching import names, step, watching
+from thetascope.diagnosis.detection.window_tests import Sums
 
 ZHAO = {"stuck": {"value": 0.1}, "freeze": {}, "dropout": {"probability": 0.9, "sample_time": 0.1},
         "outliers": {"probability": 0.05, "size": 0.02, "sample_time": 0.01}, "noise-burst": {"std": 0.005, "sample_time": 0.01},

@@ -5,17 +5,17 @@ from functools import cache
 
 import numpy as np
 
-from backend import library
-from backend.assembly import prepare
-from backend.assembly.diagnosis import asked, calibration_key
-from backend.diagnosis.detector import Detector, detector, healthy
-from backend.diagnosis.diagnose import follow
-from backend.diagnosis.findings import alarm
-from backend.engine.batch import with_seed
-from backend.engine.run import spans_of
-from backend.engine.simulation import Experiment as Engine
-from backend.engine.simulation import row_values
-from shared import Experiment
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.assembly.build.diagnosis_settings import asked, calibration_key
+from thetascope.diagnosis.monitor.detector import Detector, detector, healthy
+from thetascope.diagnosis.outcome.diagnose_run import follow
+from thetascope.diagnosis.outcome.findings import alarm
+from thetascope.engine.execution.run_experiment import spans_of
+from thetascope.engine.simulation.batch import with_seed
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.engine.simulation.simulation import row_values
+from thetascope_schemas import Experiment
 
 
 class Watching:

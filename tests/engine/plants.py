@@ -2,9 +2,9 @@
 
 from typing import Any
 
-from backend.assembly import prepare
-from backend.engine.simulation import Experiment as Engine
-from shared import Experiment
+from thetascope.assembly import prepare
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope_schemas import Experiment
 
 
 def oscillator(**changes: Any) -> dict:

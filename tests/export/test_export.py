@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.io import loadmat
 
-from backend.engine.errors import SpecError
-from backend.engine.result import Result
-from backend.export import Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, matlab_names, select
-from shared.comparison import Comparison
-from shared.plant import Plant
+from thetascope.engine.errors import SpecError
+from thetascope.engine.model.result import Result
+from thetascope.export import Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, matlab_names, select
+from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.comparison import Comparison
 
 FLOATS = st.floats(allow_nan=True, allow_infinity=True, width=64)
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from backend.engine.result import Check, Diverged, ObserverReport, Result
-from shared.experiment import Experiment
-from shared.plant import Plant
+from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.plant import Plant
 
 FAULTS = {"theta1": (40.0, 0.01), "theta2": (70.0, 0.015), "theta3": (20.0, 0.02)}
 PULSE = {"kind": "pulse", "low": 0, "high": 1, "period": 0.5, "width": 0.25}

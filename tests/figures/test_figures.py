@@ -7,8 +7,8 @@ import sys
 import numpy as np
 import pytest
 
-from backend.figures import UnknownFigure, figure, figure_names, style
 from tests.figures.test_thin import decoded
+from thetascope.figures import UnknownFigure, figure, figure_names, style
 
 GENERAL = ["faults", "states", "outputs", "residuals", "errors", "inputs", "excitation"]
 PANELS = [{"title": "growth", "traces": [{"column": "x.x1"}, {"column": "adaptive.x.x1"}]},
@@ -139,5 +139,5 @@ def test_panels_with_their_own_abscissa_have_their_own_axis(experiment, result, 
 
 def test_plotly_is_not_imported():
     """Drawing costs no import of plotly."""
-    code = "import sys, backend.figures; print([m for m in sys.modules if m.split('.')[0] in ('plotly', 'sympy')])"
+    code = "import sys, thetascope.figures; print([m for m in sys.modules if m.split('.')[0] in ('plotly', 'sympy')])"
     assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"

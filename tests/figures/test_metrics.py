@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from backend.diagnosis import metrics
+from thetascope.diagnosis.evaluation import metrics
 
 
 @pytest.fixture

@@ -7,10 +7,10 @@ from html.parser import HTMLParser
 
 import pytest
 
-from backend.engine.result import Check
-from backend.figures import report
-from backend.figures.symbols import symbol
-from shared.diagnosis import Diagnosis, ObserverDiagnosis
+from thetascope.engine.model.result import Check
+from thetascope.figures.html_symbols import symbol
+from thetascope.report.html_report import report
+from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'><svg onload=alert(1)>&lt;b&gt;"
 

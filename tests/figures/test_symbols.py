@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backend.figures.symbols import HAT, escape, expression, mathematical, symbol, wrap
+from thetascope.figures.html_symbols import HAT, escape, expression, mathematical, symbol, wrap
 
 
 @pytest.mark.parametrize(("name", "html"), [

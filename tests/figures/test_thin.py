@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from backend.figures import thin
+from thetascope.figures import decimation
 
 FINITE = st.floats(-1e6, 1e6, allow_nan=False)
 
@@ -19,23 +19,23 @@ def decoded(packed: dict) -> np.ndarray:
 
 def test_short_series_stay_whole():
     """Nothing is thinned that has few enough points."""
-    assert thin.extremes(np.arange(thin.LIMIT)) is None
-    assert thin.curve_extremes(np.arange(10.0), np.arange(10.0)) is None
+    assert decimation.extremes(np.arange(decimation.LIMIT)) is None
+    assert decimation.curve_extremes(np.arange(10.0), np.arange(10.0)) is None
 
 
 def test_one_sample_spike_survives_a_million_rows():
     """A spike of a single sample in a million is kept, at its own time, in 4000 points."""
     y = np.sin(np.arange(1_000_000) / 1e5)
     y[654_321], y[123_456] = 9.0, -9.0
-    rows = thin.extremes(y)
-    assert rows.size <= thin.LIMIT + 4
+    rows = decimation.extremes(y)
+    assert rows.size <= decimation.LIMIT + 4
     assert {654_321, 123_456, 0, 999_999} <= set(rows.tolist())
 
 
 @given(arrays(np.float64, st.integers(90, 400), elements=FINITE))
 def test_each_bucket_keeps_its_extremes(y):
     """Within every bucket the kept rows span the same range as all rows; rows ascend, without repeats."""
-    rows = thin.extremes(y, limit=60)
+    rows = decimation.extremes(y, limit=60)
     assert (np.diff(rows) > 0).all()
     width = -(-y.size // 30)
     for start in range(0, y.size, width):
@@ -49,7 +49,7 @@ def test_gaps_stay_and_do_not_hide_numbers():
     y = np.sin(np.arange(20_000) / 100)
     y[10_000:15_000] = np.nan
     y[5] = np.nan
-    rows = thin.extremes(y)
+    rows = decimation.extremes(y)
     assert np.isnan(y[rows[(rows >= 10_020) & (rows < 14_980)]]).all()
     assert np.isfinite(y[rows[rows < 9_900]]).all()
 
@@ -58,8 +58,8 @@ def test_loop_keeps_the_extremes_of_both_coordinates():
     """A curve that is not over time keeps its outermost points in x and in y."""
     angle = np.linspace(0, 40 * np.pi, 50_000)
     x, y = np.cos(angle), np.sin(angle)
-    rows = thin.curve_extremes(x, y)
-    assert rows.size <= thin.LIMIT + 6
+    rows = decimation.curve_extremes(x, y)
+    assert rows.size <= decimation.LIMIT + 6
     for values in (x, y):
         assert values[rows].min() == values.min() and values[rows].max() == values.max()
 
@@ -68,7 +68,7 @@ def test_peaks_of_an_error_hide_changes_of_sign():
     """Thinned |error| follows the envelope exp(−t), though |sin| passes through zero."""
     t = np.linspace(0, 10, 20_000)
     error = np.abs(np.exp(-t) * np.sin(400 * t))
-    rows = thin.peaks(error)
+    rows = decimation.peaks(error)
     np.testing.assert_allclose(error[rows][:-1], np.exp(-t[rows][:-1]), rtol=0.35)
 
 
@@ -76,13 +76,13 @@ def test_peaks_of_an_error_hide_changes_of_sign():
     (np.linspace(0, 100, 50), "f4"), (1e5 + 1e-3 * np.arange(50), "f8"), (np.zeros(5), "f8"), (np.array([1e300, 0.0]), "f8")])
 def test_typed_arrays_keep_what_can_be_seen(values, kind):
     """float32 only where its rounding is below a ten-thousandth of the drawn range."""
-    packed = thin.typed(values)
+    packed = decimation.typed(values)
     assert packed["dtype"] == kind
     assert np.abs(decoded(packed) - values).max() <= 1e-4 * np.ptp(values)
 
 
 def test_infinity_becomes_a_gap():
     """What is not finite is NaN on the wire, and the rest keeps its place."""
-    back = decoded(thin.typed(np.array([1.0, np.inf, np.nan, -np.inf, 2.0])))
+    back = decoded(decimation.typed(np.array([1.0, np.inf, np.nan, -np.inf, 2.0])))
     assert np.isnan(back[1:4]).all() and back[0] == 1 and back[4] == 2
-    assert np.isnan(decoded(thin.typed(np.full(3, np.nan)))).all()
+    assert np.isnan(decoded(decimation.typed(np.full(3, np.nan)))).all()

@@ -2,8 +2,8 @@
 
 import pytest
 
-from backend import library
-from backend.live.session import Session
+from thetascope import library
+from thetascope.live.session.session import Session
 
 
 @pytest.mark.parametrize("id", library.experiments())

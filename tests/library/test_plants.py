@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 import sympy
 
-from backend import library
-from backend.engine.model import Model
-from backend.engine.programs import plant_program
 from tests.engine.observers.kalman_cases import reference
+from thetascope import library
+from thetascope.engine.model.plant_model import Model
+from thetascope.engine.programs.program_store import plant_program
 
 
 def model(name: str) -> Model:
@@ -65,9 +65,9 @@ def test_equals_the_written_model(name):
 @pytest.mark.parametrize("levels", [(30.0, 30.0, 30.0), (0.0, 0.0, 0.0), (20.0, 30.0, 30.0)])
 def test_three_tanks_at_equal_or_no_levels(levels):
     """At equal levels and in empty tanks the flows are zero and the observer's Jacobian is finite."""
-    from backend.engine.graph import Graph, evaluate
-    from backend.engine.lowering import Lowering
-    from backend.engine.observers.draft import Draft
+    from thetascope.engine.compiler.graph import Graph, evaluate
+    from thetascope.engine.compiler.lowering import Lowering
+    from thetascope.engine.observers.support.draft import Draft
 
     plant = model("dts200")
     draft = Draft(plant, ("leak1", "clog13"), {})

@@ -9,14 +9,15 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from backend.assembly import prepare
-from backend.live.room import House, Room
-from backend.live.session import Session
-from backend.live.turns import Job, Then, outcome
-from backend.live.viewer import Viewer
-from shared.experiment import Experiment
-from shared.session import HEADER, Event
 from tests.runs.samples import spec
+from thetascope.assembly import prepare
+from thetascope.live.room.room import Room
+from thetascope.live.room.room_parts import House
+from thetascope.live.room.serial_queue import Job, Then, outcome
+from thetascope.live.session.session import Session
+from thetascope.live.wire.viewer import Viewer
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.session import HEADER, Event
 
 HEAD = struct.calcsize(HEADER)
 

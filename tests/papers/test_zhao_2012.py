@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from backend import library
-from backend.assembly import prepare
-from backend.engine.batch import run_batch, with_seed
-from backend.engine.result import Result
-from shared import Experiment
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.model.result import Result
+from thetascope.engine.simulation.batch import run_batch, with_seed
+from thetascope_schemas import Experiment
 
 
 def run(id: str, **changes) -> Result:

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from backend.api.services import Services
-from backend.runs.manager import RunManager
-from backend.settings import load
+from thetascope.api.http.services import Services
+from thetascope.runs.jobs.manager import RunManager
+from thetascope.settings import load
 
 
 @pytest.fixture

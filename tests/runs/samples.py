@@ -1,6 +1,6 @@
 """Experiments on a small plant: one that takes milliseconds and one that takes seconds."""
 
-from shared.experiment import Experiment
+from thetascope_schemas.experiment.experiment import Experiment
 
 PLANT = {
     "id": "first-order",

@@ -6,8 +6,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from backend.runs.documents import DocumentError, Place, parse, read
-from shared.base import FieldError
+from thetascope.runs.specs.spec_files import DocumentError, Place, parse, read
+from thetascope_schemas.experiment.base import FieldError
 
 TEXT = st.text(st.characters(min_codepoint=32, max_codepoint=0xD7FF, exclude_characters="\x7f\x85\xa0"), max_size=8)
 JSON = st.recursive(

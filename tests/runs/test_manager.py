@@ -5,11 +5,11 @@ import time
 import numpy as np
 import pytest
 
-from backend.runs.errors import Busy, InvalidSpec, NotReady, Unknown
-from backend.runs.job import Finished, Job, Snapshot
-from backend.runs.manager import RunManager
-from shared.experiment import Experiment
 from tests.runs.samples import PLANT, long_spec, spec
+from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
+from thetascope_schemas.experiment.experiment import Experiment
 
 SECONDS = 30
 ONE = 150_000  # bytes: room for one result of the small experiment (1001 rows of 10 columns), not for two

@@ -2,10 +2,10 @@
 
 import pytest
 
-from backend.runs.errors import InvalidSpec
-from backend.runs.overrides import parse_assignment
-from backend.runs.resolve import with_changes
 from tests.runs.samples import spec
+from thetascope.runs.specs.overrides import parse_assignment
+from thetascope.runs.specs.refusals import InvalidSpec
+from thetascope.runs.specs.resolve_spec import with_changes
 
 BASE = spec(
     observers=[

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from backend.settings import SettingsError, load
+from thetascope.settings import SettingsError, load
 
 
 def test_every_field_is_read_from_its_variable_and_arguments_win():

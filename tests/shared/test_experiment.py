@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
-from shared import Experiment, Plant, field_errors
+from thetascope_schemas import Experiment, Plant, field_errors
 
 Change = Callable[[dict[str, Any]], object]
 

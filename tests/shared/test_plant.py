@@ -6,8 +6,8 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
-from shared import Plant, field_errors
-from shared.base import MAX_EXPRESSION, RESERVED
+from thetascope_schemas import Plant, field_errors
+from thetascope_schemas.experiment.base import MAX_EXPRESSION, RESERVED
 
 
 def refusal(data: dict[str, Any]) -> tuple[str, str, str]:

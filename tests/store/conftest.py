@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from backend.store import Database, RunStore
+from thetascope.store import Database, RunStore
 
 
 @pytest.fixture

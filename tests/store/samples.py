@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from backend.engine.result import Check, Diverged, ObserverReport, Result
-from backend.store import Record
+from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
+from thetascope.store import Record
 
 
 def made_result(rows: int = 50, seed: int = 0) -> Result:

@@ -4,15 +4,15 @@ import sqlite3
 
 import pytest
 
-from backend.store import Database, StoreError, schema
 from tests.store.samples import made_record
+from thetascope.store import Database, StoreError, migrations
 
 
 def test_a_file_of_an_older_version_is_brought_up_and_keeps_its_runs(open_store, monkeypatch):
     """A migration is applied once, to what is there."""
     open_store().put(made_record("a"))
-    later = (*schema.MIGRATIONS, ("ALTER TABLE runs ADD COLUMN note TEXT DEFAULT 'none'",))
-    monkeypatch.setattr("backend.store.database.MIGRATIONS", later)
+    later = (*migrations.MIGRATIONS, ("ALTER TABLE runs ADD COLUMN note TEXT DEFAULT 'none'",))
+    monkeypatch.setattr("thetascope.store.database.MIGRATIONS", later)
     for _ in range(2):
         store = open_store()
         with store._database.reading() as connection:

@@ -51,7 +51,7 @@ def test_reading_a_result_makes_it_recently_used(open_store, monkeypatch):
     """The older of two survives when it was read since (time of use is written once a minute, so time is moved on)."""
     store = open_store(limit=2 * (SIZE + 1000))
     now = [1000.0]
-    monkeypatch.setattr("backend.store.runs.time.time", lambda: now[0])
+    monkeypatch.setattr("thetascope.store.run_store.time.time", lambda: now[0])
     for id in ("a", "b", "c"):
         if id == "c":
             now[0] += 3600

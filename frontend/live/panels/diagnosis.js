@@ -1,14 +1,14 @@
 // The diagnosis: a sentence first, then one line a finding: how big, how sure, since when, found how fast; and what can be seen at all.
 
-import {fill, h} from '../../dom.js';
-import {called, capital, spoken} from '../../names.js';
-import {line, spell} from './findingline.js';
-import {findings, sentence} from './findings.js';
-import {wholeLines} from './lines.js';
-import {asOfNow, heading, link, seconds} from './parts.js';
-import {createSeen} from './seen.js';
-import {untold} from './sizes.js';
-import {createSure} from './sure.js';
+import {fill, h} from '../../common/dom.js';
+import {called, capital, spoken} from '../../common/names.js';
+import {line, spell} from '../../diagnosis/finding-line.js';
+import {findings, sentence} from '../../diagnosis/findings.js';
+import {wholeLines} from '../../widgets/whole-lines.js';
+import {asOfNow, heading, link, seconds} from '../../widgets/controls.js';
+import {createSeen} from '../../diagnosis/detectability.js';
+import {untold} from '../../diagnosis/fault-size.js';
+import {createSure} from '../../diagnosis/confidence.js';
 
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});

@@ -1,10 +1,10 @@
 // The log of what happened; a click shows that moment in the scope.
 
-import {fill, h} from '../../dom.js';
-import {wholeLines} from './lines.js';
-import {heading} from './parts.js';
-import {icon} from './svg.js';
-import {lines} from './words.js';
+import {fill, h} from '../../common/dom.js';
+import {wholeLines} from '../../widgets/whole-lines.js';
+import {heading} from '../../widgets/controls.js';
+import {icon} from '../../widgets/svg.js';
+import {lines} from '../ui/event-words.js';
 
 export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});

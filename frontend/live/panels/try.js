@@ -1,11 +1,11 @@
 // Try this: questions about the experiment at hand, each with what carries it out.
 
-import {get} from '../../api.js';
-import {fill, h, hatted} from '../../dom.js';
-import {called} from '../../names.js';
-import {wholeLines} from './lines.js';
-import {heading, seconds} from './parts.js';
-import {icon} from './svg.js';
+import {get} from '../../common/api.js';
+import {fill, h, hatted} from '../../common/dom.js';
+import {called} from '../../common/names.js';
+import {wholeLines} from '../../widgets/whole-lines.js';
+import {heading, seconds} from '../../widgets/controls.js';
+import {icon} from '../../widgets/svg.js';
 
 const SAME = 1e-6; // s
 const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;

@@ -5,10 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from backend.assembly import prepare
-from backend.engine.result import Result
-from shared import Experiment
 from tests.reference import kalman, motor, tanks
+from thetascope.assembly import prepare
+from thetascope.engine.model.result import Result
+from thetascope_schemas import Experiment
 
 # the library's channel → the reference's, and the sign between them
 MOTOR = {"gain_loss": ("gain", -1), "load_torque": ("torque", 1), "friction_increase": ("friction", 1),

@@ -1,8 +1,8 @@
 """The reference's CARTS as a plant's text, and runs of one observer on it."""
 
-from backend.assembly import prepare
-from backend.engine.result import Result
-from shared import Experiment
+from thetascope.assembly import prepare
+from thetascope.engine.model.result import Result
+from thetascope_schemas import Experiment
 
 CARTS = {
     "id": "carts",

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from backend import library
-from backend.assembly import prepare
-from shared import Experiment
 from tests.engine.observers.kalman_cases import close, columns, reference, run
 from tests.reference import kalman
 from tests.reference.integration import Scenario, constant, sine, steps
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope_schemas import Experiment
 
 MOTOR = ("gain_loss", "load_torque", "current_bias")
 TANKS = ("pump1", "leak2", "level1")

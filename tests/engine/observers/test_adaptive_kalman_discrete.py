@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from backend import library
-from backend.assembly import prepare
 from tests.engine.observers.kalman_cases import close, columns, outputs, reference, run
 from tests.reference import kalman
 from tests.reference.integration import Scenario, constant, sine
+from thetascope import library
+from thetascope.assembly import prepare
 
 TANKS = ("pump1", "leak2", "level3")
 LEVELS = ("h1", "h2", "h3")

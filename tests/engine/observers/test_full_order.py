@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from backend import library
-from backend.assembly import prepare
 from tests.engine.observers.normal_form_cases import START, STATES, carts
 from tests.reference import reduced_order
+from thetascope import library
+from thetascope.assembly import prepare
 
 
 @pytest.mark.parametrize("L", [[20.0, 100.0, 20.0, 100.0], [30.0, 225.0, 16.0, 64.0]])

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
-from backend import library
-from backend.assembly import prepare
-from backend.engine.errors import SpecError
-from backend.engine.model import Model
-from backend.engine.observers.normal_form import normal_form
-from shared import Experiment, Plant
 from tests.engine.observers.normal_form_cases import STATES, carts
 from tests.reference import reduced_order
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.errors import SpecError
+from thetascope.engine.model.plant_model import Model
+from thetascope.engine.observers.forms.normal_form import normal_form
+from thetascope_schemas import Experiment, Plant
 
 
 def paper(**changes):

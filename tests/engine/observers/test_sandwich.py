@@ -5,12 +5,12 @@ import copy
 import numpy as np
 import pytest
 
-from backend import library
-from backend.assembly import prepare
-from backend.engine.errors import SpecError
-from backend.engine.observers.hysteresis import memory_names
-from shared import Experiment
 from tests.reference import zhou_tan
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.engine.errors import SpecError
+from thetascope.engine.observers.forms.sandwich_parts import memory_names
+from thetascope_schemas import Experiment
 
 LINEAR = ("x11", "x12", "x21", "x22")
 K = np.array([0.0, 0.0, 0.1, 0.1])

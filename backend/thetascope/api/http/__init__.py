@@ -1,0 +1,1 @@
+"""What all routes share: reading bodies, answers, problems, headers, the pages."""

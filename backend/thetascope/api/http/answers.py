@@ -1,0 +1,107 @@
+"""Runs as answers: the resource, its progress, its links, and waiting for a result without holding the event loop."""
+
+import asyncio
+from collections.abc import Callable
+from datetime import UTC, datetime
+from typing import TypeVar
+
+import orjson
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response
+
+from thetascope.api.http.services import Services
+from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.specs.refusals import NotReady
+from thetascope.store import Record
+from thetascope_schemas.service.run import Progress, Run
+
+Value = TypeVar("Value")
+
+
+def run_links(id: str) -> dict[str, str]:
+    """Where a run's parts are."""
+    base = f"/api/runs/{id}"
+    parts = ("progress", "data", "comparison", "figures", "report", "cancel", "pin")
+    return {"self": base, **{part: f"{base}/{part}" for part in parts}}
+
+
+def json_response(data: object, status: int = 200, headers: dict[str, str] | None = None) -> Response:
+    """Plain data (NumPy arrays included) as JSON."""
+    return Response(orjson.dumps(data, option=orjson.OPT_SERIALIZE_NUMPY), status, headers, "application/json")
+
+
+def run_response(snapshot: Snapshot, status: int = 200) -> Response:
+    """A run as the contract has it."""
+    links = run_links(snapshot.id)
+    run = Run(
+        id=snapshot.id,
+        status=snapshot.status,
+        progress=snapshot.progress,
+        spec=snapshot.spec,
+        summary=snapshot.summary,
+        problem=snapshot.problem,
+        created=_time(snapshot.created),
+        pinned=snapshot.pinned,
+        links=links,
+    )
+    return Response(run.model_dump_json(), status, {"Location": links["self"]}, "application/json")
+
+
+def progress_response(snapshot: Snapshot, status: int = 200) -> Response:
+    """How far a run is; while it is under way the client is told when to ask again."""
+    links = run_links(snapshot.id)
+    detail = {"queued": "waiting for its turn, or being compiled", "running": f"{snapshot.progress:.0%} of the horizon"}
+    progress = Progress(
+        id=snapshot.id,
+        status=snapshot.status,
+        progress=snapshot.progress,
+        detail=detail.get(snapshot.status, ""),
+        problem=snapshot.problem,
+        links=links,
+    )
+    headers = {"Retry-After": "1"} if snapshot.active else {}
+    if status == 202:
+        headers["Location"] = links["self"]
+    return Response(progress.model_dump_json(), status, headers, "application/json")
+
+
+def listed(run: Snapshot | Record) -> dict[str, object]:
+    """One line of the list of runs: the run without its spec and summary."""
+    title = run.title if isinstance(run, Record) else run.spec.title or run.spec.id
+    created = _time(run.created).isoformat().replace("+00:00", "Z")
+    return {
+        "id": run.id, "title": title, "status": run.status, "created": created, "pinned": run.pinned,
+        "links": run_links(run.id),
+    }  # fmt: skip
+
+
+async def ended(job: Job, seconds: float) -> Snapshot | None:
+    """The job's last snapshot, or None when it has not ended in time. Raises InvalidSpec when its spec was refused."""
+    future = asyncio.wrap_future(job.done)
+    done, _ = await asyncio.wait({future}, timeout=seconds)
+    return future.result() if done else None
+
+
+async def from_result(services: Services, id: str, make: Callable[[Finished], Value]) -> Value:
+    """What `make` builds from a run and its result, in a worker thread; a result that was let go is computed again.
+
+    Raises Unknown, or NotReady when the run has failed, or does not end within the time that a request may wait.
+    """
+
+    def attempt() -> Value | Job:
+        found = services.runs.finished(id)
+        return found if isinstance(found, Job) else make(found)
+
+    answer = await run_in_threadpool(attempt)
+    if not isinstance(answer, Job):
+        return answer
+    job = answer
+    await ended(job, services.settings.wait)
+    answer = await run_in_threadpool(attempt)
+    if isinstance(answer, Job):
+        raise NotReady(f"the run is {answer.status}, {answer.progress:.0%} done", f"ask {run_links(id)['progress']}")
+    return answer
+
+
+def _time(seconds: float) -> datetime:
+    return datetime.fromtimestamp(seconds, UTC)

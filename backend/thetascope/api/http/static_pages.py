@@ -1,0 +1,131 @@
+"""What a browser loads apart from /api: the page, Plotly.js, the documentation. All of it offline, none from a CDN."""
+
+import gzip
+import mimetypes
+from functools import cache
+from hashlib import sha256
+from importlib.util import find_spec
+from pathlib import Path
+
+from fastapi import APIRouter, FastAPI, Request
+from starlette.exceptions import HTTPException
+from starlette.responses import Response
+from starlette.staticfiles import StaticFiles
+from starlette.types import Scope
+
+router = APIRouter(include_in_schema=False)
+
+_PACKAGE = Path(__file__).parents[2]
+#: Inside the package where it is installed as a wheel, beside backend/ in a checkout.
+FRONTEND = next((f for f in (_PACKAGE / "frontend", _PACKAGE.parents[1] / "frontend") if f.is_dir()), _PACKAGE / "frontend")
+
+#: Addresses of pages whose files lie in frontend/pages.
+PAGES = ("runs", "records", "plants")
+
+# The operating system's table of types decides otherwise, and some have none or a wrong one for scripts.
+for _suffix, _kind in {
+    ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
+    ".json": "application/json", ".woff2": "font/woff2", ".webmanifest": "application/manifest+json",
+}.items():  # fmt: skip
+    mimetypes.add_type(_kind, _suffix)
+
+#: Address under /assets → the installed package that carries the file, and the file in it.
+ASSETS = {
+    "plotly.min.js": ("plotly", "package_data/plotly.min.js"),
+    "swagger-ui-bundle.js": ("fastapi_offline", "static/swagger-ui-bundle.js"),
+    "swagger-ui.css": ("fastapi_offline", "static/swagger-ui.css"),
+    "redoc.standalone.js": ("fastapi_offline", "static/redoc.standalone.js"),
+}
+
+DOCS = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Thetascope: the interface</title>
+<meta name="viewport" content="width=device-width, initial-scale=1">
+<link rel="icon" href="data:,"><link rel="stylesheet" href="/assets/swagger-ui.css"></head>
+<body style="margin:0"><div id="swagger-ui"></div><script src="/assets/swagger-ui-bundle.js"></script>
+<script src="/assets/docs.js"></script></body></html>
+"""
+DOCS_SCRIPT = """SwaggerUIBundle({url: "/openapi.json", dom_id: "#swagger-ui", deepLinking: true, validatorUrl: null,
+  defaultModelsExpandDepth: 0, tryItOutEnabled: true});
+"""
+REDOC = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Thetascope: the interface</title>
+<meta name="viewport" content="width=device-width, initial-scale=1"><link rel="icon" href="data:,"></head>
+<body style="margin:0"><redoc spec-url="/openapi.json" disable-search="true" hide-loading></redoc>
+<script src="/assets/redoc.standalone.js"></script></body></html>
+"""
+
+
+@router.get("/docs")
+async def docs() -> Response:
+    """The interface, to read and try (Swagger UI)."""
+    return Response(DOCS, media_type="text/html; charset=utf-8")
+
+
+@router.get("/redoc")
+async def redoc() -> Response:
+    """The interface, to read (Redoc)."""
+    return Response(REDOC, media_type="text/html; charset=utf-8")
+
+
+@router.get("/assets/docs.js")
+async def docs_script() -> Response:
+    """What starts Swagger UI; a file, since the content policy admits no script within a page."""
+    return Response(DOCS_SCRIPT, media_type="text/javascript; charset=utf-8")
+
+
+@router.get("/assets/{name}")
+def asset(request: Request, name: str) -> Response:
+    """A file of an installed package, compressed once."""
+    path = asset_path(name)
+    if path is None:
+        raise HTTPException(404)
+    tag, packed = _packed(path)
+    headers = {"ETag": tag, "Cache-Control": "public, max-age=3600", "Vary": "Accept-Encoding"}
+    if request.headers.get("if-none-match") == tag:
+        return Response(status_code=304, headers=headers)
+    kind = mimetypes.guess_type(name)[0]
+    if "gzip" in request.headers.get("accept-encoding", ""):
+        return Response(packed, 200, {**headers, "Content-Encoding": "gzip"}, kind)
+    return Response(_content(path), 200, headers, kind)
+
+
+def asset_path(name: str) -> Path | None:
+    """Where the file is, without importing the package (plotly takes long)."""
+    if name not in ASSETS:
+        return None
+    package, file = ASSETS[name]
+    spec = find_spec(package)
+    path = Path(spec.origin).parent / file if spec and spec.origin else None
+    return path if path and path.is_file() else None
+
+
+def _content(path: Path) -> bytes:
+    """The file; Redoc would load its maker's logo from elsewhere."""
+    return path.read_bytes().replace(b"https://cdn.redoc.ly/redoc/logo-mini.svg", b"data:,")
+
+
+@cache
+def _packed(path: Path) -> tuple[str, bytes]:
+    content = _content(path)
+    return f'"{sha256(content).hexdigest()[:20]}"', gzip.compress(content, 6, mtime=0)
+
+
+class Frontend(StaticFiles):
+    """The page's files; the browser asks each time whether they have changed, so an update is seen at once."""
+
+    async def get_response(self, path: str, scope: Scope) -> Response:
+        if path.split("/")[0] == "api":  # the page's folder has no say there
+            raise HTTPException(404)
+        if path.split("/")[0] in PAGES:
+            path = f"pages/{path}"
+        response = await super().get_response(path, scope)
+        response.headers["Cache-Control"] = "no-cache"
+        return response
+
+
+def serve_frontend(app: FastAPI) -> None:
+    """Serve frontend/ at every address that no route knows.
+
+    It is the router's default and not a mount at /, which would also take requests that a route refuses by method.
+    """
+    app.router.default = Frontend(directory=FRONTEND, html=True, check_dir=False)

@@ -1,0 +1,27 @@
+"""/api/gains: the numbers that observers run with, their defaults filled in for the plant and its noise."""
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+from starlette.responses import Response
+
+from thetascope.api.http.answers import json_response
+from thetascope.api.http.problems import documented
+from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.services import Use
+from thetascope.runs.specs.refusals import validated
+from thetascope_schemas.experiment.experiment import Experiment
+
+router = APIRouter(tags=["catalogue"])
+
+
+@router.post("/gains", response_model=None, openapi_extra=body_schema("Experiment"), responses=documented(413, 415, 422))
+async def gains(request: Request, services: Use) -> Response:
+    """Per observer of an experiment, every gain: what a form shows before anything is changed."""
+
+    def answer(data: Any) -> dict[str, Any]:
+        from thetascope.assembly.build.gains import present_gains  # SymPy comes with it, so the service starts without
+
+        return {"gains": present_gains(validated(Experiment, data))}
+
+    return json_response(await parsed(request, services.settings.max_body, answer))

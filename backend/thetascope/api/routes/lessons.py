@@ -1,0 +1,43 @@
+"""/api/lessons: what to try with each experiment of the library."""
+
+from typing import Any
+
+from fastapi import APIRouter
+from starlette.responses import Response
+
+from thetascope import library
+from thetascope.api.http.answers import json_response
+from thetascope.api.http.problems import documented
+from thetascope.runs.specs.refusals import Unknown
+from thetascope_schemas.service.lesson import Lesson
+
+router = APIRouter(tags=["lessons"])
+
+
+def plain(lesson: Lesson) -> dict[str, Any]:
+    """A lesson as data; its commands without the number that whoever sends them gives them."""
+    return {
+        "id": lesson.id,
+        "questions": [
+            {
+                "question": step.question.model_dump(),
+                "do": [command.model_dump(mode="json", exclude={"id"}, exclude_none=True) for command in step.do],
+            }
+            for step in lesson.questions
+        ],
+    }
+
+
+@router.get("/lessons", response_model=None)
+def list_lessons() -> Response:
+    """All lessons."""
+    return json_response({"lessons": [plain(lesson) for lesson in library.lessons().values()]})
+
+
+@router.get("/lessons/{id}", response_model=None, responses=documented(404))
+def get_lesson(id: str) -> Response:
+    """The questions about one experiment."""
+    found = library.lessons().get(id)
+    if found is None:
+        raise Unknown(f"there is no lesson for {id[:80]!r}", "GET /api/lessons lists those there are")
+    return json_response(plain(found))

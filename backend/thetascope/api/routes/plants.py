@@ -1,0 +1,79 @@
+"""/api/plants and /api/experiments: the library, and checking a plant of one's own."""
+
+from typing import Any
+
+from fastapi import APIRouter, Request
+from starlette.responses import Response
+
+from thetascope import library
+from thetascope.api.http.answers import json_response
+from thetascope.api.http.problems import documented
+from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.services import Use
+from thetascope.runs.specs.refusals import validated
+from thetascope.runs.specs.resolve_spec import library_experiment, library_plant
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.plant import Plant
+
+router = APIRouter()
+
+
+def plant_line(plant: Plant) -> dict[str, object]:
+    """A plant in a list."""
+    return {
+        "id": plant.id, "title": plant.title, "description": plant.description, "source": plant.source,
+        "time": plant.time.kind, "states": len(plant.states), "outputs": len(plant.outputs),
+        "channels": [channel.name for channel in plant.channels], "href": f"/api/plants/{plant.id}",
+    }  # fmt: skip
+
+
+def experiment_line(experiment: Experiment) -> dict[str, object]:
+    """An experiment in a list."""
+    plant = experiment.plant if isinstance(experiment.plant, str) else experiment.plant.id
+    return {
+        "id": experiment.id, "title": experiment.title, "description": experiment.description,
+        "source": experiment.source, "plant": plant, "horizon": experiment.horizon, "step": experiment.step,
+        "observers": [observer.label for observer in experiment.observers], "href": f"/api/experiments/{experiment.id}",
+    }  # fmt: skip
+
+
+@router.get("/plants", response_model=None, tags=["plants"])
+def list_plants() -> Response:
+    """The plants of the library."""
+    return json_response({"plants": [plant_line(plant) for plant in library.plants().values()]})
+
+
+@router.get("/plants/{id}", response_model=Plant, responses=documented(404), tags=["plants"])
+def get_plant(id: str) -> Response:
+    """A plant of the library in full: copy it, change it, and POST it to /api/plants/check."""
+    return Response(library_plant(id).model_dump_json(), media_type="application/json")
+
+
+@router.post(
+    "/plants/check",
+    response_model=None,
+    openapi_extra=body_schema("Plant"),
+    responses=documented(413, 415, 422),
+    tags=["plants"],
+)
+async def check_plant(request: Request, services: Use) -> Response:
+    """Read a plant's text: what it says as mathematics and as matrices Φ and Ψ, or what is wrong with it and where."""
+
+    def check(data: Any) -> dict[str, Any]:
+        from thetascope.assembly import check_plant  # SymPy comes with it, so the service starts without
+
+        return check_plant(validated(Plant, data))
+
+    return json_response(await parsed(request, services.settings.max_body, check))
+
+
+@router.get("/experiments", response_model=None, tags=["experiments"])
+def list_experiments() -> Response:
+    """The experiments of the library."""
+    return json_response({"experiments": [experiment_line(item) for item in library.experiments().values()]})
+
+
+@router.get("/experiments/{id}", response_model=Experiment, responses=documented(404), tags=["experiments"])
+def get_experiment(id: str) -> Response:
+    """An experiment of the library in full: change it and POST it to /api/runs."""
+    return Response(library_experiment(id).model_dump_json(), media_type="application/json")

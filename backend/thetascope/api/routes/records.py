@@ -1,0 +1,75 @@
+"""/api/diagnosis: what was recorded on a plant, and which faults it shows; /api/observability: what an experiment could show."""
+
+from typing import Any
+
+import numpy as np
+from fastapi import APIRouter, Request
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response
+
+from thetascope.api.http.problems import documented
+from thetascope.api.http.read_body import body_schema, json_of, read_body
+from thetascope.api.http.services import Use
+from thetascope.engine.errors import SpecError
+from thetascope.runs.specs.refusals import from_engine, invalid, validated
+from thetascope.runs.specs.resolve_spec import library_plant, plant_of, resolved
+from thetascope_schemas.experiment.diagnosis import Observability, ObserverDiagnosis
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.record import MOST_ROWS, Record
+
+router = APIRouter(tags=["diagnosis"])
+
+
+@router.post("/diagnosis", response_model=ObserverDiagnosis, openapi_extra=body_schema("Record"), responses=documented(404, 413, 415, 422))
+async def diagnose_record(request: Request, services: Use) -> Response:
+    """Which faults a record shows, since when, how large and how sure: what `thetascope diagnose` says of a file.
+
+    The noise is taken from the record; thresholds come from the plant simulated with the recorded inputs.
+    """
+    body = await read_body(request, services.settings.max_record)
+    told = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
+    return Response(told.model_dump_json(), media_type="application/json")
+
+
+@router.post("/observability", response_model=Observability, openapi_extra=body_schema("Experiment"), responses=documented(404, 413, 415, 422))
+async def observe(request: Request, services: Use) -> Response:
+    """What the outputs of an experiment show of states and faults together: rank by the equations, rank and condition along its run."""
+    body = await read_body(request, services.settings.max_body)
+    found = await run_in_threadpool(lambda: _observed(json_of(body)))
+    return Response(found.model_dump_json(), media_type="application/json")
+
+
+def _observed(data: Any) -> Observability:
+    from thetascope.assembly.analyses.observability_report import observability
+
+    spec = resolved(validated(Experiment, data))
+    try:
+        return observability(spec, plant_of(spec))
+    except SpecError as error:
+        raise from_engine(error, True) from None
+
+
+def _diagnosed(data: Any) -> ObserverDiagnosis:
+    from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording  # the engine comes with it
+
+    asked = validated(Record, data)
+    plant = library_plant(asked.plant) if isinstance(asked.plant, str) else asked.plant
+    try:
+        return diagnose_recording(plant, recording(plant, _columns(asked)), asked.diagnosis, asked.learn)
+    except SpecError as error:
+        raise from_engine(error) from None
+
+
+def _columns(asked: Record) -> dict[str, np.ndarray]:
+    from thetascope.assembly.analyses.csv_columns import columns_of_csv
+
+    if (asked.columns is None) == (asked.csv is None):
+        raise invalid("columns", None, "a record is given as columns or as csv", "give one of them")
+    columns = columns_of_csv(asked.csv) if asked.csv is not None else {n: np.array(v) for n, v in asked.columns.items()}
+    rows = {len(column) for column in columns.values()}
+    if len(rows) > 1:
+        name = next(n for n, column in columns.items() if len(column) < max(rows))
+        raise invalid(f"columns.{name}", len(columns[name]), f"other columns have {max(rows)} values", "give as many in each")
+    if max(rows, default=0) > MOST_ROWS:
+        raise invalid("columns", max(rows), f"at most {MOST_ROWS:,} rows are looked at", "send a part of the record, or every n-th row")
+    return columns

@@ -1,0 +1,137 @@
+"""/api/runs/{id}/data, /comparison, /figures and /report: what came out of a run."""
+
+from typing import Annotated, Literal
+
+from fastapi import APIRouter, Query, Request
+from starlette.responses import Response, StreamingResponse
+
+from thetascope.api.http import time_span
+from thetascope.api.http.answers import from_result, json_response, run_links
+from thetascope.api.http.problems import documented
+from thetascope.api.http.services import Use
+from thetascope.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from thetascope.runs.jobs.job import Finished
+from thetascope.runs.results.comparison_rows import compared
+from thetascope.runs.results.engine_version import engine_version
+from thetascope.runs.run_report import report_html
+from thetascope.runs.specs.refusals import Unknown
+from thetascope.runs.specs.resolve_spec import plant_of
+from thetascope_schemas.experiment.base import suggest
+from thetascope_schemas.service.comparison import Comparison
+
+router = APIRouter(prefix="/runs/{id}", tags=["results"])
+
+REPORT_POLICY = (
+    "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
+    "frame-ancestors 'self'; sandbox allow-scripts allow-downloads"
+)
+"""The report carries its own script. It is shown apart from the program's origin, so it can reach nothing of it."""
+
+Names = Annotated[
+    str | None, Query(description="Columns, separated by commas; `*` stands for anything.", max_length=8000)
+]
+
+
+@router.get("/data", response_model=None, responses=documented(404, 409, 422))
+async def get_data(
+    request: Request,
+    id: str,
+    services: Use,
+    format: Literal["csv", "json", "mat"] = "csv",
+    encoding: Annotated[Literal["plain", "bdata"], Query(description="json: numbers, or base64 of float64.")] = "plain",
+    columns: Names = None,
+    start: time_span.First = None,
+    end: time_span.Last = None,
+    every: Annotated[int, Query(ge=1, description="Take every n-th row.")] = 1,
+    points: Annotated[int | None, Query(ge=1, description="Take at most so many rows, evenly spaced.")] = None,
+) -> Response:
+    """The recorded columns, as CSV, JSON or MATLAB .mat (where dots in names become underscores).
+
+    CSV and JSON numbers read back to the very same float64. Missing values (after a divergence) are `nan` in CSV and
+    null in JSON.
+    """
+    time_span.check(start, end)
+    tag = f'"{id}-{engine_version()}"'
+    headers = {"ETag": tag, "Cache-Control": "private, no-cache"}
+    names = columns.split(",") if columns else None
+
+    def make(finished: Finished) -> Response:
+        if request.headers.get("if-none-match") == tag:
+            return Response(status_code=304, headers=headers)
+        table = select(finished.result, names, start, end, every, points)
+        filename = f"{finished.snapshot.spec.id}-{id[:8]}.{format}"
+        headers["Content-Disposition"] = f'attachment; filename="{filename}"'
+        return _written(table, format, encoding, headers)
+
+    return await from_result(services, id, make)
+
+
+@router.get("/comparison", response_model=Comparison, responses=documented(404, 409))
+async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] = "json") -> Response:
+    """The observers on the same data: errors between fault events, settling, faults found and missed, cost.
+
+    As CSV one measure a line. The cost is measured anew with each computation of the run; all else never changes.
+    """
+
+    def make(finished: Finished) -> Response:
+        spec = finished.snapshot.spec
+        found = compared(finished.result, spec)
+        name = f'attachment; filename="{spec.id}-{id[:8]}-comparison.{format}"'
+        content = found.model_dump_json() if format == "json" else comparison_csv(found, plant_of(spec))
+        return Response(content, 200, {"Content-Disposition": name, "Cache-Control": "no-cache"}, MEDIA_TYPES[format])
+
+    return await from_result(services, id, make)
+
+
+@router.get("/figures", response_model=None, responses=documented(404, 409))
+async def list_figures(id: str, services: Use) -> Response:
+    """The figures there are of this run: name, title and address."""
+    from thetascope import figures
+
+    def make(finished: Finished) -> Response:
+        found = figures.figure_names(finished.snapshot.spec, finished.result.names)
+        base = run_links(id)["figures"]
+        return json_response({"figures": [{**entry, "href": f"{base}/{entry['name']}"} for entry in found]})
+
+    return await from_result(services, id, make)
+
+
+@router.get("/figures/{name}", response_model=None, responses=documented(404, 409))
+async def get_figure(id: str, name: str, services: Use, theme: Literal["light", "dark"] = "light") -> Response:
+    """One figure as Plotly's JSON: `{"data": […], "layout": {…}}`, arrays as base64 (`bdata`)."""
+    from thetascope import figures
+
+    def make(finished: Finished) -> Response:
+        spec = finished.snapshot.spec
+        try:
+            return json_response(figures.figure(finished.result, spec, plant_of(spec), name, theme))
+        except figures.UnknownFigure as error:
+            raise Unknown(f"this run has no figure {name[:80]!r}", suggest(name[:80], error.names)) from None
+
+    return await from_result(services, id, make)
+
+
+@router.get("/report", response_model=None, responses=documented(404, 409))
+async def get_report(
+    id: str, services: Use, download: Annotated[bool, Query(description="Save it instead of showing it.")] = False
+) -> Response:
+    """The run as one HTML file that opens offline."""
+
+    def make(finished: Finished) -> Response:
+        place = "attachment" if download else "inline"
+        headers = {
+            "Content-Security-Policy": REPORT_POLICY,
+            "Content-Disposition": f'{place}; filename="{finished.snapshot.spec.id}-{id[:8]}.html"',
+        }
+        return Response(report_html(finished), 200, headers, "text/html; charset=utf-8")
+
+    return await from_result(services, id, make)
+
+
+def _written(table: Table, format: str, encoding: str, headers: dict[str, str]) -> Response:
+    """The table in the format asked for; CSV goes out in blocks, so that it is never in memory as a whole."""
+    kind = MEDIA_TYPES[format]
+    if format == "csv":
+        return StreamingResponse(csv_chunks(table), 200, headers, kind)
+    content = matlab_bytes(table) if format == "mat" else json_bytes(table, encoding)
+    return Response(content, 200, headers, kind)

@@ -1,0 +1,107 @@
+"""/api/runs: start runs, see how far they are, cancel, keep and remove them."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, Query, Request
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response
+
+from thetascope.api.http.answers import ended, json_response, listed, progress_response, run_response
+from thetascope.api.http.problems import documented
+from thetascope.api.http.read_body import body_schema, parsed
+from thetascope.api.http.services import Use
+from thetascope.runs.jobs.job import Snapshot
+from thetascope.runs.specs.run_requests import asked
+from thetascope_schemas.service.run import Progress, Run
+
+router = APIRouter(prefix="/runs", tags=["runs"])
+
+Wait = Annotated[
+    float | None, Query(ge=0, description="Seconds to hold the answer for the run's end; the server has a default.")
+]
+
+
+@router.post(
+    "",
+    status_code=201,
+    response_model=Run,
+    openapi_extra=body_schema("Experiment", "RunRequest"),
+    responses={
+        200: {"model": Run, "description": "The same spec was run before: its run."},
+        201: {"description": "The run is done."},
+        202: {
+            "model": Progress,
+            "description": "The run takes longer: `Location` is the run, `links.progress` how far.",
+        },
+        **documented(404, 413, 415, 422, 503),
+    },
+)
+async def create_run(request: Request, services: Use, wait: Wait = None) -> Response:
+    """Run an experiment: a whole spec, or `{"experiment": id, "set": {path: value}}`.
+
+    The run's id is the hash of the spec, so the same spec again is answered from the store.
+    """
+    settings = services.settings
+    started = await parsed(request, settings.max_body, lambda data: services.runs.submit(asked(data)))
+    if isinstance(started, Snapshot):
+        return run_response(started)
+    snapshot = await ended(started, settings.wait if wait is None else min(wait, settings.max_wait))
+    if snapshot is not None:
+        return run_response(snapshot, 201)
+    await run_in_threadpool(services.runs.announce, started)
+    return progress_response(started.snapshot(), 202)
+
+
+@router.get("", response_model=None)
+def list_runs(
+    services: Use, limit: Annotated[int, Query(ge=1, le=1000)] = 100, offset: Annotated[int, Query(ge=0)] = 0
+) -> Response:
+    """The runs under way, then those stored, newest first, without specs and summaries."""
+    active, stored = services.runs.page(limit, offset)
+    under_way = {run.id for run in active}
+    runs = ([] if offset else active) + [run for run in stored if run.id not in under_way]
+    return json_response({"runs": [listed(run) for run in runs], "store": services.runs.usage()})
+
+
+@router.get("/{id}", response_model=Run, responses=documented(404))
+def get_run(id: str, services: Use) -> Response:
+    """A run: its status, spec and summary."""
+    return run_response(services.runs.get(id))
+
+
+@router.get("/{id}/progress", response_model=Progress, responses=documented(404))
+async def get_progress(id: str, services: Use, wait: Wait = 0.0) -> Response:
+    """How far a run is. With `wait`, the answer is held until the run ends or the time is over."""
+    job = services.runs.job(id)
+    if job is not None and wait:
+        await ended(job, min(wait, services.settings.max_wait))
+    return progress_response(await run_in_threadpool(services.runs.get, id))
+
+
+@router.post("/{id}/cancel", response_model=Run, responses=documented(404))
+def cancel_run(id: str, services: Use) -> Response:
+    """Ask a run under way to stop. A run that has ended stays as it is."""
+    return run_response(services.runs.cancel(id))
+
+
+@router.delete("/{id}", status_code=204, responses={202: {"model": Run}, **documented(404)})
+def delete_run(id: str, services: Use) -> Response:
+    """Cancel a run under way (202), or remove one that has ended, with its spec and result (204)."""
+    snapshot = services.runs.cancel(id)
+    if snapshot.active:
+        return run_response(snapshot, 202)
+    services.runs.remove(id)
+    return Response(status_code=204)
+
+
+@router.put("/{id}/pin", response_model=Run, responses=documented(404, 409))
+@router.post("/{id}/pin", response_model=Run, responses=documented(404, 409))
+def pin_run(id: str, services: Use) -> Response:
+    """Keep the run's result when the store needs room."""
+    return run_response(services.runs.pin(id, True))
+
+
+@router.delete("/{id}/pin", response_model=Run, responses=documented(404, 409))
+def unpin_run(id: str, services: Use) -> Response:
+    """Let the run's result go when the store needs room."""
+    return run_response(services.runs.pin(id, False))

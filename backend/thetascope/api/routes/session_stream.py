@@ -1,0 +1,115 @@
+"""/api/sessions/{id}/stream: the websocket of a live session. What is said on it is in shared/thetascope_schemas/service/session.py."""
+
+import asyncio
+import secrets
+from contextlib import suppress
+from urllib.parse import urlsplit
+
+from starlette.types import Receive, Scope, Send
+from starlette.websockets import WebSocket
+
+from thetascope.api.http.services import Services
+from thetascope_schemas.service.session import CLOSE_FULL, CLOSE_NO_SESSION, CLOSE_ORIGIN, CLOSE_TOKEN
+
+_PATIENCE = 2.0
+"""Seconds that a connection gets to take its close frame."""
+
+
+class Stream:
+    """The route's ASGI application: frames go straight to the server, without a layer that looks at each of them."""
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        await _stream(WebSocket(scope, receive, send), send)
+
+
+async def _stream(websocket: WebSocket, send: Send) -> None:
+    """Watch a session, and command it with `?token=`. `?after=` is the number of the last frame that was received."""
+    services: Services = websocket.app.state.services
+    # Accepted before anything is checked: only then does a browser tell the page the code of a refusal.
+    await websocket.accept()
+    if not same_origin(websocket.headers.get("origin"), websocket.headers.get("host", "")):
+        await websocket.close(CLOSE_ORIGIN, "this page comes from elsewhere")
+        return
+    room = services.live.find(websocket.path_params["id"])
+    if room is None:
+        await websocket.close(CLOSE_NO_SESSION, "there is no such session (any more)")
+        return
+    token = websocket.query_params.get("token")
+    if token is not None and not matches(token, room.token):
+        await websocket.close(CLOSE_TOKEN, "the token is not this session's")
+        return
+    from thetascope.live.room.room import Full
+    from thetascope.live.wire.viewer import Viewer
+
+    viewer = Viewer(
+        lambda text: send({"type": "websocket.send", "text": text}),
+        lambda data: send({"type": "websocket.send", "bytes": data}),
+        token is not None,
+        asyncio.get_running_loop(),
+    )
+    await services.live.seated()
+    try:
+        room.join(viewer, _number(websocket.query_params.get("after")))
+    except Full:
+        await websocket.close(CLOSE_FULL, "the session has as many viewers as it may have")
+        return
+    try:
+        await _serve(websocket, room, viewer, services)
+    finally:
+        room.leave(viewer)
+    if viewer.closing is not None:
+        with suppress(Exception):  # it may be lost, or still not take anything
+            await asyncio.wait_for(websocket.close(*viewer.closing), _PATIENCE)
+
+
+async def _serve(websocket: WebSocket, room, viewer, services: Services) -> None:
+    """Read and write until either ends."""
+    tasks = {
+        asyncio.create_task(_read(websocket, room, viewer, services.settings)),
+        asyncio.create_task(viewer.run(room)),
+    }
+    closing = asyncio.create_task(viewer.closed.wait())
+    try:
+        await asyncio.wait({*tasks, closing}, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        for task in (*tasks, closing):
+            task.cancel()
+        await asyncio.gather(*tasks, closing, return_exceptions=True)
+
+
+async def _read(websocket: WebSocket, room, viewer, settings) -> None:
+    """Hand on what the viewer says, no faster than it may speak."""
+    from thetascope.live.wire.messages import Allowance
+
+    clock = asyncio.get_running_loop().time
+    allowance = Allowance(settings.message_rate, clock())
+    while True:
+        message = await websocket.receive()
+        if message["type"] == "websocket.disconnect":
+            return
+        if (wait := allowance.wait(clock())) > 0:
+            await asyncio.sleep(wait)
+        room.control.receive(viewer, message.get("text"), settings.max_message)
+
+
+def same_origin(origin: str | None, host: str) -> bool:
+    """Whether a page of this service opens the connection. What is no browser sends no origin, and may.
+
+    The scheme is not compared: behind a proxy that ends TLS the page's is https and the service's http.
+    """
+    if origin is None:
+        return True
+    try:
+        return urlsplit(origin).netloc.lower() == host.lower() != ""
+    except ValueError:  # no address at all
+        return False
+
+
+def matches(given: str, token: str) -> bool:
+    """Compare in a time that does not depend on where they differ."""
+    return secrets.compare_digest(given.encode(), token.encode())
+
+
+def _number(text: str | None) -> int | None:
+    """The number of a frame; what is none counts as none."""
+    return int(text) if text is not None and text.isascii() and text.isdigit() and len(text) < 20 else None

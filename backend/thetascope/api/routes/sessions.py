@@ -1,0 +1,189 @@
+"""/api/sessions: live sessions, opened, forked, saved as runs, read and ended. The websocket is in session_stream.py."""
+
+from math import ceil, floor
+from typing import Annotated, Any, Literal
+
+from fastapi import APIRouter, Header, Query, Request
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response, StreamingResponse
+
+from thetascope.api.http import time_span
+from thetascope.api.http.answers import ended, json_response, progress_response, run_response
+from thetascope.api.http.problems import documented, problem_response
+from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
+from thetascope.api.http.services import Services, Use
+from thetascope.api.http.session_bodies import ForkRequest, SessionRequest
+from thetascope.api.routes.session_stream import Stream, matches
+from thetascope.engine.errors import Unwatchable
+from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
+from thetascope.live.room.advice import proposal
+from thetascope.live.scheduling.hub import TooMany
+from thetascope.runs.jobs.job import Snapshot
+from thetascope.runs.specs.refusals import NotReady, Unknown, invalid, validated
+from thetascope_schemas.experiment.diagnosis import InputProposal
+from thetascope_schemas.service.run import Problem, Progress, Run
+
+router = APIRouter(prefix="/sessions", tags=["sessions"])
+router.add_websocket_route("/sessions/{id}/stream", Stream())  # the router adds its prefix to requests only
+
+_FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
+
+
+def links(id: str) -> dict[str, str]:
+    """Where a session's parts are."""
+    base = f"/api/sessions/{id}"
+    return {"self": base, **{part: f"{base}/{part}" for part in ("stream", "fork", "save", "data")}}
+
+
+@router.post(
+    "",
+    status_code=201,
+    response_model=None,
+    openapi_extra=body_schema("SessionRequest"),
+    responses=documented(404, 413, 415, 422, 503),
+)
+async def create_session(request: Request, services: Use) -> Response:
+    """Open a session. Whoever has its `token` may command it; whoever has the address may watch."""
+    asked = await parsed(request, services.settings.max_body, lambda data: validated(SessionRequest, data))
+    try:
+        return _opened(await services.live.create(asked.resolved, asked.t, asked.play, asked.speed))
+    except TooMany as error:
+        return _full(error)
+
+
+@router.get("/{id}", response_model=None, responses=documented(404))
+async def get_session(id: str, services: Use) -> Response:
+    """How a session stands, and its experiment with everything done so far."""
+    room = _room(services, id)
+    status = room.status()
+    return json_response(
+        {
+            "id": room.id, "spec": room.session.spec.model_dump(mode="json"), "row": status.row, "t": status.t,
+            "playing": status.playing, "speed": status.speed, "viewers": status.viewers, "ended": status.ended,
+            "parent": room.parent, "links": links(room.id),
+        }
+    )  # fmt: skip
+
+
+@router.delete("/{id}", status_code=204, response_model=None, responses={**documented(404), **_FORBIDDEN})
+async def end_session(
+    id: str, services: Use, token: Annotated[str, Header(alias="X-Control-Token")] = ""
+) -> Response:
+    """End a session, for all its viewers."""
+    room = _room(services, id)
+    if not matches(token, room.token):
+        detail = "the control token is missing or not this session's; send it as X-Control-Token"
+        return problem_response(Problem(title="Forbidden", status=403, detail=detail))
+    services.live.close(room)
+    return Response(status_code=204)
+
+
+@router.post(
+    "/{id}/fork",
+    status_code=201,
+    response_model=None,
+    openapi_extra=body_schema("ForkRequest"),
+    responses=documented(404, 413, 422, 503),
+)
+async def fork_session(request: Request, id: str, services: Use) -> Response:
+    """A second session that has the same past up to now, or up to `t`, and a token of its own."""
+    room = _room(services, id)
+    asked = validated(ForkRequest, await _optional(request, services))
+    if asked.t is not None and asked.t > room.t + 0.5 * room.session.record:
+        raise invalid("t", asked.t, f"the session stands at {room.t:g} s", f"give at most {room.t:g}")
+    try:
+        return _opened(await services.live.fork(room, asked.t))
+    except TooMany as error:
+        return _full(error)
+
+
+@router.post(
+    "/{id}/save",
+    status_code=201,
+    response_model=Run,
+    responses={
+        200: {"model": Run, "description": "The same was saved before."},
+        202: {"model": Progress, "description": "It takes longer: `Location` is the run."},
+        **documented(404, 409, 422, 503),
+    },
+)
+async def save_session(id: str, services: Use) -> Response:
+    """Make a run of the session up to now: an ordinary one, with the very same numbers."""
+    room = _room(services, id)
+    if room.shown < 2:
+        raise NotReady("the session has not begun", "let time run first")
+    spec = room.spec()
+    started = await run_in_threadpool(services.runs.submit, spec)
+    if isinstance(started, Snapshot):
+        return run_response(started)
+    snapshot = await ended(started, services.settings.wait)
+    if snapshot is not None:
+        return run_response(snapshot, 201)
+    await run_in_threadpool(services.runs.announce, started)
+    return progress_response(started.snapshot(), 202)
+
+
+@router.post("/{id}/proposal", response_model=InputProposal, responses=documented(404, 409))
+async def propose_input(id: str, services: Use) -> InputProposal:
+    """An input that would tell the faults apart, tried on the plant from where the session stands; it may take a second."""
+    room = _room(services, id)
+    try:
+        return await proposal(room)
+    except Unwatchable as error:
+        raise NotReady(f"nothing can be proposed: {error}", "choose a plant with fault channels") from None
+
+
+@router.get("/{id}/data", response_model=None, responses=documented(404, 422))
+async def get_session_data(
+    id: str,
+    services: Use,
+    start: time_span.First = None,
+    end: time_span.Last = None,
+    every: Annotated[int, Query(ge=1, description="Take every n-th row.")] = 1,
+    format: Annotated[
+        Literal["json", "bdata", "csv", "mat"], Query(description="bdata: JSON with base64 of float64.")
+    ] = "json",
+) -> Response:
+    """The past as it was shown: float32, in the present columns. Save the session to get every digit."""
+    room = _room(services, id)
+    time_span.check(start, end)
+    record, shown, columns = room.session.record, room.shown, room.screen.columns
+    first = min(shown, max(room.oldest, 0 if start is None else ceil(start / record - 1e-6)))
+    last = shown if end is None else max(first, min(shown, floor(end / record + 1e-6) + 1))
+    rows = await room.past(columns, first, last)
+    table = await run_in_threadpool(lambda: Table(columns, rows[:, ::every].astype(float)))
+    if format == "csv":
+        return StreamingResponse(csv_chunks(table), 200, _named(id, "csv"), MEDIA_TYPES["csv"])
+    if format == "mat":
+        content = await run_in_threadpool(matlab_bytes, table)
+        return Response(content, 200, _named(id, "mat"), MEDIA_TYPES["mat"])
+    content = await run_in_threadpool(json_bytes, table, "bdata" if format == "bdata" else "plain")
+    return Response(content, 200, {}, MEDIA_TYPES["json"])
+
+
+def _room(services: Services, id: str) -> Any:
+    room = services.live.find(id)
+    if room is None:
+        raise Unknown(f"there is no session {id[:64]!r} (any more)", "open another")
+    return room
+
+
+def _opened(room: Any) -> Response:
+    answer = {"id": room.id, "token": room.token, "parent": room.parent, "links": links(room.id)}
+    return json_response(answer, 201, {"Location": links(room.id)["self"], "Cache-Control": "no-store"})
+
+
+def _full(error: TooMany) -> Response:
+    detail = f"{error}; try again when some have ended, or raise THETASCOPE_SESSIONS"
+    return problem_response(Problem(title="Too many sessions", status=503, detail=detail), {"Retry-After": "10"})
+
+
+def _named(id: str, suffix: str) -> dict[str, str]:
+    return {"Content-Disposition": f'attachment; filename="session-{id[:8]}.{suffix}"'}
+
+
+async def _optional(request: Request, services: Services) -> Any:
+    """The JSON of a body that need not be there."""
+    if request.headers.get("content-length", "0") == "0" and "transfer-encoding" not in request.headers:
+        return {}
+    return json_of(await read_body(request, services.settings.max_body))

@@ -1,0 +1,7 @@
+"""Schemas → engine objects: the only place that knows both."""
+
+from thetascope.assembly.analyses.observer_catalogue import observer_kinds
+from thetascope.assembly.analyses.plant_check import check_plant
+from thetascope.assembly.build.prepare import Cost, Prepared, prepare
+
+__all__ = ["Cost", "Prepared", "check_plant", "observer_kinds", "prepare"]

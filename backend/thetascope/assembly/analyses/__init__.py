@@ -1,0 +1,1 @@
+"""What else is asked of a spec: a plant's check, many seeds, a record's diagnosis."""

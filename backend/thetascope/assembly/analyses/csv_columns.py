@@ -1,0 +1,31 @@
+"""Columns of numbers from CSV text with a line of names."""
+
+import csv
+
+import numpy as np
+
+from thetascope.engine.errors import SpecError
+
+
+def columns_of_csv(text: str) -> dict[str, np.ndarray]:
+    """Each column by its name. Raises SpecError with the line that is no row of numbers; nothing but numbers is read."""
+    try:
+        written = text.splitlines()
+        apart = next((c for c in (",", ";", "\t") if c in "".join(written[:1])), ",")
+        if apart == ";":  # then numbers may have a decimal comma
+            written = [line.replace(",", ".") for line in written]
+        lines = csv.reader(written, delimiter=apart)
+        names = [name.strip() for name in next(lines, [])]
+        rows = [(lines.line_num, line) for line in lines if line]
+    except csv.Error as error:
+        raise SpecError("csv", None, f"it is no CSV: {error}", "save it as CSV") from None
+    if not names or not all(names) or len(set(names)) < len(names):
+        raise SpecError("csv", ",".join(names)[:60], "it has no line of names, or a name twice", "begin it with a line such as t,voltage,y_speed")
+    data = np.empty((len(rows), len(names)))
+    for place, (number, line) in enumerate(rows):
+        try:
+            data[place] = [float(cell) for cell in line]
+        except ValueError:
+            raise SpecError("csv", ",".join(line)[:60], f"line {number} is not a row of {len(names)} numbers",
+                            "give one number for every name") from None  # fmt: skip
+    return dict(zip(names, data.T, strict=True))

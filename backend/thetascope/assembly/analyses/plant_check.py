@@ -1,0 +1,64 @@
+"""What can be said of a plant before anything runs."""
+
+from thetascope.engine.errors import SpecError
+from thetascope.engine.observability.identifiability import Structure, structure
+from thetascope.engine.observers.registry import kinds, observer
+from thetascope.engine.programs.program_store import plant_program
+from thetascope_schemas import Plant
+
+
+def check_plant(plant: Plant) -> dict:
+    """Read every equation and report on the plant. Raises ExpressionError, which points into the text.
+
+    The report: sizes, Φ and Ψ as text, equations affine in the states, the structural rank of states and faults and
+    what cannot be told apart by any input (``observability``), and which kinds of observers can be built for it
+    (with the reason where one cannot).
+    """
+    from thetascope.engine.model.plant_model import Model
+
+    data = plant.model_dump(mode="json")
+    model = Model(data)
+    plant_program(data)
+    names = [c.name for c in plant.channels]
+    return {
+        "id": plant.id,
+        "valid": True,
+        "time": plant.time.kind,
+        "sizes": {"states": model.n, "inputs": len(model.u), "outputs": model.m, "channels": len(names)},
+        "channels": names,
+        "Phi": [[str(e) for e in model.Phi(names).row(i)] for i in range(model.n)],
+        "Psi": [[str(e) for e in model.Psi(names).row(i)] for i in range(model.m)],
+        "affine": dict(zip(model.states, model.is_affine, strict=True)),
+        "observability": _observability(structure(data)),
+        "observers": [_possible(kind, plant) for kind in kinds()],
+    }
+
+
+def _observability(found: Structure) -> dict:
+    """A structural verdict as data."""
+    groups = [{"channels": list(g.channels), "states": list(g.states), "text": g.text} for g in found.groups]
+    return {
+        "decided": found.decided,
+        "rank": found.rank,
+        "size": found.size,
+        "state_rank": found.state_rank,
+        "states": found.states,
+        "not_identifiable": list(found.unidentifiable),
+        "groups": groups,
+        "text": found.text,
+    }
+
+
+def _possible(kind: str, plant: Plant) -> dict:
+    from thetascope.assembly.build.observer_builder import estimator
+    from thetascope_schemas import Experiment, ObserverConfig
+
+    made = observer(kind)
+    config = ObserverConfig(label="observer", kind=kind)
+    step = plant.time.period if plant.time.kind == "discrete" else 0.001
+    spec = Experiment(plant=plant, horizon=1000 * step, step=step, observers=(config,))
+    try:
+        estimator(0, config, spec, plant, plant.model_dump(mode="json"), step)
+    except SpecError as error:
+        return {"kind": kind, "title": made.title, "possible": False, "why": f"{error.problem}; {error.remedy}"}
+    return {"kind": kind, "title": made.title, "possible": True, "why": ""}

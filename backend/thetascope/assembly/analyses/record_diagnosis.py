@@ -1,0 +1,236 @@
+"""What was recorded on a real plant, diagnosed: the detector on columns of a file in place of a simulation.
+
+The noise is not known, so it is taken from the data: at first from differences of neighbouring samples, then from those of
+the filter's innovations, in which the plant's own motion and a fault that stays are gone; by their median, so that what
+happens in a part of the record does not count. Thresholds come
+from the plant simulated with the recorded inputs and that noise. A model never fits a rig exactly: what a first stretch
+that is known to be sound shows of "faults" is taken as belonging to the model (``learn``), and ``doubt`` says how far the
+model may be off.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from pydantic import ValidationError
+
+from thetascope.assembly.build.diagnosis_settings import asked, calibration_key
+from thetascope.assembly.build.prepare import prepare
+from thetascope.diagnosis.detection.window_tests import Sums
+from thetascope.diagnosis.isolation.decision_state import Standing
+from thetascope.diagnosis.monitor.detector import Detector, detector, unwatchable
+from thetascope.diagnosis.monitor.monitor import Watched
+from thetascope.diagnosis.outcome.diagnose_run import Diagnosed
+from thetascope.diagnosis.outcome.findings import of_detector
+from thetascope.diagnosis.residuals.innovation_filter import Filter
+from thetascope.engine.errors import SpecError, Unwatchable
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.engine.simulation.simulation import row_values
+from thetascope_schemas import Experiment, Plant
+from thetascope_schemas.experiment.base import field_errors
+from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
+
+_EVEN = 0.05  # of the period: how exactly samples must lie where equal spacing has them; times are often rounded
+_LARGEST = 1e30  # what no sensor shows
+_MEDIAN = 0.4549  # of the square of a standard normal number
+_ROUNDS = 3  # of estimating the noise,
+_SURE = 0.01  # with a filter that doubts the model by so much less: one that follows the noise would find too little of it
+_LAGS = 8  # samples for which noise may hold at most
+_STANDS_OUT = 5.0  # times: how much larger squared differences are where a sensor's value is new
+_FINEST = 20  # steps of the simulation between two samples
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Samples at equal distances: t (rows) from 0 on, y (rows, m), inputs and known signals by name."""
+
+    period: float
+    t: np.ndarray
+    y: np.ndarray
+    inputs: dict[str, np.ndarray]
+    signals: dict[str, np.ndarray]
+
+
+def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
+    """Pick the plant's columns: ``t``, and inputs, signals and outputs under their names, with or without u., signal., y.
+
+    Inputs and signals that are missing keep their defaults. Raises SpecError for a missing output, uneven times, gaps.
+    """
+    t = _column(columns, ("t", "time"), "t")
+    if len(t) < 200:
+        raise SpecError("t", len(t), "the record has fewer than 200 rows", "give a longer record")
+    period = _period(t)
+    y = np.stack([_column(columns, (f"y.{n}", n), f"y.{n}") for n in plant.names("outputs")], axis=1)
+    found = [{n: _column(columns, (f"{prefix}.{n}", n), f"{prefix}.{n}") for n in plant.names(group)
+              if f"{prefix}.{n}" in columns or n in columns} for prefix, group in (("u", "inputs"), ("signal", "signals"))]  # fmt: skip
+    return Recording(period, np.arange(len(t)) * period, y, *found)
+
+
+def _period(t: np.ndarray) -> float:
+    """The distance of samples, s. Raises SpecError unless they lie at equal distances, but for the rounding of their times."""
+    steps = np.diff(t)
+    usual = float(np.median(steps))
+    wrong = np.flatnonzero(np.abs(steps - usual) > 0.5 * max(usual, 1e-300))
+    period = float(t[-1] - t[0]) / (len(t) - 1)
+    if not len(wrong) and period > 0:
+        off = t - t[0] - period * np.arange(len(t))
+        wrong = np.flatnonzero(np.abs(off[1:]) > max(_EVEN * period, 1.01 * _resolution(t)))
+    if period <= 0 or len(wrong):
+        row = int(wrong[0]) + 1 if len(wrong) else 1
+        raise SpecError("t", float(t[row]), f"samples must be equally spaced: row {row + 1} is not {usual:g} s after the one before",
+                        "resample the record")  # fmt: skip
+    return period
+
+
+def _resolution(t: np.ndarray) -> float:
+    """The decimal place that all times are rounded to, if it is a coarse one; else 0. It moves each time and the two ends by half as much."""
+    for place in (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
+        if (np.abs(t / place - np.rint(t / place)) < 1e-6 * np.maximum(1.0, np.abs(t / place))).all():
+            return place if place < np.median(np.diff(t)) / 2 else 0.0
+    return 0.0
+
+
+def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: str) -> np.ndarray:
+    name = next((n for n in names if n in columns), None)
+    if name is None:
+        raise SpecError(field, None, "the record has no such column", f"name one {' or '.join(names)}; it has {', '.join(columns)}")
+    values = np.asarray(columns[name], dtype=float)
+    good = np.abs(values) < _LARGEST
+    if not good.all():
+        row = int(np.flatnonzero(~good)[0])
+        what = "a number that no sensor shows" if np.isfinite(values[row]) else "no number"
+        raise SpecError(field, str(values[row]), f"row {row + 1} holds {what}", "leave out or fill in the rows that are wrong")
+    return values
+
+
+def diagnose_recording(
+    plant: Plant, record: Recording, settings: DiagnosisSettings, learn: float = 0.0
+) -> ObserverDiagnosis:
+    """What the detector finds in a record. ``learn``: seconds at its beginning that are known to be sound.
+
+    Raises SpecError where the plant or the record does not do.
+    """
+    record = _fresh(record)
+    spec = _spec(plant, record, settings)
+    experiment = prepare(spec).engine
+    why = unwatchable(experiment, experiment.context)
+    if why:
+        raise SpecError("plant", plant.id, why, "give a plant with fault channels and a longer record")
+    if not 0 <= learn <= 0.9 * (spec.horizon or 0.0):
+        raise SpecError("learn", learn, f"the record is {spec.horizon:g} s long, and a tenth of it at least is to be judged",
+                        f"give 0 to {0.9 * spec.horizon:.3g} s")  # fmt: skip
+    experiment = _with_noise(experiment, record, settings.doubt)
+    if not np.isfinite(experiment.measurement.std).all():
+        raise SpecError("plant", plant.id, "the filter for this plant does not stay finite along the record",
+                        "check its parameters and initial state, and the units of the record")  # fmt: skip
+    noise = dict(zip(plant.names("outputs"), experiment.measurement.std, strict=True))
+    measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
+    spec = Experiment.model_validate(spec.model_dump() | {"noise": measured})
+    try:
+        made = detector(experiment, experiment.context, asked(spec), calibration_key(spec))
+    except Unwatchable as error:
+        raise SpecError("plant", plant.id, str(error), "check the plant's initial state and bounds") from None
+    watched = _watched(made, experiment, record, learn)
+    found = Diagnosed(made, watched, (), made.interval, _defaults(plant, record))
+    told = of_detector(found, settings.confidence, settings.accuracy, spec.horizon, max(_learnt_until(made, record, learn), made.calibrated.begin))
+    told["noise"] = [{"output": n, "declared": None, "estimated": float(s)} for n, s in noise.items()]
+    return ObserverDiagnosis.model_validate(told)
+
+
+def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> Experiment:
+    """The plant with the recorded inputs, held between samples."""
+    def held(values: np.ndarray) -> dict:
+        return {"kind": "table", "times": record.t.tolist(), "values": values.tolist(), "interpolation": "hold"}
+
+    fine = 1 if plant.time.kind == "discrete" else _FINEST
+    data = {
+        "plant": plant, "inputs": {n: held(v) for n, v in record.inputs.items()},
+        "signals": {n: held(v) for n, v in record.signals.items()}, "step": record.period / fine, "record": record.period,
+        "horizon": record.period * (len(record.t) - 1), "diagnosis": settings,
+        "noise": {n: {"std": 1.0, "sample_time": record.period} for n in plant.names("outputs")},
+    }  # fmt: skip
+    try:
+        return Experiment.model_validate(data)
+    except ValidationError as error:
+        first = field_errors(error.errors(include_url=False))[0]
+        raise SpecError(first.field, first.value, first.problem, first.remedy) from None
+
+
+def _with_noise(experiment: Engine, record: Recording, doubt: float) -> Engine:
+    """The experiment with the noise that the record shows."""
+    std = _scatter(record.y)
+    std = np.maximum(std, 1e-9 * np.maximum(np.abs(record.y).max(axis=0), 1e-12))
+    known = np.zeros(sum(n.startswith("theta.") for n in experiment.plant.inputs))
+    for _ in range(_ROUNDS):
+        experiment = replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
+        made = Filter(experiment, experiment.context, _SURE * doubt)
+        index, table = _table(experiment, record, made)
+        nu = made.run(made.start(), known, table, index * experiment.step).nu
+        std = std * np.maximum(_scatter(nu), 1e-6)
+    return replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
+
+
+def _scatter(values: np.ndarray) -> np.ndarray:
+    """Standard deviation of noise from differences, a number a column."""
+    return np.sqrt(np.median(np.diff(values, axis=0) ** 2, axis=0) / (2 * _MEDIAN))
+
+
+def _fresh(record: Recording) -> Recording:
+    """The record without samples that only repeat: where sensors hold values, differences are large at every n-th row."""
+    squares = np.diff(record.y, axis=0) ** 2
+    for every in range(2, _LAGS + 1):
+        phases = np.array([np.median(squares[k::every], axis=0) for k in range(every)])
+        largest = int(phases.sum(axis=1).argmax())
+        others = np.delete(phases, largest, axis=0).max(axis=0)
+        if (phases[largest] > _STANDS_OUT * others).all():
+            rows = slice((largest + 1) % every, None, every)
+            thin = {name: {n: v[rows] for n, v in getattr(record, name).items()} for name in ("inputs", "signals")}
+            t = record.t[rows]
+            return Recording(every * record.period, t - t[0], record.y[rows], **thin)
+    return record
+
+
+def _table(experiment: Engine, record: Recording, made: Filter) -> tuple[np.ndarray, np.ndarray]:
+    index = np.arange(len(record.t)) * experiment.every
+    values = row_values(experiment, index, np.zeros((len(index), len(experiment.plant.states))))
+    return index, made.table(index, record.y, values)
+
+
+def _watched(made: Detector, experiment: Engine, record: Recording, learn: float) -> Watched:
+    """The record watched, from what was learnt of its beginning on."""
+    index, table = _table(experiment, record, made.filter)
+    t = index * experiment.step
+    made.filter.get_used(record.y)
+    first = _learnt_until(made, record, learn)
+    if first <= made.calibrated.begin:
+        return made.advance(made.begin(), table, t)
+    rows = first * made.stride
+    state, base = _learnt(made, table[:rows], t[:rows])
+    made.filter.base = base
+    beginning = Standing.beginning(replace(made.calibrated, begin=first), made.filter.p, made.filter.m)
+    none = Sums.none(made.filter.p, made.filter.m)
+    watched = Watched(beginning, replace(none, first=first), state[None, :], table[:0], t[:0], made.stride)
+    return made.advance(watched, table[rows:], t[rows:])
+
+
+def _learnt_until(made: Detector, record: Recording, learn: float) -> int:
+    """The decision until which a record is taken as sound."""
+    return min(round(learn / made.interval), len(record.t) // made.stride - 2)
+
+
+def _defaults(plant: Plant, record: Recording) -> str:
+    """Which inputs and signals the record has not."""
+    missing = [n for group, there in (("inputs", record.inputs), ("signals", record.signals)) for n in plant.names(group) if n not in there]
+    return f"not in the record, so the defaults were taken: {', '.join(missing)}" if missing else ""
+
+
+def _learnt(made: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """The filter after a sound stretch, and the θ that fits it (zero where the stretch tells nothing)."""
+    filter_, cal = made.filter, made.calibrated
+    seen = filter_.run(filter_.start(), np.zeros(filter_.p), table, t)
+    rows = slice(cal.begin * made.stride, None)
+    omega, nu = seen.omega[rows].reshape(-1, filter_.p), seen.nu[rows].ravel()
+    typical = np.array([float(c.get("typical", 1.0)) for c in filter_.context.model["channels"]])
+    base = np.linalg.solve(omega.T @ omega + np.diag(typical**-2.0), omega.T @ nu)
+    last = seen.states[-1]
+    return filter_.moved(last, base), base

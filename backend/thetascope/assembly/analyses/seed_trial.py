@@ -1,0 +1,133 @@
+"""A trial: the same experiment with many seeds, with its faults and without, and how every way of deciding fares."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+import numpy as np
+
+from thetascope.assembly.build.diagnosis_settings import inspector
+from thetascope.assembly.build.prepare import Prepared
+from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
+from thetascope.diagnosis.monitor.detector import healthy
+from thetascope.engine.execution.run_experiment import run
+from thetascope.engine.execution.stages import Stage
+from thetascope.engine.model.result import Result
+from thetascope.engine.simulation.batch import with_seed
+from thetascope_schemas.experiment.diagnosis import Diagnosis
+
+BAND = 3.0  # standard deviations of a locked band
+LATEST = 400  # values that tutorials take it from
+
+
+@dataclass(frozen=True)
+class Raised:
+    """An alarm, as every way of deciding gives it: when, and which channels it names (none: not explained)."""
+
+    t: float
+    channels: tuple[str, ...]
+
+
+@dataclass
+class Tally:
+    """One way of deciding, over all seeds. Runs are counted, and faults found, and alarms that name a wrong one."""
+
+    name: str
+    without: int = 0  # runs without faults in which it raised any alarm
+    before: int = 0  # runs with faults in which it raised one before the first fault
+    found: dict[str, int] = field(default_factory=dict)  # by channel
+    alternative: dict[str, int] = field(default_factory=dict)  # of these, named second
+    wrong: int = 0
+    delays: list[float] = field(default_factory=list)
+
+    def count(self, alarms: list[Raised], faults: list[tuple[str, float]]) -> None:
+        """Take in a run with faults (channel, onset)."""
+        first = min((at for _, at in faults), default=np.inf)
+        self.before += any(a.t < first for a in alarms)
+        for channel, onset in faults:
+            hit = next((a for a in alarms if a.t >= onset and channel in a.channels), None)
+            if hit is not None:
+                self.found[channel] = self.found.get(channel, 0) + 1
+                self.alternative[channel] = self.alternative.get(channel, 0) + (hit.channels[0] != channel)
+                self.delays.append(hit.t - onset)
+        self.wrong += sum(a.t >= first and not any(c in a.channels for c, at in faults if at <= a.t) for a in alarms)
+
+    @property
+    def delay(self) -> float | None:
+        return float(np.median(self.delays)) if self.delays else None
+
+
+@dataclass(frozen=True)
+class Trial:
+    """The tallies of all ways of deciding, in the order in which they are shown; faults as (channel, onset)."""
+
+    seeds: int
+    faults: list[tuple[str, float]]
+    tallies: list[Tally]
+
+
+def trial(
+    prepared: Prepared, seeds: int, lock: float | None = None, progress: Callable[[float], None] | None = None
+) -> Trial:
+    """Run an experiment without timed commands ``seeds`` times with its faults and as often without.
+
+    ``lock``: time in s at which a band of three standard deviations about each estimate is fixed, as tutorials do; leaving
+    it is an alarm.
+    """
+    spec = prepared.spec.with_plant(prepared.plant)
+    experiment = prepared.stages[0].experiment
+    faults = [(f.channel, f.onset) for f in spec.faults if hasattr(f, "channel") and 0 < f.onset < spec.horizon]
+    inspect = inspector(spec)
+    plain = replace(healthy(experiment), estimators=experiment.estimators)
+    tallies: dict[str, Tally] = {}
+    for k in range(seeds):
+        for base, faulty in ((experiment, True), (plain, False)):
+            result = run([Stage(0, with_seed(base, spec.seed + k))], inspect=inspect)
+            for name, alarms in _ways(result, lock):
+                tally = tallies.setdefault(name, Tally(name))
+                if faulty:
+                    tally.count(alarms, faults)
+                else:
+                    tally.without += bool(alarms)
+        if progress is not None:
+            progress((k + 1) / seeds)
+    return Trial(seeds, faults, list(tallies.values()))
+
+
+def _ways(result: Result, lock: float | None) -> Iterator[tuple[str, list[Raised]]]:
+    told = Diagnosis.model_validate(result.diagnosis) if result.diagnosis else None
+    for own in (told.detector, *told.observers) if told else ():
+        if own.calibration is not None:
+            test = next(iter(own.calibration.thresholds))
+            name = f"{own.observer}: {test} of its estimates" if own.observer else DETECTOR
+            yield name, [Raised(a.t, (a.channel, *a.alternatives) if a.channel else ()) for a in own.alarms]
+    if lock is not None:
+        for report in result.observers:
+            if any(n.startswith(f"{report.label}.sigma.") for n in result.names):
+                yield f"{report.label}: 3σ of what it was, locked at {lock:g} s", _locked(result, report.label, lock)
+                yield f"{report.label}: 3σ of its last {LATEST} values, upwards, locked at {lock:g} s", _locked(result, report.label, lock, "latest")
+                if any(n.startswith(f"{report.label}.claimed.") for n in result.names):
+                    yield f"{report.label}: 3σ of its covariance, locked at {lock:g} s", _locked(result, report.label, lock, "claimed")
+
+
+def _locked(result: Result, label: str, lock: float, way: Literal["all", "latest", "claimed"] = "all") -> list[Raised]:
+    """The first time at which each estimate leaves mean ± 3 standard deviations of what it was up to ``lock``.
+
+    latest: of its last values only, and upwards only, as tutorials have it; claimed: the standard deviations are those that the
+    observer's own covariance claims at ``lock``, about the estimate.
+    """
+    t = result.column("t")
+    row = int(np.searchsorted(t, lock))
+    alarms = []
+    for name in result.names:
+        if name.startswith(f"{label}.theta."):
+            estimate, channel = result.column(name), name.split(".", 2)[2]
+            known = estimate[max(0, row - LATEST) : row] if way == "latest" else estimate[:row]
+            mean, deviation = known.mean(), known.std()
+            if way == "claimed":
+                mean, deviation = estimate[row], result.column(f"{label}.claimed.{channel}")[row]
+            off = estimate[row:] - mean
+            out = np.flatnonzero((off if way == "latest" else np.abs(off)) > BAND * deviation)
+            if len(out):
+                alarms.append(Raised(float(t[row + out[0]]), (channel,)))
+    return alarms

@@ -1,0 +1,1 @@
+"""A spec, or a change of one, → the engine's experiment."""

@@ -1,0 +1,67 @@
+"""From what an experiment asks of its diagnosis to the diagnosis of its run."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
+from thetascope.diagnosis.monitor.detector import Asked
+from thetascope.diagnosis.outcome.diagnose_run import Wanted, diagnose
+from thetascope.diagnosis.outcome.findings import of_detector, of_observer
+from thetascope.diagnosis.yield_points import pausing
+from thetascope.engine.errors import Cancelled
+from thetascope.engine.execution.run_experiment import Parts
+from thetascope.engine.model.result import Result
+from thetascope_schemas import Experiment, ObserverConfig
+from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
+
+
+def asked(spec: Experiment) -> Asked:
+    """What is asked of the detector."""
+    return Asked(spec.diagnosis.false_alarms, spec.diagnosis.doubt)
+
+
+def span(spec: Experiment) -> float:
+    """Time in s that thresholds are simulated over."""
+    return spec.diagnosis.span or spec.horizon
+
+
+def calibration_key(spec: Experiment, observers: tuple[ObserverConfig, ...] = ()) -> str:
+    """A hash of everything that a calibration depends on: the experiment without what may be found."""
+    there = tuple(f for f in spec.faults if hasattr(f, "channel") and f.onset == 0)
+    bare = {"seed": 0, "horizon": span(spec), "observers": observers, "commands": (), "figures": (), "faults": there}
+    return spec.model_copy(update=bare).spec_hash()
+
+
+def inspector(spec: Experiment, cancelled: Callable[[], bool] | None = None) -> Callable[[Parts, Result], Result] | None:
+    """What adds the diagnosis to a run's result; None where none is asked for. ``spec``: with its plant in full.
+
+    What it gives raises Cancelled soon after ``cancelled`` says so.
+    """
+    if not spec.diagnosis.enabled:
+        return None
+
+    def check() -> None:
+        if cancelled is not None and cancelled():
+            raise Cancelled("the run was cancelled")
+
+    def inspect(parts: Parts, result: Result) -> Result:
+        wanted = Wanted(asked(spec), spec.diagnosis.test, calibration_key(spec), calibration_key(spec, spec.observers),
+                        round(span(spec) / spec.step))  # fmt: skip
+        columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
+        with pausing(check):
+            found = diagnose(parts, columns, result.substeps, wanted)
+        confidence = spec.diagnosis.confidence
+        told = {"detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),
+                "observers": [of_observer(own, found.interval, confidence, spec.diagnosis.false_alarms)
+                              for own in found.observers]}  # fmt: skip
+        return replace(result, diagnosis=Diagnosis.model_validate(told).model_dump(mode="json"))
+
+    return inspect
+
+
+def findings(result: Result) -> dict[str, ObserverDiagnosis]:
+    """What was found, by observer; the detector's under DETECTOR. Empty where no diagnosis was asked for."""
+    if result.diagnosis is None:
+        return {}
+    told = Diagnosis.model_validate(result.diagnosis)
+    return {DETECTOR: told.detector} | {own.observer: own for own in told.observers}

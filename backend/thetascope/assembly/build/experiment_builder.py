@@ -1,0 +1,106 @@
+"""A spec as it is at one time, with its plant in full → the engine's experiment."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from types import MappingProxyType
+
+import numpy as np
+
+from thetascope.assembly.build.observer_builder import estimator, plant_context
+from thetascope.assembly.build.step_counts import multiple
+from thetascope.engine.errors import SpecError
+from thetascope.engine.inputs import fault_signals, signals
+from thetascope.engine.inputs.sensors import Measurement
+from thetascope.engine.programs.program_store import plant_program
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope_schemas import Experiment, Plant
+
+
+def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
+    """The engine's experiment for a spec with its plant in full and no timed commands.
+
+    ``since``: base steps at which observers began to watch, by label, where that was not at the start.
+    """
+    plant = spec.plant
+    data = plant.model_dump(mode="json")
+    step, steps, every = _times(spec, plant)
+    program = plant_program(data).program  # before the observers: an error in the plant's text is the plant's
+    estimators = [estimator(i, c, spec, plant, data, step) for i, c in enumerate(spec.observers)]
+    if since:
+        estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
+    return Engine(
+        plant=program,
+        parameters={f"p.{n}": v for n, v in _parameters(spec, plant).items()},
+        x0=np.array([spec.initial.get(s.name, s.initial) for s in plant.states], dtype=float),
+        signals=signals_of(spec, plant),
+        measurement=measurement(spec, plant, step),
+        estimators=tuple(estimators),
+        step=step,
+        steps=steps,
+        every=every,
+        substeps=spec.substeps,
+        context=plant_context(plant, spec, data, step),
+    )
+
+
+def _parameters(spec: Experiment, plant: Plant) -> dict[str, float]:
+    return {p.name: spec.parameters.get(p.name, p.value) for p in plant.parameters}
+
+
+def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
+    step = spec.step
+    if plant.time.kind == "discrete":
+        if abs(step - plant.time.period) > 1e-9 * plant.time.period:
+            raise SpecError("step", step, f"the plant {plant.id} is discrete with a period of {plant.time.period:g} s",
+                            f"set step to {plant.time.period:g}")  # fmt: skip
+        step = plant.time.period
+    return step, multiple(spec.horizon, step, "horizon"), multiple(spec.record_interval, step, "record")
+
+
+def signals_of(
+    spec: Experiment, plant: Plant, known: Mapping[str, signals.Signal] = MappingProxyType({})
+) -> dict[str, signals.Signal]:
+    """u.*, signal.* and theta.*, in this order; those that are ``known`` already are taken as they are."""
+    made = {}
+    for u in plant.inputs:
+        name, given = f"u.{u.name}", spec.inputs.get(u.name)
+        fresh = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
+        made[name] = known.get(name, fresh)
+    for s in plant.signals:
+        name = f"signal.{s.name}"
+        made[name] = known.get(name) or _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
+    for c in plant.channels:
+        name = f"theta.{c.name}"
+        made[name] = known.get(name) or fault_signals.theta(c.name, _plain(spec, c.name), spec.seed)
+    return made
+
+
+def _plain(spec: Experiment, channel: str) -> list[dict]:
+    return [f.model_dump(mode="json") for f in spec.faults if getattr(f, "channel", None) == channel]
+
+
+def _signal(given, field: str) -> signals.Signal:
+    try:
+        return signals.signal(given.model_dump(mode="json"))
+    except SpecError as error:
+        error.field = f"{field}.{error.field}"
+        raise
+
+
+def measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
+    """The sensor side: noise, faults of the measurement, sampling."""
+    noise = [spec.noise.get(o.name) for o in plant.outputs]
+    plain = [f.model_dump(mode="json") for f in spec.faults if hasattr(f, "output")]
+    for fault in plain:
+        fault["output"] = f"y.{fault['output']}"
+    every = None
+    if spec.measurement.mode == "sampled":
+        every = multiple(spec.measurement.period, step, "measurement.period")
+    return Measurement(
+        outputs=tuple(f"y.{o.name}" for o in plant.outputs),
+        std=tuple(n.std if n else 0.0 for n in noise),
+        sample_time=tuple(n.sample_time if n else step for n in noise),
+        seed=spec.seed,
+        faults=tuple(plain),
+        sample_every=every,
+    )

@@ -1,0 +1,60 @@
+"""An engine's experiment after a change of its spec, made from the one before: what the change does not reach is kept.
+
+A command of a live session changes one number, and is to be seen a few milliseconds later. What is kept is the very same
+object, so whoever looks at both experiments sees at once what differs.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+from thetascope.assembly.build.experiment_builder import engine, measurement, signals_of
+from thetascope.assembly.build.observer_builder import estimator, with_gains
+from thetascope.engine.inputs.signals import Signal
+from thetascope.engine.simulation.experiment import Estimator
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope_schemas import Experiment
+
+_FIXED = ("parameters", "initial", "seed", "step", "horizon", "record", "measurement", "noise")
+
+
+def adapted(spec: Experiment, since: dict[str, int], before: Experiment, made: Engine) -> Engine:
+    """What ``engine(spec, since)`` gives, if ``made`` is the engine's experiment for ``before``. Raises SpecError."""
+    if spec.plant is not before.plant or any(getattr(spec, name) != getattr(before, name) for name in _FIXED):
+        return engine(spec, since)
+    same_faults = _faults(spec, "output", None) == _faults(before, "output", None)
+    return replace(
+        made,
+        signals=signals_of(spec, spec.plant, _kept_signals(spec, before, made)),
+        measurement=made.measurement if same_faults else measurement(spec, spec.plant, made.step),
+        estimators=tuple(_estimators(spec, since, before, made)),
+        substeps=spec.substeps,
+    )
+
+
+def _faults(spec: Experiment, kind: str, name: str | None) -> list:
+    """The faults on a channel or an output; on all of them if no name is given."""
+    return [f for f in spec.faults if hasattr(f, kind) and name in (None, getattr(f, kind))]
+
+
+def _kept_signals(spec: Experiment, before: Experiment, made: Engine) -> dict[str, Signal]:
+    """Signals that both experiments have."""
+    plant = spec.plant
+    same = [f"u.{n}" for n in plant.names("inputs") if spec.inputs.get(n) == before.inputs.get(n)]
+    same += [f"signal.{n}" for n in plant.names("signals") if spec.signals.get(n) == before.signals.get(n)]
+    same += [f"theta.{n}" for n in plant.names("channels") if _faults(spec, "channel", n) == _faults(before, "channel", n)]
+    return {name: made.signals[name] for name in same}
+
+
+def _estimators(spec: Experiment, since: dict[str, int], before: Experiment, made: Engine) -> Iterator[Estimator]:
+    known = {c.label: (c, e) for c, e in zip(before.observers, made.estimators, strict=True)}
+    data = None
+    for index, config in enumerate(spec.observers):
+        old_config, found = known.get(config.label, (None, None))
+        if found is not None and old_config != config:
+            only_gains = old_config.model_copy(update={"gains": config.gains}) == config
+            found = with_gains(index, config, old_config, found) if only_gains else None
+        if found is None:
+            data = data or spec.plant.model_dump(mode="json")
+            found = estimator(index, config, spec, spec.plant, data, made.step)
+        begun = since.get(config.label, 0)
+        yield found if found.since == begun else replace(found, since=begun)

@@ -1,0 +1,229 @@
+"""An observer as data → its program and the numbers for it, every default filled in and every name checked."""
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from difflib import get_close_matches
+
+from thetascope.assembly.build.step_counts import multiple
+from thetascope.engine.errors import SpecError
+from thetascope.engine.observers.registry import observer
+from thetascope.engine.observers.support.declaration import Context, Gain, Observer, Option
+from thetascope.engine.programs.program_store import observer_program
+from thetascope.engine.simulation.experiment import Estimator
+from thetascope_schemas import Experiment, ObserverConfig, Plant
+
+
+def estimator(index: int, config: ObserverConfig, spec: Experiment, plant: Plant, data: dict, step: float) -> Estimator:
+    """One observer of an experiment, ready to run. Raises SpecError that names the field below ``observers.<index>``."""
+    with _located(index):
+        return _estimator(config, spec, plant, data, step)
+
+
+def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, made: Estimator) -> Estimator | None:
+    """What :func:`estimator` gives for a config whose gains alone differ from those that ``made`` was made with.
+
+    None where more than numbers would change. Raises SpecError as :func:`estimator` does.
+    """
+    known = {g.name: g for g in made.kind.gains}
+    numbers = dict(made.parameters)
+    with _located(index):
+        unknown("gains", config.gains, known, f"{made.kind.id} has no such gain")
+        for name in {*config.gains, *before.gains}:
+            if config.gains.get(name) != before.gains.get(name):
+                numbers |= _gain_numbers(name, _gain(known[name], config, made.context))
+    return replace(made, parameters=numbers) if numbers.keys() == made.parameters.keys() else None
+
+
+@contextmanager
+def _located(index: int) -> Iterator[None]:
+    """Errors name their field below ``observers.<index>``."""
+    try:
+        yield
+    except SpecError as error:
+        tail = error.field.removeprefix("observers.")
+        error.field = f"observers.{index}.{tail}"
+        raise
+
+
+def _estimator(config: ObserverConfig, spec: Experiment, plant: Plant, data: dict, step: float) -> Estimator:
+    kind = observer(config.kind)
+    _suits(kind, plant)
+    channels = _channels(kind, config, plant)
+    every = _sample_every(kind, config, spec, plant, step)
+    context = _context(plant, spec, data, channels, step, every)
+    gains = {g.name: _gain(g, config, context) for g in kind.gains}
+    unknown("gains", config.gains, gains, f"{kind.id} has no such gain")
+    options = _options(kind, config, context)
+    sizes = {name: None if isinstance(v, float) else len(v) for name, v in gains.items()}
+    written = observer_program(data, kind, channels, sizes, options)
+    numbers = _numbers(gains, config, spec, plant, channels)
+    numbers["g.period"] = context.period
+    return Estimator(config.label, kind, written.program, channels, numbers, written.facts, context, every)
+
+
+def unknown(field: str, given, known, problem: str) -> None:
+    """Refuse names that are not known, with the nearest that are."""
+    for name in given:
+        if name not in known:
+            near = get_close_matches(name, list(known), n=3, cutoff=0.4) or list(known)
+            raise SpecError(f"{field}.{name}", given[name], problem,
+                            f"choose from {', '.join(near)}" if near else "leave it out: there is none")  # fmt: skip
+
+
+def _suits(kind: Observer, plant: Plant) -> None:
+    discrete = plant.time.kind == "discrete"
+    if kind.time == "continuous" and discrete:
+        raise SpecError("kind", kind.id, f"it is for continuous time and the plant {plant.id} is discrete",
+                        "use adaptive-kalman-discrete, joint-ekf or joint-ukf")  # fmt: skip
+
+
+def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str, ...]:
+    """The channels it estimates: option ``channels`` (comma separated), else all."""
+    names = [c.name for c in plant.channels]
+    if not kind.estimates_theta:
+        return ()
+    asked = config.options.get("channels")
+    if asked is None:
+        return tuple(names)
+    picked = [part.strip() for part in str(asked).split(",") if part.strip()]
+    for name in picked:
+        if name not in names:
+            raise SpecError("options.channels", name, f"the plant {plant.id} has no fault channel of that name",
+                            f"choose from {', '.join(names)}" if names else "leave it out: it has no channels")  # fmt: skip
+    if len(set(picked)) < len(picked):
+        raise SpecError("options.channels", asked, "a channel is named twice", "name each once")
+    return tuple(picked)
+
+
+def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plant: Plant, step: float) -> int | None:
+    """Base steps in the observer's sample period; None if it runs in the plant's own time."""
+    if kind.time != "discrete":
+        return None
+    if plant.time.kind == "discrete":
+        return 1
+    period = config.options.get("period")
+    if period is not None:
+        if isinstance(period, bool) or not isinstance(period, int | float) or period <= 0:
+            raise SpecError(
+                "options.period", period, "a sample period is a positive number of seconds", "give a number"
+            )
+        return multiple(float(period), step, "options.period")
+    if spec.measurement.mode == "sampled":
+        return multiple(spec.measurement.period, step, "options.period")
+    # continuous measurement: no finer than the noise, which is the same over its sample time
+    return multiple(max([n.sample_time for n in spec.noise.values()] or [10 * step]), step, "options.period")
+
+
+def _context(
+    plant: Plant, spec: Experiment, data: dict, channels: tuple[str, ...], step: float, every: int | None
+) -> Context:
+    noise = [spec.noise.get(o.name) for o in plant.outputs]
+    return Context(
+        n=len(plant.states),
+        m=len(plant.outputs),
+        p=len(channels),
+        noise_std=tuple(n.std if n else 0.0 for n in noise),
+        step=step,
+        period=step if every is None else every * step,
+        model=data,
+        channels=channels,
+        noise_hold=tuple(n.sample_time if n else 0.0 for n in noise),
+    )
+
+
+def plant_context(plant: Plant, spec: Experiment, data: dict, step: float) -> Context:
+    """What is known of the plant with all its fault channels."""
+    return _context(plant, spec, data, tuple(c.name for c in plant.channels), step, None)
+
+
+def _length(size: str | Callable[[Context], int], context: Context) -> int:
+    if callable(size):
+        return size(context)
+    counts = {"n": context.n, "m": context.m, "p": context.p}
+    total, sign = 0, 1
+    for part in size.replace("+", " + ").replace("-", " - ").split():
+        if part in "+-":
+            sign = 1 if part == "+" else -1
+        else:
+            total += sign * (counts[part] if part in counts else int(part))
+    return total
+
+
+def _gain(gain: Gain, config: ObserverConfig, context: Context) -> float | list[float]:
+    given = config.gains.get(gain.name)
+    value = given
+    if given is None:  # some defaults are designed for the plant with SymPy: not where they are not needed
+        value = gain.default(context) if callable(gain.default) else gain.default
+    field = f"gains.{gain.name}"
+    if gain.size is None:
+        if isinstance(given, tuple):
+            raise SpecError(field, list(given), "this gain is one number", "give a number, not a list")
+        values = [float(value)]
+    else:
+        length = _length(gain.size, context)
+        if callable(gain.default) and isinstance(given, tuple) and len(given) != length:
+            gain.default(context)  # where the plant is not of the observer's kind this says so, and why
+        values = _column(gain, value, length, field, given is None)
+    for value in values:
+        if not gain.low <= value <= gain.high:
+            raise SpecError(field, value, f"{gain.meaning}: it must lie between {gain.low:g} and {gain.high:g}",
+                            f"give {gain.low:g} to {gain.high:g}")  # fmt: skip
+    return values[0] if gain.size is None else values
+
+
+def _column(gain: Gain, value, length: int, field: str, is_default: bool) -> list[float]:
+    if isinstance(value, int | float):
+        return [float(value)] * length
+    values = [float(v) for v in value]
+    if len(values) != length:
+        if is_default and values:
+            return (values + [values[-1]] * length)[:length]
+        meaning = gain.size.__doc__ if callable(gain.size) else gain.size
+        raise SpecError(field, values, f"it has {len(values)} entries; this plant needs {length} ({meaning})",
+                        f"give {length} numbers, or one for all")  # fmt: skip
+    return values
+
+
+def _options(kind: Observer, config: ObserverConfig, context: Context) -> dict:
+    known = {o.name: o for o in kind.options}
+    general = {"channels"} if kind.estimates_theta else set()
+    general |= {"period"} if kind.time == "discrete" else set()
+    rest = {k: v for k, v in config.options.items() if k not in general}
+    unknown("options", rest, {**known, **dict.fromkeys(general)}, f"{kind.id} has no such option")
+    return {name: _option(option, rest.get(name), context) for name, option in known.items()}
+
+
+def _option(option: Option, given, context: Context):
+    field = f"options.{option.name}"
+    if given is None:
+        return option.default(context) if callable(option.default) else option.default
+    if option.kind == "choice" and given not in option.choices:
+        raise SpecError(field, given, "it is not one of the choices", f"choose from {', '.join(option.choices)}")
+    if option.kind == "integer":
+        whole = not isinstance(given, bool) and isinstance(given, int | float) and float(given).is_integer()
+        if not whole or not option.low <= given <= option.high:
+            raise SpecError(field, given, f"{option.meaning}: a whole number is needed",
+                            f"give {option.low} to {option.high}")  # fmt: skip
+        return int(given)
+    return given
+
+
+def _numbers(
+    gains: dict, config: ObserverConfig, spec: Experiment, plant: Plant, channels: tuple[str, ...]
+) -> dict[str, float]:
+    numbers: dict[str, float] = {}
+    for name, value in gains.items():
+        numbers |= _gain_numbers(name, value)
+    numbers |= {f"m.{p.name}": spec.parameters.get(p.name, p.value) for p in plant.parameters}
+    start = {f"x0.{s.name}": s.initial for s in plant.states} | {f"theta0.{c}": 0.0 for c in channels}
+    bare = {name.partition(".")[2]: name for name in start}
+    unknown("initial", config.initial, bare, "neither a state nor an estimated channel")
+    return numbers | start | {bare[name]: float(value) for name, value in config.initial.items()}
+
+
+def _gain_numbers(name: str, value: float | list[float]) -> dict[str, float]:
+    """A gain as the parameters of the program."""
+    if isinstance(value, float):
+        return {f"g.{name}": value}
+    return {f"g.{name}.{i}": v for i, v in enumerate(value)}

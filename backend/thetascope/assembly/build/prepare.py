@@ -1,0 +1,93 @@
+"""An Experiment as data → an experiment that can run."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+from thetascope import library
+from thetascope.assembly.build.diagnosis_settings import inspector
+from thetascope.assembly.build.experiment_builder import engine
+from thetascope.assembly.build.incremental import adapted
+from thetascope.assembly.build.timed_commands import changed
+from thetascope.engine.errors import SpecError
+from thetascope.engine.execution.run_experiment import run
+from thetascope.engine.execution.stages import Stage
+from thetascope.engine.model.result import Result
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope_schemas import Experiment, Plant
+from thetascope_schemas.experiment.commands import AddObserver
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What a run will take, known before it starts."""
+
+    steps: int
+    rows: int
+    columns: int  # at least: diagnostics come on top
+    states: int  # of plant and observers together
+    bytes: int  # of the result, about
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """An experiment whose programs are ready."""
+
+    spec: Experiment
+    plant: Plant
+    stages: tuple[Stage, ...]
+
+    @property
+    def engine(self) -> Engine:
+        """The experiment as it begins."""
+        return self.stages[0].experiment
+
+    @property
+    def cost(self) -> Cost:
+        e = self.engine
+        rows = e.steps // e.every + 1
+        outputs = sum(len([o for o in s.program.outputs if not o.startswith("init.")]) for s in e.estimators)
+        columns = 1 + len(e.signals) + len(e.plant.states) + len(e.plant.outputs) + outputs
+        states = len(e.plant.states) + sum(len(s.program.states) for s in e.estimators)
+        return Cost(e.steps, rows, columns, states, 8 * rows * (columns + states))
+
+    def run(
+        self, progress: Callable[[float], None] | None = None, cancelled: Callable[[], bool] | None = None
+    ) -> Result:
+        """Simulate. Raises Cancelled, or SpecError where the step cannot be made to suit the gains."""
+        return run(self.stages, progress, cancelled, inspector(self.spec.with_plant(self.plant), cancelled))
+
+
+def prepare(spec: Experiment) -> Prepared:
+    """Check an experiment against its plant and make its programs.
+
+    Raises SpecError (or ExpressionError, which points into a text) that names the field, the value and the remedy.
+    """
+    plant = library.plant(spec.plant) if isinstance(spec.plant, str) else spec.plant
+    complete = spec.with_plant(plant)  # every name that it uses must be the plant's
+    return Prepared(spec, plant, tuple(_stages(complete)))
+
+
+def _stages(spec: Experiment) -> Iterator[Stage]:
+    """The experiment as it begins, and as each timed command leaves it; commands of one moment make one stage."""
+    current = before = spec.model_copy(update={"commands": ()})
+    since: dict[str, int] = {}
+    k, made = 0, None
+
+    def stage() -> Stage:
+        return Stage(k, engine(current, since) if made is None else adapted(current, since, before, made))
+
+    for i, command in enumerate(spec.commands):
+        at = round(command.at / spec.step)
+        if at > k or i == 0 and at > 0:
+            begun = stage()
+            yield begun
+            before, made = current, begun.experiment
+        k = at
+        try:
+            current = changed(current, command)
+        except SpecError as error:
+            error.field = f"commands.{i}.{error.field}"
+            raise
+        if isinstance(command, AddObserver):
+            since[command.observer.label] = k
+    yield stage()

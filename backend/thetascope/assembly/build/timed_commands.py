@@ -1,0 +1,82 @@
+"""Timed commands → stages: what an experiment becomes, command by command."""
+
+from thetascope.engine.errors import SpecError
+from thetascope_schemas import Experiment
+from thetascope_schemas.experiment.commands import (
+    AddObserver,
+    RemoveObserver,
+    SetGain,
+    SetNoise,
+    SetSignal,
+    SetSubsteps,
+    TimedCommand,
+)
+from thetascope_schemas.experiment.experiment import Noise
+
+
+def changed(spec: Experiment, command: TimedCommand) -> Experiment:
+    """The experiment after a command (the command itself is not noted). Raises SpecError where it does not fit."""
+    return _APPLY[type(command)](spec, command)
+
+
+def _with(spec: Experiment, **fields: object) -> Experiment:
+    return spec.model_copy(update=fields)
+
+
+def _labelled(spec: Experiment, label: str, field: str) -> int:
+    labels = [o.label for o in spec.observers]
+    if label not in labels:
+        there = ", ".join(labels) or "none is there"
+        raise SpecError(field, label, "no observer of that label is watching at that time", f"choose from {there}")
+    return labels.index(label)
+
+
+def _set_gain(spec: Experiment, command: SetGain) -> Experiment:
+    i = _labelled(spec, command.observer, "observer")
+    observer = spec.observers[i]
+    observer = observer.model_copy(update={"gains": {**observer.gains, command.gain: command.value}})
+    return _with(spec, observers=(*spec.observers[:i], observer, *spec.observers[i + 1 :]))
+
+
+def _set_signal(spec: Experiment, command: SetSignal) -> Experiment:
+    plant = spec.plant
+    if command.name in plant.names("inputs"):
+        return _with(spec, inputs={**spec.inputs, command.name: command.signal})
+    if command.name in plant.names("signals"):
+        return _with(spec, signals={**spec.signals, command.name: command.signal})
+    known = ", ".join([*plant.names("inputs"), *plant.names("signals")])
+    raise SpecError("name", command.name, "the plant has no input or known signal of that name", f"choose from {known}")
+
+
+def _set_noise(spec: Experiment, command: SetNoise) -> Experiment:
+    if command.output not in spec.plant.names("outputs"):
+        known = ", ".join(spec.plant.names("outputs"))
+        raise SpecError("output", command.output, "the plant has no output of that name", f"choose from {known}")
+    noise = Noise(std=command.std, sample_time=command.sample_time)
+    return _with(spec, noise={**spec.noise, command.output: noise})
+
+
+def _add_observer(spec: Experiment, command: AddObserver) -> Experiment:
+    if command.observer.label in [o.label for o in spec.observers]:
+        label = command.observer.label
+        raise SpecError("observer.label", label, "an observer of that label is watching already", "give another label")
+    return _with(spec, observers=(*spec.observers, command.observer))
+
+
+def _remove_observer(spec: Experiment, command: RemoveObserver) -> Experiment:
+    i = _labelled(spec, command.label, "label")
+    return _with(spec, observers=(*spec.observers[:i], *spec.observers[i + 1 :]))
+
+
+def _set_substeps(spec: Experiment, command: SetSubsteps) -> Experiment:
+    return _with(spec, substeps=command.substeps)
+
+
+_APPLY = {
+    SetGain: _set_gain,
+    SetSignal: _set_signal,
+    SetNoise: _set_noise,
+    AddObserver: _add_observer,
+    RemoveObserver: _remove_observer,
+    SetSubsteps: _set_substeps,
+}

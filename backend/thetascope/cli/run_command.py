@@ -1,0 +1,213 @@
+"""`thetascope run`: the same specs, limits and store as the service, in this process."""
+
+import argparse
+import shlex
+import sys
+from concurrent.futures import ThreadPoolExecutor, wait
+from pathlib import Path
+
+from thetascope import assembly
+from thetascope.cli.terminal import Progress, number, table
+from thetascope.engine.errors import Cancelled, SpecError
+from thetascope.engine.model.result import Result
+from thetascope.export import comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from thetascope.runs.jobs.job import Finished, Job
+from thetascope.runs.jobs.store_rows import record_of
+from thetascope.runs.jobs.worker import allow, completed
+from thetascope.runs.results.comparison_rows import compared
+from thetascope.runs.results.engine_version import engine_version
+from thetascope.runs.run_report import report_html
+from thetascope.runs.specs.overrides import parse_assignment
+from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
+from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
+from thetascope.runs.specs.run_requests import asked
+from thetascope.runs.specs.spec_files import read
+from thetascope.settings import Settings, load
+from thetascope.store import Database, RunStore, StoreError
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.comparison import Comparison, ComparisonRow
+
+_STATES = 3  # in the table of several observers
+_JUDGED = ("FOUND", "DELAY", "MISSED", "FALSE", "WRONG")
+_LEGEND = "(faults found, their median delay, faults missed; alarms without a fault, alarms that name a wrong one)"
+
+def run_command(options: argparse.Namespace) -> int:
+    """Run an experiment, write the files asked for, print how the observers did."""
+    settings = load()
+    spec = experiment_of(options.experiment, settings)
+    spec = with_changes(spec, dict(parse_assignment(text) for text in options.changes))
+    store = None if options.no_store else open_store(settings)
+    finished = result_of(spec, settings, store, Progress(quiet=options.quiet))
+    for path in options.out:
+        write(finished, path, command_line(options, path))
+    for path in options.comparison:
+        write_comparison(finished, path)
+    if not options.quiet:
+        print(outcome(finished))
+    return 0
+
+
+def experiment_of(target: str, settings: Settings) -> Experiment:
+    """The experiment of a library id or a file. Raises Unknown, DocumentError or DocumentRefused."""
+    path = Path(target)
+    if not path.suffix and not path.exists():
+        return library_experiment(target)
+    document = read(path, settings.max_body)
+    try:
+        return asked(document.data)
+    except InvalidSpec as error:
+        raise document.refused(error.errors) from None
+
+
+def result_of(spec: Experiment, settings: Settings, store: RunStore | None, progress: Progress) -> Finished:
+    """The run of a spec, from the store or computed (and kept in the store)."""
+    complete = resolved(spec)
+    job = Job(complete.spec_hash(), spec)
+    result = store and store.get_result(job.id, engine_version())
+    if result is not None:
+        return completed(job.snapshot(), result, complete)
+    finished = completed(job.snapshot(), compute(job, complete, settings, progress), complete)
+    if store is not None:
+        _keep(store, finished)
+    return finished
+
+
+def compute(job: Job, spec: Experiment, settings: Settings, progress: Progress) -> Result:
+    """Prepare and run in a thread, so that this one can draw the progress and hear Ctrl-C."""
+
+    def work() -> Result:
+        prepared = assembly.prepare(spec)
+        allow(spec, prepared.cost, settings)
+        job.begin(settings.max_seconds)
+        return prepared.run(job.report, job.stopped)
+
+    with ThreadPoolExecutor(1) as pool:
+        future = pool.submit(work)
+        try:
+            while not wait([future], timeout=0.05).done:
+                progress.show(job.progress)
+        except KeyboardInterrupt:
+            job.cancel()
+            raise
+        finally:
+            progress.close()
+        try:
+            return future.result()
+        except SpecError as error:
+            raise from_engine(error) from None
+        except Cancelled:
+            raise invalid(
+                "horizon", spec.horizon, f"the run took longer than {settings.max_seconds:g} s and was stopped",
+                "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_SECONDS",
+            ) from None  # fmt: skip
+
+
+def open_store(settings: Settings) -> RunStore | None:
+    """The store, or None with a warning: a run needs none."""
+    try:
+        return RunStore(Database(settings.database), settings.store_limit)
+    except StoreError as error:
+        print(f"thetascope: the run is not kept. {error}", file=sys.stderr)
+        return None
+
+
+def _keep(store: RunStore, finished: Finished) -> None:
+    try:
+        store.put(record_of(finished.snapshot))
+        store.put_result(finished.snapshot.id, engine_version(), finished.result)
+    except StoreError as error:
+        print(f"thetascope: the run is not kept. {error}", file=sys.stderr)
+
+
+def write(finished: Finished, path: Path, command: str) -> None:
+    """Write a result in the format that the file's ending tells."""
+    suffix, whole = path.suffix.lower(), select(finished.result)
+    if suffix == ".csv":
+        with path.open("wb") as stream:
+            stream.writelines(csv_chunks(whole))
+    elif suffix == ".html":
+        path.write_text(report_html(finished, command), encoding="utf-8")
+    else:
+        path.write_bytes(matlab_bytes(whole) if suffix == ".mat" else json_bytes(whole))
+
+
+def write_comparison(finished: Finished, path: Path) -> None:
+    """Write the comparison of the observers as CSV or JSON."""
+    spec = finished.snapshot.spec
+    found = compared(finished.result, spec)
+    as_json = path.suffix.lower() == ".json"
+    path.write_bytes(found.model_dump_json(indent=1).encode() if as_json else comparison_csv(found, plant_of(spec)))
+
+
+def command_line(options: argparse.Namespace, path: Path) -> str:
+    """The command that writes one of the files again."""
+    changes = [part for change in options.changes for part in ("--set", change)]
+    return shlex.join(["thetascope", "run", options.experiment, *changes, "--out", path.name])
+
+
+def outcome(finished: Finished) -> str:
+    """A run in a few lines: for every observer and fault the truth, the estimate and whether it has settled."""
+    from thetascope.diagnosis.evaluation.metrics import summary
+
+    spec, result = finished.snapshot.spec, finished.result
+    title = spec.title or spec.id
+    lines = [f"{title}: {spec.horizon:g} s in steps of {result.step:g} s, run {finished.snapshot.id[:12]}"]
+    if result.diverged:
+        lines.append(f"The plant itself diverged at {result.diverged.time:.4g} s: {result.diverged.cause}")
+    measures = summary(result, spec.faults)
+    rows = [row for label, found in measures.items() for row in _rows(label, found)]
+    if rows:
+        lines += ["", table(["OBSERVER", "FAULT", "TRUE", "ESTIMATE", "MEAN ERROR", "STD", "SETTLED"], rows), ""]
+    lines += side_by_side(compared(result, spec), measures)
+    if result.diagnosis is not None:
+        lines += [f"Diagnosis: {result.diagnosis['detector']['sentence']}", ""]
+    lines += [line for label, found in measures.items() for line in _sentences(label, found)]
+    lines += [
+        f"{o.label}: {c.name} fails: {c.text}" for o in result.observers for c in o.checks if c.verdict == "fails"
+    ]
+    return "\n".join([*lines, *result.notes]).rstrip()
+
+
+def side_by_side(comparison: Comparison, measures: dict[str, dict]) -> list[str]:
+    """The observers that did not diverge, a line each: where there are several, or tests that looked for faults."""
+    rows = [row for row in comparison.observers if not measures.get(row.label, {}).get("diverged")]
+    if len(rows) < 2 and not any(row.faults for row in rows):
+        return []
+    rmse = {row.label: measures.get(row.label, {}).get("rmse", {}) for row in rows}  # the detector has none
+    states = list(dict.fromkeys(state for row in rows for state in rmse[row.label]))[:_STATES]
+    judged = any(row.faults is not None for row in rows)
+    head = ["OBSERVER", *(_JUDGED if judged else ()), *(f"RMSE {state}" for state in states), "COST"]
+    lines = [
+        [row.label, *(_judged(row) if judged else ()),
+         *(number(rmse[row.label].get(state), 3) for state in states), number(row.cost, 3)]
+        for row in rows
+    ]  # fmt: skip
+    legend = "(cost in µs per simulated second, measured)"
+    return [table(head, lines), f"{_LEGEND}\n{legend}" if judged else legend, ""]
+
+
+def _judged(row: ComparisonRow) -> list[str]:
+    found = "–" if row.faults is None else f"{row.found} of {len(row.faults) - row.covered}"
+    delay = "–" if row.delay is None else f"{row.delay:.2f} s"
+    return [found, delay, *("–" if n is None else str(n) for n in (row.missed, row.false_alarms, row.isolation_errors))]
+
+
+def _rows(label: str, measures: dict) -> list[list[str]]:
+    """Lines of the table. Mean error and its scatter are over the last tenth of the run."""
+    settled = {step["channel"]: step["time"] for step in measures["settling"]}
+    rows = []
+    for channel, end in {} if measures["diverged"] else measures["theta"].items():
+        after = "–" if channel not in settled else "no" if settled[channel] is None else f"{settled[channel]:.2f} s"
+        values = (end["truth"], end["estimate"], end["mean_error"], end["std"])
+        rows.append([label, channel, *map(number, values), after])
+    return rows
+
+
+def _sentences(label: str, measures: dict) -> list[str]:
+    """What the table cannot hold: an observer that diverged, and one that estimates no fault."""
+    if measures["diverged"]:
+        return [f"{label} diverged at {measures['diverged']['time']:.4g} s: {measures['diverged']['cause']}"]
+    if measures["theta"]:
+        return []
+    states = ", ".join(f"{state} {number(value, 3)}" for state, value in measures["rmse_end"].items())
+    return [f"{label} estimates states only; rms errors over the last tenth of the run: {states}"]

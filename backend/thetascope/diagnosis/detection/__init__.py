@@ -1,0 +1,1 @@
+"""Windowed likelihood-ratio tests and their thresholds."""

@@ -1,0 +1,1 @@
+"""Observers judged by their estimates: errors, tests, comparison."""

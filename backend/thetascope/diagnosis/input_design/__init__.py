@@ -1,0 +1,1 @@
+"""What an input tells about the faults, and one that tells more."""

@@ -1,0 +1,1 @@
+"""From tests to named faults: candidates, fits, decisions, revisions."""

@@ -1,0 +1,1 @@
+"""The detector of an experiment, and the monitor that runs it along rows."""

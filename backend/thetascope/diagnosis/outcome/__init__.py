@@ -1,0 +1,1 @@
+"""The diagnosis of a finished run, as plain data."""

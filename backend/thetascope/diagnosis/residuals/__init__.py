@@ -1,0 +1,1 @@
+"""The innovations' filter run along rows: forwards, backwards and under hypotheses."""

@@ -1,0 +1,1 @@
+"""From a System of equations to machine code."""

@@ -1,0 +1,307 @@
+"""Program → LLVM IR text for the whole time loop: scalar, or SIMD lanes over runs.
+
+The function that comes out has this shape (all pointers to float64 unless said):
+
+    run(i64 segments, i64* seg_steps, i64* seg_first, seg_t, seg_index, seg_h,
+        held, lane_held, staged, lane_staged, params, lane_params, state, out, emitted, i64 every)
+
+Time is cut into segments of equal steps on which held inputs are constant. Step k of a segment begins at
+seg_t + (seg_index + k)·seg_h, rounded once, so that a segment may be cut anywhere. Staged inputs have one value for each of
+the four Runge–Kutta stages of each step (one for discrete time). ``seg_first`` is the number of steps until the first
+recorded one in that segment; then every ``every``-th is recorded, as one row of all states, in ``out``. ``emitted``
+takes the values of chosen nodes at every stage. What is called lane_* holds one value per lane, lanes innermost.
+The numbers do not depend on how steps are dealt out over calls and segments, nor on the number of lanes: no
+fast-math flag is set, and the multiply-adds are those of the graph.
+"""
+
+from dataclasses import dataclass
+
+from thetascope.engine.compiler.graph import topological
+from thetascope.engine.compiler.ir_builder import LIBM, Writer
+from thetascope.engine.compiler.system import DISCRETE, Program
+
+# Nodes times stages; above it the right-hand side is a function of its own, called once a stage: the compiler then takes a
+# third of the time, and runs are as quick, because most values are in memory either way.
+INLINE_LIMIT = 2500
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Where a kernel finds its inputs and what it emits: the part of a kernel's identity beside its Program."""
+
+    held: tuple[str, ...] = ()
+    staged: tuple[str, ...] = ()
+    lane_held: tuple[str, ...] = ()
+    lane_staged: tuple[str, ...] = ()
+    lane_params: tuple[str, ...] = ()
+    emitted: tuple[int, ...] = ()  # node indices
+    lanes: int = 1
+
+    def shared_params(self, program: Program) -> tuple[str, ...]:
+        return tuple(p for p in program.parameters if p not in self.lane_params)
+
+
+def fits_inline(program: Program, layout: Layout) -> bool:
+    """Whether a program is small enough for its right-hand side to be written out in the loop, at every stage."""
+    stages = 1 if program.time == DISCRETE else 4
+    return stages * len(topological(program.graph, [*program.update, *layout.emitted])) <= INLINE_LIMIT
+
+
+def emit(program: Program, layout: Layout) -> str:
+    """The IR text of one module with one function, ``run``."""
+    return _Module(program, layout).text()
+
+
+_POINTERS = ("seg_steps", "seg_first", "seg_t", "seg_index", "seg_h", "held", "lane_held", "staged", "lane_staged",
+             "params", "lane_params", "state", "out", "emitted")  # fmt: skip
+_HEAD = (
+    f"define void @run(i64 %segments, {', '.join(f'ptr noalias %{p}' for p in _POINTERS)}, i64 %every) #2 {{",
+    "entry:",
+)
+
+
+class _Module:
+    def __init__(self, program: Program, layout: Layout):
+        self.program, self.layout = program, layout
+        self.roots = [*program.update, *layout.emitted]
+        self.order = topological(program.graph, self.roots)
+        self.stages = 1 if program.time == DISCRETE else 4
+        self.inline = fits_inline(program, layout)
+        self.params = layout.shared_params(program)
+
+    def text(self) -> str:
+        w = Writer(self.layout.lanes)
+        body = self._main(w)
+        suffix, t = w.suffix, w.type
+        declared = [
+            f"declare double @{f}({', '.join(['double'] * (2 if f in ('pow', 'atan2') else 1))}) #0" for f in LIBM
+        ]
+        declared += [f"declare {t} @llvm.{f}.{suffix}({t})" for f in ("sqrt", "floor", "fabs")]
+        declared += [f"declare {t} @llvm.copysign.{suffix}({t}, {t})", f"declare {t} @llvm.fma.{suffix}({t}, {t}, {t})"]
+        # alignstack: a vector that does not fit in the registers waits within one cache line
+        wide = 'nounwind alignstack=64 "prefer-vector-width"="512" "min-legal-vector-width"="512"'
+        attributes = [
+            "attributes #0 = { nounwind willreturn memory(none) nobuiltin }",
+            "attributes #1 = { nounwind willreturn memory(none) nobuiltin }",
+            f"attributes #2 = {{ {wide} }}",
+            f"attributes #3 = {{ noinline {wide} }}",
+        ]
+        functions = [] if self.inline else self._right_hand_side()
+        return "\n".join([*declared, *functions, *body, *attributes])
+
+    # ---- the values of one stage -------------------------------------------------------------------------------
+
+    def _leaf(self, w: Writer, name: str, where: dict) -> str:
+        """Load a variable. ``where`` holds the base pointers: params, held rows and staged rows."""
+        lay = self.layout
+        for group, base, load in (
+            (self.params, "params", w.load_shared),
+            (lay.lane_params, "lane_params", w.load_lanes),
+            (lay.held, "held", w.load_shared),
+            (lay.lane_held, "lane_held", w.load_lanes),
+            (lay.staged, "staged", w.load_shared),
+            (lay.lane_staged, "lane_staged", w.load_lanes),
+        ):
+            if name in group:
+                return load(where[base], group.index(name))
+        raise ValueError(f"kernel of {self.program.name}: nothing supplies {name!r}")
+
+    def _values(self, w: Writer, leaves: dict[str, str], where: dict, memo: dict[int, str]) -> list[str]:
+        """Emit all roots; ``leaves`` maps states and t to values, ``memo`` keeps what is already computed."""
+        graph = self.program.graph
+        for i in self.order:
+            if i in memo:
+                continue
+            op, *args = graph.nodes[i]
+            if op == "const":
+                memo[i] = w.const(args[0])
+            elif op == "var":
+                memo[i] = leaves[args[0]] if args[0] in leaves else self._leaf(w, args[0], where)
+            else:
+                memo[i] = w.operation(op, [memo[a] for a in args])
+        return [memo[r] for r in self.roots]
+
+    def _split(self, values: list[str]) -> tuple[list[str], list[str]]:
+        n = len(self.program.states)
+        return values[:n], values[n:]
+
+    # ---- the loop ----------------------------------------------------------------------------------------------
+
+    def _main(self, w: Writer) -> list[str]:
+        """The whole function: segments around steps, the states carried along in phi nodes."""
+        n, t = len(self.program.states), w.type
+        start = [w.load_lanes("%state", i) for i in range(n)]
+        constants: dict[int, str] = {}
+        if self.inline:
+            self._preload(w, constants, self.params, "%params", w.load_shared)
+            self._preload(w, constants, self.layout.lane_params, "%lane_params", w.load_lanes)
+        scratch = self._scratch(w)
+        w.put("%any = icmp sgt i64 %segments, 0")
+        w.put("br i1 %any, label %segment, label %done")
+        w.lines.append("segment:")
+        w.put("%s = phi i64 [0, %entry], [%s1, %next]")
+        w.put("%row0 = phi i64 [0, %entry], [%row2, %next]")
+        w.put("%at0 = phi i64 [0, %entry], [%at1, %next]")
+        place0 = self._mark(w)
+        per_segment = self._segment_head(w, constants)
+        w.put("%none = icmp sle i64 %steps, 0")
+        w.put("br i1 %none, label %next, label %step")
+        w.lines.append("step:")
+        w.put("%k = phi i64 [0, %segment], [%k1, %cont]")
+        w.put("%at = phi i64 [%at0, %segment], [%atn, %cont]")
+        w.put("%row = phi i64 [%row0, %segment], [%row1, %cont]")
+        w.put("%left = phi i64 [%first, %segment], [%left2, %cont]")
+        place1 = self._mark(w)
+        new = self._step(w, [f"%b{i}" for i in range(n)], per_segment, scratch)
+        self._record(w, new)
+        w.lines[place1] = "\n".join(f"  %b{i} = phi {t} [%a{i}, %segment], [{v}, %cont]" for i, v in enumerate(new))
+        self._next_segment(w, new)
+        w.lines[place0] = "\n".join(f"  %a{i} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, v in enumerate(start))
+        return [*_HEAD, *w.lines, "}"]
+
+    def _next_segment(self, w: Writer, new: list[str]) -> None:
+        """After a segment's steps: on to the next one, or store the states and return."""
+        w.lines.append("next:")
+        w.put("%row2 = phi i64 [%row0, %segment], [%row1, %cont]")
+        w.put("%at1 = phi i64 [%at0, %segment], [%atn, %cont]")
+        for i, value in enumerate(new):
+            w.put(f"%c{i} = phi {w.type} [%a{i}, %segment], [{value}, %cont]")
+        w.put("%s1 = add i64 %s, 1")
+        w.put("%more = icmp slt i64 %s1, %segments")
+        w.put("br i1 %more, label %segment, label %save")
+        w.lines.append("save:")
+        for i in range(len(new)):
+            w.store(f"%c{i}", "%state", i)
+        w.put("br label %done")
+        w.lines.append("done:")
+        w.put("ret void")
+
+    def _mark(self, w: Writer) -> int:
+        w.lines.append("")
+        return len(w.lines) - 1
+
+    def _preload(self, w: Writer, memo: dict[int, str], names: tuple[str, ...], base: str, load) -> None:
+        graph = self.program.graph
+        for j, name in enumerate(names):
+            i = graph.index.get(("var", name))
+            if i is not None:
+                memo[i] = load(base, j)
+
+    def _segment_head(self, w: Writer, constants: dict[int, str]) -> dict:
+        lay, lanes = self.layout, self.layout.lanes
+        w.put(f"%steps = load i64, ptr {w.address('%seg_steps', '%s', 'i64')}")
+        w.put(f"%first = load i64, ptr {w.address('%seg_first', '%s', 'i64')}")
+        w.put(f"%t0 = load double, ptr {w.address('%seg_t', '%s')}")
+        w.put(f"%i0 = load double, ptr {w.address('%seg_index', '%s')}")
+        w.put(f"%h = load double, ptr {w.address('%seg_h', '%s')}")
+        row = w.let(f"mul i64 %s, {len(lay.held)}")
+        held = w.address("%held", row)
+        row = w.let(f"mul i64 %s, {len(lay.lane_held) * lanes}")
+        lane_held = w.address("%lane_held", row)
+        memo = dict(constants)
+        if self.inline:
+            self._preload(w, memo, lay.held, held, w.load_shared)
+            self._preload(w, memo, lay.lane_held, lane_held, w.load_lanes)
+        h = w.splat("%h")
+        sizes = {"h": h} | {
+            name: w.let(f"fmul {w.type} {h}, {w.const(c)}")
+            for name, c in (("half", 0.5), ("sixth", 1 / 6))
+        }
+        return {"memo": memo, "held": held, "lane_held": lane_held, **sizes}
+
+    def _scratch(self, w: Writer) -> dict:
+        if self.inline:
+            return {}
+        n, m = len(self.program.states), max(1, len(self.layout.emitted))
+        return {k: w.let(f"alloca [{size} x {w.type}], align 64") for k, size in (("z", n), ("d", n), ("e", m))}
+
+    def _record(self, w: Writer, new: list[str]) -> None:
+        n = len(new)
+        w.put("%left1 = sub i64 %left, 1")
+        w.put("%due = icmp eq i64 %left1, 0")
+        w.put("br i1 %due, label %write, label %cont")
+        w.lines.append("write:")
+        place = w.address("%out", w.let(f"mul i64 %row, {n * self.layout.lanes}"))
+        for i, value in enumerate(new):
+            w.store(value, place, i)
+        w.put("%rown = add i64 %row, 1")
+        w.put("br label %cont")
+        w.lines.append("cont:")
+        w.put("%left2 = phi i64 [%left1, %step], [%every, %write]")
+        w.put("%row1 = phi i64 [%row, %step], [%rown, %write]")
+        w.put("%k1 = add i64 %k, 1")
+        w.put("%atn = add i64 %at, 1")
+        w.put("%again = icmp slt i64 %k1, %steps")
+        w.put("br i1 %again, label %step, label %next")
+
+    # ---- one step ----------------------------------------------------------------------------------------------
+
+    def _step(self, w: Writer, state: list[str], segment: dict, scratch: dict) -> list[str]:
+        kd = w.let("sitofp i64 %k to double")
+        count = w.let(f"fadd double %i0, {kd}")
+        t = w.let(f"fadd double %t0, {w.let(f'fmul double {count}, %h')}")
+        if self.stages == 1:
+            return self._stage(w, 0, state, t, segment, scratch)
+        half, sixth, h = (segment[k] for k in ("half", "sixth", "h"))
+        middle = w.let(f"fadd double {t}, {w.let(f'fmul double %h, {Writer(1).const(0.5)}')}")
+        end = w.let(f"fadd double {t}, %h")
+        k1 = self._stage(w, 0, state, t, segment, scratch)
+        k2 = self._stage(w, 1, [w.fma(half, k, s) for k, s in zip(k1, state)], middle, segment, scratch)
+        k3 = self._stage(w, 2, [w.fma(half, k, s) for k, s in zip(k2, state)], middle, segment, scratch)
+        z = [w.fma(h, k, s) for k, s in zip(k3, state)]
+        # k2 + k3 before the last stage, so that fewer values are waiting; sums are quicker than multiply-adds
+        inner = [w.add(a, b) for a, b in zip(k2, k3)]
+        k4 = self._stage(w, 3, z, end, segment, scratch)
+        total = [w.fma(w.const(2.0), a, w.add(b, c)) for a, b, c in zip(inner, k1, k4)]
+        return [w.fma(sixth, k, s) for k, s in zip(total, state)]
+
+    def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
+        lay, lanes = self.layout, self.layout.lanes
+
+        def row(base: str, width: int) -> str:
+            at = w.let(f"add i64 {w.let(f'mul i64 %at, {self.stages}')}, {stage}")
+            return w.address(base, w.let(f"mul i64 {at}, {width}"))
+
+        where = {
+            "params": "%params",
+            "lane_params": "%lane_params",
+            "held": segment["held"],
+            "lane_held": segment["lane_held"],
+        }
+        where["staged"] = row("%staged", len(lay.staged)) if lay.staged else "%staged"
+        where["lane_staged"] = row("%lane_staged", len(lay.lane_staged) * lanes) if lay.lane_staged else "%lane_staged"
+        if self.inline:
+            leaves = dict(zip(self.program.states, z)) | {"t": w.splat(t)}
+            values, emitted = self._split(self._values(w, leaves, where, dict(segment["memo"])))
+        else:
+            values, emitted = self._called(w, z, t, where, scratch)
+        if lay.emitted:
+            place = row("%emitted", len(lay.emitted) * lanes)
+            for j, value in enumerate(emitted):
+                w.store(value, place, j)
+        return values
+
+    # ---- large programs ----------------------------------------------------------------------------------------
+
+    def _called(self, w: Writer, z: list[str], t: str, where: dict, scratch: dict) -> tuple[list[str], list[str]]:
+        for i, value in enumerate(z):
+            w.store(value, scratch["z"], i)
+        names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
+        args = ", ".join(f"ptr {where[k]}" for k in names)
+        w.put(f"call void @rhs(double {t}, ptr {scratch['z']}, ptr {scratch['d']}, ptr {scratch['e']}, {args}) #3")
+        values = [w.load_lanes(scratch["d"], i) for i in range(len(z))]
+        return values, [w.load_lanes(scratch["e"], j) for j in range(len(self.layout.emitted))]
+
+    def _right_hand_side(self) -> list[str]:
+        w = Writer(self.layout.lanes)
+        names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
+        where = {k: f"%{k}" for k in names}
+        leaves = {s: w.load_lanes("%z", i) for i, s in enumerate(self.program.states)} | {"t": w.splat("%t")}
+        values, emitted = self._split(self._values(w, leaves, where, {}))
+        for i, value in enumerate(values):
+            w.store(value, "%d", i)
+        for j, value in enumerate(emitted):
+            w.store(value, "%e", j)
+        args = ", ".join(f"ptr noalias %{k}" for k in names)
+        head = f"define internal void @rhs(double %t, ptr noalias %z, ptr noalias %d, ptr noalias %e, {args}) #3 {{"
+        return [head, *w.lines, "  ret void", "}"]

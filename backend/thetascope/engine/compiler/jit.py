@@ -1,0 +1,126 @@
+"""Compile Programs to machine code with LLVM, and call them on NumPy arrays. Object files are cached on disk."""
+
+import ctypes
+import hashlib
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache
+
+import llvmlite
+import llvmlite.binding as llvm
+import numpy as np
+
+from thetascope.engine.compiler import cache
+from thetascope.engine.compiler.codegen import Layout, emit, fits_inline
+from thetascope.engine.compiler.system import Program
+
+_lock = threading.Lock()  # LLVM's compiler is entered by one thread at a time; compiled kernels run in parallel
+_SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_int64, *[ctypes.c_void_p] * 14, ctypes.c_int64)
+NEVER = np.int64(1) << 60  # "first" of a segment in which nothing is recorded
+
+
+@dataclass(frozen=True)
+class Segments:
+    """Runs of equal steps: step k of segment i begins at ``t[i] + (index[i] + k)·h[i]`` seconds.
+
+    ``steps[i]`` counts them; after ``first[i]`` of them the first is recorded (NEVER: none).
+    """
+
+    steps: np.ndarray  # int64
+    first: np.ndarray  # int64
+    t: np.ndarray
+    index: np.ndarray
+    h: np.ndarray
+
+
+@lru_cache(maxsize=1)
+def _machine() -> llvm.TargetMachine:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    target = llvm.Target.from_default_triple()
+    return target.create_target_machine(
+        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2
+    )
+
+
+@lru_cache(maxsize=1)
+def platform_key() -> str:
+    """What machine code depends on beside the program: compiler version, processor, and the engine's source."""
+    _machine()
+    cpu = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), llvmlite.__version__)
+    return hashlib.sha256(repr((cpu, cache.package_digest())).encode()).hexdigest()
+
+
+class Kernel:
+    """A compiled Program. Call it with arrays; ``state`` is advanced in place."""
+
+    def __init__(self, program: Program, layout: Layout):
+        self.program, self.layout = program, layout
+        key = hashlib.sha256(repr((program.digest, layout, platform_key())).encode()).hexdigest()
+        # passes over a large straight-line function take long and find nothing
+        self._engine = load(key, lambda: emit(program, layout), optimised=fits_inline(program, layout))
+        self._run = _SIGNATURE(self._engine.get_function_address("run"))
+
+    def __call__(
+        self,
+        segments: Segments,
+        state: np.ndarray,
+        params: np.ndarray,
+        every: int,
+        out: np.ndarray,
+        held: np.ndarray | None = None,
+        staged: np.ndarray | None = None,
+        lane_held: np.ndarray | None = None,
+        lane_staged: np.ndarray | None = None,
+        lane_params: np.ndarray | None = None,
+        emitted: np.ndarray | None = None,
+    ) -> None:
+        """Advance ``state`` (states × lanes) through the segments, recording into ``out`` (rows × states × lanes).
+
+        held: segments × names; staged: steps × stages × names; lane_* the same with lanes innermost;
+        emitted: steps × stages × nodes × lanes. All float64 and C-contiguous.
+        """
+
+        def at(array: np.ndarray | None):
+            # quicker than array.ctypes.data: batches make many short calls
+            return None if array is None else array.__array_interface__["data"][0]
+
+        self._run(
+            len(segments.steps), at(segments.steps), at(segments.first), at(segments.t), at(segments.index), at(segments.h),
+            at(held), at(lane_held), at(staged), at(lane_staged), at(params), at(lane_params), at(state), at(out),
+            at(emitted), every,
+        )  # fmt: skip
+
+
+@lru_cache(maxsize=256)
+def kernel(program: Program, layout: Layout) -> Kernel:
+    """The kernel for a program and layout: from memory, else from the object cache, else compiled."""
+    return Kernel(program, layout)
+
+
+def load(key: str, text: Callable[[], str], optimised: bool = True) -> llvm.ExecutionEngine:
+    """A module ready to be called: its machine code from the object cache, else compiled from its IR text and kept."""
+    with _lock:
+        code = cache.read("kernel", key)
+        if code is None:
+            code = _object_code(text(), optimised)
+            cache.write("kernel", key, code)
+        engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
+        engine.add_object_file(llvm.ObjectFileRef.from_data(code))
+        engine.finalize_object()
+        return engine
+
+
+def _object_code(text: str, optimised: bool) -> bytes:
+    module = llvm.parse_assembly(text)
+    if optimised:
+        builder = llvm.create_pass_builder(_machine(), llvm.create_pipeline_tuning_options(speed_level=2))
+        builder.getModulePassManager().run(module, builder)
+    return _machine().emit_object(module)
+
+
+def _machine_for_engine() -> llvm.TargetMachine:
+    # an engine takes ownership of its target machine, so each gets one of its own
+    _machine()
+    return llvm.Target.from_default_triple().create_target_machine(opt=2)

@@ -1,0 +1,104 @@
+"""Which part of a program all runs of a batch share, and which differs: found by reachability in the graph.
+
+What noise, a parameter or a starting value cannot reach (Υ and Γ, often the plant) is integrated once; its values at
+every Runge–Kutta stage are handed to the rest, which is integrated in SIMD lanes over runs.
+"""
+
+from dataclasses import dataclass, replace
+
+from thetascope.engine.compiler.graph import LEAVES, Graph, topological
+from thetascope.engine.compiler.system import Program
+
+
+@dataclass(frozen=True)
+class Partition:
+    """``shared`` emits the nodes ``handed``; ``lanes`` takes them as staged inputs called ``handed.<i>``."""
+
+    shared: Program | None
+    lanes: Program
+    handed: tuple[int, ...]  # nodes of the shared program's graph
+    names: tuple[str, ...]
+
+
+def partition(program: Program, differing: frozenset[str], staged: frozenset[str]) -> Partition:
+    """Split by the inputs, parameters and initial states that differ between runs; ``staged`` inputs move within a step."""
+    graph = program.graph
+    reached = _reached(program, set(differing))
+    mine = [i for i, s in enumerate(program.states) if s in reached]
+    common = [i for i, s in enumerate(program.states) if s not in reached]
+    roots = [program.update[i] for i in mine]
+    differs = _depends(graph, program.update, reached)
+    moving = _depends(graph, program.update, {program.states[i] for i in common} | set(staged) | {"t"})
+    handed = _frontier(graph, roots, differs, moving)
+    lanes_graph, moved = _copy(graph, roots, {node: f"handed.{k}" for k, node in enumerate(handed)})
+    names = tuple(f"handed.{k}" for k in range(len(handed)))
+    lanes = replace(
+        program, states=tuple(program.states[i] for i in mine), graph=lanes_graph, update=tuple(moved[r] for r in roots),
+        inputs=program.inputs + names, outputs={},
+    )  # fmt: skip
+    if not common and not handed:
+        return Partition(None, lanes, (), ())
+    shared_roots = [program.update[i] for i in common]
+    shared_graph, moved = _copy(graph, [*shared_roots, *handed], {})
+    shared = replace(
+        program, states=tuple(program.states[i] for i in common), graph=shared_graph,
+        update=tuple(moved[r] for r in shared_roots), outputs={},
+    )  # fmt: skip
+    return Partition(shared, lanes, tuple(moved[h] for h in handed), names)
+
+
+def _depends(graph: Graph, roots: tuple[int, ...] | list[int], names: set[str]) -> set[int]:
+    found: set[int] = set()
+    for i in topological(graph, roots):
+        op, *args = graph.nodes[i]
+        if (op == "var" and args[0] in names) or (op not in LEAVES and any(a in found for a in args)):
+            found.add(i)
+    return found
+
+
+def _reached(program: Program, reached: set[str]) -> set[str]:
+    """The names, and all states whose value they can change."""
+    while True:
+        differs = _depends(program.graph, program.update, reached)
+        more = {s for s, u in zip(program.states, program.update, strict=True) if u in differs} - reached
+        if not more:
+            return reached
+        reached |= more
+
+
+def _frontier(graph: Graph, roots: list[int], differs: set[int], moving: set[int]) -> list[int]:
+    """Shared nodes that differing ones use directly and that move within a step (the rest is cheap to compute again)."""
+    found: dict[int, None] = {}
+    for i in topological(graph, roots):
+        if i in differs and graph.nodes[i][0] not in LEAVES:
+            found.update(dict.fromkeys(a for a in graph.nodes[i][1:] if a in moving and a not in differs))
+    found.update(dict.fromkeys(r for r in roots if r in moving and r not in differs))
+    return list(found)
+
+
+def _copy(graph: Graph, roots: list[int], cut: dict[int, str]) -> tuple[Graph, dict[int, int]]:
+    """A graph of what the roots need, with the nodes in ``cut`` replaced by variables; nothing is simplified."""
+    made, moved = Graph(), {}
+    needed = _needed(graph, roots, cut)
+    for i in sorted(needed):
+        op, *args = graph.nodes[i]
+        if i in cut:
+            moved[i] = made.var(cut[i])
+        elif op in LEAVES:
+            moved[i] = made.raw(op, *args)
+        else:
+            moved[i] = made.raw(op, *(moved[a] for a in args))
+    return made, moved
+
+
+def _needed(graph: Graph, roots: list[int], cut: dict[int, str]) -> set[int]:
+    seen: set[int] = set()
+    stack = list(roots)
+    while stack:
+        i = stack.pop()
+        if i in seen:
+            continue
+        seen.add(i)
+        if i not in cut and graph.nodes[i][0] not in LEAVES:
+            stack.extend(graph.nodes[i][1:])
+    return seen

@@ -1,0 +1,161 @@
+"""System: states, inputs, parameters, an update law and outputs, written once in SymPy; and its lowered form, Program.
+
+A plant is a System; so is an observer. Lowering turns it into an expression graph (see graph.py), which is what
+kernels are compiled from, what NumPy evaluates and what is cached: a Program needs no SymPy.
+"""
+
+import hashlib
+import json
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from thetascope.engine.compiler import graph as graphs
+from thetascope.engine.compiler.graph import Graph
+
+if TYPE_CHECKING:
+    import sympy
+
+CONTINUOUS, DISCRETE = "continuous", "discrete"
+
+
+@dataclass(frozen=True)
+class System:
+    """Equations of a plant or an observer.
+
+    ``update`` holds one expression a state: its derivative (continuous time) or its next value (discrete time).
+    ``definitions`` are intermediate quantities in order; later ones, the update and the outputs may use them.
+    Symbols are matched by name. ``t`` is time in seconds and is always available.
+    """
+
+    name: str
+    time: str
+    states: tuple["sympy.Symbol", ...]
+    inputs: tuple["sympy.Symbol", ...]
+    parameters: tuple["sympy.Symbol", ...]
+    update: tuple["sympy.Expr", ...]
+    outputs: dict[str, "sympy.Expr"] = field(default_factory=dict)
+    definitions: tuple[tuple["sympy.Symbol", "sympy.Expr"], ...] = ()
+
+    def lower(self) -> "Program":
+        """Lower to a Program. Raises ValueError for a symbol that is not a state, input, parameter, definition or t."""
+        from thetascope.engine.compiler.lowering import Lowering
+
+        known = {s.name for s in (*self.states, *self.inputs, *self.parameters)} | {"t"}
+        lowering = Lowering(Graph(), known, {s.name for s in self.parameters}, self._ranks())
+        for symbol, expression in self.definitions:
+            lowering.define(symbol, expression)
+        roots = [lowering(e) for e in (*self.update, *self.outputs.values())]
+        graph, roots = graphs.contract(lowering.graph, roots, lowering.rank)
+        n = len(self.states)
+        return Program(
+            name=self.name,
+            time=self.time,
+            states=tuple(s.name for s in self.states),
+            inputs=tuple(s.name for s in self.inputs),
+            parameters=tuple(s.name for s in self.parameters),
+            graph=graph,
+            update=tuple(roots[:n]),
+            outputs=dict(zip(self.outputs, roots[n:], strict=True)),
+        )
+
+    def _ranks(self) -> dict[str, int]:
+        """Who comes first in sums and products, see Lowering: parameters, inputs, t, states as declared, measured outputs."""
+        measured = [s.name for s in self.inputs if s.name.startswith("y.")]
+        given = [s.name for s in self.inputs if s.name not in measured]
+        order = [*given, "t", *(s.name for s in self.states), *measured]
+        return {name: i for i, name in enumerate(order, start=1)}
+
+
+@dataclass(frozen=True, eq=False)
+class Program:
+    """A lowered System. ``update`` and ``outputs`` are node indices into ``graph``. Equal if the digests are."""
+
+    name: str
+    time: str
+    states: tuple[str, ...]
+    inputs: tuple[str, ...]
+    parameters: tuple[str, ...]
+    graph: Graph
+    update: tuple[int, ...]
+    outputs: dict[str, int]
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Program) and self.digest == other.digest
+
+    def __hash__(self) -> int:
+        return hash(self.digest)
+
+    @cached_property
+    def digest(self) -> str:
+        """SHA-256 of everything that decides the numbers."""
+        return hashlib.sha256(json.dumps(self.to_json(), separators=(",", ":")).encode()).hexdigest()
+
+    @cached_property
+    def used_inputs(self) -> frozenset[str]:
+        """Inputs that the update law depends on (outputs apart)."""
+        return frozenset(graphs.variables(self.graph, self.update)) & frozenset((*self.inputs, "t"))
+
+    def to_json(self) -> dict:
+        return {
+            "name": self.name,
+            "time": self.time,
+            "states": list(self.states),
+            "inputs": list(self.inputs),
+            "parameters": list(self.parameters),
+            "nodes": [[n[0], n[1].hex()] if n[0] == "const" else list(n) for n in self.graph.nodes],
+            "update": list(self.update),
+            "outputs": self.outputs,
+        }
+
+    @classmethod
+    def from_json(cls, data: dict) -> "Program":
+        graph = Graph()
+        for op, *args in data["nodes"]:
+            graph.raw(op, *((float.fromhex(args[0]),) if op == "const" else args))
+        return cls(
+            name=data["name"],
+            time=data["time"],
+            states=tuple(data["states"]),
+            inputs=tuple(data["inputs"]),
+            parameters=tuple(data["parameters"]),
+            graph=graph,
+            update=tuple(data["update"]),
+            outputs=dict(data["outputs"]),
+        )
+
+    def evaluate(self, names: list[str] | tuple[str, ...], values: dict) -> list:
+        """Evaluate outputs (by name), or the update of a state (``"d." + state``), with NumPy; see graph.evaluate."""
+        position = {s: i for i, s in enumerate(self.states)}
+        roots = [self.update[position[n[2:]]] if n.startswith("d.") else self.outputs[n] for n in names]
+        return graphs.evaluate(self.graph, roots, values)
+
+
+def join(first: Program, second: Program, links: dict[str, tuple[str, str | None]]) -> Program:
+    """One program that runs two in step: ``links`` feeds inputs of the second from outputs of the first.
+
+    A link is ``{input: (output, noise)}``: the input becomes the output plus the input called ``noise`` (if given).
+    The equations are not touched, so the joined program gives the bits of the two run apart.
+    """
+    graph = Graph()
+    moved = graph.absorb(first.graph, (*first.update, *first.outputs.values()))
+    feed, noises = {}, []
+    for name, (output, noise) in links.items():
+        node = moved[first.outputs[output]]
+        if noise is not None:
+            node = graph.raw("add", node, graph.var(noise))
+            noises.append(noise)
+        feed[name] = node
+    later = graph.absorb(second.graph, (*second.update, *second.outputs.values()), feed)
+    inputs = dict.fromkeys((*first.inputs, *noises, *(i for i in second.inputs if i not in links)))
+    return Program(
+        name=f"{first.name}+{second.name}",
+        time=first.time,
+        states=first.states + second.states,
+        inputs=tuple(inputs),
+        parameters=tuple(dict.fromkeys(first.parameters + second.parameters)),
+        graph=graph,
+        update=tuple(moved[u] for u in first.update) + tuple(later[u] for u in second.update),
+        # the first's win where both have a name: y.* is what is measured, not an observer's estimate of it
+        outputs={**{k: later[v] for k, v in second.outputs.items()}, **{k: moved[v] for k, v in first.outputs.items()}},
+    )

@@ -1,0 +1,1 @@
+"""Programs of the covariance, the plant's Kalman filter and its hypotheses."""

@@ -1,0 +1,81 @@
+"""The filter of kalman_innovations.py as if one change of each channel's θ were so, with the sums that judge it.
+
+A change has the course
+
+    w(d) = min(start + rate · (d − onset), top) + bend · (1 − fade^rows since onset)  for d ≥ onset, 0 before,
+
+d being time in decisions: a step (start 1, rate 0), a rise without end (rate 1, top ∞), a rise with an end (rate 1/duration,
+top 1), one that bends to where it ends (bend 1, fade exp(−row/τ)). The filter takes θ₀ to be what is known plus size · w, within bounds; Ω answers w. Where a size is zero the course
+is that of an error of what is known. Courses are made here, of a few numbers each, so that many suppositions go side by
+side in lanes and only their sums come back: J = Σ ΩᵀΩ and s = Σ Ωᵀν over the outputs that are heeded, q = Σ ν² of each output from
+``begin`` on, ``early``: the diagonal of J before ``until``.
+"""
+
+from functools import lru_cache
+
+from thetascope.engine.compiler.graph import Graph
+from thetascope.engine.compiler.system import DISCRETE, Program
+from thetascope.engine.programs.program_store import derived
+
+COURSE = ("onset", "start", "rate", "top", "bend", "fade", "size")  # of each channel; then its bounds, and what belongs to the plant
+BOUNDS = ("least", "most", "own")
+SPAN = ("begin", "until")
+
+
+def sums(p: int, m: int) -> list[str]:
+    """The states after those of the filter: how far courses have bent, and the sums."""
+    J = [f"sum.J.{i}.{j}" for i in range(p) for j in range(i, p)]
+    return [*(f"bent.{j}" for j in range(p)), *J, *(f"sum.s.{j}" for j in range(p)), *(f"sum.early.{j}" for j in range(p)), *(f"sum.q.{k}" for k in range(m))]
+
+
+@lru_cache(maxsize=128)
+def suppositions(filter_: Program, p: int, m: int) -> Program:
+    """A filter for p channels and m outputs with its sums. In place of its inputs ``known.j`` and ``profile.j`` it has ``base.j``
+    (what is known) and ``d``; parameters COURSE and BOUNDS of each channel, and SPAN."""
+    return derived(["suppositions", filter_.digest], lambda: _write(filter_, p, m))
+
+
+def _write(filter_: Program, p: int, m: int) -> Program:
+    g, here = Graph(), {}
+    d, zero = g.var("d"), g.const(0.0)
+    bent = []
+    for j in range(p):
+        onset, start, rate, top, bend, fade, size, least, most, own = (g.var(f"{name}.{j}") for name in (*COURSE, *BOUNDS))
+        going = g.call("min", g.add(start, g.mul(rate, g.sub(d, onset))), top)
+        begun, risen = g.call("le", onset, d), g.var(f"bent.{j}")
+        course = g.call("where", begun, g.add(going, g.mul(bend, risen)), zero)
+        left = g.mul(g.sub(g.const(1.0), fade), g.sub(g.const(1.0), risen))
+        bent.append(g.call("where", begun, g.add(risen, left), risen))
+        known = g.add(g.var(f"base.{j}"), g.mul(size, course))
+        here |= {f"profile.{j}": course, f"known.{j}": g.add(own, g.call("min", g.call("max", known, least), most))}
+    shown = [f"omega.{k}.{j}" for k in range(m) for j in range(p)] + [f"nu.{k}" for k in range(m)]
+    moved = g.absorb(filter_.graph, [*filter_.update, *(filter_.outputs[name] for name in shown)], here)
+    omega = [[moved[filter_.outputs[f"omega.{k}.{j}"]] for j in range(p)] for k in range(m)]
+    nu = [moved[filter_.outputs[f"nu.{k}"]] for k in range(m)]
+    heeded = [[g.mul(g.var(f"heed.{k}"), o) for o in row] for k, row in enumerate(omega)]
+
+    def added(name: str, products: list[tuple[int, int]], when: int | None = None) -> int:
+        total = g.var(name)
+        for a, b in products:
+            product = g.mul(a, b)
+            total = g.add(total, product if when is None else g.call("where", when, product, zero))
+        return total
+
+    early, since = g.call("lt", d, g.var("until")), g.call("le", g.var("begin"), d)
+    update = [*(moved[i] for i in filter_.update), *bent]
+    update += [added(f"sum.J.{i}.{j}", [(heeded[k][i], omega[k][j]) for k in range(m)]) for i in range(p) for j in range(i, p)]
+    update += [added(f"sum.s.{j}", [(heeded[k][j], nu[k]) for k in range(m)]) for j in range(p)]
+    update += [added(f"sum.early.{j}", [(heeded[k][j], omega[k][j]) for k in range(m)], early) for j in range(p)]
+    update += [added(f"sum.q.{k}", [(nu[k], nu[k])], since) for k in range(m)]
+    inputs = tuple(i for i in filter_.inputs if not i.startswith(("known.", "profile.")))
+    channels = [f"{name}.{j}" for j in range(p) for name in (*COURSE, *BOUNDS)]
+    return Program(
+        name=f"suppositions of {filter_.name}",
+        time=DISCRETE,
+        states=(*filter_.states, *sums(p, m)),
+        inputs=(*inputs, *(f"base.{j}" for j in range(p)), "d"),
+        parameters=(*filter_.parameters, *channels, *SPAN),
+        graph=g,
+        update=tuple(update),
+        outputs={},
+    )

@@ -1,0 +1,163 @@
+"""What the data say about every fault of the plant, whatever observers are doing: a regression with white noise.
+
+An extended Kalman filter for x that takes θ to be θ₀, what is known of it (zero at first), has innovations that depend on
+θ to first order as
+
+    ν = Ω (θ − θ₀) + noise of covariance Σ,    Ω = C V + Ψ,    V⁺ = F (V − K Ω) + G,
+
+V being how the filter's estimate of x answers a constant θ (Zhang 2002; Zhao, Li & Li 2012, (34a) and (35), with the
+filter's gain). Begun with V = 0 at some instant, it answers a θ that was there from that instant on. Outputs are taken
+one after the other (their noises are independent), so each gives a scalar of variance one: ν/σ = (Ω/σ) (θ − θ₀) + white
+noise. Sums of ΩᵀΩ/σ² and Ωᵀν/σ² over any window are all that decisions need. With G and Ψ multiplied by a course over
+time, the same answers a θ of this course; an output that is not heeded has ν and Ω, but the filter does not follow it.
+
+Between rows x moves by x + φ₁(AΔ) f Δ, exact where f is affine; where x is outside the physical domain, f and its
+derivatives are taken at the nearest point inside. The filter trusts each state equation to a share of the state's size
+(``q``); R is the noise.
+"""
+
+from functools import lru_cache
+
+from thetascope.engine.compiler.autodiff import derivatives
+from thetascope.engine.compiler.graph import Graph
+from thetascope.engine.compiler.system import DISCRETE, Program
+from thetascope.engine.estimation.covariance_equations import total
+from thetascope.engine.programs.program_store import derived
+
+_HALVINGS = 2  # of the interval between rows, and back again, in the exponential of A
+Matrix = list[list[int]]
+
+
+@lru_cache(maxsize=128)
+def innovations(plant: Program) -> Program:
+    """The filter for a plant, one step a row.
+
+    Inputs: those of the plant (θ apart), ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀) and
+    ``profile.j``: V and Ω answer a θ_j − θ₀_j that goes as a constant times this. Parameters: those of the plant, the bounds
+    ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y), ``heed.k`` (0: the filter does not
+    follow this output) and ``interval``. Outputs ``omega.k.j`` and ``nu.k``, both divided by the innovation's standard
+    deviation (``weight.k`` is one by it); and what V is made with: ``F.i.j``, ``G.i.j`` (constant θ), ``C.k.i``, ``D.k.j`` (Ψ), ``K.k.i``.
+    """
+    return derived(["innovations", plant.digest], lambda: _Writer(plant).program())
+
+
+class _Writer:
+    def __init__(self, plant: Program):
+        self.plant, self.graph = plant, Graph()
+        self.theta = [i for i in plant.inputs if i.startswith("theta.")]
+        self.y = list(plant.outputs)
+        self.n, self.p, self.m = len(plant.states), len(self.theta), len(self.y)
+        g = self.graph
+        self.prior = [g.var(f"prior.{i}") for i in range(self.n)]
+        self.V = [[g.var(f"V.{i}.{j}") for j in range(self.p)] for i in range(self.n)]
+        self.P = [[g.var(f"P.{min(i, j)}.{max(i, j)}") for j in range(self.n)] for i in range(self.n)]
+
+    def program(self) -> Program:
+        plant, g, n, p = self.plant, self.graph, self.n, self.p
+        outputs = self._correct(*self._linear(list(plant.outputs.values())))
+        f, A, G = self._linear(list(plant.update))
+        F, E = self._transition(A)
+        if plant.time == DISCRETE:
+            prior = f
+        else:
+            G = self._times(E, G)
+            prior = [g.add(x, total(g, list(zip(row, f)))) for x, row in zip(self.prior, E)]
+        moved = [[g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(row)] for row in G]
+        V = [[g.add(total(g, [(F[i][k], self.V[k][j]) for k in range(n)]), moved[i][j]) for j in range(p)] for i in range(n)]
+        P = self._spread(F)
+        outputs |= {f"{name}.{i}.{j}": node for name, part in (("F", F), ("G", G)) for i, row in enumerate(part)
+                    for j, node in enumerate(row)}  # fmt: skip
+        per_state = [f"{name}.{i}" for name in ("q", "low", "high") for i in range(n)]
+        return Program(
+            name=f"innovations of {plant.name}",
+            time=DISCRETE,
+            states=(*(f"prior.{i}" for i in range(n)), *(f"V.{i}.{j}" for i in range(n) for j in range(p)),
+                    *(f"P.{i}.{j}" for i in range(n) for j in range(i, n))),
+            inputs=(*(i for i in plant.inputs if i not in self.theta), *(f"measured.{o}" for o in self.y), "fresh",
+                    *(f"known.{j}" for j in range(p)), *(f"profile.{j}" for j in range(p))),
+            parameters=(*plant.parameters, *per_state, *(f"R.{k}" for k in range(self.m)),
+                        *(f"heed.{k}" for k in range(self.m)), "interval"),
+            graph=g,
+            update=(*prior, *(V[i][j] for i in range(n) for j in range(p)), *P),
+            outputs=outputs,
+        )  # fmt: skip
+
+    def _linear(self, roots: list[int]) -> tuple[list[int], Matrix, Matrix]:
+        """Values, and their Jacobians in x and (times its profile) θ, at the present estimate (``self.prior``) and θ₀."""
+        plant, g = self.plant, self.graph
+        source = Graph(plant.graph.nodes)
+        slopes = derivatives(source, roots, (*plant.states, *self.theta))
+        wanted = [*roots, *(node for row in slopes for node in row.values())]
+        inside = [g.call("min", g.call("max", x, g.var(f"low.{i}")), g.var(f"high.{i}")) for i, x in enumerate(self.prior)]
+        here = dict(zip(plant.states, inside)) | {t: g.var(f"known.{j}") for j, t in enumerate(self.theta)}
+        moved, zero = g.absorb(source, wanted, here), g.const(0.0)
+        J, H = ([[moved[row[s]] if s in row else zero for s in names] for row in slopes] for names in (plant.states, self.theta))
+        # outside the domain: the value at the nearest point inside, and on along the tangent there
+        values = [g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside)]))
+                  for r, row in zip(roots, J)]  # fmt: skip
+        return values, J, H
+
+    def _correct(self, level: list[int], C: Matrix, Psi: Matrix) -> dict[str, int]:
+        """Take the outputs one after the other; give Ω/σ and ν/σ of each, and what they are made of. Changes prior, V and P."""
+        g, n, p = self.graph, self.n, self.p
+        fresh, outputs, first = g.var("fresh"), {}, list(self.prior)
+        for k, name in enumerate(self.y):
+            c = C[k]
+            cP = [total(g, [(c[i], self.P[i][j]) for i in range(n)]) for j in range(n)]
+            variance = g.add(total(g, list(zip(cP, c))), g.var(f"R.{k}"))
+            moved = total(g, [(a, g.sub(x, b)) for a, x, b in zip(c, self.prior, first)])  # by the outputs before
+            nu = g.sub(g.var(f"measured.{name}"), g.add(level[k], moved))
+            direct = [g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(Psi[k])]
+            omega = [g.add(total(g, [(c[i], self.V[i][j]) for i in range(n)]), direct[j]) for j in range(p)]
+            weight = g.div(fresh, g.call("sqrt", variance))
+            outputs |= {f"omega.{k}.{j}": g.mul(o, weight) for j, o in enumerate(omega)}
+            outputs[f"nu.{k}"] = g.mul(nu, weight)
+            followed = g.div(g.mul(fresh, g.var(f"heed.{k}")), variance)
+            gain = [g.mul(followed, b) for b in cP]
+            outputs |= {f"C.{k}.{i}": b for i, b in enumerate(c)} | {f"D.{k}.{j}": b for j, b in enumerate(Psi[k])}
+            outputs |= {f"K.{k}.{i}": b for i, b in enumerate(gain)} | {f"weight.{k}": weight}
+            self.prior = [g.add(x, g.mul(K, nu)) for x, K in zip(self.prior, gain)]
+            self.V = [[g.sub(v, g.mul(K, o)) for v, o in zip(row, omega)] for row, K in zip(self.V, gain)]
+            upper = {(i, j): g.sub(self.P[i][j], g.mul(gain[i], cP[j])) for i in range(n) for j in range(i, n)}
+            self.P = [[upper[min(i, j), max(i, j)] for j in range(n)] for i in range(n)]
+        return outputs
+
+    def _transition(self, A: Matrix) -> tuple[Matrix, Matrix]:
+        """exp(A Δ) and its integral over Δ, A held: Taylor to order 4 on Δ/2^s, doubled s times."""
+        g, n = self.graph, self.n
+        if self.plant.time == DISCRETE:
+            return A, []
+        one, zero = g.const(1.0), g.const(0.0)
+        unit = [[one if i == j else zero for j in range(n)] for i in range(n)]
+        h = g.mul(g.var("interval"), g.const(0.5**_HALVINGS))
+        Ah = [[g.mul(a, h) for a in row] for row in A]
+        power, F, E = unit, unit, unit
+        for order in range(1, 5):
+            power = self._times(power, Ah)
+            F = self._plus(F, power, 1.0 / _factorial(order))
+            E = self._plus(E, power, 1.0 / _factorial(order + 1))
+        E = [[g.mul(e, h) for e in row] for row in E]
+        for _ in range(_HALVINGS):
+            E = self._plus(E, self._times(F, E), 1.0)
+            F = self._times(F, F)
+        return F, E
+
+    def _times(self, a: Matrix, b: Matrix) -> Matrix:
+        g = self.graph
+        return [[total(g, [(row[k], b[k][j]) for k in range(len(b))]) for j in range(len(b[0]) if b else 0)] for row in a]
+
+    def _plus(self, a: Matrix, b: Matrix, factor: float) -> Matrix:
+        g = self.graph
+        return [[g.add(x, g.mul(y, g.const(factor))) for x, y in zip(r, s)] for r, s in zip(a, b)]
+
+    def _spread(self, F: Matrix) -> list[int]:
+        """F P Fᵀ + Q: the upper triangle. Q is per second (per step in discrete time)."""
+        g, n = self.graph, self.n
+        FP = self._times(F, self.P)
+        q = [g.mul(g.var(f"q.{i}"), g.var("interval")) for i in range(n)]
+        zero = g.const(0.0)
+        return [g.add(total(g, list(zip(FP[i], F[j]))), q[i] if i == j else zero) for i in range(n) for j in range(i, n)]
+
+
+def _factorial(k: int) -> int:
+    return 1 if k < 2 else k * _factorial(k - 1)

@@ -1,0 +1,167 @@
+"""From recorded rows to columns: outputs of observers, diagnostics, checks; NaN after a divergence and where none watched."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from thetascope.engine.estimation.covariance import Spreads, latest, sigma_columns
+from thetascope.engine.execution.stages import Life, final_estimator, lives, parameters_over
+from thetascope.engine.model.result import CANNOT_TELL, Check, Diverged, ObserverReport, Result
+from thetascope.engine.observers.support.declaration import Observed
+from thetascope.engine.programs.evaluate_rows import probe
+from thetascope.engine.simulation.experiment import Experiment, Rows
+from thetascope.engine.simulation.kernel_cost import costs
+from thetascope.engine.simulation.simulation import at_rows, observed_values, row_numbers
+
+EXPLODED = 1e12  # a state beyond this is taken as diverged: nothing physical is that large in the user's units
+
+
+def finite_rows(states: np.ndarray) -> int:
+    """How many rows at the beginning are finite and not exploded."""
+    if not states.shape[1]:
+        return len(states)
+    bad = ~(np.abs(states) < EXPLODED).all(axis=1)
+    return int(np.argmax(bad)) if bad.any() else len(states)
+
+
+def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dict[str, float]) -> Result:
+    """The result of a run from its spans, in order."""
+    first = parts[0][0]
+    index = np.concatenate([rows.index for _, rows in parts])
+    plant = np.concatenate([rows.plant for _, rows in parts])
+    y = np.concatenate([rows.y for _, rows in parts])
+    found = lives(parts)
+    ended = finite_rows(plant)
+    diverged = None
+    if ended < len(plant):
+        diverged = Diverged(float(index[ended] * first.step), "the plant's own state escapes to infinity")
+        plant[ended:], y[ended:] = np.nan, np.nan
+    values = plant_values(parts, plant)
+    columns = plant_columns(first, values, plant, y)
+    reports: dict[str, ObserverReport] = {}
+    sure = confidence(parts, values)
+    for life in found:
+        more, report = observer_columns(life, values, y, ended)
+        where = np.concatenate(life.positions)
+        for name, column in more.items():
+            target = columns.setdefault(f"{life.label}.{name}", np.full(len(index), np.nan))
+            target[where] = column
+        for name in [n for n in sure if n.startswith(f"{life.label}.sigma.")]:
+            columns[name] = np.where(np.isfinite(columns[name.replace(".sigma.", ".theta.", 1)]), sure[name], np.nan)
+        reports[life.label] = report
+    data = np.empty((len(columns), len(index)))
+    for row, column in zip(data, columns.values(), strict=True):
+        row[:] = column
+    notes = first.notes
+    if substeps > 1:
+        notes += (f"Each step was taken in up to {substeps} substeps: an observer's eigenvalues are beyond RK4's bound.",)
+    spent = costs(rows.spent for _, rows in parts)
+    return Result(tuple(columns), data, tuple(reports.values()), diverged, first.step, substeps, notes, seconds, spent)
+
+
+def confidence(parts: Sequence[tuple[Experiment, Rows]], values: dict) -> dict[str, np.ndarray]:
+    """Columns ``L.sigma.<channel>`` over all rows, missing where their observer did not watch."""
+    found: dict[str, np.ndarray] = {}
+    spreads: Spreads = {}
+    begin = 0
+    for experiment, rows in parts:
+        here = slice(begin, begin + len(rows.index))
+        begin = here.stop
+        mine = {n: v[here] if np.ndim(v) else v for n, v in values.items()}
+        some, tables = sigma_columns(experiment, rows, mine, spreads)
+        spreads = latest(tables)
+        for name, column in some.items():
+            found.setdefault(name, np.full(len(values["t"]), np.nan))[here] = column
+    return found
+
+
+def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) -> dict[str, np.ndarray | float]:
+    """t, signals, parameters and plant states along all rows."""
+    first = parts[0][0]
+    counts = [len(rows.index) for _, rows in parts]
+    ends = np.cumsum(counts)
+    t = np.concatenate([rows.index for _, rows in parts]) * first.step
+    values: dict[str, np.ndarray | float] = {}
+    for name, signal in first.signals.items():
+        theirs = [e.signals[name] for e, _ in parts]
+        if all(s is signal for s in theirs):
+            values[name] = at_rows(signal, t, first.step)
+        else:
+            begins = [k for k, s in enumerate(theirs) if not k or s is not theirs[k - 1]]  # parts from which on it is another
+            pieces = np.split(t, [ends[k - 1] for k in begins[1:]])
+            values[name] = np.concatenate([at_rows(theirs[k], p, first.step) for k, p in zip(begins, pieces, strict=True)])
+    each = [row_numbers(e) for e, _ in parts]
+    values |= {n: _over([v[n] for v in each], counts) for n in each[0]} | {"t": t}
+    return values | {s: plant[:, j] for j, s in enumerate(first.plant.states)}
+
+
+def _over(numbers: list[float], counts: list[int]) -> np.ndarray | float:
+    """One quantity over all spans: a number where it never changes, else an array."""
+    return numbers[0] if len(set(numbers)) == 1 else np.repeat(numbers, counts)
+
+
+def plant_columns(e: Experiment, values: dict, plant: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
+    """t, u, signal, x, theta, y: the plant's own columns in their order."""
+    columns = {"t": values["t"]}
+    for prefix in ("u.", "signal."):
+        columns |= {n: values[n] for n in e.signals if n.startswith(prefix)}
+    columns |= {s: plant[:, j] for j, s in enumerate(e.plant.states)}
+    columns |= {n: values[n] for n in e.signals if n.startswith("theta.")}
+    return columns | {n: y[:, i] for i, n in enumerate(e.plant.outputs)}
+
+
+def observer_columns(
+    life: Life, values: dict, y: np.ndarray, ended: int, check: bool = True, first_row: int = 0, wanted: int = 0
+) -> tuple[dict[str, np.ndarray], ObserverReport]:
+    """x̂, θ̂, ŷ and diagnostics of one observer while it watched, and its report.
+
+    ``first_row``: number of the first of the given rows, from t = 0; ``wanted``: how many of them only fill windows.
+    """
+    estimator, where = final_estimator(life), life.where
+    states = np.concatenate(life.states)
+    inside = max(0, ended - where.start)
+    diverged, finite = None, finite_rows(states)
+    if finite < min(inside, len(states)):
+        diverged = Diverged(float(values["t"][where.start + finite]), _cause(estimator.program.states, states, finite))
+        states[finite:] = np.nan
+    elif inside < len(states):
+        states[inside:] = np.nan
+    mine = {n: v[where] if np.ndim(v) else v for n, v in values.items()}
+    seen = observed_values(life.experiments[-1], parameters_over(life), mine, y[where])
+    program = estimator.program
+    seen |= {s: states[:, j] for j, s in enumerate(program.states)}
+    outputs = [n for n in program.outputs if not n.startswith("init.")]
+    seen |= dict(zip(outputs, probe(program, outputs, seen), strict=True))
+    e = life.experiments[-1]
+    run = Observed(None, program, estimator.channels, estimator.facts, seen, e.every * e.step, estimator.context,
+                   first_row + where.start, -(-estimator.since // e.every), max(0, wanted - where.start))  # fmt: skip
+    columns = {n: seen[n] for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)}
+    more = estimator.kind.diagnostics(run)
+    seen |= more
+    checks = _checks(estimator, run) if check else ()
+    report = ObserverReport(estimator.label, estimator.kind.id, estimator.kind.title, checks, diverged, estimator.facts)
+    return columns | more, report
+
+
+def _checks(estimator, run: Observed) -> tuple[Check, ...]:
+    """Whether the theorem's conditions hold; a run is not lost because a matrix of them has no eigenvalues."""
+    try:
+        return tuple(estimator.kind.checks(run))
+    except np.linalg.LinAlgError:
+        return (Check("conditions of the theorem", CANNOT_TELL, "the numbers left the range in which they can be judged"),)
+
+
+def _cause(names: tuple[str, ...], states: np.ndarray, first_bad: int) -> str:
+    """The likely cause: which of the observer's states ran away, and what that usually means."""
+    window = states[max(0, first_bad - 20) : first_bad + 1]
+    with np.errstate(all="ignore"):
+        growth = np.nan_to_num(np.abs(window), nan=np.inf, posinf=np.inf).max(axis=0)
+    worst = names[int(np.argmax(growth))]
+    return {
+        "Gamma": "Γ grew without bound: excitation was lost while λ kept forgetting; lower λ or excite the plant",
+        "S": "the parameter covariance grew without bound: excitation was lost; lower λ or excite the plant",
+        "P": "the Riccati equation lost definiteness; raise r or lower q, or take a shorter step",
+        "Upsilon": "Υ grew without bound: A − KC is not stable along this run",
+        "xh": "x̂ left every bound: the initial estimate is outside the region of convergence, or the gain is too low",
+        "thetah": "θ̂ left every bound: lower λ or the initial Γ",
+    }.get(worst.split(".")[0], f"the state {worst} left every bound")

@@ -1,0 +1,161 @@
+"""Run an experiment from t = 0 to its horizon and gather the columns, the divergences and the checks."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+from thetascope.engine.compiler.system import CONTINUOUS
+from thetascope.engine.errors import Cancelled, SpecError
+from thetascope.engine.execution.result_columns import EXPLODED, finite_rows, gather
+from thetascope.engine.execution.stages import Stage, spans
+from thetascope.engine.model.result import Result
+from thetascope.engine.simulation.experiment import Experiment, Rows
+from thetascope.engine.simulation.kernel_cost import costs, operations
+from thetascope.engine.simulation.simulation import Simulation, observed_values, row_values
+from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
+
+_FINER = 8  # how much finer a step must diverge too before a divergence is believed
+_MEASURED = 4000  # steps
+_LARGE = 3000  # operations
+
+__all__ = ["EXPLODED", "needed_substeps", "run"]
+
+Parts = list[tuple[Experiment, Rows]]
+
+
+@dataclass(frozen=True)
+class _Watch:
+    """Who is told how far a run is, and who may stop it."""
+
+    progress: Callable[[float], None] | None
+    cancelled: Callable[[], bool] | None
+
+
+def run(
+    stages: Experiment | Sequence[Stage],
+    progress: Callable[[float], None] | None = None,
+    cancelled: Callable[[], bool] | None = None,
+    inspect: Callable[[Parts, Result], Result] | None = None,
+) -> Result:
+    """Simulate. Raises Cancelled, or SpecError if no allowed substep makes an observer's equations stable.
+
+    ``inspect`` may look at the recorded rows and add to the result.
+    """
+    stages = [Stage(0, stages)] if isinstance(stages, Experiment) else list(stages)
+    seconds: dict[str, float] = {}
+    clock = time.perf_counter()
+    parts, substeps = _stable(stages, _Watch(progress, cancelled))
+    seconds["simulate"] = time.perf_counter() - clock
+    clock = time.perf_counter()
+    result = gather(parts, substeps, seconds)
+    result = replace(result, costs=result.costs | alone(stages[0].experiment, substeps))
+    seconds["gather"] = time.perf_counter() - clock
+    if inspect is not None:
+        clock = time.perf_counter()
+        result = inspect(parts, result)
+        seconds["diagnose"] = time.perf_counter() - clock
+    return result
+
+
+def spans_of(experiment: Experiment, substeps: int) -> Parts:
+    """The rows of an experiment in as many substeps as are known to do."""
+    return _spans([Stage(0, experiment)], substeps, _Watch(None, None), watching=False)[0]
+
+
+def alone(experiment: Experiment, substeps: int) -> dict[str, float]:
+    """Cost of the observer that shares the plant's kernel, in a kernel of its own, where others are to be compared with it.
+
+    It takes a few thousand steps and the compiling of that kernel, which very large observers are spared.
+    """
+    simulation = Simulation(experiment, substeps)
+    if not simulation.joined or len(experiment.estimators) < 2:
+        return {}
+    first = experiment.estimators[simulation.lockstep[0]]
+    if operations(first.program) > _LARGE:
+        return {}
+    simulation.joined = False
+    state, _ = simulation.advance(simulation.initial(), min(100, experiment.steps))  # until memory is warm
+    _, rows = simulation.advance(state, min(_MEASURED, experiment.steps))
+    return {first.label: costs([rows.spent])[first.label]}
+
+
+def _stable(stages: list[Stage], watch: _Watch) -> tuple[Parts, int]:
+    """Simulate; where a step turns out beyond RK4's stability bound, start again with the substeps that do.
+
+    A divergence may be the step's doing in a transient too short to be seen at the recorded rows, so it is believed
+    only if a finer step diverges too. Where the spec gives the substeps, it is obeyed.
+    """
+    given = stages[0].experiment.substeps
+    if given is not None:
+        return _spans(stages, given, watch, watching=False)[0], max(s.experiment.substeps or 1 for s in stages)
+    substeps = 1
+    parts, needed = _spans(stages, substeps, watch)
+    while needed > substeps:
+        substeps = allowed(stages[0].experiment, needed)
+        parts, needed = _spans(stages, substeps, watch)
+    escaped = _escapes(parts)
+    if escaped:
+        finer = _spans(stages, substeps * _FINER, _Watch(None, watch.cancelled))[0]
+        if _escapes(finer) < escaped:
+            return finer, substeps * _FINER
+    return parts, substeps
+
+
+def _spans(stages: list[Stage], substeps: int, watch: _Watch, watching: bool = True) -> tuple[Parts, int]:
+    """Rows up to the horizon, or up to where more substeps turn out to be needed (and how many)."""
+    parts: Parts = []
+    total = stages[0].experiment.steps + 1  # one more: the rows of a span are those at the beginnings of its steps
+    for state, experiment, rows in spans(stages, total, substeps):
+        if watch.cancelled is not None and watch.cancelled():
+            raise Cancelled("the run was cancelled")
+        parts.append((experiment, rows))
+        needed = needed_substeps(experiment, rows) if watching else 1
+        if needed > substeps:
+            return parts, needed
+        if watch.progress is not None:
+            watch.progress(min(1.0, state.k / total))
+    return parts, substeps
+
+
+def needed_substeps(experiment: Experiment, rows: Rows) -> int:
+    """How many substeps the recorded rows say that a base step should be taken in."""
+    if experiment.plant.time != CONTINUOUS or not len(rows.index):
+        return 1
+    opening = rows.index[0] == 0
+    values = row_values(experiment, rows.index, rows.plant)
+    picked = sample_rows(finite_rows(rows.plant), len(experiment.plant.states), opening)
+    rates = [fastest(experiment.plant, values, picked)]
+    for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
+        if estimator.every is None:
+            seen = observed_values(experiment, estimator.parameters, values, rows.y)
+            seen |= {s: states[:, j] for j, s in enumerate(estimator.program.states)}
+            picked = sample_rows(finite_rows(states), len(estimator.program.states), opening)
+            rates.append(fastest(estimator.program, seen, picked))
+    return max(substeps_needed(experiment.step, rate) for rate in rates)
+
+
+def allowed(experiment: Experiment, needed: int) -> int:
+    """``needed`` if that many substeps are allowed. Raises SpecError with the step that would do."""
+    if needed > MOST_SUBSTEPS:
+        step = experiment.step / needed
+        raise SpecError(
+            "step",
+            experiment.step,
+            f"these gains need steps of {step:.2g} s to stay numerically stable, {needed} times shorter than asked",
+            f"set step to {step:.2g} or lower the gains",
+        )
+    return needed
+
+
+def _escapes(parts: Parts) -> int:
+    """How many observers leave the finite numbers before the plant does."""
+    escaped, ended = set(), False
+    for experiment, rows in parts:
+        if experiment.plant.time != CONTINUOUS or ended:
+            break
+        end = finite_rows(rows.plant)
+        ended = end < len(rows.plant)
+        for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
+            if estimator.every is None and finite_rows(states) < end:
+                escaped.add((estimator.label, estimator.since))
+    return len(escaped)

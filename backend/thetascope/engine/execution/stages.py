@@ -1,0 +1,110 @@
+"""An experiment that is changed while it runs: stages, each an experiment that holds from a base step on.
+
+A live session and the run that is saved from it are the same stages, so they give the same numbers.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from thetascope.engine.simulation.experiment import Experiment, Rows, State
+from thetascope.engine.simulation.initial_states import observer_states
+from thetascope.engine.simulation.simulation import Simulation
+
+
+@dataclass(frozen=True)
+class Stage:
+    """``experiment`` holds from base step ``k`` on, until the next stage."""
+
+    k: int
+    experiment: Experiment
+
+
+def carry(state: State, old: Experiment, new: Experiment) -> State:
+    """The state with which the new experiment goes on: observers keep theirs, added ones start here."""
+    kept = {e.label: (e, s) for e, s in zip(old.estimators, state.observers, strict=True)}
+    observers = []
+    for i, estimator in enumerate(new.estimators):
+        before = kept.get(estimator.label)
+        if before is not None and before[0].program == estimator.program and before[0].since == estimator.since:
+            observers.append(before[1])
+        else:
+            observers.append(observer_states([new], i, state.k, state.plant[:, None])[:, 0].copy())
+    return State(state.k, state.plant, tuple(observers), state.memory)
+
+
+def spans(stages: Sequence[Stage], count: int, substeps: int) -> Iterator[tuple[State, Experiment, Rows]]:
+    """Advance from t = 0 by ``count`` base steps through the stages, in chunks.
+
+    ``substeps`` is taken where a stage's experiment does not say.
+    """
+    state = None
+    for i, stage in enumerate(stages):
+        end = min(count, stages[i + 1].k) if i + 1 < len(stages) else count
+        simulation = Simulation(stage.experiment, stage.experiment.substeps or substeps)
+        state = simulation.initial() if state is None else carry(state, stages[i - 1].experiment, stage.experiment)
+        if end <= state.k:
+            continue
+        for after, rows in simulation.spans(end - state.k, state):
+            state = after
+            yield after, stage.experiment, rows
+
+
+@dataclass(frozen=True)
+class Life:
+    """An observer while it watched: its rows (positions in the record), states, and parameters by stage."""
+
+    label: str
+    experiments: tuple[Experiment, ...]  # one for each part
+    positions: tuple[np.ndarray, ...]
+    states: tuple[np.ndarray, ...]
+
+    @property
+    def where(self) -> slice:
+        """Its rows: they follow one another."""
+        first = next((int(p[0]) for p in self.positions if len(p)), 0)
+        return slice(first, first + sum(len(p) for p in self.positions))
+
+
+def lives(parts: Sequence[tuple[Experiment, Rows]]) -> list[Life]:
+    """The observers' lives, in the order in which they began."""
+    open_: dict[str, list] = {}
+    found: list[tuple[str, list]] = []
+    position = 0
+    for experiment, rows in parts:
+        where = np.arange(position, position + len(rows.index))
+        position += len(rows.index)
+        present = {e.label for e in experiment.estimators}
+        for label in [name for name in open_ if name not in present]:
+            del open_[label]
+        for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
+            life = open_.get(estimator.label)
+            if life is None or _estimator(life[-1][0], estimator.label).since != estimator.since:
+                life = open_[estimator.label] = []
+                found.append((estimator.label, life))
+            life.append((experiment, where, states))
+    return [Life(label, *(tuple(c) for c in zip(*life, strict=True))) for label, life in found]
+
+
+def _estimator(experiment: Experiment, label: str):
+    return next(e for e in experiment.estimators if e.label == label)
+
+
+def parameters_over(life: Life) -> dict[str, float | np.ndarray]:
+    """The observer's parameters: a number where it never changed, else an array over the life's rows."""
+    each = [_estimator(e, life.label).parameters for e in life.experiments]
+    if len(each) == 1:
+        return each[0]
+    counts = [len(p) for p in life.positions]
+    return {
+        name: each[0][name]
+        if len({p[name] for p in each}) == 1
+        else np.repeat([p[name] for p in each], counts)
+        for name in each[0]
+    }
+
+
+def final_estimator(life: Life):
+    """The observer as it was last."""
+    return _estimator(life.experiments[-1], life.label)

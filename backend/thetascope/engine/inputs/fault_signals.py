@@ -1,0 +1,74 @@
+"""Faults inside the model: the true θ(t) of each channel as a signal (shapes of the design, section 3)."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from thetascope.engine.inputs import random_streams, signals
+from thetascope.engine.inputs.signals import Signal
+
+
+def step(size: float) -> Signal:
+    return signals.constant(size)
+
+
+def ramp(size: float, duration: float) -> Signal:
+    """To ``size`` over ``duration`` seconds, then it stays."""
+    return signals.ramp(0.0, size / duration, 0.0, duration)
+
+
+def drift(rate: float) -> Signal:
+    """Grows by ``rate`` per second."""
+    return signals.ramp(0.0, rate)
+
+
+def exponential(size: float, time_constant: float) -> Signal:
+    """Incipient: size · (1 − exp(−t/τ))."""
+    return Signal(lambda t, anchor: -size * np.expm1(-t / time_constant), lambda a, b: np.empty(0), False)
+
+
+def sine(size: float, frequency: float, phase: float = 0.0) -> Signal:
+    return signals.sine(size, frequency, phase)
+
+
+def pulse_train(size: float, period: float, width: float) -> Signal:
+    """Intermittent: ``size`` during the first ``width`` seconds of every period."""
+    return signals.pulse(0.0, size, period, width)
+
+
+def random_walk(intensity: float, sample_time: float, key: tuple[int, ...]) -> Signal:
+    """A walk whose standard deviation grows with intensity·√t, one increment every ``sample_time``."""
+    scale = intensity * np.sqrt(sample_time)
+
+    def level(first: int, count: int) -> np.ndarray:
+        # from the first increment on: the sum must not depend on where a chunk begins
+        return np.cumsum(scale * random_streams.normal(key, 0, first + count))[first:]
+
+    return signals._random_held(sample_time, level)
+
+
+_SHAPES = {
+    "step": step,
+    "ramp": ramp,
+    "drift": drift,
+    "exponential": exponential,
+    "sine": sine,
+    "pulse-train": pulse_train,
+    "table": signals.table,
+}
+
+
+def fault(data: Mapping, key: tuple[int, ...]) -> Signal:
+    """θ of one fault from its plain data; ``key`` seeds the random shapes."""
+    arguments = {k: v for k, v in data.items() if k not in ("channel", "shape", "onset", "end")}
+    if data["shape"] == "random-walk":
+        inner = random_walk(**arguments, key=key)
+    else:
+        inner = _SHAPES[data["shape"]](**arguments)
+    return signals.gated(inner, data["onset"], data.get("end"))
+
+
+def theta(channel: str, faults: list[Mapping], seed: int) -> Signal:
+    """The true θ of a channel: the sum of its faults; ``faults`` is the whole list."""
+    mine = [fault(f, (seed, 11, random_streams.key_of(f))) for f in faults if f.get("channel") == channel]
+    return signals.total(mine) if mine else signals.constant(0.0)

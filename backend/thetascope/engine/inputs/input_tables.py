@@ -1,0 +1,42 @@
+"""Signals laid out for kernels: a value a segment where they are held, else one a stage of each step."""
+
+import numpy as np
+
+from thetascope.engine.inputs.signals import Signal
+from thetascope.engine.inputs.time_grid import Grid
+
+
+class Tables:
+    """Signals laid out for kernels over one grid: held ones a value a segment, the others a value a stage."""
+
+    def __init__(self, grid: Grid, signals: dict[str, Signal], stages: int):
+        self.grid, self.signals, self.stages = grid, signals, stages
+
+    def extended(self, more: dict[str, Signal]) -> "Tables":
+        return Tables(self.grid, self.signals | more, self.stages)
+
+    @property
+    def kinds(self) -> tuple[tuple[str, bool], ...]:
+        """The signals' names, and whether they are held."""
+        return tuple((n, s.held) for n, s in self.signals.items())
+
+    def held(self, names: tuple[str, ...]) -> np.ndarray:
+        at = self.grid.segment_anchor
+        table = np.empty((len(at), max(1, len(names))))
+        for j, name in enumerate(names):
+            signal = self.signals[name]
+            table[:, j] = signal(at, at) if signal.level is None else signal.level
+        return table
+
+    def staged(self, names: tuple[str, ...]) -> np.ndarray:
+        g = self.grid
+        if not names:
+            return np.empty((g.count, self.stages, 1))
+        table = np.empty((g.count, self.stages, len(names)))
+        for j, name in enumerate(names):
+            signal = self.signals[name]
+            table[:, 0, j] = signal(g.start, g.anchor)
+            if self.stages == 4:
+                table[:, 1, j] = table[:, 2, j] = signal(0.5 * (g.start + g.end), g.anchor)
+                table[:, 3, j] = signal(g.end, g.anchor)
+        return table

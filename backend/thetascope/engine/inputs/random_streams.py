@@ -1,0 +1,78 @@
+"""Reproducible random numbers with random access: draw j of a stream is a function of (key, j) alone.
+
+So a run may be cut into chunks, rewound or forked without carrying a generator along, and the numbers stay the same, on
+every processor. The generator is compiled (ir_random.py): noise for a thousand runs must not cost more than the runs.
+"""
+
+import ctypes
+import hashlib
+import json
+import zlib
+from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
+
+import numpy as np
+
+from thetascope.engine.compiler import ir_random
+from thetascope.engine.compiler.jit import load, platform_key
+
+_WORD, _COUNT, _PLACE = ctypes.c_uint64, ctypes.c_int64, ctypes.c_void_p
+_ONE_STREAM = ctypes.CFUNCTYPE(None, _WORD, _WORD, _COUNT, _COUNT, _PLACE)
+_EIGHT_STREAMS = ctypes.CFUNCTYPE(None, _PLACE, _PLACE, _COUNT, _COUNT, _PLACE, _COUNT)
+
+
+@lru_cache(maxsize=1)
+def _functions() -> tuple[object, dict[str, Callable]]:
+    engine = load("draws-" + platform_key(), ir_random.emit)
+    kinds = {"uniform": _ONE_STREAM, "normal": _ONE_STREAM, "normal_lanes": _EIGHT_STREAMS}
+    return engine, {name: kind(engine.get_function_address(name)) for name, kind in kinds.items()}
+
+
+@lru_cache(maxsize=8192)
+def _words(key: tuple[int, ...]) -> tuple[int, int]:
+    """The generator's key (128 bits) for a key of any length."""
+    digest = hashlib.blake2b(",".join(str(int(k)) for k in key).encode(), digest_size=16).digest()
+    return int.from_bytes(digest[:8], "little"), int.from_bytes(digest[8:], "little")
+
+
+def _draw(kind: str, key: tuple[int, ...], first: int, count: int) -> np.ndarray:
+    if count <= 0:
+        return np.empty(0)
+    pair = first // 2  # the generator gives two numbers at a time
+    blocks = -(-(first + count - 2 * pair) // ir_random.BLOCK)
+    out = np.empty(blocks * ir_random.BLOCK)
+    _functions()[1][kind](*_words(key), pair, blocks, out.ctypes.data)
+    return out[first - 2 * pair :][:count]
+
+
+def key_of(data: Mapping) -> int:
+    """A number for the stream of a fault: it follows what the fault is, not where it stands in a list or when it ends."""
+    told = {k: v for k, v in data.items() if k != "end"}
+    return zlib.crc32(json.dumps(told, sort_keys=True, separators=(",", ":"), default=float).encode())
+
+
+def normal(key: tuple[int, ...], first: int, count: int) -> np.ndarray:
+    """Draws first … first+count−1 of a standard normal stream. ``key`` is a tuple of non-negative integers."""
+    return _draw("normal", key, first, count)
+
+
+def uniform(key: tuple[int, ...], first: int, count: int) -> np.ndarray:
+    """The same on [0, 1)."""
+    return _draw("uniform", key, first, count)
+
+
+class Streams:
+    """Standard normal streams side by side, for runs in lanes. The number of keys must be a multiple of eight."""
+
+    def __init__(self, keys: Sequence[tuple[int, ...]]):
+        self._keys = np.array([_words(tuple(k)) for k in keys], dtype=np.uint64).T.copy()
+
+    def normal(self, first: int, count: int) -> np.ndarray:
+        """Draws first … first+count−1 of every stream: shape (count, streams), each column as ``normal`` gives it."""
+        pair, streams = first // 2, self._keys.shape[1]
+        pairs = -(-(first + count - 2 * pair) // 2)
+        out = np.empty((2 * pairs, streams))
+        low, high, to = self._keys[0].ctypes.data, self._keys[1].ctypes.data, out.ctypes.data
+        for offset in range(0, 8 * streams, 64):
+            _functions()[1]["normal_lanes"](low + offset, high + offset, pair, pairs, to + offset, streams)
+        return out[first - 2 * pair :][:count]

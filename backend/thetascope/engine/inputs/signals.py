@@ -1,0 +1,196 @@
+"""Time functions: inputs u, known signals φ, fault sizes θ.
+
+Each is evaluated as ``signal(t, anchor)``: the value at t of the piece that is active at ``anchor``. With the anchor
+inside a step, t at its start gives the right limit there and t at its end the left limit: a step never sees across a
+discontinuity, and rounding in a switching time cannot put it on the wrong side.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from thetascope.engine.inputs import random_streams
+from thetascope.engine.programs.program_store import time_program
+
+_FAR = 10**7  # no signal may ask for more switching times than this in one span
+
+
+@dataclass(frozen=True)
+class Signal:
+    """A time function. ``held``: piecewise constant. ``breaks(a, b)``: its discontinuities (of value or slope) in (a, b).
+    ``level``: its value, if that is one number for ever.
+    """
+
+    value: Callable[[np.ndarray, np.ndarray], np.ndarray]
+    breaks: Callable[[float, float], np.ndarray]
+    held: bool
+    level: float | None = None
+
+    def __call__(self, t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        """Values at t (s) of the pieces active at anchor (s); arrays of one shape."""
+        return self.value(np.asarray(t, dtype=float), np.asarray(anchor, dtype=float))
+
+
+def _within(times: np.ndarray, a: float, b: float) -> np.ndarray:
+    return times[(times > a) & (times < b)]
+
+
+def _no_breaks(a: float, b: float) -> np.ndarray:
+    return np.empty(0)
+
+
+def constant(value: float) -> Signal:
+    return Signal(lambda t, anchor: np.full(anchor.shape, float(value)), _no_breaks, True, float(value))
+
+
+def steps(times: list[float], values: list[float]) -> Signal:
+    """values[0] before times[0], values[i] from times[i−1] on."""
+    edges, levels = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    return Signal(
+        lambda t, anchor: levels[np.searchsorted(edges, anchor, side="right")], lambda a, b: _within(edges, a, b), True
+    )
+
+
+def _every(start: float, period: float, a: float, b: float) -> np.ndarray:
+    """start + k·period in (a, b), k ≥ 0."""
+    first, last = max(0, int(np.ceil((a - start) / period))), int(np.floor((b - start) / period))
+    if last - first > _FAR:
+        raise ValueError(f"a signal of period {period:g} s switches more than {_FAR} times")
+    return _within(start + period * np.arange(first, last + 1), a, b)
+
+
+def pulse(low: float, high: float, period: float, width: float, start: float = 0.0) -> Signal:
+    """high on [start + k·period, start + k·period + width), low elsewhere."""
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        phase = np.mod(anchor - start, period)
+        return np.where((anchor >= start) & (phase < width), float(high), float(low))
+
+    def breaks(a: float, b: float) -> np.ndarray:
+        return np.concatenate([_every(start, period, a, b), _every(start + width, period, a, b)])
+
+    return Signal(value, breaks, True)
+
+
+def sine(amplitude: float, frequency: float, phase: float = 0.0, offset: float = 0.0) -> Signal:
+    """offset + amplitude · sin(2π·frequency·t + phase)."""
+    return Signal(lambda t, anchor: offset + amplitude * np.sin(2 * np.pi * frequency * t + phase), _no_breaks, False)
+
+
+def ramp(start: float, slope: float, initial: float = 0.0, end: float | None = None) -> Signal:
+    """initial until start, then slope (per second) until end (for ever if None), then constant."""
+    stop = np.inf if end is None else end
+    edges = np.array([start] if end is None else [start, end])
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        run = np.where(anchor < start, 0.0, np.where(anchor > stop, stop - start, t - start))
+        return initial + slope * run
+
+    return Signal(value, lambda a, b: _within(edges, a, b), False)
+
+
+def chirp(amplitude: float, f0: float, f1: float, duration: float, offset: float = 0.0) -> Signal:
+    """A sine whose frequency goes linearly from f0 to f1 (Hz) in ``duration`` seconds and stays f1 from then on."""
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        sweeping = f0 * t + (f1 - f0) / (2 * duration) * t**2
+        cycles = np.where(anchor < duration, sweeping, 0.5 * (f0 + f1) * duration + f1 * (t - duration))
+        return offset + amplitude * np.sin(2 * np.pi * cycles)
+
+    return Signal(value, lambda a, b: _within(np.array([duration]), a, b), False)
+
+
+def prbs(low: float, high: float, hold: float, seed: int = 0) -> Signal:
+    """A pseudo-random binary sequence: low or high with equal chance, drawn anew every ``hold`` seconds."""
+    return _random_held(hold, lambda first, count: np.where(random_streams.uniform((seed, 7), first, count) < 0.5, low, high))
+
+
+def _random_held(hold: float, level: Callable[[int, int], np.ndarray], start: float = 0.0) -> Signal:
+    """A held signal whose level on [start + j·hold, start + (j+1)·hold) is drawn by index j; 0 before start."""
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        if not anchor.size:
+            return np.zeros(anchor.shape)
+        index = np.floor((anchor - start) / hold).astype(np.int64)
+        first = max(0, int(index.min()))
+        count = int(index.max()) - first + 1
+        if count <= 0:
+            return np.zeros(anchor.shape)
+        levels = level(first, count)
+        return np.where(index < 0, 0.0, levels[np.clip(index - first, 0, count - 1)])
+
+    return Signal(value, lambda a, b: _every(start, hold, a, b), True)
+
+
+def table(times: list[float], values: list[float], interpolation: str = "hold") -> Signal:
+    """Values at given times, held or joined by lines; constant outside."""
+    edges, levels = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
+    if interpolation == "hold":
+        return steps(list(edges[1:]), list(levels))
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        if len(edges) == 1:
+            return np.full(anchor.shape, levels[0])
+        piece = np.clip(np.searchsorted(edges, anchor, side="right") - 1, 0, len(edges) - 2)
+        a, b = edges[piece], edges[piece + 1]
+        fraction = np.clip((t - a) / (b - a), 0.0, 1.0)
+        return levels[piece] + fraction * (levels[piece + 1] - levels[piece])
+
+    return Signal(value, lambda a, b: _within(edges, a, b), False)
+
+
+def expression(text: str) -> Signal:
+    """A smooth function of t given as text. Raises ExpressionError."""
+    program = time_program(text)
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        return np.broadcast_to(program.evaluate(["value"], {"t": t})[0], t.shape).astype(float)
+
+    return Signal(value, _no_breaks, False)
+
+
+_KINDS = {"constant": constant, "steps": steps, "pulse": pulse, "sine": sine, "ramp": ramp, "chirp": chirp, "prbs": prbs,
+          "table": table, "expression": expression}  # fmt: skip
+
+
+def signal(data: Mapping) -> Signal:
+    """A signal from its plain data: ``kind`` and the arguments of the function of that name."""
+    arguments = dict(data)
+    return _KINDS[arguments.pop("kind")](**arguments)
+
+
+def total(parts: list[Signal]) -> Signal:
+    """The sum of signals."""
+    if len(parts) == 1:
+        return parts[0]
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        result = np.zeros(anchor.shape)
+        for part in parts:
+            result = result + part(t, anchor)
+        return result
+
+    def breaks(a: float, b: float) -> np.ndarray:
+        return np.concatenate([p.breaks(a, b) for p in parts]) if parts else np.empty(0)
+
+    return Signal(value, breaks, all(p.held for p in parts))
+
+
+def gated(inner: Signal, onset: float, end: float | None) -> Signal:
+    """``inner`` with its time counted from onset; zero before onset and from end on."""
+    stop = np.inf if end is None else end
+    edges = np.array([onset] if end is None else [onset, end])
+
+    def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
+        on = (anchor >= onset) & (anchor < stop)
+        return np.where(on, inner(t - onset, anchor - onset) if inner.level is None else inner.level, 0.0)
+
+    def breaks(a: float, b: float) -> np.ndarray:
+        if inner.level is not None:
+            return _within(edges, a, b)
+        low, high = max(a, onset), min(b, stop)
+        own = inner.breaks(low - onset, high - onset) + onset if high > low else np.empty(0)
+        return np.concatenate([_within(edges, a, b), _within(own, a, b)])
+
+    return Signal(value, breaks, inner.held)

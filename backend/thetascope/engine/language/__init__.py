@@ -1,0 +1,1 @@
+"""The language of equations: text → checked tree → SymPy."""

@@ -1,0 +1,224 @@
+"""Text → mathematics, by a whitelist over Python's `ast`. Nothing that a user wrote is ever evaluated as code.
+
+The language: numbers, declared names, `pi`, + - * / ** ^ (both are powers), parentheses, the functions of
+builtins.py, and inside `where(condition, a, b)` the comparisons < <= > >= joined by `and`, `or`.
+
+Three steps, each of which refuses with the place in the text: the characters and their order (lexer.py), the tree
+that Python's parser gives, of which only arithmetic is taken over (here), and the SymPy expression (to_sympy.py).
+Reading needs no SymPy. Constants are folded in double precision while reading, so that no number can blow up.
+"""
+
+import ast
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from typing import TYPE_CHECKING, NoReturn
+
+from thetascope.engine.errors import ExpressionError, SpecError
+from thetascope.engine.language.builtins import FUNCTIONS
+from thetascope.engine.language.lexer import MAX_DEPTH, MAX_LENGTH, MAX_TOKENS, SPLIT, Scanner, Token
+from thetascope.engine.language.syntax_tree import Node, exact_of, value_of
+
+if TYPE_CHECKING:
+    import sympy
+
+__all__ = ["FUNCTIONS", "MAX_DEPTH", "MAX_EXPONENT", "MAX_LENGTH", "MAX_TOKENS", "Node", "Parsed", "parse"]
+
+MAX_EXPONENT = 64
+SYMBOLIC_POWER = 8  # what an exponent that is no constant counts towards the degree
+
+
+@dataclass(frozen=True)
+class Parsed:
+    """A checked expression: its text, the names it uses in order of appearance, and its tree."""
+
+    text: str
+    field: str
+    names: tuple[str, ...]
+    tree: Node
+
+    @property
+    def degree(self) -> int:
+        """Bound on accumulated powers, 1 to 64; pass it on in `degrees` where this expression gets a name."""
+        return self.tree.degree
+
+    def sympy(self, symbols: Mapping[str, "sympy.Symbol"]) -> "sympy.Expr":
+        """The SymPy expression. It holds Add, Mul, Pow, SymPy's elementary functions and those of sympy_functions.py.
+
+        Args:
+            symbols: a real symbol for each of `names`.
+
+        Raises:
+            ExpressionError: where it divides by what cancels to zero, or leaves the real numbers.
+            KeyError, TypeError: where a symbol is missing or not real (an error of the program, not of the text).
+        """
+        from thetascope.engine.language.to_sympy import to_sympy
+
+        return to_sympy(self, symbols)
+
+
+def parse(
+    text: str, names: Iterable[str], field: str = "expression", degrees: Mapping[str, int] | None = None
+) -> Parsed:
+    """Check a text and read it.
+
+    Args:
+        text: the expression.
+        names: what it may mention (`t` too, where it may).
+        field: path of the field, for error messages.
+        degrees: `Parsed.degree` of names that stand for expressions, where these will be put in.
+
+    Raises:
+        ExpressionError: with the place, the problem and the remedy.
+    """
+    if not isinstance(text, str):
+        raise SpecError(field, text, "an expression is a text", "write it in quotes")
+    tokens = Scanner(text, frozenset(names), FUNCTIONS, field).tokens()
+    reader = _Reader(text, field, degrees or {})
+    tree = reader.read(tokens)
+    used = dict.fromkeys(token.text for token in tokens if token.kind == "name" and token.text != "pi")
+    return Parsed(text, field, tuple(used), tree)
+
+
+class _Reader:
+    """Python's tree → Node, with limits on size and depth and with constants folded."""
+
+    def __init__(self, text: str, field: str, degrees: Mapping[str, int]) -> None:
+        self.text, self.field, self.degrees = text, field, degrees
+        self.starts: list[int] = []  # position in the text of each character that Python's parser reads
+        self.ends: list[int] = []
+
+    def read(self, tokens: list[Token]) -> Node:
+        pieces = []
+        for token in tokens:
+            piece = ("**" if token.text == "^" else token.text) + " "
+            pieces.append(piece)
+            self.starts += [token.start] * len(piece)
+            self.ends += [token.end] * len(piece)
+        try:
+            tree = ast.parse("".join(pieces), mode="eval").body
+        except SyntaxError as error:  # the scanner lets none through that is known; it is refused all the same
+            column = min(max((error.offset or 1) - 1, 0), len(self.starts) - 1)
+            start, end = self.starts[column], self.ends[column]
+            problem, remedy = "this cannot be read", "check the syntax here"
+        except (ValueError, MemoryError, RecursionError, OverflowError):
+            start, end, problem, remedy = 0, len(self.text), "this is nested too deeply", SPLIT
+        else:
+            return self.number(tree, 0)
+        raise ExpressionError(self.field, self.text, start, end, problem, remedy)
+
+    def place(self, node: ast.expr) -> tuple[int, int]:
+        return self.starts[node.col_offset], self.ends[(node.end_col_offset or node.col_offset + 1) - 1]
+
+    def refuse(self, node: ast.expr | Node, problem: str, remedy: str) -> NoReturn:
+        start, end = (node.start, node.end) if isinstance(node, Node) else self.place(node)
+        raise ExpressionError(self.field, self.text, start, end, problem, remedy)
+
+    def check_depth(self, node: ast.expr, depth: int) -> None:
+        if depth > MAX_DEPTH:
+            self.refuse(node, f"operations are nested deeper than {MAX_DEPTH}", SPLIT)
+
+    def number(self, node: ast.expr, depth: int) -> Node:
+        """What stands for a real number."""
+        self.check_depth(node, depth)
+        match node:
+            case ast.Constant(value=value) if type(value) in (int, float):
+                exact = Fraction(value) if isinstance(value, int) else None
+                return Node("number", (), *self.place(node), value=float(value), exact=exact)
+            case ast.Name(id="pi"):
+                return Node("number", (), *self.place(node), value=math.pi)
+            case ast.Name(id=name):
+                return Node("name", (), *self.place(node), name=name, degree=self.degrees.get(name, 1))
+            case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
+                signs = (-1,) if isinstance(sign, ast.USub) else (1,)
+                return self.folded(Node("sum", (self.number(operand, depth + 1),), *self.place(node), signs=signs))
+            case ast.BinOp(op=ast.Pow()):
+                return self.power(node, depth)
+            case ast.BinOp(op=ast.Add() | ast.Sub()):
+                return self.chain("sum", (ast.Add, ast.Sub), node, depth)
+            case ast.BinOp(op=ast.Mult() | ast.Div()):
+                return self.chain("product", (ast.Mult, ast.Div), node, depth)
+            case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
+                return self.call(node, name, args, depth)
+            case ast.Compare() | ast.BoolOp():
+                self.refuse(node, "a condition stands where a number is needed", "write where(condition, 1, 0)")
+            case ast.Tuple():
+                self.refuse(node, "a list stands where a number is needed", "write one expression")
+        self.refuse(node, "this is not arithmetic", "use numbers, names, + - * / ^ and the functions")
+
+    def chain(self, kind: str, operators: tuple[type, type], node: ast.expr, depth: int) -> Node:
+        """a + b − c … or a·b/c … as one node, so that a long sum is not deep."""
+        place, parts = self.place(node), []
+        while isinstance(node, ast.BinOp) and isinstance(node.op, operators):
+            parts.append((1 if isinstance(node.op, operators[0]) else -1, node.right))
+            node = node.left
+        parts.append((1, node))
+        parts.reverse()
+        args = tuple(self.number(part, depth + 1) for _, part in parts)
+        signs = tuple(sign for sign, _ in parts)
+        if kind == "product":
+            for sign, arg in zip(signs, args, strict=True):
+                if sign < 0 and arg.value == 0:
+                    self.refuse(arg, "division by zero: this is the constant 0", "divide by what is not zero")
+        return self.folded(Node(kind, args, *place, signs=signs))
+
+    def power(self, node: ast.BinOp, depth: int) -> Node:
+        base, exponent = self.number(node.left, depth + 1), self.number(node.right, depth + 1)
+        if exponent.value is None:
+            if base.value is not None and base.value <= 0:
+                self.refuse(base, "a base that is not positive has a variable exponent", "use a positive base")
+            factor = SYMBOLIC_POWER
+        else:
+            if abs(exponent.value) > MAX_EXPONENT:
+                problem = f"the exponent {exponent.value:g} is beyond ±{MAX_EXPONENT}"
+                self.refuse(exponent, problem, f"keep exponents within {MAX_EXPONENT}; use exp(x) for growth")
+            if base.value == 0 and exponent.value < 0:
+                self.refuse(base, "division by zero: this is the constant 0", "divide by what is not zero")
+            factor = max(1, math.ceil(abs(exponent.value)))
+        degree = base.degree * factor if base.value is None else max(base.degree, exponent.degree)
+        if degree > MAX_EXPONENT:
+            problem = f"powers of powers reach the exponent {degree}, beyond {MAX_EXPONENT}"
+            self.refuse(exponent, problem, "use smaller exponents")
+        return self.folded(Node("power", (base, exponent), *self.place(node), degree=max(degree, exponent.degree)))
+
+    def call(self, node: ast.Call, name: str, args: list[ast.expr], depth: int) -> Node:
+        function = FUNCTIONS[name]
+        if len(args) < function.least or (function.most is not None and len(args) > function.most):
+            some = f"{function.least}" if function.most == function.least else f"at least {function.least}"
+            plural = "" if some == "1" else "s"
+            self.refuse(node, f"{name} takes {some} argument{plural}, not {len(args)}", f"give {some} argument{plural}")
+        read = [self.condition if name == "where" and not index else self.number for index in range(len(args))]
+        nodes = tuple(reader(arg, depth + 1) for reader, arg in zip(read, args, strict=True))
+        return self.folded(Node("call", nodes, *self.place(node), name=name))
+
+    def condition(self, node: ast.expr, depth: int) -> Node:
+        """What is true or false: the first argument of where."""
+        self.check_depth(node, depth)
+        match node:
+            case ast.BoolOp(op=operator, values=values):
+                kind = "and" if isinstance(operator, ast.And) else "or"
+                return self.folded(Node(kind, tuple(self.condition(v, depth + 1) for v in values), *self.place(node)))
+            case ast.Compare(left=left, ops=[operator], comparators=[right]):
+                args = (self.number(left, depth + 1), self.number(right, depth + 1))
+                if isinstance(operator, ast.Gt | ast.GtE):
+                    args = args[::-1]
+                kind = "less" if isinstance(operator, ast.Lt | ast.Gt) else "less_equal"
+                return self.folded(Node(kind, args, *self.place(node)))
+            case ast.Compare():
+                self.refuse(node, "comparisons cannot be chained", "write a < b and b < c")
+        self.refuse(node, "a number stands where a condition is needed", "compare it, for example x > 0")
+
+    def folded(self, node: Node) -> Node:
+        """The node with its value if all its arguments are constants, and with its degree."""
+        degree = max([node.degree, *(arg.degree for arg in node.args)])
+        if any(arg.value is None for arg in node.args):
+            return replace(node, degree=degree)
+        try:
+            value = float(value_of(node))
+        except (ArithmeticError, ValueError):
+            value = math.nan
+        if not math.isfinite(value):
+            problem = "this constant has no finite real value"
+            self.refuse(node, problem, "check signs, divisors and the arguments of sqrt, log, asin, acos, exp")
+        return replace(node, value=value, exact=exact_of(node), degree=1)

@@ -1,0 +1,225 @@
+"""A plant's text as MathML, in the order in which its author wrote it.
+
+The tree that is read here is the one that is lowered to the running program (parser.py), not SymPy's form of it:
+SymPy sorts terms and splits roots, and a reader looks for the equation as it stands in the paper. It needs no SymPy,
+so equations appear at once.
+"""
+
+from collections.abc import Iterable, Mapping
+from html import escape
+
+from thetascope.engine.language.parser import Node, Parsed, parse
+from thetascope.engine.language.render.mathml_symbols import DOT, is_word, symbol
+
+NAMED = {"log": "ln", "asin": "arcsin", "acos": "arccos", "atan": "arctan", "sign": "sgn", "backlash": "play", "clip": "sat"}
+TIGHT, LOOSE = '<mspace width="0.14em"/>', '<mspace width="0.28em"/>'
+MINUS, EQUALS = "<mo>−</mo>", "<mo>=</mo>"
+
+
+def row(*inner: str, css: str = "") -> str:
+    """Parts side by side."""
+    return f"<mrow{f' class={chr(34)}{css}{chr(34)}' if css else ''}>{''.join(inner)}</mrow>"
+
+
+def fenced(inner: str, left: str = "(", right: str = ")") -> str:
+    """Something in brackets that grow with it."""
+    return row(f'<mo fence="true" form="prefix">{left}</mo>', inner, f'<mo fence="true" form="postfix">{right}</mo>')
+
+
+def math(inner: str) -> str:
+    """A whole formula."""
+    return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">{row(inner)}</math>'
+
+
+class Writer:
+    """One checked expression → MathML."""
+
+    def __init__(self, parsed: Parsed) -> None:
+        self.parsed = parsed
+
+    def write(self) -> str:
+        return self.of(self.parsed.tree)
+
+    def of(self, node: Node) -> str:
+        return getattr(self, node.kind)(node)
+
+    def number(self, node: Node) -> str:
+        text = self.parsed.text[node.start : node.end]
+        mantissa, e, power = text.lower().partition("e")
+        if text == "pi":
+            return "<mi>π</mi>"
+        if not e:
+            return f"<mn>{escape(text)}</mn>"
+        ten = f"<msup><mn>10</mn><mrow>{MINUS if power.startswith('-') else ''}<mn>{power.lstrip('+-')}</mn></mrow></msup>"
+        return ten if mantissa in ("1", "1.0") else row(f"<mn>{mantissa}</mn><mo>·</mo>{ten}")
+
+    def name(self, node: Node) -> str:
+        return symbol(node.name)
+
+    def sum(self, node: Node) -> str:
+        out = []
+        for place, (sign, arg) in enumerate(zip(node.signs, node.args, strict=True)):
+            sign, arg = signed(arg, sign)
+            inner = self.of(arg)
+            if arg.kind == "sum" and (place or sign < 0):
+                inner = fenced(inner)
+            out.append((MINUS if sign < 0 else "<mo>+</mo>" if place else "") + inner)
+        return row(*out)
+
+    def product(self, node: Node) -> str:
+        """Divisors below one fraction line; a minus of the first factor in front of all."""
+        sign, node = signed(node, 1)
+        above = [arg for s, arg in zip(node.signs, node.args, strict=True) if s > 0]
+        below = [arg for s, arg in zip(node.signs, node.args, strict=True) if s < 0]
+        if below:
+            made = f"<mfrac>{self.factors(above)}{self.factors(below)}</mfrac>"
+        else:
+            made = self.factors(above)
+        return row(MINUS, made) if sign < 0 else made
+
+    def factors(self, args: list[Node]) -> str:
+        if len(args) == 1:
+            return row(self.of(args[0]))
+        out = []
+        for place, arg in enumerate(args):
+            if place:
+                loose = any(a.kind == "name" and is_word(a.name) for a in (arg, args[place - 1]))
+                digits = first(arg).kind == "number" and first(arg).value is not None
+                out.append("<mo>·</mo>" if digits else LOOSE if loose else TIGHT)
+            out.append(fenced(self.of(arg)) if arg.kind == "sum" else self.of(arg))
+        return row(*out)
+
+    def power(self, node: Node) -> str:
+        base, exponent = node.args
+        if exponent.value == 0.5:
+            return f"<msqrt>{self.of(base)}</msqrt>"
+        below = self.of(base)
+        if base.kind not in ("name", "number") and not (base.kind == "call" and base.name == "abs"):
+            below = fenced(below)
+        return f"<msup>{row(below)}{row(self.of(exponent))}</msup>"
+
+    def call(self, node: Node) -> str:
+        written = getattr(self, f"call_{node.name}", None)
+        if written:
+            return written(*node.args)
+        inner = "<mo>,</mo>".join(self.of(arg) for arg in node.args)
+        return row(f"<mi>{NAMED.get(node.name, node.name)}</mi><mo>&#x2061;</mo>", fenced(inner))
+
+    def call_sqrt(self, arg: Node) -> str:
+        return f"<msqrt>{self.of(arg)}</msqrt>"
+
+    def call_abs(self, arg: Node) -> str:
+        return fenced(self.of(arg), "|", "|")
+
+    def call_floor(self, arg: Node) -> str:
+        return fenced(self.of(arg), "⌊", "⌋")
+
+    def call_exp(self, arg: Node) -> str:
+        return f"<msup><mi>e</mi>{row(self.of(arg))}</msup>"
+
+    def call_spow(self, base: Node, exponent: Node) -> str:
+        return f"<msup>{fenced(self.of(base), '⌊', '⌉')}{row(self.of(exponent))}</msup>"
+
+    def call_where(self, condition: Node, a: Node, b: Node) -> str:
+        cells = (self.of(a), row("<mtext>if </mtext>", self.of(condition))), (self.of(b), "<mtext>otherwise</mtext>")
+        lines = "".join(f"<mtr><mtd>{value}</mtd><mtd>{when}</mtd></mtr>" for value, when in cells)
+        return row('<mo fence="true" form="prefix">{</mo>', f'<mtable class="cases">{lines}</mtable>')
+
+    def less(self, node: Node) -> str:
+        return row(self.of(node.args[0]), "<mo>&lt;</mo>", self.of(node.args[1]))
+
+    def less_equal(self, node: Node) -> str:
+        return row(self.of(node.args[0]), "<mo>≤</mo>", self.of(node.args[1]))
+
+    def joined(self, node: Node, sign: str) -> str:
+        return row(f"<mo>{sign}</mo>".join(fenced(self.of(a)) if a.kind in ("and", "or") else self.of(a) for a in node.args))
+
+
+setattr(Writer, "and", lambda self, node: self.joined(node, "∧"))
+setattr(Writer, "or", lambda self, node: self.joined(node, "∨"))
+
+
+def signed(node: Node, sign: int) -> tuple[int, Node]:
+    """A term with the minus that it begins with taken out: −a·b is read as (−a)·b."""
+    from dataclasses import replace
+
+    if node.kind == "sum" and len(node.args) == 1:
+        return signed(node.args[0], sign * node.signs[0])
+    if node.kind == "product":
+        inner, head = signed(node.args[0], 1)
+        if inner < 0:
+            return -sign, replace(node, args=(head, *node.args[1:]))
+    return sign, node
+
+
+def first(node: Node) -> Node:
+    """What a factor begins with."""
+    return first(node.args[0]) if node.kind in ("product", "power") and node.signs[:1] != (-1,) else node
+
+
+# ---- a whole plant -----------------------------------------------------------------------------------------------------
+
+
+def expression(text: str, names: Iterable[str], field: str = "expression") -> str:
+    """A plant's text as MathML. Raises ExpressionError, which points into the text."""
+    return Writer(parse(text, names, field)).write()
+
+
+def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
+    """The equations of a plant with all its faults in them.
+
+    Args:
+        data: the plant as plain data (`shared.Plant` dumped).
+
+    Returns:
+        ``states``, ``definitions``, ``outputs``: for each the name, what it is (description, unit) and ``math``, MathML.
+        In it what a fault adds (a column of Φ or Ψ times θ) has the class ``fault``.
+
+    Raises:
+        ExpressionError: with the place in the text.
+    """
+    names = ["t"] + [item["name"] for group in ("states", "inputs", "signals", "parameters") for item in data[group]]
+    definitions = []
+    for index, item in enumerate(data["definitions"]):
+        text = expression(item["expression"], names, f"definitions.{index}.expression")
+        definitions.append(_line(item, symbol(item["name"]) + EQUALS + text))
+        names.append(item["name"])
+    discrete = data["time"]["kind"] == "discrete"
+    states, outputs = [], []
+    for item in data["states"]:
+        text = expression(data["dynamics"][item["name"]], names, f"dynamics.{item['name']}")
+        states.append(_line(item, _rate(item["name"], discrete) + EQUALS + text + _faults(data, item["name"], names)))
+    for index, item in enumerate(data["outputs"]):
+        text = expression(item["expression"], names, f"outputs.{index}.expression")
+        outputs.append(_line(item, symbol(item["name"]) + EQUALS + text + _faults(data, item["name"], names)))
+    return {"states": states, "definitions": definitions, "outputs": outputs}
+
+
+def _line(item: Mapping, inner: str) -> dict[str, str]:
+    return {"name": item["name"], "unit": item.get("unit", ""), "description": item.get("description", ""), "math": math(inner)}
+
+
+def _rate(name: str, discrete: bool) -> str:
+    """ẋ, dx/dt for a word, x⁺ in discrete time."""
+    if discrete:
+        return f"<msup>{symbol(name)}<mo>+</mo></msup>"
+    if is_word(name):
+        return f"<mfrac><mrow><mi mathvariant='normal'>d</mi>{TIGHT}{symbol(name)}</mrow><mrow><mi mathvariant='normal'>d</mi><mi>t</mi></mrow></mfrac>"
+    return symbol(name, DOT)
+
+
+def _faults(data: Mapping, where: str, names: Iterable[str]) -> str:
+    """+ coefficient·θ of every channel that enters here."""
+    out = []
+    for index, channel in enumerate(data["channels"]):
+        if where not in channel["enters"]:
+            continue
+        parsed = parse(str(channel["enters"][where]), names, f"channels.{index}.enters.{where}")
+        sign, node = signed(parsed.tree, 1)
+        sign = -1 if node.value is not None and node.value < 0 else sign
+        writer, theta = Writer(parsed), symbol(channel["name"])
+        one = node.value is not None and abs(node.value) == 1
+        coefficient = fenced(writer.of(node)) if node.kind == "sum" and len(node.args) > 1 else writer.of(node)
+        inner = theta if one else row(coefficient, LOOSE if is_word(channel["name"]) else TIGHT, theta)
+        out.append(row(f'<mo form="infix">{"−" if sign < 0 else "+"}</mo>', inner, css="fault"))
+    return "".join(out)

@@ -1,0 +1,246 @@
+"""The SymPy functions of the expression language that SymPy lacks or cannot keep tame.
+
+All are real, opaque (no rewriting, only evaluation at numbers), and know their derivatives. Those named like
+SymPy's own (`Abs`, `sign`, `floor`, `Min`, `Max`, `atan2`) print like them but never turn into square roots,
+conjugates, Heaviside or Dirac terms, and cost nothing to build. Derivatives hold almost everywhere: at a kink or a
+jump they are the derivative of the branch taken. Conditions are the real numbers 1 and 0.
+"""
+
+import math
+from collections.abc import Sequence
+from functools import partial
+
+import sympy
+from sympy import Expr, Float, Function, Integer, Number, log
+
+from thetascope.engine.language import builtins
+
+ZERO, ONE = Integer(0), Integer(1)
+
+
+class Real(Function):
+    """A real function that evaluates only at numbers, by `compute`."""
+
+    is_real = True
+    is_extended_real = True
+    is_commutative = True
+
+    @classmethod
+    def eval(cls, *args: Expr) -> Expr | None:
+        if not all(isinstance(arg, Number) for arg in args):
+            return None
+        try:
+            value = cls.compute(*(float(arg) for arg in args))
+        except (ArithmeticError, ValueError):
+            return sympy.nan
+        return Integer(value) if isinstance(value, int) else Float(value)
+
+    @classmethod
+    def _should_evalf(cls, arg: Expr) -> int:
+        """A double among the arguments is no reason to look for a numerical routine."""
+        return -1
+
+    @staticmethod
+    def compute(*args: float) -> float:
+        """The value at numbers."""
+        raise NotImplementedError
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Derivative with respect to an argument; 0 for the piecewise constant ones."""
+        return ZERO
+
+
+class Less(Real):
+    """a < b, as 1 or 0."""
+
+    nargs = (2,)
+    compute = staticmethod(lambda a, b: int(a < b))
+
+
+class LessEqual(Real):
+    """a ≤ b, as 1 or 0."""
+
+    nargs = (2,)
+    compute = staticmethod(lambda a, b: int(a <= b))
+
+
+class And_(Real):
+    """Both conditions, as 1 or 0."""
+
+    nargs = (2,)
+    compute = staticmethod(lambda a, b: int(a != 0 and b != 0))
+
+
+class Or_(Real):
+    """Either condition, as 1 or 0."""
+
+    nargs = (2,)
+    compute = staticmethod(lambda a, b: int(a != 0 or b != 0))
+
+
+class Where(Real):
+    """a where the condition is not 0, otherwise b. Only the branch taken counts, in the derivative too."""
+
+    nargs = (3,)
+
+    @classmethod
+    def eval(cls, condition: Expr, a: Expr, b: Expr) -> Expr | None:
+        if isinstance(condition, Number):
+            return a if condition else b  # not == 0: to SymPy a double 0.0 is not the integer 0
+        return a if a == b else None
+
+    def _eval_derivative(self, symbol: Expr) -> Expr:
+        condition, a, b = self.args
+        return Where(condition, a.diff(symbol), b.diff(symbol))
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        return ZERO if argindex == 1 else Where(self.args[0], *((ONE, ZERO) if argindex == 2 else (ZERO, ONE)))
+
+
+class Abs(Real):
+    """|x|."""
+
+    nargs = (1,)
+    compute = staticmethod(abs)
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        return sign(self.args[0])
+
+
+class sign(Real):
+    """1, 0 or −1."""
+
+    nargs = (1,)
+    compute = staticmethod(builtins.sign)
+
+
+class floor(Real):
+    """The largest integer that is not above x."""
+
+    nargs = (1,)
+    compute = staticmethod(lambda x: float(math.floor(x)))
+
+
+class Min(Real):
+    """The smaller of two."""
+
+    nargs = (2,)
+    compute = staticmethod(min)
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        a, b = self.args
+        return Where(LessEqual(a, b), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
+
+    def _eval_derivative(self, symbol: Expr) -> Expr:
+        a, b = self.args
+        return Where(LessEqual(a, b), a.diff(symbol), b.diff(symbol))
+
+
+class Max(Real):
+    """The larger of two."""
+
+    nargs = (2,)
+    compute = staticmethod(max)
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        a, b = self.args
+        return Where(LessEqual(b, a), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
+
+    def _eval_derivative(self, symbol: Expr) -> Expr:
+        a, b = self.args
+        return Where(LessEqual(b, a), a.diff(symbol), b.diff(symbol))
+
+
+class atan2(Real):
+    """Angle of the point (x, y): atan2(y, x)."""
+
+    nargs = (2,)
+    compute = staticmethod(math.atan2)
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        y, x = self.args
+        return (x if argindex == 1 else -y) / (x**2 + y**2)
+
+
+class SignedPower(Real):
+    """⌊x⌉^a = |x|^a sign x, the error term of nonsmooth observers (Shen & Hu 2015, below (10))."""
+
+    nargs = (2,)
+
+    @classmethod
+    def eval(cls, x: Expr, a: Expr) -> Expr | None:
+        return x if a.is_Number and float(a) == 1 else super().eval(x, a)
+
+    compute = staticmethod(builtins.signed_power)
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        x, a = self.args
+        return a * Abs(x) ** (a - 1) if argindex == 1 else self * log(Abs(x))
+
+
+class Backlash(Real):
+    """Play operator of Zhou & Tan 2012, (6)–(9): Backlash(x, Δx, z, m1, m2, D1, D2) is the next z.
+
+    In the linear zone it follows m1·(x − D1) (rising, x > z/m1 + D1) or m2·(x + D2) (falling, x < z/m2 − D2); in the
+    memory zone it keeps z. The thresholds use the operator's own z, not the sum v (READING §4).
+    """
+
+    nargs = (7,)
+
+    compute = staticmethod(builtins.backlash)
+
+    def zones(self) -> tuple[Expr, Expr]:
+        """The switching functions g1 (rising, linear) and g2 (falling, linear) of (7), as 1 or 0."""
+        x, dx, z, m1, m2, D1, D2 = self.args
+        return And_(Less(z / m1 + D1, x), Less(ZERO, dx)), And_(Less(x, z / m2 - D2), Less(dx, ZERO))
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        x, _, _, m1, m2, D1, D2 = self.args
+        rising, falling = self.zones()
+        # per argument: the slope in the rising, the falling and the memory zone
+        slopes: Sequence[tuple[Expr, Expr, Expr]] = (
+            (m1, m2, ZERO),
+            (ZERO, ZERO, ZERO),
+            (ZERO, ZERO, ONE),
+            (x - D1, ZERO, ZERO),
+            (ZERO, x + D2, ZERO),
+            (-m1, ZERO, ZERO),
+            (ZERO, m2, ZERO),
+        )
+        up, down, memory = slopes[argindex - 1]
+        return Where(rising, up, Where(falling, down, memory))
+
+
+def in_pairs(pair: type[Real], *args: Expr) -> Expr:
+    """A function of two, applied to any number of arguments as a balanced tree (a long chain would be too deep)."""
+    half = len(args) // 2
+    return args[0] if not half else pair(in_pairs(pair, *args[:half]), in_pairs(pair, *args[half:]))
+
+
+BUILDERS = {
+    "sin": sympy.sin,
+    "cos": sympy.cos,
+    "tan": sympy.tan,
+    "asin": sympy.asin,
+    "acos": sympy.acos,
+    "atan": sympy.atan,
+    "atan2": atan2,
+    "sinh": sympy.sinh,
+    "cosh": sympy.cosh,
+    "tanh": sympy.tanh,
+    "exp": sympy.exp,
+    "log": sympy.log,
+    "sqrt": sympy.sqrt,
+    "abs": Abs,
+    "sign": sign,
+    "min": partial(in_pairs, Min),
+    "max": partial(in_pairs, Max),
+    "clip": lambda x, low, high: Min(Max(x, low), high),
+    "heaviside": lambda x: Where(LessEqual(ZERO, x), ONE, ZERO),
+    "step": lambda x: Where(LessEqual(ZERO, x), ONE, ZERO),
+    "floor": floor,
+    "where": Where,
+    "spow": SignedPower,
+    "backlash": Backlash,
+}
+"""What each function of the language becomes."""

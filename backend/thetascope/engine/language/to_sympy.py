@@ -1,0 +1,136 @@
+"""Checked expression tree → SymPy."""
+
+import math
+from collections.abc import Mapping
+from fractions import Fraction
+from typing import NoReturn, Protocol
+
+import sympy
+from sympy import Add, Expr, Float, Integer, Mul, Number, Pow, Rational, S, Symbol
+
+from thetascope.engine.errors import ExpressionError
+from thetascope.engine.language.sympy_functions import BUILDERS, And_, Less, LessEqual, Or_, in_pairs
+from thetascope.engine.language.syntax_tree import Node
+
+_NOT_REAL = (S.NaN, S.ComplexInfinity, S.Infinity, S.NegativeInfinity, S.ImaginaryUnit)
+_CONDITIONS = {"less": Less, "less_equal": LessEqual, "and": And_, "or": Or_}
+_MAX_INTEGER = 64  # in an exponent: SymPy multiplies out integer powers of numbers, whatever their size
+
+
+class Parsed(Protocol):
+    """A checked expression, as the parser gives it."""
+
+    text: str
+    field: str
+    names: tuple[str, ...]
+    tree: Node
+
+
+def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol]) -> Expr:
+    """See `Parsed.sympy`."""
+    for name in parsed.names:
+        if not symbols[name].is_extended_real:
+            raise TypeError(f"the symbol {name} must be declared with real=True")
+    builder = _Builder(parsed, symbols)
+    try:
+        result = builder.build(parsed.tree)
+    except (RecursionError, OverflowError, ValueError, ZeroDivisionError) as error:
+        raise builder.error(parsed.tree, "this is too involved", "split it by means of definitions") from error
+    if not all(_is_double(number) for number in result.atoms(Number)):
+        builder.refuse(parsed.tree, "a constant leaves the range of double precision", "use smaller powers")
+    return result
+
+
+def _is_double(number: Number) -> bool:
+    """Whether a number, with numerator and denominator if it has them, fits in double precision."""
+    if isinstance(number, Rational):
+        return max(number.p.bit_length(), number.q.bit_length()) < 1024
+    return math.isfinite(float(number))
+
+
+def _takes_log(node: Node) -> bool:
+    return node.name == "log" and node.kind == "call" or any(_takes_log(arg) for arg in node.args)
+
+
+class _Builder:
+    def __init__(self, parsed: Parsed, symbols: Mapping[str, Symbol]) -> None:
+        self.parsed, self.symbols = parsed, symbols
+        self.exponents = 0  # how many exponents the present node stands in
+
+    def error(self, node: Node, problem: str, remedy: str) -> ExpressionError:
+        return ExpressionError(self.parsed.field, self.parsed.text, node.start, node.end, problem, remedy)
+
+    def refuse(self, node: Node, problem: str, remedy: str) -> NoReturn:
+        raise self.error(node, problem, remedy)
+
+    def build(self, node: Node) -> Expr:
+        if node.value is not None and node.kind in _CONDITIONS:
+            return Integer(node.value)
+        if node.value is not None:
+            return self.constant(node)
+        if node.kind == "name":
+            return self.symbols[node.name]
+        if node.kind in _CONDITIONS:
+            return in_pairs(_CONDITIONS[node.kind], *(self.build(arg) for arg in node.args))
+        result = getattr(self, node.kind)(node)
+        if result.has(*_NOT_REAL):
+            remedy = "check what cancels in divisors and in the arguments of sqrt and log"
+            self.refuse(node, "this has no finite real value", remedy)
+        return result
+
+    def constant(self, node: Node) -> Expr:
+        """Whole numbers and small fractions exactly, others as doubles. In exponents doubles only: see `power`."""
+        if node.exact is not None and not self.exponents:
+            return Rational(node.exact.numerator, node.exact.denominator)
+        return Float(node.value)
+
+    def sum(self, node: Node) -> Expr:
+        return Add(*(self.build(arg) if sign > 0 else -self.build(arg) for sign, arg in self.signed(node)))
+
+    def product(self, node: Node) -> Expr:
+        return Mul(*(self.build(arg) if sign > 0 else self.reciprocal(arg) for sign, arg in self.signed(node)))
+
+    @staticmethod
+    def signed(node: Node) -> "zip[tuple[int, Node]]":
+        return zip(node.signs, node.args, strict=True)
+
+    def reciprocal(self, node: Node) -> Expr:
+        divisor = self.build(node)
+        if divisor.is_Number and not divisor:
+            self.refuse(node, "division by zero: this cancels to 0", "divide by what is not zero")
+        return Pow(divisor, -1)
+
+    def power(self, node: Node) -> Expr:
+        base, exponent = node.args
+        if exponent.value is not None:
+            built = self.build(base)
+            if built.is_Number and not built and exponent.value < 0:
+                self.refuse(base, "division by zero: this cancels to 0", "divide by what is not zero")
+            return Pow(built, self.exponent(exponent))
+        return Pow(self.build(base), self.inexact(exponent))
+
+    @staticmethod
+    def exponent(node: Node) -> Expr:
+        """A constant exponent: whole and half numbers and fractions exactly, so that x^0.5 is the square root."""
+        if node.exact is not None:
+            return Rational(node.exact.numerator, node.exact.denominator)
+        half = Fraction(node.value)
+        return Rational(half.numerator, half.denominator) if half.denominator <= 2 else Float(node.value)
+
+    def inexact(self, node: Node) -> Expr:
+        """An expression in the exponent, with doubles for all constants.
+
+        Of integers SymPy would compute powers in full once other exponents cancel: (3*x)^(y + 1e9)*(3*x)^(-y).
+        """
+        self.exponents += 1
+        result = self.build(node)
+        self.exponents -= 1
+        if any(abs(n.p) > _MAX_INTEGER or n.q > _MAX_INTEGER for n in result.atoms(Rational)):
+            self.refuse(node, "whole numbers in this exponent add up to too much", "use smaller exponents")
+        return result
+
+    def call(self, node: Node) -> Expr:
+        if node.name == "exp":
+            # exp(n*log(x)) is x^n to SymPy
+            return sympy.exp((self.inexact if _takes_log(node) else self.build)(node.args[0]))
+        return BUILDERS[node.name](*(self.build(arg) for arg in node.args))

@@ -1,0 +1,1 @@
+"""A plant as mathematics, and the form of a run's result."""

@@ -1,0 +1,205 @@
+"""Model: a plant's text as mathematics, with Φ and Ψ read off its fault channels.
+
+    x' = f(x, u, φ, t) + Φ(x, u, φ, t) θ        (next value instead of derivative in discrete time)
+    y  = h(x, u, φ, t) + Ψ(x, u, φ, t) θ
+
+The engine takes plants as plain data (the dictionary that shared.Plant dumps); it knows no schema classes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from thetascope.engine.compiler.system import CONTINUOUS, DISCRETE, System
+from thetascope.engine.errors import SpecError
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.language.parser import parse
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Matrix, Symbol
+
+_MOST_PARTS = 20_000  # of a definition written out
+
+
+def clock() -> Symbol:
+    """The symbol of time, t."""
+    return sympy.Symbol("t", real=True)
+
+
+def symbols(prefix: str, names: Sequence[str]) -> tuple[Symbol, ...]:
+    """Real symbols ``prefix.name``."""
+    return tuple(sympy.Symbol(f"{prefix}.{name}", real=True) for name in names)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A fault channel: an unknown parameter θ and where it enters."""
+
+    name: str
+    kind: str  # actuator, process or sensor
+    enters: dict[str, Expr]  # state or output name → coefficient
+    data: dict
+
+
+@dataclass(frozen=True)
+class Definition:
+    """An intermediate quantity and the physical range [low, high] to which observers saturate it (None: no bound)."""
+
+    symbol: Symbol
+    expression: Expr
+    low: Expr | None
+    high: Expr | None
+
+
+class Model:
+    """The mathematics of one plant. ``x``, ``u``, ``signals``, ``parameters`` are tuples of real symbols by bare name."""
+
+    def __init__(self, data: Mapping):
+        self.data = dict(data)
+        self.id = data["id"]
+        discrete = data["time"]["kind"] == DISCRETE
+        self.time = DISCRETE if discrete else CONTINUOUS
+        self.period: float | None = data["time"]["period"] if discrete else None
+        self.states = tuple(s["name"] for s in data["states"])
+        self.inputs = tuple(s["name"] for s in data["inputs"])
+        self.outputs = tuple(s["name"] for s in data["outputs"])
+        self.signal_names = tuple(s["name"] for s in data["signals"])
+        self.parameter_names = tuple(s["name"] for s in data["parameters"])
+        self._symbols = {
+            n: sympy.Symbol(n, real=True)
+            for n in (*self.states, *self.inputs, *self.signal_names, *self.parameter_names)
+        } | {"t": clock()}
+        self.x, self.u, self.signals, self.parameters = (
+            tuple(self._symbols[n] for n in names)
+            for names in (self.states, self.inputs, self.signal_names, self.parameter_names)
+        )
+        self.definitions = tuple(self._definition(i, d) for i, d in enumerate(data["definitions"]))
+        self.f = sympy.Matrix([self._text(data["dynamics"][s], f"dynamics.{s}") for s in self.states])
+        self.h = sympy.Matrix(
+            [self._text(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])]
+        )
+        self.channels = tuple(self._channel(i, c) for i, c in enumerate(data["channels"]))
+
+    # ---- reading the text ----------------------------------------------------------------------------------------
+
+    def _text(self, text: str, field: str) -> Expr:
+        return parse(text, self._symbols, field).sympy(self._symbols)
+
+    def _definition(self, i: int, data: Mapping) -> Definition:
+        expression = self._text(data["expression"], f"definitions.{i}.expression")
+        low, high = (
+            self._bound(b, f"definitions.{i}.domain.{k}") for k, b in enumerate(data.get("domain") or (None, None))
+        )
+        symbol = self._symbols[data["name"]] = sympy.Symbol(data["name"], real=True)
+        return Definition(symbol, expression, low, high)
+
+    def _bound(self, bound: float | str | None, field: str) -> Expr | None:
+        if bound is None:
+            return None
+        return self._text(bound, field) if isinstance(bound, str) else sympy.Float(bound)
+
+    def _channel(self, i: int, data: Mapping) -> Channel:
+        enters = {where: self._text(text, f"channels.{i}.enters.{where}") for where, text in data["enters"].items()}
+        return Channel(data["name"], data["kind"], enters, dict(data))
+
+    # ---- the matrices --------------------------------------------------------------------------------------------
+
+    @property
+    def n(self) -> int:
+        return len(self.states)
+
+    @property
+    def m(self) -> int:
+        return len(self.outputs)
+
+    def channel(self, name: str) -> Channel:
+        for channel in self.channels:
+            if channel.name == name:
+                return channel
+        raise SpecError("options.channels", name, f"the plant {self.id} has no fault channel of that name",
+                        f"choose from {', '.join(c.name for c in self.channels) or 'none: it has no channels'}")  # fmt: skip
+
+    def Phi(self, channels: Sequence[str]) -> ImmutableMatrix:
+        """n × p: what each channel adds to the state equations."""
+        found = [self.channel(c) for c in channels]
+        return sympy.ImmutableMatrix(self.n, len(found), lambda i, j: found[j].enters.get(self.states[i], 0))
+
+    def Psi(self, channels: Sequence[str]) -> ImmutableMatrix:
+        """m × p: what each channel adds to the outputs."""
+        found = [self.channel(c) for c in channels]
+        return sympy.ImmutableMatrix(self.m, len(found), lambda i, j: found[j].enters.get(self.outputs[i], 0))
+
+    @cached_property
+    def expansion(self) -> dict[Symbol, Expr]:
+        """Definitions written out in states, inputs, parameters and signals. Raises SpecError where they grow too large."""
+        written: dict[Symbol, Expr] = {}
+        sizes: dict[Symbol, int] = {}
+        for i, d in enumerate(self.definitions):
+            # counted before it is written: each definition may double the last, and thirty doublings are a thousand million
+            sizes[d.symbol] = sum(sizes.get(part, 1) for part in sympy.preorder_traversal(d.expression))
+            if sizes[d.symbol] > _MOST_PARTS:
+                name = d.symbol.name
+                raise SpecError(f"definitions.{i}.expression", name, f"written out in states it has over {_MOST_PARTS} parts",
+                                "use fewer nested definitions")  # fmt: skip
+            written[d.symbol] = d.expression.xreplace(written)
+        return written
+
+    @cached_property
+    def _slopes(self) -> dict[Symbol, dict[Symbol, Expr]]:
+        """∂definition/∂state, through earlier definitions (chain rule), definitions kept as symbols."""
+        slopes: dict[Symbol, dict[Symbol, Expr]] = {}
+        for d in self.definitions:
+            slopes[d.symbol] = {s: self._total(d.expression, s, slopes) for s in self.x}
+        return slopes
+
+    @staticmethod
+    def _total(e: Expr, state: Symbol, slopes: Mapping[Symbol, Mapping[Symbol, Expr]]) -> Expr:
+        free = e.free_symbols
+        direct = e.diff(state) if state in free else sympy.S.Zero
+        return direct + sum(
+            (e.diff(d) * s[state] for d, s in slopes.items() if d in free and s[state] != 0), sympy.S.Zero
+        )
+
+    def jacobian(self, vector: Matrix) -> ImmutableMatrix:
+        """∂vector/∂x, definitions included and kept as symbols (so that a saturated value can be put in)."""
+        return sympy.ImmutableMatrix(len(vector), self.n, lambda i, j: self._total(vector[i], self.x[j], self._slopes))
+
+    @cached_property
+    def is_affine(self) -> tuple[bool, ...]:
+        """For each state equation, whether it is affine in the states."""
+        jacobian = self.jacobian(self.f)
+        bound = set(self.x) | {d for d, s in self._slopes.items() if any(v != 0 for v in s.values())}
+        return tuple(not (jacobian.row(i).free_symbols & bound) for i in range(self.n))
+
+    def domain(self, state: str) -> tuple[float | None, float | None]:
+        """Physical range of a state."""
+        entry = self.data["states"][self.states.index(state)]
+        low, high = entry.get("domain") or (None, None)
+        return low, high
+
+    # ---- the plant itself ----------------------------------------------------------------------------------------
+
+    def system(self) -> System:
+        """The plant with all its faults: states ``x.*``, inputs ``u.* signal.* theta.*``, parameters ``p.*``, outputs ``y.*``."""
+        channels = [c.name for c in self.channels]
+        theta = symbols("theta", channels)
+        swap = {s: sympy.Symbol(f"{prefix}.{s.name}", real=True) for prefix, group in
+                (("x", self.x), ("u", self.u), ("signal", self.signals), ("p", self.parameters)) for s in group}  # fmt: skip
+        rename = lambda e: e.xreplace(swap)
+        f, h = self.f, self.h
+        if channels:
+            f = f + self.Phi(channels) * sympy.Matrix(theta)
+            h = h + self.Psi(channels) * sympy.Matrix(theta)
+        return System(
+            name=self.id,
+            time=self.time,
+            states=tuple(swap[s] for s in self.x),
+            inputs=(*(swap[s] for s in self.u), *(swap[s] for s in self.signals), *theta),
+            parameters=tuple(swap[s] for s in self.parameters),
+            update=tuple(rename(e) for e in f),
+            outputs={f"y.{name}": rename(e) for name, e in zip(self.outputs, h, strict=True)},
+            definitions=tuple((d.symbol, rename(d.expression)) for d in self.definitions),
+        )

@@ -1,0 +1,143 @@
+"""The empirical observability Gramian along a run: how the outputs answer to small changes of the state and of the faults.
+
+From instants along the nominal trajectory the plant is simulated again with each component of (x, θ) a little more and a
+little less; half the difference of the outputs is the sensitivity (Lall, Marsden & Glavaski, Int. J. Robust Nonlinear
+Control 12, 2002, with one size of change and the unit vectors as directions). States are in units of their size, faults
+in typical faults and outputs in standard deviations of the noise, so that a singular value of 1 means: a change of that
+size stands out by one standard deviation within the window.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from thetascope.engine.estimation.covariance import holds, noise_stds
+from thetascope.engine.inputs.sensors import Measurement
+from thetascope.engine.inputs.signals import constant, total
+from thetascope.engine.observers.support.declaration import Context
+from thetascope.engine.observers.support.kalman_defaults import state_scales, typical_sizes
+from thetascope.engine.simulation.experiment import Experiment, State
+from thetascope.engine.simulation.simulation import Simulation
+
+SIZE = 1e-3  # of a scale: how large the changes are
+RANK = 1e-5  # relative size of a singular value that counts as zero: changes of that size are not yet straight lines
+INSTANTS = 12
+_MOST_STEPS = 4_000_000  # simulated in all, about
+_MENTIONED = 0.1
+
+
+@dataclass(frozen=True)
+class Empirical:
+    """Over windows that begin at ``t`` (K, in s): singular values (K × N) of the sensitivity to ``names`` (N), ``x.*`` and
+    ``theta.*``; NaN where the plant does not stay finite. ``gramian`` (K × N × N): its square.
+
+    ``rank`` (K; −1: not finite), ``condition`` (K; ∞ below full rank), ``direction`` (K × N): what is seen least, a unit
+    vector in scaled units.
+    """
+
+    window: float
+    names: tuple[str, ...]
+    t: np.ndarray
+    gramian: np.ndarray
+    singular: np.ndarray
+    rank: np.ndarray
+    condition: np.ndarray
+    direction: np.ndarray
+
+    @property
+    def text(self) -> str:
+        """In a sentence."""
+        seen, size = self.rank[self.rank >= 0], len(self.names)
+        if not len(seen):
+            return "the plant does not stay finite over a window"
+        ranks = f"{seen.min()} to {seen.max()}" if seen.min() < seen.max() else f"{seen.min()}"
+        text = f"rank {ranks} of {size} over {self.window:.3g} s"
+        least = np.where(self.rank >= 0, self.singular[:, -1], np.inf)
+        k = int(least.argmin())
+        finite = self.condition[np.isfinite(self.condition)]
+        if len(finite):
+            text += f", condition {finite.min():.2g} to {finite.max():.2g}"
+        parts = [f"{v:+.2g} {n.partition('.')[2]}" for n, v in zip(self.names, self.direction[k], strict=True) if abs(v) >= _MENTIONED]
+        text += f"; seen least, from {self.t[k]:.4g} s on: {' '.join(parts)}"
+        return text + f", {least[k]:.2g} times above the noise"
+
+
+def empirical(experiment: Experiment, window: float, instants: int = INSTANTS, unknown: Sequence[str] | None = None,
+              size: float = SIZE) -> Empirical:  # fmt: skip
+    """Along the experiment (as it stands, with its faults, without noise), over windows of ``window`` seconds.
+
+    instants: how many windows, at most; unknown: the components that are looked at (``x.*``, ``theta.*``; None: all),
+    the others are taken to be known; size: of the changes, as a share of a component's scale.
+    """
+    context = experiment.context
+    names = [*experiment.plant.states, *(i for i in experiment.plant.inputs if i.startswith("theta."))]
+    scales = dict(zip(names, [*state_scales(context), *typical_sizes(context)], strict=True))
+    names = [n for n in names if unknown is None or n in unknown]
+    quiet, stride, weight = _measured(experiment, context)
+    count = max(2, round(window / (quiet.every * quiet.step)))
+    count = min(count, quiet.steps // quiet.every + 1)
+    most = int(_MOST_STEPS / (2 * max(1, len(names)) * count * quiet.every))
+    last = max(quiet.steps // quiet.every + 1 - count, 0)
+    firsts = np.unique(np.linspace(0, last, min(instants, max(2, most))).astype(int))
+    states = _states(quiet, firsts)
+    sensitivity = np.stack([_sensitivity(quiet, State(int(f) * quiet.every, x, (), quiet.measurement.start()),
+                                         count, stride, names, scales, size) / weight[:, None]
+                            for f, x in zip(firsts, states, strict=True)])  # fmt: skip
+    return _result(sensitivity.reshape(len(firsts), -1, len(names)), count * quiet.every * quiet.step, tuple(names),
+                   firsts * quiet.every * quiet.step)  # fmt: skip
+
+
+def _measured(experiment: Experiment, context: Context) -> tuple[Experiment, int, np.ndarray]:
+    """Without observers and noise; rows from one measured value to the next; the standard deviation of one of them (m)."""
+    m = experiment.measurement
+    interval = experiment.every * experiment.step
+    stride = 1 if m.sample_every is None else max(1, round(m.sample_every / experiment.every))
+    # noise that holds for several rows counts once
+    std = noise_stds(m, context) * np.sqrt(np.maximum(1.0, holds(m, experiment.step) / (stride * interval)))
+    bare = Measurement(m.outputs, (0.0,) * len(m.outputs), m.sample_time, m.seed)
+    return replace(experiment, estimators=(), measurement=bare), stride, std
+
+
+def _states(e: Experiment, firsts: np.ndarray) -> list[np.ndarray]:
+    """The plant's state at rows of the nominal trajectory."""
+    simulation, last = Simulation(e, e.substeps or 1), int(firsts[-1]) * e.every + 1
+    plant = np.concatenate([rows.plant for _, rows in simulation.spans(last)])
+    return [plant[f].copy() for f in firsts]
+
+
+def _sensitivity(e: Experiment, state: State, rows: int, stride: int, names: Sequence[str], scales: dict[str, float],
+                 size: float) -> np.ndarray:  # fmt: skip
+    """∂y/∂(scaled components) over the rows from a state on: (rows, m, N)."""
+    columns = []
+    for name in names:
+        ends = []
+        for sign in (1.0, -1.0):
+            change = sign * size * scales[name]
+            here, begin = e, state
+            if name in e.plant.states:
+                x = state.plant.copy()
+                x[e.plant.states.index(name)] += change
+                begin = replace(state, plant=x)
+            else:
+                here = replace(e, signals=e.signals | {name: total([e.signals[name], constant(change)])})
+            parts = [r.y for _, r in Simulation(here, here.substeps or 1).spans((rows - 1) * e.every + 1, begin)]
+            ends.append(np.concatenate(parts)[::stride])
+        with np.errstate(invalid="ignore"):  # a plant that escapes
+            columns.append((ends[0] - ends[1]) / (2 * size))
+    return np.stack(columns, axis=-1)
+
+
+def _result(S: np.ndarray, window: float, names: tuple[str, ...], t: np.ndarray) -> Empirical:
+    K, N = len(S), len(names)
+    finite = np.isfinite(S).all(axis=(1, 2))
+    singular, direction = np.full((K, N), np.nan), np.full((K, N), np.nan)
+    for k in np.flatnonzero(finite):
+        _, values, vectors = np.linalg.svd(S[k], full_matrices=True)
+        singular[k] = np.concatenate([values, np.zeros(N - len(values))])  # fewer values than components: rank is lost
+        direction[k] = vectors[-1] * np.sign(vectors[-1][np.abs(vectors[-1]).argmax()])
+    with np.errstate(divide="ignore", invalid="ignore"):
+        relative = np.where(singular[:, :1] > 0, singular / singular[:, :1], 0.0)
+        rank = np.where(finite, (relative > RANK).sum(axis=1), -1)
+        condition = np.where(rank == N, 1.0 / relative[:, -1], np.inf)
+    return Empirical(window, names, t, np.einsum("kri,krj->kij", S, S), singular, rank, condition, direction)

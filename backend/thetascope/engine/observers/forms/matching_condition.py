@@ -1,0 +1,119 @@
+"""The matching condition of Shen & Hu 2015, eq. (8): P Φ(x, u) = Cᵀ gᵀ(x, u) with one constant P > 0.
+
+C is the first state, so rows 2…n of P annihilate Φ: every column of Φ points along the one vector P⁻¹Cᵀ. Scaled to
+d1 = 1 this is the direction d, and Φ = d·(CΦ). Then g = (CΦ)ᵀ, for P scaled to P d = Cᵀ; any other scale of P scales
+g and is the same as another λ in (12).
+
+In the coordinates ξ = (x1, x2 − d2 x1, …, xn − dn x1) such a P is diag(1, P2) with any P2 > 0, and the Lyapunov
+inequality (A − KC)ᵀP + P(A − KC) < 0 is a Riccati inequality for P2, solved through its Hamiltonian matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import scipy.linalg
+
+from thetascope.engine.errors import SpecError
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.plant_model import Model
+
+if TYPE_CHECKING:
+    from sympy import Expr
+
+
+def shift(n: int) -> np.ndarray:
+    """A of (1): the chain of integrators."""
+    return np.eye(n, k=1)
+
+
+def closed(K: Sequence[float]) -> np.ndarray:
+    """A − KC, with C the first state (n×n)."""
+    matrix = shift(len(K))
+    matrix[:, 0] -= K
+    return matrix
+
+
+def direction(model: Model, channels: Sequence[str]) -> tuple[list[Expr] | None, str]:
+    """The direction d with Φ = d·(CΦ), its entries free of x, u, signals and t; or None and the reason.
+
+    Raises SpecError if a column of CΦ is zero: then g is zero there and (12) never moves its θ̂.
+    """
+    Phi = model.Phi(channels).xreplace(model.expansion)
+    for j, channel in enumerate(channels):
+        if Phi[0, j] == 0:
+            raise SpecError("options.channels", channel,
+                            f"the fault does not enter the equation of the measured state {model.states[0]}, so (8) of "
+                            "Shen & Hu 2015 leaves g = 0 and its estimate would never move",
+                            "leave it out of the channels, or use adaptive-kalman")  # fmt: skip
+    d = [_ratio(Phi[i, 0], Phi[0, 0]) for i in range(model.n)]
+    moving = set().union(*(e.free_symbols for e in d)) - set(model.parameters)
+    if moving:
+        names = ", ".join(sorted(s.name for s in moving))
+        return None, f"the column of {channels[0]} changes its direction with {names}"
+    for j, channel in enumerate(channels):
+        if any(_ratio(Phi[i, j] - d[i] * Phi[0, j], Phi[0, j]) != 0 for i in range(1, model.n)):
+            return None, f"the columns of {channels[0]} and {channel} point along different vectors"
+    return d, ""
+
+
+def _ratio(a: Expr, b: Expr) -> Expr:
+    if a == 0 or a == b:
+        return sympy.S.Zero if a == 0 else sympy.S.One
+    ratio = sympy.cancel(a / b)
+    return sympy.simplify(ratio) if ratio.count_ops() < 60 else ratio  # simplify is slow on long expressions
+
+
+def find_P(K: Sequence[float], d: Sequence[float]) -> np.ndarray | None:
+    """P > 0 with P d = Cᵀ and (A − KC)ᵀP + P(A − KC) < 0, or None if there is none (n×n; d1 = 1).
+
+    There is one exactly if C(sI − A + KC)⁻¹d is strictly positive real (Kalman, Yakubovich and Popov).
+    """
+    n = len(K)
+    T = np.eye(n)
+    T[1:, 0] = d[1:]
+    inverse = 2 * np.eye(n) - T
+    moved = inverse @ closed(K) @ T  # A − KC in the coordinates ξ
+    if not np.isfinite(moved).all() or moved[0, 0] >= 0:
+        return None
+    P2 = _riccati(moved)
+    if P2 is None:
+        return None
+    P = inverse.T @ scipy.linalg.block_diag(1.0, P2) @ inverse if n > 1 else np.eye(1)
+    ok = np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K) < 0
+    return P if ok else None
+
+
+def _riccati(moved: np.ndarray) -> np.ndarray | None:
+    """P2 with [[2 a11, a12 + a21ᵀP2], [·, P2 A22 + A22ᵀP2]] < 0, by its Schur complement in a11 < 0:
+
+    P2 A22 + A22ᵀP2 + γ(P2 a21 + a12ᵀ)(·)ᵀ + ε I = 0,   γ = −1/(2 a11), for the largest ε > 0 tried that has a solution.
+    """
+    gamma = -0.5 / moved[0, 0]
+    c, b, A22 = moved[0, 1:], moved[1:, 0], moved[1:, 1:]
+    size = len(b)
+    if size == 0:
+        return np.empty((0, 0))
+    drift = A22 + gamma * np.outer(b, c)
+    for epsilon in gamma * 0.5 ** np.arange(40):
+        Q = gamma * np.outer(c, c) + epsilon * np.eye(size)
+        H = np.block([[drift, gamma * np.outer(b, b)], [-Q, -drift.T]])
+        try:
+            _, U, stable = scipy.linalg.schur(H, sort="lhp")
+        except (
+            np.linalg.LinAlgError
+        ):  # eigenvalues so near the imaginary axis that they cannot be told apart: ε is too large
+            continue
+        if stable == size and np.linalg.cond(U[:size, :size]) < 1e12:
+            P2 = U[size:, :size] @ np.linalg.inv(U[:size, :size])
+            if np.linalg.eigvalsh(P2 + P2.T)[0] > 0:
+                return (P2 + P2.T) / 2
+    return None
+
+
+def lyapunov_margin(P: np.ndarray, K: Sequence[float]) -> float:
+    """Largest eigenvalue of (A − KC)ᵀP + P(A − KC)."""
+    matrix = P @ closed(K)
+    return float(np.linalg.eigvalsh(matrix + matrix.T)[-1])

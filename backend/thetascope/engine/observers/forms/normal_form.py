@@ -1,0 +1,151 @@
+"""The normal form of a MIMO nonlinear time-varying plant, by time-varying Lie derivatives: eqs. (3)–(7) of the paper on
+reduced-order observers for MIMO nonlinear time-varying systems (Control Theory & Applications 17, 2000).
+
+    z = T(x, t) = (h1, L h1, …, L^{ρ1−1} h1, h2, …),   L φ = ∂φ/∂t + (∂φ/∂x) f                          (3), (5)
+    z' = A z + B [α(z, t) + F(z, t) u],   y = C z,   one chain of ρi integrators an output             (6), (7)
+
+ρi, the relative degree of output i, is the order of its first derivative that an input or a known signal enters. Their
+sum must be n. Observers compute α + F u as L^{ρi} hi at x̂, so T is needed at the start and its inverse at every step.
+The inverse is found symbolically, one state at a time (invert).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import TYPE_CHECKING
+
+from thetascope.engine.errors import SpecError
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.plant_model import Model, clock
+from thetascope.engine.observers.forms.observable_form import rank_at, sample, tidy
+from thetascope.engine.observers.forms.state_inversion import NoInverse, invert
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Symbol
+
+PAPER = "Reduced-order observer for MIMO nonlinear time-varying systems, Control Theory & Applications 17, 2000"
+
+
+@dataclass(frozen=True)
+class NormalForm:
+    """A normal form in the model's symbols. ``blocks`` holds ρ1, …, ρm, summing to n."""
+
+    blocks: tuple[int, ...]
+    T: ImmutableMatrix  # z as a function of x and t (n×1)
+    top: ImmutableMatrix  # α + F u: the highest derivatives (m×1)
+    F: ImmutableMatrix  # decoupling matrix (4): ∂top/∂u (m×inputs)
+    z: tuple[Symbol, ...]
+    inverse: dict[Symbol, Expr]  # each state as a function of z, t and parameters
+
+    @property
+    def firsts(self) -> tuple[int, ...]:
+        """Positions of y1, y2, … in z."""
+        return tuple(sum(self.blocks[:i]) for i in range(len(self.blocks)))
+
+    @property
+    def unmeasured(self) -> tuple[int, ...]:
+        """Positions in z of all but the outputs."""
+        return tuple(k for k in range(sum(self.blocks)) if k not in self.firsts)
+
+    def from_z(self, z: Sequence[Expr]) -> ImmutableMatrix:
+        """x (n×1) at a given z."""
+        swap = dict(zip(self.z, z, strict=True))
+        return sympy.ImmutableMatrix([e.xreplace(swap) for e in self.inverse.values()])
+
+    @property
+    def from_outputs(self) -> dict[Symbol, Expr]:
+        """The states that the outputs alone determine, each as a function of the outputs' entries of z and t."""
+        hidden = {self.z[k] for k in self.unmeasured}
+        return {x: e for x, e in self.inverse.items() if not (e.free_symbols & hidden)}
+
+
+def brunovsky(blocks: Sequence[int]) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
+    """A, B and C of (7) for chains of integrators of the given lengths, which may be 0 (then Ã, B̃, C̃ of (11))."""
+    n, m = sum(blocks), len(blocks)
+    start = [sum(blocks[:i]) for i in range(m)]
+    A = sympy.ImmutableMatrix(n, n, lambda i, j: int(j == i + 1 and j not in start))
+    B = sympy.ImmutableMatrix(n, m, lambda i, j: int(blocks[j] > 0 and i == start[j] + blocks[j] - 1))
+    C = sympy.ImmutableMatrix(m, n, lambda i, j: int(blocks[i] > 0 and j == start[i]))
+    return A, B, C
+
+
+def block_column(gain: Sequence, blocks: Sequence[int]) -> ImmutableMatrix:
+    """A gain given as one column, block after block, as the block diagonal matrix of its columns."""
+    ends = [sum(blocks[: j + 1]) for j in range(len(blocks))]
+    return sympy.ImmutableMatrix(sum(blocks), len(blocks), lambda i, j: gain[i] if ends[j] - blocks[j] <= i < ends[j] else 0)
+
+
+def normal_form(model: Model) -> NormalForm:
+    """Find the normal form. Raises SpecError that says why where there is none."""
+    return _cached(_Key(model))
+
+
+class _Key:
+    """A model as a dictionary key by its data: writing an observer and the default of its gain share the work."""
+
+    def __init__(self, model: Model):
+        self.model = model
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Key) and other.model.data == self.model.data
+
+    def __hash__(self) -> int:
+        return hash(self.model.id)
+
+
+@lru_cache(maxsize=8)
+def _cached(key: _Key) -> NormalForm:
+    model = key.model
+    if model.time != "continuous":
+        raise _refused(model, "it is a discrete-time plant")
+    chains = [_chain(model, i) for i in range(model.m)]
+    blocks = tuple(len(chain) - 1 for chain in chains)
+    if sum(blocks) != model.n:
+        degrees = ", ".join(map(str, blocks))
+        raise _refused(model, f"its vector relative degree ({degrees}) sums to {sum(blocks)}, not to its {model.n} "
+                              "states (Assumption 1)")  # fmt: skip
+    map_ = sympy.ImmutableMatrix([e for chain in chains for e in chain[:-1]])
+    top = sympy.ImmutableMatrix([chain[-1] for chain in chains])
+    jacobian = map_.jacobian(sympy.Matrix(model.x))
+    if max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) < model.n:
+        raise _refused(model, "its outputs and their derivatives depend on each other, so T has no inverse")
+    z = tuple(sympy.Symbol(f"z[{k + 1}]", real=True) for k in range(model.n))  # no name that a plant can have
+    try:
+        inverse = invert(list(zip(z, map_, strict=True)), model)
+    except NoInverse as why:
+        raise _refused(model, f"the coordinates z = T(x, t) could not be solved for x: {why}") from None
+    F = top.jacobian(sympy.Matrix(model.u)) if model.u else sympy.ImmutableMatrix(model.m, 0, [])
+    return NormalForm(blocks, map_, top, sympy.ImmutableMatrix(F), z, {x: inverse[x] for x in model.x})
+
+
+def _chain(model: Model, i: int) -> list[Expr]:
+    """h_i and its derivatives up to the first that an input or a known signal enters (Definition 2).
+
+    Where none ever enters, up to the first that brings no new coordinate.
+    """
+    x = sympy.Matrix(model.x)
+    f = model.f.xreplace(model.expansion)
+    outside = set(model.u) | set(model.signals)
+    chain = [model.h.xreplace(model.expansion)[i]]
+    if chain[0].free_symbols & outside:
+        raise _refused(model, f"an input or known signal enters its output {model.outputs[i]} directly")
+    while True:
+        derivative = tidy(chain[-1].diff(clock()) + (sympy.Matrix([chain[-1]]).jacobian(x) * f)[0])  # (3)
+        stop = derivative.free_symbols & outside or not _is_new(model, chain, derivative)
+        chain.append(derivative)
+        if stop:
+            return chain
+        if len(chain) > model.n:
+            raise _refused(model, f"no input enters the first {model.n} derivatives of {model.outputs[i]}")
+
+
+def _is_new(model: Model, chain: list[Expr], derivative: Expr) -> bool:
+    jacobian = sympy.Matrix([*chain, derivative]).jacobian(sympy.Matrix(model.x))
+    return max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) == len(chain) + 1
+
+
+def _refused(model: Model, why: str) -> SpecError:
+    return SpecError("observers.kind", model.id, f"this plant has no normal form (6): {why}",
+                     "use adaptive-kalman or joint-ekf, which need no normal form")  # fmt: skip

@@ -1,0 +1,136 @@
+"""The uniformly observable canonical form of Zhao, Li & Li 2012, eqs. (2)–(5), by Lie derivatives.
+
+The map z = T(x) = (h, L_f h, …, L_f^{n−1} h), with f the drift (inputs at zero), is never inverted: an observer that
+is ẑ' = F(ẑ) + G r in the canonical coordinates is x̂' = f(x̂) + (∂T/∂x)⁻¹ G r in the user's own. A plant that has the
+triangular form (3)–(5) as it is written keeps its coordinates.
+"""
+
+from __future__ import annotations
+
+import random
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from thetascope.engine.compiler.graph import Graph, evaluate
+from thetascope.engine.compiler.lowering import Lowering
+from thetascope.engine.errors import SpecError
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.plant_model import Model
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix, Matrix
+
+
+@dataclass(frozen=True)
+class CanonicalForm:
+    """T (n×1) and its Jacobian J (n×n) in the model's symbols; ``identity`` if the plant is in the form already."""
+
+    T: ImmutableMatrix
+    J: ImmutableMatrix
+    identity: bool
+    triangular: bool | None  # whether inputs enter as (5) asks; None: could not be decided
+
+
+def canonical_form(model: Model) -> CanonicalForm:
+    """Find T for a plant with one output. Raises SpecError that says why where there is none."""
+    if model.m != 1:
+        raise _refused(model, f"it has {model.m} outputs and the form is for one")
+    if model.time != "continuous":
+        raise _refused(model, "it is a discrete-time plant")
+    x = sympy.Matrix(model.x)
+    f = model.f.xreplace(model.expansion)
+    if _is_chain(model, f):
+        return CanonicalForm(sympy.ImmutableMatrix(x), sympy.ImmutableMatrix(sympy.eye(model.n)), True, True)
+    drift = f.subs({u: 0 for u in model.u})
+    lie = [model.h.xreplace(model.expansion)[0]]
+    for _ in range(model.n - 1):
+        lie.append(tidy((sympy.Matrix([lie[-1]]).jacobian(x) * drift)[0]))
+    map_ = sympy.Matrix(lie)
+    outside = map_.free_symbols - set(model.x) - set(model.parameters)
+    if outside:
+        raise _refused(model, f"the Lie derivatives depend on {', '.join(sorted(s.name for s in outside))}, "
+                              "so the coordinates would move with time")  # fmt: skip
+    J = map_.jacobian(x).applyfunc(tidy)
+    points = [sample(model, seed) for seed in range(8)]
+    rank = max(rank_at(J, p) for p in points)
+    if rank < model.n:
+        raise _refused(model, f"the Lie derivatives of the output have rank {rank}, less than its {model.n} states: "
+                              "some states cannot be told from the output")  # fmt: skip
+    return CanonicalForm(
+        sympy.ImmutableMatrix(map_),
+        sympy.ImmutableMatrix(J),
+        J == sympy.eye(model.n),
+        _triangular(model, f, J, lie, points),
+    )
+
+
+def _is_chain(model: Model, f: Matrix) -> bool:
+    """Whether the plant is in the form (3)–(5) as it stands: y = x1, x_i' = x_{i+1} + f_i(x1…xi, u, φ, t)."""
+    if model.h.xreplace(model.expansion)[0] != model.x[0]:
+        return False
+    rest = [sympy.expand(f[i] - model.x[i + 1]) for i in range(model.n - 1)]
+    return not any(e.free_symbols & set(model.x[i + 1 :]) for i, e in enumerate(rest))
+
+
+def _refused(model: Model, why: str) -> SpecError:
+    return SpecError("observers.kind", model.id, f"this plant has no canonical form (Zhao, Li & Li 2012, eq. 2): {why}",
+                     "use adaptive-kalman, which needs no canonical form")  # fmt: skip
+
+
+def tidy(e: sympy.Expr) -> sympy.Expr:
+    return sympy.cancel(e) if e.is_rational_function() and e.count_ops() < 200 else e
+
+
+def sample(model: Model, seed: int) -> dict[str, float]:
+    """A point near the plant's initial state, inside its domain, with parameters as given."""
+    draw = random.Random(seed)
+    point = {p["name"]: p["value"] for p in model.data["parameters"]}
+    for s in model.data["states"]:
+        low, high = s.get("domain") or (None, None)
+        value = s["initial"] + (0.2 + 0.5 * abs(s["initial"])) * draw.uniform(-1, 1) * (seed > 0)
+        low, high = (-1e9 if low is None else low), (1e9 if high is None else high)
+        point[s["name"]] = min(max(value, low), high)
+    for name in (*model.inputs, *model.signal_names):
+        point[name] = draw.uniform(-1, 1)
+    return point | {"t": draw.uniform(0, 10)}
+
+
+def _numbers(M: Matrix, point: dict[str, float]):
+    import numpy as np
+
+    graph = Graph()
+    lowering = Lowering(graph, set(point))
+    roots = [lowering(e) for e in M]
+    return np.array([float(v) for v in evaluate(graph, roots, point)]).reshape(M.shape)
+
+
+def rank_at(M: Matrix, point: dict[str, float]) -> int:
+    import numpy as np
+
+    values = _numbers(M, point)
+    return (
+        int(np.linalg.matrix_rank(values, tol=1e-9 * max(1.0, np.abs(values).max())))
+        if np.isfinite(values).all()
+        else 0
+    )
+
+
+def _triangular(model: Model, f: Matrix, J: Matrix, lie: list, points: list[dict[str, float]]) -> bool | None:
+    """(5): in canonical coordinates the i-th input term may depend on z1 … zi only; checked at several points."""
+    x = sympy.Matrix(model.x)
+    undecided = False
+    for u in model.u:
+        g = f.diff(u)
+        for i in range(model.n - 1):
+            term = (sympy.Matrix([lie[i]]).jacobian(x) * g)[0]
+            gradient = sympy.Matrix([term]).jacobian(x)
+            if not any(gradient):
+                continue
+            for point in points:
+                above = J[: i + 1, :]
+                with_it = above.col_join(gradient)
+                if rank_at(above, point) != i + 1:
+                    undecided = True
+                elif rank_at(with_it, point) > i + 1:
+                    return False
+    return None if undecided else True

@@ -1,0 +1,191 @@
+"""The parts of a sandwich system in a plant's text: Zhou & Tan 2012, eqs. (1)–(12).
+
+A front part L1 drives backlash operators in parallel (the hysteresis), whose sum drives a back part L2, which is
+measured. An operator ``backlash(x, x - x_before, z_before, m1, m2, D1, D2)`` needs two states to remember by: the
+previous x, and its own previous z. All others are states of L1 (those that x depends on) or of L2.
+"""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from thetascope.engine.errors import SpecError
+from thetascope.engine.language.lazy_sympy import functions, sympy
+from thetascope.engine.language.parser import Node, parse
+from thetascope.engine.model.plant_model import Model
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Matrix
+
+    from thetascope.engine.language.sympy_functions import Backlash
+
+
+@dataclass(frozen=True)
+class Sandwich:
+    """Positions of the states of L1, of L2 and of the memory, and the operators (definitions written out)."""
+
+    front: tuple[int, ...]
+    back: tuple[int, ...]
+    memory: tuple[int, ...]
+    operators: tuple[Backlash, ...]
+
+    @property
+    def linear_states(self) -> tuple[int, ...]:
+        """Positions of the states of L1 and L2, in the plant's order: those that K corrects."""
+        return tuple(sorted((*self.front, *self.back)))
+
+
+# ---- the states that remember, from the text alone: a gain's size must be known without SymPy ------------------------
+
+
+def memory_names(data: Mapping) -> tuple[str, ...]:
+    """States that stand in an operator's Δx or z, but not in the x of any."""
+    definitions = {d["name"]: d["expression"] for d in data["definitions"]}
+    others = [*data["dynamics"].values(), *(o["expression"] for o in data["outputs"])]
+    groups = ("states", "inputs", "signals", "parameters")
+    names = {"t", *definitions, *(e["name"] for group in groups for e in data[group])}
+    driving: set[str] = set()
+    remembered: set[str] = set()
+    for text in (*definitions.values(), *others):
+        for operator in _calls(parse(text, names).tree) if "backlash" in text else ():
+            driving |= _mentioned(operator.args[:1], definitions, names)
+            remembered |= _mentioned(operator.args[1:3], definitions, names)
+    return tuple(s["name"] for s in data["states"] if s["name"] in remembered - driving)
+
+
+def _calls(node: Node) -> Iterator[Node]:
+    if node.kind == "call" and node.name == "backlash":
+        yield node
+    for arg in node.args:
+        yield from _calls(arg)
+
+
+def _mentioned(nodes: Iterable[Node], definitions: Mapping[str, str], names: set[str]) -> set[str]:
+    """Names under the nodes, definitions followed."""
+    found, todo = set(), list(nodes)
+    while todo:
+        node = todo.pop()
+        todo.extend(node.args)
+        if node.kind == "name" and node.name not in found:
+            found.add(node.name)
+            if node.name in definitions:
+                todo.append(parse(definitions[node.name], names).tree)
+    return found
+
+
+# ---- the structure ---------------------------------------------------------------------------------------------------
+
+
+def sandwich(model: Model) -> Sandwich:
+    """Find the parts. Raises SpecError that says why where the plant is no sandwich system."""
+    if model.time != "discrete":
+        raise refused(model, "it is a continuous-time plant, and the operators remember from sample to sample")
+    f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
+    operators = tuple(sorted(f.atoms(functions.Backlash) | h.atoms(functions.Backlash), key=lambda o: [f.has(o) and _first(f, o), str(o)]))
+    if not operators:
+        raise refused(model, "its text has no backlash operator")
+    names = memory_names(model.data)
+    memory = tuple(i for i, s in enumerate(model.states) if s in names)
+    _check_memory(model, f, h, operators, memory)
+    rest = [i for i in range(model.n) if i not in memory]
+    front = _ancestors(model, f, {s for o in operators for s in o.args[0].free_symbols})
+    return Sandwich(tuple(i for i in rest if i in front), tuple(i for i in rest if i not in front), memory, operators)
+
+
+def _first(f: Matrix, operator: Backlash) -> int:
+    return next(i for i, e in enumerate(f) if e.has(operator))
+
+
+def _ancestors(model: Model, f: Matrix, start: set) -> set[int]:
+    """States from which one of the start symbols can be reached in the graph of the dynamics."""
+    found: set[int] = set()
+    todo = [i for i, s in enumerate(model.x) if s in start]
+    while todo:
+        i = todo.pop()
+        if i not in found:
+            found.add(i)
+            todo += [j for j, s in enumerate(model.x) if s in f[i].free_symbols]
+    return found
+
+
+def _check_memory(model: Model, f: Matrix, h: Matrix, operators: tuple[Backlash, ...], memory: tuple[int, ...]) -> None:
+    remembered = {model.x[i]: f[i] for i in memory}
+    still = dict.fromkeys(operators, sympy.S.Zero)
+    rest = {model.states[i]: f[i] for i in range(model.n) if i not in memory}
+    for where, e in (rest | dict(zip(model.outputs, h, strict=True))).items():
+        for leak in e.xreplace(still).free_symbols & set(remembered):
+            raise refused(
+                model, f"{leak}, by which an operator remembers, also enters the equation of {where} directly"
+            )
+    for o in operators:
+        x, dx, z = o.args[:3]
+        if x.has(functions.Backlash):
+            raise refused(model, "an operator is driven by another operator, and they should be in parallel")
+        if remembered.get(z) != o:
+            raise refused(model, f"an operator's third argument, {z}, is not a state whose next value is that operator")
+        if remembered.get(before(o)) != x:
+            raise refused(
+                model, f"an operator's second argument, {dx}, is not {x} less a state whose next value is {x}"
+            )
+
+
+def refused(model: Model, why: str) -> SpecError:
+    return SpecError("observers.kind", model.id,
+                     f"this plant is no sandwich system with backlash (Zhou & Tan 2012): {why}",
+                     "write operators as backlash(x, x - x_before, z_before, m1, m2, D1, D2), with x the next value of "
+                     "x_before and the operator that of z_before, or choose another observer")  # fmt: skip
+
+
+# ---- what the observers and their checks need ------------------------------------------------------------------------
+
+
+def before(o: Backlash) -> Expr:
+    """The previous x of an operator: x − Δx."""
+    return sympy.expand(o.args[0] - o.args[1])
+
+
+def slope(o: Backlash) -> Expr:
+    """Mean slope of the linear zones of an operator."""
+    return (o.args[3] + o.args[4]) / 2
+
+
+def smooth(model: Model) -> Model:
+    """The plant without hysteresis: each operator replaced by its slope times x."""
+
+    def straight(e: Expr) -> Expr:
+        return e.replace(lambda part: isinstance(part, functions.Backlash), lambda o: slope(o) * o.args[0])
+
+    believed = copy.copy(model)
+    for name in ("expansion", "_slopes", "is_affine"):  # cached for the model with operators
+        believed.__dict__.pop(name, None)
+    believed.definitions = tuple(replace(d, expression=straight(d.expression)) for d in model.definitions)
+    believed.f, believed.h = model.f.applyfunc(straight), model.h.applyfunc(straight)
+    return believed
+
+
+def blocks(model: Model, parts: Sandwich) -> dict[str, ImmutableMatrix]:
+    """A11, A22, C11, C22 of (11), and A21 = W·diag(active)·X: W is how the operators drive L2, X what drives them."""
+    f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
+    outputs = [sympy.Dummy() for _ in parts.operators]
+    cut = dict(zip(parts.operators, outputs, strict=True))
+    f, h = f.xreplace(cut), h.xreplace(cut)
+    front, back = ([model.x[i] for i in group] for group in (parts.front, parts.back))
+    f1, f2 = (sympy.Matrix([f[i] for i in group]) for group in (parts.front, parts.back))
+    drives = sympy.Matrix([slope(o) * o.args[0] for o in parts.operators])
+    found = {
+        "A11": _jacobian(f1, front),
+        "A22": _jacobian(f2, back),
+        "C11": _jacobian(h, front),
+        "C22": _jacobian(h, back),
+        "W": _jacobian(f2, outputs),
+        "X": _jacobian(drives, front),
+    }
+    still = dict.fromkeys(outputs, sympy.S.Zero)
+    return {name: sympy.ImmutableMatrix(m.xreplace(still)) for name, m in found.items()}
+
+
+def _jacobian(vector: Matrix, symbols: list) -> ImmutableMatrix:
+    return sympy.ImmutableMatrix(len(vector), len(symbols), lambda i, j: vector[i].diff(symbols[j]))

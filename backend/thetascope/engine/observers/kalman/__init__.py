@@ -1,0 +1,1 @@
+"""Kalman-type observers, one file each."""

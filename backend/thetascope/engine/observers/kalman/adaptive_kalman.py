@@ -1,0 +1,112 @@
+"""Adaptive Kalman observer: Zhang's parameter filter on an extended Kalman–Bucy filter, for any continuous plant.
+
+    x' = f(x, u) + Φθ,   y = h(x, u) + Ψθ
+
+The state gain K comes from a Riccati equation instead of a high gain, so no canonical form is needed; Υ carries the
+effect of θ on x̂, Ω its effect on the output; Ψ is for sensor faults (Zhao, Li & Li 2012 do the same with a high gain).
+R weighs the outputs of a plant that has several.
+
+About Γ: were the innovation white with intensity R, the estimate of a constant θ would have the covariance Γ Ξ Γ with
+Ξ' = −2λΞ + ΩᵀR⁻¹Ω. Where Ω changes slowly against 1/λ that is Γ/2, and ``claimed.<channel>`` is the square root of its
+diagonal. It counts measurement noise only: not the lag behind a θ that moves, nor an error of the model.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.support.common_checks import claimed_sigma, positive_definite
+from thetascope.engine.observers.support.declaration import Observed, Observer
+from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.draft_linalg import product
+from thetascope.engine.observers.support.excitation_checks import (
+    closed_loop,
+    excitation,
+    excitation_check,
+    observability,
+    offer_linearisation,
+)
+from thetascope.engine.observers.support.kalman_defaults import (
+    DELTA,
+    GAMMA0_QUIET,
+    LAMBDA,
+    P0_QUIET,
+    R_INTENSITY,
+    WINDOW,
+    Q,
+)
+
+SOURCE = "Zhang 2002, IEEE TAC 47(3)"
+
+
+def write(d: Draft) -> None:
+    n, p, lam = d.n, d.p, d.gain("lambda")
+    Q, R_inv = sympy.diag(*d.gain("q")), sympy.diag(*[1 / r for r in d.gain("r")])
+    x, theta = d.estimate_of_state(), d.estimate_of_theta()
+    P = d.symmetric("P", n, initial=sympy.diag(*d.gain("p0")))
+    Upsilon = d.states("Upsilon", n, p)
+    Gamma = d.symmetric("Gamma", p, initial=sympy.diag(*d.gain("gamma0")))
+    at = d.at(x, theta)
+    A, C, Phi, Psi = d.let("A", at.A), d.let("C", at.C), d.let("Phi", at.Phi), d.let("Psi", at.Psi)
+
+    AP, CP = d.let("AP", product(A, P)), d.let("CP", product(C, P))
+    K = d.let("K", product(CP.T, R_inv))  # P Cᵀ R⁻¹
+    Omega = d.let("Omega", product(C, Upsilon) + Psi)
+    OmegaGamma = d.let("OmegaGamma", product(Omega, Gamma))
+    L = d.let("L", product(OmegaGamma.T, R_inv))  # Γ Ωᵀ R⁻¹
+    y_hat = d.let("y_hat", at.h + product(Psi, theta))
+    r = d.let("r", d.measured() - y_hat)
+    dtheta = d.let("dtheta", product(L, r))
+
+    d.set(P, AP + AP.T + Q - product(K, CP))  # A P + P Aᵀ + Q − P Cᵀ R⁻¹ C P
+    d.set(Upsilon, product(A, Upsilon) + Phi - product(K, Omega))  # (A − KC) Υ + Φ − KΨ
+    d.set(Gamma, lam * Gamma - product(L, OmegaGamma))  # λΓ − Γ Ωᵀ R⁻¹ Ω Γ
+    d.set(theta, dtheta)  # Γ Ωᵀ R⁻¹ (y − ŷ)
+    d.set(x, at.f + product(Phi, theta) + product(K, r) + product(Upsilon, dtheta))  # f + Φθ̂ + [K + Υ Γ Ωᵀ R⁻¹] (y − ŷ)
+    d.estimates(x, theta, y_hat)
+    d.outputs("Omega", Omega)
+    offer_linearisation(d, A, C, Phi, Psi)
+
+
+def checks(run: Observed) -> list[Check]:
+    p = len(run.channels)
+    return [
+        observability(run, "Kalman & Bucy 1961"),
+        closed_loop(run, SOURCE),
+        positive_definite(run, "P", run.context.n, "Kalman & Bucy 1961"),
+        excitation_check(run, run.values["pe"], SOURCE),
+        positive_definite(run, "Gamma", p, SOURCE),
+    ]
+
+
+def diagnostics(run: Observed) -> dict[str, np.ndarray]:
+    """``pe``: λmin of ∫ΩᵀR⁻¹Ω dt, in typical faults; ``claimed.<channel>``: √(Γ/2), see above."""
+    return {"pe": excitation(run), **claimed_sigma(run, "Gamma", 0.5**0.5)}
+
+
+OBSERVER = Observer(
+    id="adaptive-kalman",
+    title="Adaptive Kalman observer",
+    source="Zhang 2002, IEEE TAC 47(3), 525–529; Zhang & Clavel 2001, CDC; Kalman & Bucy 1961",
+    summary="Estimates state, actuator, process and sensor faults of any continuous plant, with several outputs too.",
+    gains=(Q, R_INTENSITY, P0_QUIET, LAMBDA, GAMMA0_QUIET, WINDOW, DELTA),
+    write=write,
+    checks=checks,
+    diagnostics=diagnostics,
+    equations=(
+        ("", "ẋ̂ = f(x̂, u) + Φθ̂ + [K + ΥΓΩᵀR⁻¹](y − ŷ)"),
+        ("", "θ̇̂ = ΓΩᵀR⁻¹(y − ŷ)"),
+        ("", "Ṗ = AP + PAᵀ + Q − PCᵀR⁻¹CP"),
+        ("", "K = PCᵀR⁻¹"),
+        ("", "Υ̇ = (A − KC)Υ + Φ − KΨ"),
+        ("", "Γ̇ = λΓ − ΓΩᵀR⁻¹ΩΓ"),
+        ("", "Ω = CΥ + Ψ"),
+    ),
+    where=(
+        ("P", "covariance of the state's estimate (Riccati equation)"),
+        ("Υ", "how θ moves the estimate of the state"),
+        ("Γ", "twice the covariance of θ̂ where Ω changes slowly"),
+    ),
+)

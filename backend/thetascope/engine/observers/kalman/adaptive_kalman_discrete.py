@@ -1,0 +1,129 @@
+"""Adaptive Kalman observer for sampled data: Zhang, Automatica 93 (2018), 333–342, with Ψ for sensor faults.
+
+    x(k) = F x(k−1) + Φ θ + w,   y(k) = C x(k) + Ψ θ + v,   w ~ (0, Q), v ~ (0, R)
+
+For nonlinear plants F and Φ are the derivatives of the flow over one sample interval (rk4_map.py), C and Ψ those of the
+output at the predicted state: the extended filter. All covariances are updated in Joseph's form, a sum of squares, so
+that they stay positive definite at any sample period.
+
+λ is given as a rate, in 1/s; a sample forgets by μ = exp(−λ·period), so that its meaning does not depend on the period.
+About S: its inverse sums Ωᵀ Σ⁻¹ Ω with weights μ^age, while the covariance of the estimate of a constant θ sums it with
+weights μ^(2·age); where Ω changes slowly that is S/(1 + μ), of which ``claimed.<channel>`` is the root of the diagonal.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, flow
+from thetascope.engine.observers.support.common_checks import claimed_sigma, positive_definite
+from thetascope.engine.observers.support.declaration import Observed, Observer
+from thetascope.engine.observers.support.draft import NOW, Draft
+from thetascope.engine.observers.support.draft_linalg import congruence, product, solve
+from thetascope.engine.observers.support.excitation_checks import (
+    closed_loop,
+    excitation,
+    excitation_check,
+    observability,
+    offer_linearisation,
+)
+from thetascope.engine.observers.support.kalman_defaults import DELTA, GAMMA0, LAMBDA, P0, R_VARIANCE, WINDOW, Q
+
+if TYPE_CHECKING:
+    from sympy import Matrix
+
+SOURCE = "Zhang 2018, Automatica 93"
+
+
+def write(d: Draft) -> None:
+    n, m, p = d.n, d.m, d.p
+    Q, R = sympy.diag(*d.gain("q")) * d.period, sympy.diag(*d.gain("r"))
+    mu = d.let("mu", sympy.exp(-d.gain("lambda") * d.period))
+    x, theta = d.estimate_of_state(), d.estimate_of_theta()
+    P = d.symmetric("P", n, initial=sympy.diag(*d.gain("p0")))
+    Upsilon = d.states("Upsilon", n, p)
+    S = d.symmetric("S", p, initial=sympy.diag(*d.gain("gamma0")))
+    used = d.states("Omega", m, p)  # Ω of the last sample, kept for the record
+
+    moved = flow(d, "flow", x, theta)  # x⁻, F = ∂x⁻/∂x, Φ = ∂x⁻/∂θ
+    now = d.at(moved.x, theta, NOW)
+    C, Psi = d.let("C", now.C), d.let("Psi", now.Psi)
+    P_minus = d.let_symmetric("P-", congruence(d, "FPF", moved.F, P) + Q)  # F P Fᵀ + Q
+    Sigma = d.let_symmetric("Sigma", congruence(d, "CPC", C, P_minus) + R)  # C P⁻ Cᵀ + R
+    K = solve(d, "K", Sigma, d.let("CP", product(C, P_minus))).T  # P⁻ Cᵀ Σ⁻¹
+    Upsilon_minus = d.let("Upsilon-", product(moved.F, Upsilon) + moved.Phi)  # F Υ + Φ
+    Omega = d.let("Omega", product(C, Upsilon_minus) + Psi)  # C Υ⁻ + Ψ
+    Lambda = d.let_symmetric("Lambda", mu * Sigma + congruence(d, "OSO", Omega, S))  # μΣ + Ω S Ωᵀ
+    G = solve(d, "G", Lambda, d.let("OS", product(Omega, S))).T  # S Ωᵀ Λ⁻¹
+
+    innovation = d.let("innovation", d.measured(NOW) - now.h - product(Psi, theta))  # ỹ
+    dtheta = d.let("dtheta", product(G, innovation))
+    Upsilon_plus = d.let("Upsilon+", Upsilon_minus - product(K, Omega))
+    d.set(x, moved.x + product(K, innovation) + product(Upsilon_plus, dtheta))  # x⁻ + K ỹ + Υ⁺ (θ̂⁺ − θ̂)
+    d.set(theta, theta + dtheta)
+    d.set(Upsilon, Upsilon_plus)
+    d.set(used, Omega)
+    d.set(P, joseph(d, "P+", P_minus, K, C, R))
+    d.set(S, joseph(d, "S+", S, G, Omega, mu * Sigma) / mu)
+
+    here = d.at(x, theta)
+    d.estimates(x, theta, here.h + product(here.Psi, theta))
+    offer_linearisation(d, here.A, here.C, here.Phi, here.Psi)
+
+
+def joseph(d: Draft, name: str, P: Matrix, K: Matrix, C: Matrix, R: Matrix) -> Matrix:
+    """(I − KC) P (I − KC)ᵀ + K R Kᵀ: Joseph's form of the covariance after a measurement."""
+    kept = d.let(f"{name}.kept", sympy.eye(P.shape[0]) - product(K, C))
+    return congruence(d, f"{name}.P", kept, P) + congruence(d, f"{name}.R", K, R)
+
+
+def checks(run: Observed) -> list[Check]:
+    p, period = len(run.channels), run.context.period
+    return [
+        observability(run, "Kalman 1960"),
+        closed_loop(run, SOURCE, period),
+        positive_definite(run, "P", run.context.n, "Kalman 1960"),
+        excitation_check(run, run.values["pe"], SOURCE),
+        positive_definite(run, "S", p, SOURCE),
+    ]
+
+
+def diagnostics(run: Observed) -> dict[str, np.ndarray]:
+    """``pe``: λmin of Σ ΩᵀR⁻¹Ω over the window, in typical faults; ``claimed.<channel>``: √(S/(1 + μ)), see above."""
+    mu = np.exp(-run.values["g.lambda"] * run.context.period)
+    return {"pe": excitation(run, 1 / run.context.period), **claimed_sigma(run, "S", (1 + mu) ** -0.5)}
+
+
+OBSERVER = Observer(
+    id="adaptive-kalman-discrete",
+    title="Adaptive Kalman observer, sampled",
+    source="Zhang 2018, Automatica 93, 333–342; Joseph's form: Bucy & Joseph 1968",
+    summary="The adaptive Kalman observer for sampled measurements and recordings, at any sample period.",
+    gains=(Q, R_VARIANCE, P0, LAMBDA, GAMMA0, WINDOW, DELTA),
+    options=(SUBSTEPS,),
+    write=write,
+    checks=checks,
+    diagnostics=diagnostics,
+    time="discrete",
+    equations=(
+        ("", "P⁻ = FPFᵀ + Q"),
+        ("", "Σ = CP⁻Cᵀ + R"),
+        ("", "K = P⁻CᵀΣ⁻¹"),
+        ("", "Ω = C(FΥ + Φ) + Ψ"),
+        ("", "Λ = μΣ + ΩSΩᵀ"),
+        ("", "G = SΩᵀΛ⁻¹"),
+        ("", "θ̂⁺ = θ̂ + Gỹ"),
+        ("", "x̂⁺ = x̂⁻ + Kỹ + Υ⁺(θ̂⁺ − θ̂)"),
+        ("", "Υ⁺ = FΥ + Φ − KΩ"),
+        ("", "S⁺ = {1 / μ}(S − GΩS)"),
+    ),
+    where=(
+        ("ỹ", "what the measurement adds to the prediction"),
+        ("F", "derivative of the flow over one sample; Φ that with respect to θ"),
+        ("μ", "exp(−λ·period): what one sample forgets"),
+    ),
+)

@@ -1,0 +1,126 @@
+"""Joint extended Kalman filter: the state augmented by θ, which is taken to be a random walk.
+
+    z = (x, θ),   x(k) = flow(x(k−1), θ) + w,   θ(k) = θ(k−1) + w_θ,   y(k) = h(x(k)) + Ψ θ + v
+
+What one would try first; the baseline of the adaptive observers. Jazwinski, Stochastic Processes and Filtering Theory,
+1970, ch. 8 (the extended filter); Ljung, IEEE TAC 24(1), 1979, on joint estimation and its convergence.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.result import CANNOT_TELL, Check
+from thetascope.engine.observers.kalman.adaptive_kalman_discrete import joseph
+from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, flow
+from thetascope.engine.observers.support.common_checks import positive_definite, verdict
+from thetascope.engine.observers.support.declaration import Observed, Observer
+from thetascope.engine.observers.support.draft import NOW, Draft
+from thetascope.engine.observers.support.draft_linalg import congruence, product, solve
+from thetascope.engine.observers.support.excitation_checks import joint_observability, offer_linearisation
+from thetascope.engine.observers.support.kalman_defaults import DELTA, GAMMA0, P0, Q_THETA, R_VARIANCE, WINDOW, Q
+
+if TYPE_CHECKING:
+    from sympy import Matrix
+
+GAINS = (Q, R_VARIANCE, Q_THETA, P0, GAMMA0, WINDOW, DELTA)
+
+
+def write(d: Draft) -> None:
+    n, p = d.n, d.p
+    x, theta, P, Q = augmented(d)
+    R = sympy.diag(*d.gain("r"))
+    moved = flow(d, "flow", x, theta)
+    now = d.at(moved.x, theta, NOW)
+    F = moved.F.row_join(moved.Phi).col_join(sympy.zeros(p, n).row_join(sympy.eye(p)))  # ∂z⁻/∂z
+    H = d.let("H", now.C.row_join(now.Psi))
+
+    P_minus = d.let_symmetric("P-", congruence(d, "FPF", F, P) + Q)  # F P Fᵀ + Q
+    Sigma = d.let_symmetric("Sigma", congruence(d, "HPH", H, P_minus) + R)  # H P⁻ Hᵀ + R
+    K = solve(d, "K", Sigma, d.let("HP", product(H, P_minus))).T  # P⁻ Hᵀ Σ⁻¹
+    innovation = d.let("innovation", d.measured(NOW) - now.h - product(now.Psi, theta))
+    correction = product(K, innovation)
+
+    d.set(x, moved.x + correction[:n, :])
+    d.set(theta, theta + correction[n:, :])
+    d.set(P, joseph(d, "P+", P_minus, K, H, R))
+    report(d, x, theta, innovation, Sigma)
+
+
+def augmented(d: Draft) -> tuple[Matrix, Matrix, Matrix, Matrix]:
+    """x̂, θ̂, their joint covariance P, and the covariance Q that one sample interval adds to it."""
+    x, theta = d.estimate_of_state(), d.estimate_of_theta()
+    P = d.symmetric("P", d.n + d.p, initial=sympy.diag(*d.gain("p0"), *d.gain("gamma0")))
+    return x, theta, P, sympy.diag(*d.gain("q"), *[walk**2 for walk in d.gain("q_theta")]) * d.period
+
+
+def report(d: Draft, x: Matrix, theta: Matrix, innovation: Matrix, Sigma: Matrix) -> None:
+    """What both joint filters record: the estimates, ỹᵀ Σ⁻¹ ỹ of the last sample, the Jacobians."""
+    squared = d.states("nis", 1)
+    d.set(squared, product(innovation.T, solve(d, "nis", Sigma, innovation)))
+    here = d.at(x, theta)
+    d.estimates(x, theta, here.h + product(here.Psi, theta))
+    offer_linearisation(d, here.A, here.C, here.Phi, here.Psi)
+
+
+def checks(run: Observed) -> list[Check]:
+    return [
+        joint_observability(run, run.context.period, "Jazwinski 1970, ch. 7"),
+        positive_definite(run, "P", run.context.n + len(run.channels), "Jazwinski 1970, ch. 7"),
+        consistency(run),
+    ]
+
+
+def consistency(run: Observed) -> Check:
+    """Whether the innovations are as large as the filter says: the mean of ỹᵀ Σ⁻¹ ỹ should be the number of outputs."""
+    name, source = "innovations consistent with P and R", "Bar-Shalom, Li & Kirubarajan 2001, §5.4"
+    squared, m = run.values["nis.0.0"], run.context.m
+    late = squared[len(squared) // 2 :]
+    late = late[np.isfinite(late)]
+    if not len(late):
+        return Check(name, CANNOT_TELL, "no finite innovation was recorded", source=source)
+    value = float(late.mean() / m)
+    text = f"mean of ỹᵀΣ⁻¹ỹ / {m} over the second half of the run: {value:.3g}; it is 1 where q, q_theta and r fit"
+    if value < 0.5:  # no error, but the filter is slower than it could be
+        return Check(name, CANNOT_TELL, f"{text}: there is less noise than the filter was told of", value, 2.0, source)
+    return Check(name, verdict(value <= 2.0), f"{text}, and up to 2 is taken as fitting", value, 2.0, source)
+
+
+def diagnostics(run: Observed) -> dict[str, np.ndarray]:
+    """``claimed.<channel>``: the root of the diagonal of P's θ block; ``nis``: ỹᵀΣ⁻¹ỹ of the last sample."""
+    n = run.context.n
+    sigma = {
+        f"claimed.{c}": np.sqrt(np.maximum(run.values[f"P.{n + j}.{n + j}"], 0.0)) for j, c in enumerate(run.channels)
+    }
+    return {"nis": run.values["nis.0.0"], **sigma}
+
+
+OBSERVER = Observer(
+    id="joint-ekf",
+    title="Joint extended Kalman filter",
+    source="Jazwinski 1970; Ljung 1979, IEEE TAC 24(1), 36–50",
+    summary="Extended Kalman filter of the state augmented by the faults: the usual first choice, as a baseline.",
+    gains=GAINS,
+    options=(SUBSTEPS,),
+    write=write,
+    checks=checks,
+    diagnostics=diagnostics,
+    time="discrete",
+    equations=(
+        ("", "z = (x, θ)"),
+        ("", "P⁻ = FPFᵀ + Q"),
+        ("", "Σ = HP⁻Hᵀ + R"),
+        ("", "K = P⁻HᵀΣ⁻¹"),
+        ("", "ẑ⁺ = ẑ⁻ + Kỹ"),
+        ("", "P⁺ = (I − KH)P⁻(I − KH)ᵀ + KRKᵀ"),
+        ("", "F = {∂ẑ⁻ / ∂z}"),
+        ("", "H = [C, Ψ]"),
+    ),
+    where=(
+        ("θ", "taken to be a random walk"),
+        ("ỹ", "what the measurement adds to the prediction"),
+    ),
+)

@@ -1,0 +1,127 @@
+"""Joint unscented Kalman filter: Julier & Uhlmann 1997; scaled sigma points of Wan & van der Merwe 2000.
+
+As the joint extended filter, z = (x, θ), but mean and covariance go through the model on 2N + 1 sigma points instead of
+Jacobians. Noise is additive; the points are drawn anew from the predicted covariance, so that it holds Q as well.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from thetascope.engine.errors import SpecError
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.observers.kalman.joint_ekf import GAINS, augmented, checks, diagnostics, report
+from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, flow
+from thetascope.engine.observers.support.declaration import Gain, Observer
+from thetascope.engine.observers.support.draft import NOW, Draft
+from thetascope.engine.observers.support.draft_linalg import cholesky, product, solve, symmetric
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix
+
+LARGEST = 24  # N = n + p: beyond it 2N + 1 copies of the model are too much to compile
+
+SPREAD = (
+    Gain("alpha", "spread of the sigma points", 1.0, 1e-4, 10.0, symbol="α"),
+    Gain("beta", "weight of the centre in covariances; 2 suits a normal distribution", 2.0, 0.0, 100.0, symbol="β"),
+    Gain("kappa", "further spread, added to N", 0.0, -0.9, 100.0, symbol="κ"),
+)
+
+
+def write(d: Draft) -> None:
+    n, m, N = d.n, d.m, d.n + d.p
+    if N > LARGEST:
+        raise SpecError(
+            "observers.kind",
+            f"{n} states and {d.p} fault channels",
+            f"the joint UKF carries {2 * N + 1} copies of the model; it takes at most {LARGEST} states and channels",
+            "list fewer under options.channels, or use joint-ekf or adaptive-kalman-discrete",
+        )
+    x, theta, P, Q = augmented(d)
+    spread, mean, cov = weights(d, N)
+    z = sympy.ImmutableMatrix(x).col_join(theta)
+
+    points = sigma_points(d, "draw", z, P, spread)
+    moved = [
+        flow(d, f"flow{i}", s[:n, :], s[n:, :], derivatives=False).x.col_join(s[n:, :]) for i, s in enumerate(points)
+    ]
+    z_minus = d.let("z-", weighted(mean, moved)[:n, :]).col_join(theta)  # the points of θ do not move: their mean is θ̂
+    off = [d.let(f"off{i}", s - z_minus) for i, s in enumerate(moved)]
+    P_minus = symmetric(N, lambda i, j: weighted(cov, [o[i] * o[j] for o in off]))
+    P_minus = d.let_symmetric("P-", P_minus + Q)
+
+    points = sigma_points(d, "redraw", z_minus, P_minus, spread)
+    seen = [output(d, f"y{i}", s) for i, s in enumerate(points)]
+    y_hat = d.let("y_hat", weighted(mean, seen))
+    off, away = [s - z_minus for s in points], [d.let(f"away{i}", s - y_hat) for i, s in enumerate(seen)]
+    Pyy = symmetric(m, lambda i, j: weighted(cov, [a[i] * a[j] for a in away]) + d.gain("r")[i] * int(i == j))
+    Pyy = d.let_symmetric("Pyy", Pyy)
+    Pzy = d.let("Pzy", sympy.ImmutableMatrix(N, m, lambda i, j: weighted(cov, [o[i] * a[j] for o, a in zip(off, away)])))
+    K = solve(d, "K", Pyy, Pzy.T).T  # Pzy Pyy⁻¹
+    innovation = d.let("innovation", d.measured(NOW) - y_hat)
+    z_plus = z_minus + product(K, innovation)
+
+    d.set(x, z_plus[:n, :])
+    d.set(theta, z_plus[n:, :])
+    d.set(P, symmetric(N, lambda i, j: P_minus[i, j] - product(K[i, :], Pzy[j, :].T)[0]))  # P⁻ − K Pyy Kᵀ
+    report(d, x, theta, innovation, Pyy)
+
+
+def weights(d: Draft, N: int) -> tuple[sympy.Expr, list[sympy.Expr], list[sympy.Expr]]:
+    """N + λ = α²(N + κ), and the weights of the points in means and in covariances."""
+    alpha, beta, kappa = d.gain("alpha"), d.gain("beta"), d.gain("kappa")
+    spread = d.let("spread", alpha**2 * (N + kappa))
+    side, centre = d.let("W", 1 / (2 * spread)), d.let("W0", 1 - N / spread)
+    return spread, [centre] + [side] * (2 * N), [d.let("W0c", centre + 1 - alpha**2 + beta)] + [side] * (2 * N)
+
+
+def sigma_points(d: Draft, name: str, z: sympy.Matrix, P: sympy.Matrix, spread: sympy.Expr) -> list[ImmutableMatrix]:
+    """z and z ± the columns of √((N + λ) P), by Cholesky."""
+    root = d.let(f"{name}.root", sympy.sqrt(spread))
+    L = d.let(f"{name}.L", cholesky(d, name, P) * root)
+    columns = [L[:, j] for j in range(L.shape[1])]
+    return [
+        z,
+        *(d.let(f"{name}.p{j}", z + c) for j, c in enumerate(columns)),
+        *(d.let(f"{name}.m{j}", z - c) for j, c in enumerate(columns)),
+    ]
+
+
+def weighted(weights: list[sympy.Expr], values: list):
+    """Σ Wᵢ vᵢ, where all but the first weight are one: the sum of the others is multiplied once."""
+    if isinstance(values[0], sympy.MatrixBase):
+        return sympy.ImmutableMatrix([weighted(weights, list(entries)) for entries in zip(*values)])
+    return weights[0] * values[0] + weights[1] * sympy.Add(*values[1:])
+
+
+def output(d: Draft, name: str, z: sympy.Matrix) -> ImmutableMatrix:
+    """h + Ψθ at a sigma point, at the instant of the sample."""
+    theta = z[d.n :, :]
+    at = d.at(z[: d.n, :], theta, NOW)
+    return d.let(name, at.h + product(at.Psi, theta))
+
+
+OBSERVER = Observer(
+    id="joint-ukf",
+    title="Joint unscented Kalman filter",
+    source="Julier & Uhlmann 1997; Wan & van der Merwe 2000",
+    summary="Unscented Kalman filter of the state augmented by the faults: no Jacobians; a baseline.",
+    gains=(*GAINS, *SPREAD),
+    options=(SUBSTEPS,),
+    write=write,
+    checks=checks,
+    diagnostics=diagnostics,
+    time="discrete",
+    equations=(
+        ("", "ẑ⁻ = ∑ᵢ Wᵢζᵢ"),
+        ("", "P⁻ = ∑ᵢ Wᵢ(ζᵢ − ẑ⁻)(ζᵢ − ẑ⁻)ᵀ + Q"),
+        ("", "P_{zy} = ∑ᵢ Wᵢ(ζᵢ − ẑ⁻)(ηᵢ − ŷ)ᵀ"),
+        ("", "K = P_{zy}P_{yy}⁻¹"),
+        ("", "ẑ⁺ = ẑ⁻ + K(y − ŷ)"),
+        ("", "P⁺ = P⁻ − KP_{yy}Kᵀ"),
+    ),
+    where=(
+        ("ζᵢ", "the sigma points z ± √((N + κ)P) after one sample; ηᵢ what they would measure"),
+        ("Wᵢ", "their weights, from α, β and κ"),
+    ),
+)

@@ -1,0 +1,81 @@
+"""Full-order observer in the normal form (6) of normal_form.py: what the reduced-order observer is compared with.
+
+    ẑ' = A ẑ + B [α(ẑ, t) + F(ẑ, t) u] + L (y − C ẑ)
+
+L is block diagonal with one column an output, like H of the reduced-order observer; A − LC must be stable.
+"""
+
+from __future__ import annotations
+
+from math import comb
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.plant_model import Model
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.forms.normal_form import PAPER, block_column, brunovsky, normal_form
+from thetascope.engine.observers.papers.reduced_order import (
+    at_coordinates,
+    decoupling,
+    describe,
+    eigenvalues,
+    local,
+    parameters,
+    relative_degree,
+)
+from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
+from thetascope.engine.observers.support.draft import Draft
+
+
+def default_L(context: Context) -> list[float]:
+    """A − LC gets all its eigenvalues at −10: the coefficients of (s + 10)^ρ, block after block."""
+    blocks = normal_form(Model(context.model)).blocks
+    return [comb(rho, i) * 10.0**i for rho in blocks for i in range(1, rho + 1)]
+
+
+L = Gain("L", "output injection, block after block of the normal form; A − LC must be stable", default_L,
+         -1e6, 1e6, size="n", symbol="L")  # fmt: skip
+
+
+def write(d: Draft) -> None:
+    form = normal_form(d.model)
+    A, B, C = brunovsky(form.blocks)
+    L = block_column(d.gain("L"), form.blocks)
+    start = form.T.xreplace(dict(zip(d.model.x, d.x0, strict=True))).xreplace(parameters(d))
+    z = d.states("z", d.n, initial=start)
+    x, at = at_coordinates(d, form, z)
+    top = d.let("top", sympy.ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
+    r = d.let("r", d.measured() - C * z)
+
+    d.set(z, A * z + B * top + L * r)
+    d.estimates(x, None, C * z)
+    describe(d, form, at)
+
+
+def checks(run: Observed) -> list[Check]:
+    blocks = run.facts["relative degree"]
+    return [
+        relative_degree(run),
+        decoupling(run),
+        *eigenvalues(run, "A − LC stable", "L", blocks, "eq. (7)"),
+        local(run),
+    ]
+
+
+OBSERVER = Observer(
+    id="full-order",
+    title="Full-order observer in the normal form",
+    source=f"{PAPER}, eq. (6) with output injection",
+    summary="Estimates all states in the same normal form as the reduced-order observer: its baseline.",
+    gains=(L,),
+    write=write,
+    checks=checks,
+    estimates_theta=False,
+    equations=(
+        ("(6)", "ż̂ = Aẑ + B[α(ẑ, t) + F(ẑ, t)u] + L(y − Cẑ)"),
+        ("", "x̂ = T⁻¹(ẑ, t)"),
+    ),
+    where=(
+        ("T", "coordinates of the normal form, by time-varying Lie derivatives"),
+        ("L", "output injection, one column an output"),
+    ),
+)

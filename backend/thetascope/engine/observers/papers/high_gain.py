@@ -1,0 +1,118 @@
+"""High-gain observer: Zhao, Li & Li 2012, eqs. (6)–(9), in the user's own coordinates (see observable_form.py).
+
+    x̂' = f(x̂, u) + J⁻¹ Δ k0 (y − h(x̂)),   J = ∂T/∂x,   Δ = diag(ρ, …, ρⁿ)
+
+It knows of no faults: its error shows what they do to a plain observer.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.forms.observable_form import CanonicalForm, canonical_form
+from thetascope.engine.observers.support.common_checks import gain_at_least, stable, verdict
+from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
+from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.draft_linalg import solve
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix
+
+RHO = Gain("rho", "high gain: the error decays faster and noise grows with its powers", 4.0, 1e-3, 1e3, symbol="ρ")
+
+
+def k0(n: int) -> ImmutableMatrix:
+    """k0 = ½ S⁻¹ c0ᵀ (8), where S solves A0ᵀS + S A0 + S = c0ᵀc0 (7): half the binomial coefficients C(n, i)."""
+    return sympy.ImmutableMatrix([sympy.Rational(sympy.binomial(n, i), 2) for i in range(1, n + 1)])
+
+
+def S(n: int) -> ImmutableMatrix:
+    """The solution of (7): S_ij = (−1)^(i+j) C(i+j−2, j−1), i, j = 1…n."""
+    return sympy.ImmutableMatrix(n, n, lambda i, j: (-1) ** (i + j) * sympy.binomial(i + j, j))
+
+
+def A0(n: int) -> ImmutableMatrix:
+    """The shift matrix of (4)."""
+    return sympy.ImmutableMatrix(n, n, lambda i, j: int(j == i + 1))
+
+
+def c0(n: int) -> ImmutableMatrix:
+    return sympy.ImmutableMatrix(1, n, lambda i, j: int(j == 0))
+
+
+def to_user(d: Draft, at, form: CanonicalForm, correction: ImmutableMatrix) -> ImmutableMatrix:
+    """J⁻¹ · correction: a correction given in canonical coordinates, in the user's."""
+    if form.identity:
+        return correction
+    return solve(d, "J", d.let("dT", sympy.ImmutableMatrix(form.J.applyfunc(at.put))), correction)
+
+
+def write(d: Draft) -> None:
+    form = canonical_form(d.model)
+    n, rho = d.n, d.gain("rho")
+    x = d.estimate_of_state()
+    at = d.at(x)
+    y_hat = d.let("y_hat", at.h)
+    r = d.let("r", (d.measured() - y_hat)[0])
+    Delta = sympy.diag(*[rho**i for i in range(1, n + 1)])
+    d.set(x, at.f + to_user(d, at, form, sympy.ImmutableMatrix(Delta * k0(n) * r)))  # (9)
+    d.estimates(x, None, y_hat)
+    describe(d, form)
+
+
+def describe(d: Draft, form: CanonicalForm) -> None:
+    """Facts about the canonical form, for the report."""
+    d.facts["canonical"] = form.identity
+    d.facts["coordinates"] = [str(e) for e in form.T]
+    d.facts["triangular"] = form.triangular
+    d.facts["affine"] = all(d.model.is_affine)
+
+
+def form_checks(run: Observed) -> list[Check]:
+    """What Theorems 1 and 2 ask of the plant and of k0."""
+    n, source = run.context.n, "Zhao, Li & Li 2012"
+    coordinates = ", ".join(run.facts["coordinates"])
+    already = "is in" if run.facts["canonical"] else "is brought to"
+    matrix = np.eye(n, k=1)  # in numbers, because a run out of the cache needs no SymPy: A0 − k0 c0
+    matrix[:, 0] -= [math.comb(n, i) / 2 for i in range(1, n + 1)]
+    lipschitz = True if run.facts["affine"] else None
+    return [
+        Check("canonical form", verdict(True), f"the plant {already} the form (3): z = ({coordinates})", source=f"{source}, eq. (2)"),
+        Check("uniform observability", verdict(run.facts["triangular"]),
+              "the inputs enter triangularly (checked at points near the initial state)" if run.facts["triangular"]
+              else "an input enters a canonical equation through a later state, so some input may hide a state",
+              source=f"{source}, eq. (5)"),
+        stable("A0 − k0 c0 stable", matrix, f"{source}, eq. (8)"),
+        Check("f globally Lipschitz", verdict(lipschitz), "f is affine in the states" if lipschitz else
+              "f is not affine; the model is saturated to the plant's domain, inside which it is Lipschitz if the domain is bounded",
+              source=f"{source}, Theorem 1"),
+        gain_at_least(run, "rho", 1.0, f"{source}, Lemma 1", "the bound on Υ does not depend on ρ from 1 on"),
+    ]  # fmt: skip
+
+
+OBSERVER = Observer(
+    id="high-gain",
+    title="High-gain observer",
+    source="Zhao, Li & Li 2012, eq. (9); Gauthier, Hammouri & Othman 1992",
+    summary="Estimates the state of a uniformly observable single-output plant; knows of no faults.",
+    gains=(RHO,),
+    write=write,
+    checks=form_checks,
+    estimates_theta=False,
+    equations=(
+        ("(9)", "ẋ̂ = f(x̂, u) + J⁻¹Δk₀(y − ŷ)"),
+        ("", "ŷ = h(x̂)"),
+        ("(8)", "k₀ = {1 / 2}S⁻¹c₀ᵀ"),
+        ("(7)", "A₀ᵀS + SA₀ + S = c₀ᵀc₀"),
+        ("", "Δ = diag(ρ, ρ², …, ρⁿ)"),
+    ),
+    where=(
+        ("J", "derivative of the canonical coordinates z = T(x); the unit matrix where the plant is in them already"),
+        ("ρ", "the high gain"),
+    ),
+)

@@ -1,0 +1,199 @@
+"""Linear adaptive observer: Shen & Hu 2015, eqs. (11)–(12) with ρ = 0, the observer of its reference [5].
+
+    x̂' = A x̂ + γ(x̂, u) + f(x̂, u) θ̂ + K e1        (11)
+    θ̂' = λ g(x̂, u) e1                             (12)
+
+for one output y = Cx, C the first state, e1 = y − ŷ. Any plant is A x + γ with γ = f − A x, A the chain of
+integrators. The paper's f is the plant's Φ here; g and P come from the matching condition (8), see matching_condition.py.
+What the nonsmooth observer (nonsmooth_adaptive.py) shares with it is written here.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.errors import SpecError
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.plant_model import Model
+from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
+from thetascope.engine.observers.forms.matching_condition import closed, direction, find_P, lyapunov_margin
+from thetascope.engine.observers.support.common_checks import stable, verdict
+from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
+from thetascope.engine.observers.support.draft import Draft, ModelAt
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix
+
+SOURCE = "Shen & Hu 2015"
+
+
+def default_K(context: Context) -> list[float]:
+    """A − KC gets the eigenvalues −1, …, −n: K = (3, 2) for n = 2, as in the paper."""
+    return [float(k) for k in np.poly(-np.arange(1.0, context.n + 1))[1:]]
+
+
+K = Gain("K", "output injection; A − KC must be stable", default_K, -1e6, 1e6, size="n", symbol="K")
+LAMBDA = Gain("lambda", "rate of adaptation of θ̂ (with P scaled to P d = Cᵀ)", 10.0, 0.0, 1e6, symbol="λ")
+
+
+def write(d: Draft) -> None:
+    x, theta, at, e1 = begin(d)
+    d.set(x, at.f + at.Phi * theta + d.gain("K") * e1)  # (11)
+    d.set(theta, d.gain("lambda") * g(at) * e1)  # (12)
+
+
+def g(at: ModelAt) -> ImmutableMatrix:
+    """g = (CΦ)ᵀ (p×1): what (8) gives with P d = Cᵀ."""
+    return at.Phi[0, :].T
+
+
+def begin(d: Draft) -> tuple[ImmutableMatrix, ImmutableMatrix, ModelAt, Expr]:
+    """x̂, θ̂, the model there and e1 = y − ŷ; refuses a plant that is not of the form (1)."""
+    model = d.model
+    require(model.time == "continuous", model, "it is a discrete-time plant")
+    require(
+        model.m == 1 and model.h[0] == model.x[0], model, f"its output is not its first state {model.states[0]} alone"
+    )
+    require(d.p > 0, model, "no fault channel is left to estimate")
+    sensors = [c for c, psi in zip(d.channels, model.Psi(d.channels), strict=True) if psi != 0]
+    require(not sensors, model, f"the fault {', '.join(sensors)} enters the output, where (1) has no θ")
+    x, theta = d.estimate_of_state(), d.estimate_of_theta()
+    at = d.at(x, theta)
+    e1 = d.let("e1", d.measured()[0] - x[0])
+    d.estimates(x, theta, sympy.ImmutableMatrix([x[0]]))
+    describe(d, at)
+    return x, theta, at, e1
+
+
+def require(condition: bool, model: Model, why: str) -> None:
+    if not condition:
+        raise SpecError("observers.kind", model.id, f"this plant is not of the form (1) of Shen & Hu 2015: {why}",
+                        "list the measured state first and choose process or actuator faults (options.channels), "
+                        "or use adaptive-kalman")  # fmt: skip
+
+
+def describe(d: Draft, at: ModelAt) -> None:
+    """Offer what the checks need: the direction d, Φ and the Jacobian of γ at x̂."""
+    model = d.model
+    vector, reason = direction(model, d.channels)
+    d.facts["matching"] = reason or "Φ = d·(CΦ), g = (CΦ)ᵀ"
+    if vector is not None:
+        d.facts["direction"] = [str(e) for e in vector]
+        d.outputs("direction", sympy.ImmutableMatrix([at.put(e) for e in vector]))
+    d.outputs("Phi", at.Phi)
+    gamma = sympy.Matrix(model.f) - sympy.Matrix([*model.x[1:], 0])
+    d.outputs("Dgamma", sympy.ImmutableMatrix(model.jacobian(gamma).applyfunc(at.put)))
+    d.facts["affine"] = all(model.is_affine)
+    flat = model.f.xreplace(model.expansion)
+    d.facts["chain"] = all(flat[i].expand().coeff(model.x[i + 1]) == 1 for i in range(model.n - 1))
+
+
+# ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------
+
+
+def checks(run: Observed) -> list[Check]:
+    k = run.gains("K")
+    P = matched(run)
+    return [
+        chain_check(run),
+        stable("A − KC stable", closed(k), f"{SOURCE}, eq. (6)"),
+        matching_check(run, P),
+        lyapunov_check(run, P, k),
+        one_sided_lipschitz(run),
+    ]
+
+
+def chain_check(run: Observed) -> Check:
+    """(1): A the chain of integrators. Another plant fits too, with the difference in γ."""
+    chain = run.facts["chain"]
+    text = "every state's equation contains the next state with coefficient 1" if chain else \
+           "some state's equation does not contain the next state; γ = f − A x makes up for it"  # fmt: skip
+    return Check("chain of integrators", verdict(True if chain else None), text, source=f"{SOURCE}, eq. (1)")
+
+
+def matched(run: Observed) -> np.ndarray | None:
+    """P for the gains of this run."""
+    if "direction.0.0" not in run.values:
+        return None
+    return find_P(run.gains("K"), vector(run))
+
+
+def vector(run: Observed) -> np.ndarray:
+    return np.array([float(np.ravel(run.values[f"direction.{i}.0"])[0]) for i in range(run.context.n)])
+
+
+def matching_check(run: Observed, P: np.ndarray | None) -> Check:
+    """(8), with the residual max |PΦ − Cᵀgᵀ| over the run."""
+    name, source = "matching condition", f"{SOURCE}, eq. (8)"
+    if "direction.0.0" not in run.values:
+        return Check(name, FAILS, f"no constant P has P Φ = Cᵀgᵀ: {run.facts['matching']}", source=source)
+    if P is None:
+        text = "Φ = d·(CΦ), but no P was found to go with it (see the inequality)"
+        return Check(name, CANNOT_TELL, text, source=source)
+    Phi = run.matrix("Phi", run.context.n, len(run.channels))
+    Phi = Phi[np.isfinite(Phi).all(axis=(1, 2))]
+    residual = P @ Phi
+    residual[:, 0, :] -= Phi[:, 0, :]
+    value = float(np.abs(residual).max(initial=0.0))
+    scale = max(1.0, float(np.abs(Phi).max(initial=0.0))) * float(np.abs(P).max())
+    shown = [[float(f"{entry:.4g}") for entry in row] for row in P]
+    text = f"P = {shown}, g = (CΦ)ᵀ: largest |PΦ − Cᵀgᵀ| over the run {value:.2g}"
+    return Check(name, verdict(value <= 1e-9 * scale), text, value, 1e-9 * scale, source)
+
+
+def lyapunov_check(run: Observed, P: np.ndarray | None, k: np.ndarray) -> Check:
+    name, source = "Lyapunov inequality", f"{SOURCE}, eq. (6) without its Lipschitz terms"
+    if "direction.0.0" not in run.values:
+        return Check(name, FAILS, "there is no P of the matching condition to hold it against", source=source)
+    if P is None:
+        zeros = np.roots(vector(run)) if run.context.n > 1 else np.array([])
+        listed = ", ".join(f"{z:.4g}" for z in zeros) or "none"
+        text = (
+            "no P > 0 with P d = Cᵀ satisfies (A − KC)ᵀP + P(A − KC) < 0: C(sI − A + KC)⁻¹d is not strictly positive "
+            f"real; its zeros are {listed}; {'no K helps' if (zeros.real >= 0).any() else 'another K may do'}"
+        )
+        return Check(name, FAILS, text, source=source)
+    value, least = lyapunov_margin(P, k), np.linalg.eigvalsh(P)[0]
+    text = f"largest eigenvalue of (A − KC)ᵀP + P(A − KC): {value:.4g}; smallest of P: {least:.4g}"
+    return Check(name, HOLDS, text, value, 0.0, source)
+
+
+def one_sided_lipschitz(run: Observed) -> Check:
+    """(3): β1 as the largest eigenvalue of the symmetric part of ∂γ/∂x, along the estimates of this run."""
+    n = run.context.n
+    D = run.matrix("Dgamma", n, n)
+    D = D[np.isfinite(D).all(axis=(1, 2))]
+    value = float(np.linalg.eigvalsh((D + D.transpose(0, 2, 1)) / 2).max()) if len(D) else None
+    if value is None:
+        return Check(
+            "γ one-sided Lipschitz", CANNOT_TELL, "no finite estimate was recorded", source=f"{SOURCE}, eq. (3)"
+        )
+    text = f"β1 ≥ {value:.4g} along the estimates of this run; "
+    text += "γ is affine in the state, so the bound is global" if run.facts["affine"] else \
+        "γ is not affine, and whether a bound holds everywhere is not decided"  # fmt: skip
+    return Check(
+        "γ one-sided Lipschitz", verdict(True if run.facts["affine"] else None), text, value, None, f"{SOURCE}, eq. (3)"
+    )
+
+
+OBSERVER = Observer(
+    id="linear-adaptive",
+    title="Linear adaptive observer",
+    source="Shen & Hu 2015, eqs. (11)–(12) with ρ = 0 (its ref. [5], Gao & Xu 2012)",
+    summary="The baseline of the nonsmooth observer: the same without the homogeneous injection.",
+    gains=(K, LAMBDA),
+    write=write,
+    checks=checks,
+    equations=(
+        ("(11)", "ẋ̂ = Ax̂ + γ(x̂, u) + Φθ̂ + Ke₁"),
+        ("(12)", "θ̇̂ = λ g e₁"),
+        ("", "e₁ = y − ŷ"),
+        ("(8)", "PΦ = Cᵀgᵀ"),
+    ),
+    where=(
+        ("A", "chain of integrators; γ is what else the plant's equations hold"),
+        ("g", "(CΦ)ᵀ, from the matching condition (8)"),
+    ),
+)

@@ -1,0 +1,134 @@
+"""Continuous nonsmooth adaptive observer: Shen & Hu 2015, eqs. (11)–(12).
+
+    x̂' = A x̂ + γ(x̂, u) + f(x̂, u) θ̂ + K e1 + ρ F(e1),   F_i = k_i ⌊e1⌉^{α_i},   α_i = iα − (i − 1)    (11)
+    θ̂' = λ g(x̂, u) e1                                                                              (12)
+
+for the plants of linear_adaptive.py, its baseline ρ = 0. ⌊e⌉^α = |e|^α sign e.
+
+In print "k = KC" means k = K, and "0 < α < 1 − 1/(n−1)", which is empty for n = 2, is read 1 − 1/n < α < 1: then all
+exponents are positive. The option form "paper-example" writes the observer of the paper's section 3 as it stands
+there: without γ, with the exponent 2α − 1 in both lines and ρ² for ρ k2. It is no case of (11).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import functions, sympy
+from thetascope.engine.model.result import FAILS, Check
+from thetascope.engine.observers.forms.matching_condition import closed
+from thetascope.engine.observers.papers.linear_adaptive import LAMBDA, SOURCE, K, begin, g, matched, require
+from thetascope.engine.observers.papers.linear_adaptive import checks as shared_checks
+from thetascope.engine.observers.support.common_checks import verdict
+from thetascope.engine.observers.support.declaration import Gain, Observed, Observer, Option
+from thetascope.engine.observers.support.draft import Draft
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix
+
+GENERAL, PAPER_EXAMPLE = "general", "paper-example"
+
+GAINS = (
+    K,
+    LAMBDA,
+    Gain("rho", "share of the nonsmooth injection", 0.8, 0.0, 1e3, symbol="ρ"),
+    Gain("alpha", "exponent α of the nonsmooth injection, above 1 − 1/n and below 1",
+         lambda context: 1 - 0.3 / context.n, 0.0, 1.0, symbol="α"),
+)  # fmt: skip
+FORM = Option(
+    "form", "the observer (11), or section 3's example as printed (n = 2)", "choice", GENERAL, (GENERAL, PAPER_EXAMPLE)
+)
+
+
+def F(k: ImmutableMatrix, alpha: Expr, e1: Expr) -> ImmutableMatrix:
+    """The homogeneous injection, below (12)."""
+    return sympy.ImmutableMatrix([k[i - 1] * functions.SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)])
+
+
+def write(d: Draft) -> None:
+    x, theta, at, e1 = begin(d)
+    K, rho, alpha = d.gain("K"), d.gain("rho"), d.gain("alpha")
+    form = d.facts["form"] = d.options.get("form", GENERAL)
+
+    if form == PAPER_EXAMPLE:
+        dx = paper_example(d, x, at.Phi * theta, e1)
+    else:
+        dx = at.f + at.Phi * theta + K * e1 + rho * F(K, alpha, e1)  # (11)
+    dtheta = d.gain("lambda") * g(at) * e1  # (12)
+
+    d.set(x, dx)
+    d.set(theta, dtheta)
+
+
+def paper_example(d: Draft, x: ImmutableMatrix, w_theta: ImmutableMatrix, e1: Expr) -> ImmutableMatrix:
+    """Section 3 as printed; its wθ̂, printed twice with a comma between, is taken once."""
+    require(
+        d.n == 2, d.model, f"the example of section 3 has two states, this plant {d.n}; choose the form {GENERAL!r}"
+    )
+    K, rho = d.gain("K"), d.gain("rho")
+    power = functions.SignedPower(e1, 2 * d.gain("alpha") - 1)
+    dx1 = x[1] + K[0] * e1 + K[0] * rho * power + w_theta[0]
+    dx2 = w_theta[1] + K[1] * e1 + rho**2 * power
+    return sympy.ImmutableMatrix([dx1, dx2])
+
+
+# ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------
+
+
+def checks(run: Observed) -> list[Check]:
+    n, alpha = run.context.n, run.gain("alpha")
+    general = run.facts["form"] == GENERAL
+    low = 1 - 1 / n
+    exponents = ", ".join(f"{i * alpha - (i - 1):.4g}" for i in range(1, n + 1))
+    return [
+        *shared_checks(run),
+        Check("1 − 1/n < α < 1", verdict(low < alpha < 1), f"α = {alpha:g}, n = {n}: exponents {exponents}"
+              + ("" if general else " in (11); the example as printed has 2α − 1 in all lines"),
+              alpha, low, f"{SOURCE}, below (12), read so that all exponents are positive"),
+        as_printed(run),
+    ]  # fmt: skip
+
+
+def as_printed(run: Observed) -> Check:
+    """(6) with the constants that the proof prints (l1 = 0, γ = 0: its most favourable case)."""
+    name, source = "inequality (6) as printed", f"{SOURCE}, eq. (6) and the proof of Theorem 1"
+    P, k = matched(run), run.gains("K")
+    if P is None:
+        return Check(name, FAILS, "there is no P of the matching condition to hold it against", source=source)
+    spectrum = np.linalg.eigvalsh(P)
+    c2 = float(k.max() * np.sqrt(len(k) * spectrum[-1] / spectrum[0]))
+    rate = -float(np.max(np.linalg.eigvals(np.linalg.solve(P, closed(k).T @ P + P @ closed(k))).real))
+    asked = 2 * c2 + 1
+    text = (
+        f"(A − KC)ᵀP + P(A − KC) < −c P holds up to c = {rate:.4g}; the print asks for c > 2 c2 + 1 = {asked:.4g} with "
+        "c2 ≥ k1 √n, but c ≤ 2 k1/n for every K (a bound in the proof lost a factor ρ): it proves nothing for this run"
+    )
+    return Check(name, verdict(rate > asked), text, rate, asked, source)
+
+
+OBSERVER = Observer(
+    id="nonsmooth-adaptive",
+    title="Nonsmooth adaptive observer (Shen, Hu)",
+    source="Shen & Hu 2015, eqs. (11)–(12)",
+    summary="Estimates the states and the parameters of a single-output plant that meets the matching condition; "
+    "a homogeneous injection makes it faster far from zero.",
+    gains=GAINS,
+    write=write,
+    checks=checks,
+    options=(FORM,),
+    equations=(
+        ("(11)", "ẋ̂ = Ax̂ + γ(x̂, u) + Φθ̂ + Ke₁ + ρF(e₁)"),
+        ("(12)", "θ̇̂ = λ g e₁"),
+        ("", "Fᵢ(e₁) = kᵢ|e₁|^{αᵢ} sgn(e₁)"),
+        ("", "αᵢ = iα − (i − 1)"),
+        ("", "e₁ = y − ŷ"),
+        ("(8)", "PΦ = Cᵀgᵀ"),
+    ),
+    where=(
+        ("F", "the nonsmooth injection: strong near zero error"),
+        ("A", "chain of integrators; γ is what else the plant's equations hold"),
+        ("g", "(CΦ)ᵀ, from the matching condition (8)"),
+    ),
+)

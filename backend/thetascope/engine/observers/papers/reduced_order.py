@@ -1,0 +1,167 @@
+"""Reduced-order observer for MIMO nonlinear time-varying plants: eq. (17) of the paper named in normal_form.py.
+
+    ω' = (Ã − HC̃)(ω + Hy) + B̃ [α(ẑ, t) + F(ẑ, t) u],   ẑ = (y1, ω1 + H1 y1, y2, ω2 + H2 y2, …)        (17)
+
+Only what is not measured is estimated: in the normal form (6) the coordinates of each output but the first, n − m in
+all. Ã, B̃, C̃ are the chains of integrators shortened by one, H is block diagonal with one column an output. α + F u
+is the highest derivative of the outputs at x̂, so the observer is written down for the plant's own states.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import comb
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.plant_model import Model, symbols
+from thetascope.engine.model.result import CANNOT_TELL, Check
+from thetascope.engine.observers.forms.normal_form import PAPER, NormalForm, block_column, brunovsky, normal_form
+from thetascope.engine.observers.support.common_checks import stable, verdict
+from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
+from thetascope.engine.observers.support.draft import Draft, ModelAt
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix, Symbol
+
+
+def default_H(context: Context) -> list[float]:
+    """Ã − HC̃ gets all its eigenvalues at −5: the coefficients of (s + 5)^(ρ − 1), block after block."""
+    blocks = [rho - 1 for rho in normal_form(Model(context.model)).blocks]
+    return [comb(size, i) * 5.0**i for size in blocks for i in range(1, size + 1)]
+
+
+H = Gain("H", "output injection, block after block of unmeasured coordinates; Ã − HC̃ must be stable", default_H,
+         -1e6, 1e6, size="n-m", symbol="H")  # fmt: skip
+
+
+def write(d: Draft) -> None:
+    form = normal_form(d.model)
+    blocks = [rho - 1 for rho in form.blocks]
+    A, B, C = brunovsky(blocks)
+    H, y = block_column(d.gain("H"), blocks), d.measured()
+    omega = d.states("omega", sum(blocks), initial=initial(d, form) - H * y)
+    hidden = d.let("hidden", omega + H * y)  # (14)
+    z = dict(zip((*form.firsts, *form.unmeasured), (*y, *hidden), strict=True))
+    x, at = at_coordinates(d, form, [z[k] for k in range(d.n)])
+    top = d.let("top", sympy.ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
+
+    d.set(omega, (A - H * C) * hidden + B * top)  # (17)
+    d.estimates(x, None, at.h)
+    describe(d, form, at)
+
+
+def at_coordinates(d: Draft, form: NormalForm, z: Sequence[Expr]) -> tuple[ImmutableMatrix, ModelAt]:
+    """x̂ at ẑ, and the model there."""
+    x = d.let("x", form.from_z(z).xreplace(parameters(d)))
+    return x, d.at(x)
+
+
+def initial(d: Draft, form: NormalForm) -> ImmutableMatrix:
+    """The unmeasured coordinates at the start: T(x, 0) with the initial estimates for x, but with the measurement for
+    the states that the outputs alone determine."""
+    outputs = {form.z[k]: y for k, y in zip(form.firsts, d.measured(), strict=True)}
+    start = dict(zip(d.model.x, d.x0, strict=True))
+    start |= {x: e.xreplace(outputs) for x, e in form.from_outputs.items()}
+    z = form.T.xreplace(start).xreplace(parameters(d))
+    return sympy.ImmutableMatrix(len(form.unmeasured), 1, [z[k] for k in form.unmeasured])
+
+
+def parameters(d: Draft) -> dict[Symbol, Symbol]:
+    """What stands for the plant's parameters in an observer."""
+    return dict(zip(d.model.parameters, symbols("m", d.model.parameter_names), strict=True))
+
+
+def describe(d: Draft, form: NormalForm, at: ModelAt) -> None:
+    """Facts for the report, and the decoupling matrix for the checks."""
+    d.facts["relative degree"] = list(form.blocks)
+    d.facts["coordinates"] = [f"{z} = {e}" for z, e in zip(form.z, form.T, strict=True)]
+    d.facts["inverse"] = [f"{x} = {e}" for x, e in form.inverse.items()]
+    d.facts["affine"] = not (form.top.jacobian(sympy.Matrix(d.model.x)).free_symbols & set(d.model.x))
+    d.facts["inputs"] = len(d.model.inputs)
+    if form.F.shape[1]:
+        d.outputs("F", sympy.ImmutableMatrix(form.F.applyfunc(at.put)))
+
+
+# ---- the assumptions of Theorem 2 ------------------------------------------------------------------------------------
+
+
+def checks(run: Observed) -> list[Check]:
+    blocks = [rho - 1 for rho in run.facts["relative degree"]]
+    return [
+        relative_degree(run),
+        decoupling(run),
+        *eigenvalues(run, "Ã − HC̃ stable", "H", blocks, "eq. (16)"),
+        local(run),
+    ]
+
+
+def eigenvalues(run: Observed, name: str, gain: str, blocks: list[int], equation: str) -> list[Check]:
+    """Whether the chains of integrators are stable with these gains; nothing to check where all are empty."""
+    if not sum(blocks):
+        return []
+    closed, at = np.zeros((sum(blocks), sum(blocks))), 0
+    for size in blocks:  # in numbers, because a run out of the cache needs no SymPy: Ã − HC̃
+        closed[at : at + size, at : at + size] = np.eye(size, k=1)
+        closed[at : at + size, at] -= run.gains(gain)[at : at + size]
+        at += size
+    return [stable(name, closed, f"{PAPER}, {equation}")]
+
+
+def relative_degree(run: Observed) -> Check:
+    degrees, total = run.facts["relative degree"], sum(run.facts["relative degree"])
+    text = f"({', '.join(map(str, degrees))}), which sums to n = {total}; {'; '.join(run.facts['coordinates'])}"
+    return Check("vector relative degree", verdict(True), text, float(total), float(run.context.n),
+                 f"{PAPER}, Definition 2 and Assumption 1")  # fmt: skip
+
+
+def decoupling(run: Observed) -> Check:
+    """(4): the decoupling matrix nonsingular, along the estimates of this run (smallest |det|)."""
+    name, source, m, inputs = "decoupling matrix nonsingular", f"{PAPER}, eq. (4)", run.context.m, run.facts["inputs"]
+    if inputs != m:
+        text = f"{m} outputs and {inputs} inputs: it is not square; the observer does not need it"
+        return Check(name, CANNOT_TELL, text, source=source)
+    F = run.matrix("F", m, m)
+    F = F[np.isfinite(F).all(axis=(1, 2))]
+    if not len(F):
+        return Check(name, CANNOT_TELL, "no finite value was recorded", None, 0.0, source)
+    value = float(np.abs(np.linalg.det(F)).min())
+    text = f"smallest |det F| along the estimates of this run: {value:.4g}"
+    return Check(name, verdict(value > 1e-12), text, value, 0.0, source)
+
+
+def local(run: Observed) -> Check:
+    """Assumption 2 and the region in which the observer converges."""
+    affine = run.facts["affine"]
+    text = "they are affine in the state" if affine else (
+        "they are not affine in the state: locally at most, and a bound was not sought; the convergence is local, and "
+        "gains or initial estimates that are too far off may never converge"
+    )  # fmt: skip
+    return Check(
+        "α and F Lipschitz", verdict(True if affine else None), text, source=f"{PAPER}, Assumption 2, Remark 4"
+    )
+
+
+OBSERVER = Observer(
+    id="reduced-order",
+    title="Reduced-order observer (MIMO, time-varying)",
+    source=f"{PAPER}, eq. (17)",
+    summary="Estimates only the states that are not measured, for plants with a vector relative degree that sums to n.",
+    gains=(H,),
+    write=write,
+    checks=checks,
+    estimates_theta=False,
+    equations=(
+        ("(17)", "ω̇ = (Ã − HC̃)(ω + Hy) + B̃[α(ẑ, t) + F(ẑ, t)u]"),
+        ("(14)", "ẑ = (y, ω + Hy)"),
+        ("", "x̂ = T⁻¹(ẑ, t)"),
+        ("(3)", "T(x, t) = (h, Lh, …)"),
+        ("", "Lφ = {∂φ / ∂t} + {∂φ / ∂x}f"),
+    ),
+    where=(
+        ("ω", "the part of the normal form that is not measured, shifted by Hy"),
+        ("T", "coordinates of the normal form, by time-varying Lie derivatives"),
+    ),
+)

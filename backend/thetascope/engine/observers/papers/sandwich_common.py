@@ -1,0 +1,133 @@
+"""What the observers of sandwich systems share: the gain K, the facts, the checks of Zhou & Tan 2012, Theorem 1."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.plant_model import Model
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.forms.sandwich_parts import Sandwich, blocks, memory_names, refused, sandwich
+from thetascope.engine.observers.support.common_checks import stable, verdict
+from thetascope.engine.observers.support.declaration import Context, Gain, Observed
+from thetascope.engine.observers.support.draft import Draft
+
+if TYPE_CHECKING:
+    from sympy import Expr, ImmutableMatrix
+
+SOURCE = "Zhou & Tan 2012"
+
+
+def corrected(context: Context) -> int:
+    """the states of L1 and L2"""
+    return context.n - len(memory_names(context.model))
+
+
+def default_K(context: Context) -> list[float]:
+    """0 on the states of L1, which Theorem 1 asks for, and 0.1 on those of L2, as in the paper."""
+    parts = sandwich(Model(context.model))
+    return [0.0 if i in parts.front else 0.1 for i in parts.linear_states]
+
+
+K = Gain("K", "output injection on the states of L1 and L2, in the plant's order; those of L1 should be 0 (Theorem 1)",
+         default_K, -1e3, 1e3, size=corrected, symbol="K")  # fmt: skip
+
+
+def begin(d: Draft) -> Sandwich:
+    if d.m != 1:
+        raise refused(d.model, f"it has {d.m} outputs and the observer is for one")
+    parts = sandwich(d.model)
+    d.facts["L1"], d.facts["L2"], d.facts["memory"] = (
+        [d.model.states[i] for i in group] for group in (parts.front, parts.back, parts.memory)
+    )
+    d.facts["operators"] = len(parts.operators)
+    return parts
+
+
+def injection(d: Draft, parts: Sandwich) -> ImmutableMatrix:
+    """K with a 0 for each state of the memory (n×1)."""
+    gain = dict(zip(parts.linear_states, d.gain("K"), strict=True))
+    return sympy.ImmutableMatrix([gain.get(i, 0) for i in range(d.n)])
+
+
+def describe(d: Draft, parts: Sandwich, put: Callable[[Expr], Expr]) -> None:
+    """Offer the matrices of (11) for the checks."""
+    moving = False
+    for name, matrix in blocks(d.model, parts).items():
+        moving |= bool(matrix.free_symbols & set(d.model.x))
+        d.outputs(name, sympy.ImmutableMatrix(matrix.applyfunc(put)))
+    d.facts["linear"] = not moving
+    order = parts.linear_states
+    d.facts["K1"] = [order.index(i) for i in parts.front]
+    d.facts["K2"] = [order.index(i) for i in parts.back]
+
+
+# ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------
+
+
+def linear_checks(run: Observed) -> list[Check]:
+    A11, A22, C11, C22, _, _ = linear_parts(run)
+    K = run.gains("K")
+    K1, K2 = K[run.facts["K1"]], K[run.facts["K2"]]
+    third, largest = f"{SOURCE}, Theorem 1, condition 3", float(np.abs(K1).max(initial=0.0))
+    found = [structure(run, not C11.any())]
+    if len(A11):
+        found.append(stable("A11 inside the unit circle", A11, third, discrete=True))
+    text = f"largest gain on a state of L1: {largest:g}"
+    found.append(Check("K1 = 0", verdict(largest == 0.0), text, largest, 0.0, third))
+    if len(A22):
+        closed, fourth = A22 - np.outer(K2, C22), f"{SOURCE}, Theorem 1, condition 4"
+        found.append(stable("A22 − K2 C22 inside the unit circle", closed, fourth, discrete=True))
+    return found
+
+
+def structure(run: Observed, only_back: bool) -> Check:
+    """Whether the plant is two linear parts with the hysteresis between, the output depending on the second alone."""
+    linear, back = run.facts["linear"], run.facts["L2"]
+    text = f"L1: {', '.join(run.facts['L1']) or 'none'}; L2: {', '.join(back) or 'none, it feeds back to L1'}; "
+    text += "the output is L2's" if only_back else "the output depends on L1"
+    if not linear:
+        text += "; they are not linear: the numbers below are those at the last estimate"
+    found = verdict(bool(back) and only_back and (True if linear else None))
+    return Check("L1 → hysteresis → L2", found, text, source=f"{SOURCE}, eq. (11)")
+
+
+def rank_check(run: Observed) -> Check:
+    """Frozen-time observability of (C, A(k)), below (12): with each operator active alone, and with none."""
+    A11, A22, C11, C22, W, X = linear_parts(run)
+    n1, n = len(A11), len(A11) + len(A22)
+    C = np.hstack([C11, C22])
+
+    def rank(active: list[int]) -> int:
+        A = np.zeros((n, n))
+        A[:n1, :n1], A[n1:, n1:], A[n1:, :n1] = A11, A22, W[:, active] @ X[active, :]
+        rows = [C]
+        for _ in range(n - 1):
+            rows.append(rows[-1] @ A)
+        N = np.vstack([r / (np.linalg.norm(r) or 1.0) for r in rows])
+        return int(np.linalg.matrix_rank(N, tol=1e-10)) if np.isfinite(N).all() else 0
+
+    operators = range(run.facts["operators"])
+    least, none = min(rank([i]) for i in operators), rank([])
+    text = f"rank {least} of {n} with any operator in a linear zone, {none} with none"
+    if none < n:
+        text += ": while all operators hold, L1 cannot be seen"
+    return Check("observable with an operator active", verdict(least == n), text, float(least), float(n),
+                 f"{SOURCE}, section 3")  # fmt: skip
+
+
+def linear_parts(run: Observed) -> tuple[np.ndarray, ...]:
+    """A11, A22, C11, C22, W, X as numbers."""
+    n1, n2, q = len(run.facts["L1"]), len(run.facts["L2"]), run.facts["operators"]
+    sizes = {"A11": (n1, n1), "A22": (n2, n2), "C11": (1, n1), "C22": (1, n2), "W": (n2, q), "X": (q, n1)}
+    return tuple(part(run, name, *size) for name, size in sizes.items())
+
+
+def part(run: Observed, name: str, rows: int, cols: int) -> np.ndarray:
+    """A block of (11) at the last finite estimate."""
+    values = run.matrix(name, rows, cols)
+    finite = np.flatnonzero(np.isfinite(values).all(axis=(1, 2)))
+    return values[finite[-1]] if len(finite) else np.full((rows, cols), np.nan)

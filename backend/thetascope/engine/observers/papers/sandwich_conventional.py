@@ -1,0 +1,74 @@
+"""Conventional observer of sandwich systems: Zhou & Tan 2012, eq. (22), the baseline of the non-smooth one.
+
+    x̂(k+1) = A x̂(k) + B u(k) + K (y(k) − ŷ(k)),   with v = Σ wᵢ mᵢ x for the hysteresis        (22)
+
+The plant's text with each operator replaced by its mean slope times x. It estimates the states of L1 and L2 only.
+"""
+
+from __future__ import annotations
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.result import FAILS, Check
+from thetascope.engine.observers.forms.sandwich_parts import smooth
+from thetascope.engine.observers.papers.sandwich_common import (
+    SOURCE,
+    K,
+    begin,
+    describe,
+    injection,
+    linear_checks,
+    rank_check,
+)
+from thetascope.engine.observers.support.declaration import Observed, Observer
+from thetascope.engine.observers.support.draft import Draft
+
+
+def write(d: Draft) -> None:
+    parts = begin(d)
+    plant, d.model = d.model, smooth(d.model)
+    made = d.states("xh", len(parts.linear_states), initial=sympy.ImmutableMatrix([d.x0[i] for i in parts.linear_states]))
+    x = dict(zip(parts.linear_states, made, strict=True))
+    at = d.at([x.get(i, sympy.S.Zero) for i in range(d.n)])
+    r = d.let("r", (d.measured() - at.h)[0])
+    following = at.f + injection(d, parts) * r
+    d.set(made, sympy.ImmutableMatrix([following[i] for i in parts.linear_states]))  # (22)
+    for i in parts.linear_states:
+        d.output(f"x.{plant.states[i]}", x[i])
+    d.output(f"y.{plant.outputs[0]}", at.h[0])
+    d.model = plant
+    describe(d, parts, at.put)
+
+
+def checks(run: Observed) -> list[Check]:
+    return [
+        *linear_checks(run),
+        no_hysteresis(run),
+        rank_check(run),
+    ]
+
+
+def no_hysteresis(run: Observed) -> Check:
+    """What this observer believes of the plant, and is wrong about."""
+    count = run.facts["operators"]
+    text = f"the plant has {count} backlash operators; this observer takes each for its slope"
+    return Check("no hysteresis", FAILS, text, float(count), 0.0, f"{SOURCE}, eq. (22)")
+
+
+OBSERVER = Observer(
+    id="sandwich-conventional",
+    title="Conventional observer for sandwich systems",
+    source="Zhou & Tan 2012, eq. (22)",
+    summary="The baseline of the non-smooth observer: takes the hysteresis for a constant slope.",
+    gains=(K,),
+    write=write,
+    checks=checks,
+    time="plant",
+    estimates_theta=False,
+    equations=(
+        ("(22)", "x̂(k + 1) = Ax̂(k) + Bu(k) + K(y(k) − ŷ(k))"),
+        ("", "v = ∑ᵢ mᵢx"),
+    ),
+    where=(
+        ("v", "the hysteresis taken for a constant slope"),
+    ),
+)

@@ -1,0 +1,125 @@
+"""Non-smooth observer of sandwich systems with hysteresis: Zhou & Tan 2012, eq. (13), in the plant's discrete time.
+
+    x̂(k+1) = Â(k) x̂(k) + B u(k) + η̂(k) + K (y(k) − ŷ(k))                    (13), (21)
+
+is the plant's own text (11) at the estimates: Â and η̂ switch with the zone each operator is in at x̂. K corrects the
+states of L1 and L2; what the operators remember by follows the estimates. The paper does not give x̂(−1): x̂ is taken
+not to have moved before k = 0 (Δx̂(0) = 0, all operators hold), unless the option says otherwise.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import functions, sympy
+from thetascope.engine.model.result import CANNOT_TELL, Check
+from thetascope.engine.observers.forms.sandwich_parts import Sandwich, before
+from thetascope.engine.observers.papers.sandwich_common import (
+    SOURCE,
+    K,
+    begin,
+    describe,
+    injection,
+    linear_checks,
+    rank_check,
+)
+from thetascope.engine.observers.support.common_checks import verdict
+from thetascope.engine.observers.support.declaration import Observed, Observer, Option
+from thetascope.engine.observers.support.draft import Draft
+
+if TYPE_CHECKING:
+    from sympy import ImmutableMatrix, Symbol
+
+RISING, FALLING = 1, -1
+
+BEFORE = Option("before", "Δx̂(0): 0, as if x̂ had not moved before the start (hold), or by the initial estimate of the "
+                "previous x (given)", "choice", "hold", ("hold", "given"))  # fmt: skip
+
+
+def write(d: Draft) -> None:
+    parts = begin(d)
+    x = d.estimate_of_state(start(d, parts))
+    at = d.at(x)
+    r = d.let("r", (d.measured() - at.h)[0])
+    d.set(x, at.f + injection(d, parts) * r)  # (13)
+    d.estimates(x, None, at.h)
+    for i, o in enumerate(parts.operators, 1):
+        rising, falling = o.zones()
+        d.output(f"zone.{i}", at.put(RISING * rising + FALLING * falling))
+    for s in hysteresis_outputs(d):
+        d.output(s.name, at.put(s))
+    d.facts["zones"] = [f"zone.{i + 1}" for i in range(len(parts.operators))]
+    d.facts["hysteresis"] = [s.name for s in hysteresis_outputs(d)]
+    describe(d, parts, at.put)
+
+
+def start(d: Draft, parts: Sandwich) -> ImmutableMatrix:
+    """Initial estimates as given; the previous x̂ equals the first (hold) unless it is to be taken as given."""
+    initial = dict(zip(d.model.x, d.x0, strict=True))
+    if d.options.get("before", "hold") == "hold":
+        put = d.at(d.x0, saturate=False).put
+        initial |= {before(o): put(o.args[0]) for o in parts.operators}
+    return sympy.ImmutableMatrix([initial[s] for s in d.model.x])
+
+
+def hysteresis_outputs(d: Draft) -> list[Symbol]:
+    """Definitions made of several operators: the output v of the hysteresis (5)."""
+    expansion = d.model.expansion
+    return [s for s, e in expansion.items() if e.has(functions.Backlash) and not isinstance(e, functions.Backlash)]
+
+
+def diagnostics(run: Observed) -> dict[str, np.ndarray]:
+    """``zone.i``: 1 rising, −1 falling, 0 memory, per operator; and the estimated output of the hysteresis."""
+    return {name: run.values[name] for name in (*run.facts["zones"], *run.facts["hysteresis"])}
+
+
+def checks(run: Observed) -> list[Check]:
+    return [*linear_checks(run), zones_check(run), rank_check(run)]
+
+
+def zones_check(run: Observed) -> Check:
+    """Whether each operator is in both linear zones in the second half of the run.
+
+    Once the error of L1 is gone, one visit to a linear zone makes ẑ = z; without one a wrong ẑ stays.
+    """
+    name = "every operator reaches its linear zones"
+    source = f"{SOURCE}, proof of Theorem 1 (which takes it for granted)"
+    zones = np.array([run.values[z] for z in run.facts["zones"]])
+    zones = zones[:, np.isfinite(zones).all(axis=0)]
+    late = zones[:, zones.shape[1] // 2 :]
+    if not late.shape[1]:
+        return Check(name, CANNOT_TELL, "no finite value was recorded", source=source)
+    reached = (late == RISING).any(axis=1) & (late == FALLING).any(axis=1)
+    missing = [str(i + 1) for i in np.flatnonzero(~reached)]
+    count = int(reached.sum())
+    text = f"{count} of {len(reached)} operators rise and fall in their linear zones in the second half of the run"
+    if missing:
+        text += f"; {', '.join(missing)} did not, so a wrong memory may stay wrong for good: drive the plant harder"
+    return Check(name, verdict(not missing), text, float(count), float(len(reached)), source)
+
+
+OBSERVER = Observer(
+    id="sandwich-nonsmooth",
+    title="Non-smooth observer for sandwich systems (Zhou, Tan)",
+    source="Zhou & Tan 2012, eq. (13)",
+    summary="Estimates the states before and after a hysteresis made of backlash operators; switches with their zones.",
+    gains=(K,),
+    write=write,
+    checks=checks,
+    diagnostics=diagnostics,
+    options=(BEFORE,),
+    time="plant",
+    estimates_theta=False,
+    equations=(
+        ("(13)", "x̂(k + 1) = Â(k)x̂(k) + Bu(k) + η̂(k) + K(y(k) − ŷ(k))"),
+        ("(5)", "v(k) = ∑ᵢ zᵢ(k)"),
+        ("(6)", "zᵢ(k) = g₁mᵢ(x(k) − Dᵢ) + g₂mᵢ(x(k) + Dᵢ) + g₃zᵢ(k − 1)"),
+    ),
+    where=(
+        ("Â", "switches with the zone in which each operator is at x̂: rising, falling or memory"),
+        ("g₁", "1 while rising in the linear zone; g₂ while falling, g₃ in the memory zone"),
+        ("K", "corrects L1 and L2; the operators follow"),
+    ),
+)

@@ -1,0 +1,107 @@
+"""Adaptive observer for actuator and sensor faults: Zhao, Li & Li 2012, eq. (34).
+
+The paper uses one letter for the high gain ρ and the forgetting factor of Γ; here they are ρ and λ. In (34d) the
+print has Ψθ̃ where Ψθ̂ is meant. f is extended outside the physical domain by saturating the model (Draft.at): as
+printed it is not globally Lipschitz and x̂(0) = 0 divides zero by zero. In other than canonical coordinates, Φ becomes
+J Φ and the correction J⁻¹ Δ[…]: the chain rule, no approximation (observable_form.py).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.forms.observable_form import canonical_form
+from thetascope.engine.observers.papers.high_gain import A0, RHO, c0, describe, form_checks, k0, to_user
+from thetascope.engine.observers.support.common_checks import excitation, persistent_excitation, positive_definite
+from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
+from thetascope.engine.observers.support.draft import Draft
+
+GAINS = (
+    RHO,
+    Gain(
+        "lambda",
+        "forgetting factor of Γ: θ̂ follows faster and carries more noise",
+        4.0,
+        0.0,
+        1e3,
+        symbol="λ",
+        unit="1/s",
+    ),
+    Gain("gamma0", "initial Γ, times the unit matrix", 1.0, 1e-9, 1e9, symbol="Γ(0)", live=False),
+    Gain("window", "window T of the excitation level (36)", 2.0, 1e-3, 1e4, symbol="T", unit="s", live=False),
+    Gain("delta", "level δ that the excitation (36) is asked to keep", 0.002, 0.0, 1e9, symbol="δ", live=False),
+)
+
+
+def write(d: Draft) -> None:
+    form = canonical_form(d.model)
+    n, p, rho, lam = d.n, d.p, d.gain("rho"), d.gain("lambda")
+    Upsilon = d.states("Upsilon", n, p)
+    Gamma = d.symmetric("Gamma", p, initial=d.gain("gamma0") * sympy.eye(p))
+    x, theta = d.estimate_of_state(), d.estimate_of_theta()
+    at = d.at(x, theta)
+    Phi = at.Phi if form.identity else d.let("JPhi", sympy.ImmutableMatrix(form.J.applyfunc(at.put)) * at.Phi)
+    Psi = at.Psi
+    Delta = sympy.diag(*[rho**i for i in range(1, n + 1)])
+
+    Omega = d.let("Omega", c0(n) * Upsilon + Psi)  # (35)
+    GammaOmega = d.let("GammaOmega", Gamma * Omega.T)
+    y_hat = d.let("y_hat", at.h + Psi * theta)  # (27)
+    r = d.let("r", (d.measured() - y_hat)[0])
+
+    dUpsilon = rho * (A0(n) - k0(n) * c0(n)) * Upsilon + rho * Delta.inv() * Phi - rho * k0(n) * Psi  # (34a)
+    dGamma = lam * Gamma - GammaOmega * GammaOmega.T  # (34b)
+    gain = d.let("gain", Delta * (k0(n) + Upsilon * GammaOmega / rho))
+    dx = at.f + at.Phi * theta + to_user(d, at, form, gain * r)  # (34c)
+    dtheta = GammaOmega * r  # (34d)
+
+    d.set(Upsilon, dUpsilon)
+    d.set(Gamma, dGamma)
+    d.set(x, dx)
+    d.set(theta, dtheta)
+    d.estimates(x, theta, y_hat)
+    d.outputs("Omega", Omega)
+    describe(d, form)
+
+
+def checks(run: Observed) -> list[Check]:
+    source = "Zhao, Li & Li 2012"
+    level = run.values["pe"]
+    return [
+        *form_checks(run),
+        persistent_excitation(run, level, f"{source}, eq. (36)"),
+        positive_definite(run, "Gamma", len(run.channels), f"{source}, Lemma 2"),
+    ]
+
+
+def diagnostics(run: Observed) -> dict[str, np.ndarray]:
+    """``pe``: λmin of the windowed Gramian of Ω (36), the paper's Fig. 5."""
+    return {"pe": excitation(run)}
+
+
+OBSERVER = Observer(
+    id="zhao-adaptive",
+    title="Adaptive observer (Zhao, Li, Li)",
+    source="Zhao, Li & Li 2012, eq. (34)",
+    summary="Estimates state, actuator and sensor faults of a single-output plant that has a canonical form.",
+    gains=GAINS,
+    write=write,
+    checks=checks,
+    diagnostics=diagnostics,
+    equations=(
+        ("(34a)", "Υ̇ = ρ(A₀ − k₀c₀)Υ + ρΔ⁻¹Φ − ρk₀Ψ"),
+        ("(34b)", "Γ̇ = λΓ − ΓΩᵀΩΓ"),
+        ("(34c)", "ẋ̂ = f(x̂, u) + Φθ̂ + Δ[k₀ + {1 / ρ}ΥΓΩᵀ](y − ŷ)"),
+        ("(34d)", "θ̇̂ = ΓΩᵀ(y − ŷ)"),
+        ("(35)", "Ω = c₀Υ + Ψ"),
+        ("(27)", "ŷ = h(x̂) + Ψθ̂"),
+    ),
+    where=(
+        ("Υ", "how θ moves the estimate of the state"),
+        ("Γ", "gain of the estimate of θ; λ makes it forget"),
+        ("Ω", "how θ moves the output: the excitation"),
+        ("Δ", "diag(ρ, …, ρⁿ), the high gain ρ"),
+    ),
+)

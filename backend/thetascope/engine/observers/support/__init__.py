@@ -1,0 +1,1 @@
+"""What an observer's file is written with: the draft, defaults, checks."""

@@ -1,0 +1,135 @@
+"""What an observer's file offers: its gains, options, equations and the assumptions it checks."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from thetascope.engine.compiler.system import Program
+from thetascope.engine.model.plant_model import Model
+from thetascope.engine.model.result import Check
+from thetascope.engine.observers.support.draft import Draft
+
+
+@dataclass(frozen=True)
+class Context:
+    """What defaults may depend on: the plant's size, the noise that the experiment declares, its sampling."""
+
+    n: int
+    m: int
+    p: int
+    noise_std: tuple[float, ...]  # per output; 0 where none is declared
+    step: float
+    period: float  # sample period a discrete observer works at, s
+    model: Mapping = field(default_factory=dict)  # the plant's data
+    channels: tuple[str, ...] = ()  # the fault channels to estimate
+    noise_hold: tuple[float, ...] = ()  # per output: the sample time of the declared noise, s
+
+
+@dataclass(frozen=True)
+class Gain:
+    """A number (or column of numbers) that the user may move while the observer runs.
+
+    ``size``: None for a scalar, else one of n, m, p, n+p, n-m or a function of the Context: the length of the column.
+    ``default``: a number, a list, or a function of the Context. ``low`` and ``high`` bound every entry (inclusive).
+    """
+
+    name: str
+    meaning: str
+    default: float | tuple | Callable[[Context], object]
+    low: float = 0.0
+    high: float = 1e6
+    size: str | Callable[[Context], int] | None = None
+    symbol: str = ""
+    unit: str = ""
+    live: bool = True  # False: it acts at the start only, or on diagnostics only, so moving it later means nothing
+
+
+@dataclass(frozen=True)
+class Option:
+    """A structural choice: it changes the equations, not a number in them. ``kind``: choice, integer or channels.
+
+    ``default``: a value, or a function of the Context.
+    """
+
+    name: str
+    meaning: str
+    kind: str
+    default: object
+    choices: tuple[str, ...] = ()
+    low: int = 0
+    high: int = 0
+
+
+@dataclass(frozen=True)
+class Observed:
+    """One observer's run, as its checks and diagnostics see it.
+
+    ``values`` holds every recorded quantity as an array over the recorded rows: the observer's states, its outputs,
+    its inputs (``u.* signal.* y.*``), ``t``; its parameters (``g.* m.* x0.* theta0.*``) as numbers, or as arrays over
+    the rows where they were changed during the run.
+    """
+
+    model: Model | None
+    program: Program
+    channels: tuple[str, ...]
+    facts: dict
+    values: dict[str, np.ndarray]
+    record: float  # spacing of the rows, s
+    context: Context
+    first_row: int = 0  # number of the first of these rows, counted from t = 0
+    born: int = 0  # row at which the observer began to watch
+    wanted: int = 0  # how many of these rows only fill windows: what diagnostics say of them is not looked at
+
+    @property
+    def noisy(self) -> tuple[str, ...]:
+        """Names of the measured outputs, ``y.*``; ``intensity.y.*`` in the values is their noise's std² · sample time."""
+        return tuple(n.removeprefix("intensity.") for n in self.values if n.startswith("intensity."))
+
+    def gain(self, name: str) -> float:
+        """A scalar gain, as it was last."""
+        return _last(self.values[f"g.{name}"])
+
+    def gains(self, name: str) -> np.ndarray:
+        """A column gain as an array."""
+        found = []
+        while f"g.{name}.{len(found)}" in self.values:
+            found.append(_last(self.values[f"g.{name}.{len(found)}"]))
+        return np.array(found)
+
+    def matrix(self, name: str, rows: int, cols: int, symmetric: bool = False) -> np.ndarray:
+        """A recorded matrix (states or outputs ``name.i.j``) over time: shape (time, rows, cols)."""
+        length = len(self.values["t"])
+        made = np.empty((length, rows, cols))
+        for i in range(rows):
+            for j in range(cols):
+                a, b = (min(i, j), max(i, j)) if symmetric else (i, j)
+                made[:, i, j] = self.values[f"{name}.{a}.{b}"]
+        return made
+
+
+def _last(value: np.ndarray | float) -> float:
+    return float(value if np.ndim(value) == 0 else value[-1])
+
+
+@dataclass(frozen=True)
+class Observer:
+    """One kind of observer. ``write`` puts its equations into a Draft; it raises SpecError where it cannot be built.
+
+    ``equations``: (number in the paper, formula) for a reader, in the notation of engine/language/render/unicode_math.py;
+    ``where``: (symbol, what it is).
+    """
+
+    id: str
+    title: str
+    source: str
+    summary: str
+    gains: tuple[Gain, ...]
+    write: Callable[[Draft], None]
+    checks: Callable[[Observed], list[Check]]
+    options: tuple[Option, ...] = ()
+    time: str = "continuous"  # "discrete": works at a sample period; "plant": in the plant's own time
+    estimates_theta: bool = True
+    diagnostics: Callable[[Observed], dict[str, np.ndarray]] = lambda run: {}
+    equations: tuple[tuple[str, str], ...] = ()
+    where: tuple[tuple[str, str], ...] = ()

@@ -1,0 +1,216 @@
+"""Observability and excitation along a run, from the Jacobians that an observer recorded.
+
+States are scaled to their size, faults to their typical size and outputs by R, so that the numbers have no units: an
+excitation of 1 means that in one window a fault of typical size stands out by one standard deviation.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.model.result import CANNOT_TELL, Check
+from thetascope.engine.observers.support.common_checks import smallest_eigenvalue, verdict, windowed_gramian
+from thetascope.engine.observers.support.declaration import Observed
+from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.kalman_defaults import output_scales, state_scales, typical_sizes
+
+if TYPE_CHECKING:
+    from sympy import Matrix
+
+LARGEST = 12  # states, up to which Jacobians are recorded
+RANK = 1e-9  # relative size of a singular value that counts as zero
+_POINTS = 60
+_WINDOW = 600  # rows
+
+
+def offer_linearisation(d: Draft, A: Matrix, C: Matrix, Phi: Matrix, Psi: Matrix) -> None:
+    """Offer the model's Jacobians for the checks, unless the plant is so large that they would slow the run."""
+    d.facts["linearised"] = d.n <= LARGEST
+    if d.facts["linearised"]:
+        for name, matrix in (("A", A), ("C", C), ("Phi", Phi), ("Psi", Psi)):
+            d.outputs(name, matrix)
+
+
+def _matrices(run: Observed) -> tuple[np.ndarray, ...]:
+    """A, C, Φ, Ψ at every row, scaled: shapes (time, n, n), (time, m, n), (time, n, p), (time, m, p)."""
+    c, p = run.context, len(run.channels)
+    x, y, theta = (np.array(s) for s in (state_scales(c), output_scales(c), typical_sizes(c)))
+    A = run.matrix("A", c.n, c.n) * x / x[:, None]
+    C = run.matrix("C", c.m, c.n) * x / y[:, None]
+    Phi = run.matrix("Phi", c.n, p) * theta / x[:, None]
+    Psi = run.matrix("Psi", c.m, p) * theta / y[:, None]
+    return A, C, Phi, Psi
+
+
+def _picked(*matrices: np.ndarray) -> np.ndarray:
+    """Rows, spread over the run, at which all are finite."""
+    finite = np.flatnonzero(np.all([np.isfinite(M).all(axis=(1, 2)) for M in matrices], axis=0))
+    return (
+        finite[np.unique(np.linspace(0, len(finite) - 1, min(_POINTS, len(finite))).astype(int))]
+        if len(finite)
+        else finite
+    )
+
+
+def _too_large(name: str, run: Observed, source: str) -> Check:
+    return Check(
+        name,
+        CANNOT_TELL,
+        f"a plant of more than {LARGEST} states is not looked at (it has {run.context.n})",
+        source=source,
+    )
+
+
+def observability(run: Observed, source: str) -> Check:
+    """Rank of the observability matrix of (A, C), frozen along the run."""
+    name = "observability of (A, C)"
+    if not run.facts["linearised"]:
+        return _too_large(name, run, source)
+    A, C, _, _ = _matrices(run)
+    rows = _picked(A, C)
+    if not len(rows):
+        return Check(name, CANNOT_TELL, "no finite estimate was recorded", source=source)
+    ratios = []
+    for k in rows:
+        block, blocks = C[k], [C[k]]
+        for _ in range(run.context.n - 1):
+            block = block @ A[k] / max(np.abs(A[k]).max(), 1e-30)
+            blocks.append(block)
+        singular = np.linalg.svd(np.vstack(blocks), compute_uv=False)
+        ratios.append(singular[-1] / singular[0] if singular[0] > 0 else 0.0)
+    least, most = min(ratios), max(ratios)
+    holds = True if least > RANK else (False if most <= RANK else None)
+    return Check(
+        name,
+        verdict(holds),
+        f"smallest singular value of the observability matrix, relative to the largest: "
+        f"{least:.3g} to {most:.3g} along the run (frozen, in scaled states)",
+        least,
+        RANK,
+        source,
+    )
+
+
+def _over(run: Observed, A: np.ndarray, time: float) -> np.ndarray:
+    """The transition matrix over ``time`` with A frozen; for a plant in discrete time its own map is one step."""
+    return A if run.context.model["time"]["kind"] == "discrete" else _exponential(A * time)
+
+
+def _exponential(M: np.ndarray) -> np.ndarray:
+    """exp of a matrix or of a stack of them at once: Taylor to order 8 on M/2^s, squared s times."""
+    norm = np.abs(M).sum(axis=-1).max()
+    squarings = max(0, int(np.ceil(np.log2(norm))) + 2) if norm > 0 else 0
+    term = result = np.broadcast_to(np.eye(M.shape[-1]), M.shape)
+    for order in range(1, 9):
+        term = term @ M * (0.5**squarings / order)
+        result = result + term
+    for _ in range(squarings):
+        result = result @ result
+    return result
+
+
+def closed_loop(run: Observed, source: str, period: float | None = None) -> Check:
+    """Eigenvalues of A − KC (of F(I − KC) over a sample ``period``) with K = P Cᵀ R⁻¹, frozen along the run."""
+    name = "A − KC stable" if period is None else "F(I − KC) stable"
+    if not run.facts["linearised"]:
+        return _too_large(name, run, source)
+    n, m = run.context.n, run.context.m
+    A, C, P = run.matrix("A", n, n), run.matrix("C", m, n), run.matrix("P", n, n, symmetric=True)
+    rows = _picked(A, C, P)
+    rows = rows[rows > len(P) // 10]  # what P(0) makes of the first instants is not the theorem's concern
+    if not len(rows):
+        return Check(name, CANNOT_TELL, "no finite estimate was recorded", source=source)
+    worst = []
+    for k in rows:
+        with np.errstate(all="ignore"):
+            K = P[k] @ C[k].T / run.gains("r")
+            closed = A[k] - K @ C[k] if period is None else _over(run, A[k], period) @ (np.eye(n) - K @ C[k])
+        if not np.isfinite(closed).all():
+            return Check(name, CANNOT_TELL, "K = P Cᵀ R⁻¹ did not stay finite: raise r, or lower q", source=source)
+        poles = np.linalg.eigvals(closed)
+        worst.append(poles.real.max() if period is None else np.abs(poles).max())
+    value, limit = float(max(worst)), 0.0 if period is None else 1.0
+    holds = True if value < limit else (False if np.median(worst) >= limit else None)
+    what = "largest real part" if period is None else "largest modulus"
+    return Check(
+        name,
+        verdict(holds),
+        f"{what} of the eigenvalues, frozen at {len(rows)} instants: at most {value:.4g}",
+        value,
+        limit,
+        source,
+    )
+
+
+def excitation(run: Observed, samples: float = 1.0) -> np.ndarray:
+    """λmin of ∫ ΩᵀR⁻¹Ω dt over the last window, in typical faults, at every row; ``samples``: measurements per second
+    where R is the variance of one measurement, 1 where it is an intensity."""
+    omega = run.matrix("Omega", run.context.m, len(run.channels))
+    r = np.stack([np.broadcast_to(run.values[f"g.r.{i}"], len(omega)) for i in range(run.context.m)], axis=1)
+    scaled = omega * typical_sizes(run.context) / np.sqrt(r)[:, :, None]
+    return smallest_eigenvalue(windowed_gramian(scaled * samples**0.5, run), run)
+
+
+def excitation_check(run: Observed, level: np.ndarray, source: str) -> Check:
+    """Whether the excitation stays above δ once Υ, which starts at zero, has settled."""
+    name, delta, window = "persistent excitation", run.gain("delta"), run.gain("window")
+    finite = level[np.isfinite(level)]
+    if not len(finite):
+        return Check(name, CANNOT_TELL, f"the run is shorter than the window of {window:g} s", None, delta, source)
+    value = float(finite[len(finite) // 10 :].min())
+    return Check(
+        name,
+        verdict(value >= delta),
+        f"smallest eigenvalue of ∫ΩᵀR⁻¹Ω dt over {window:g} s, in typical faults: {value:.3g}, asked for {delta:g}",
+        value,
+        delta,
+        source,
+    )
+
+
+def joint_observability(run: Observed, period: float, source: str) -> Check:
+    """λmin of the observability Gramian of (x, θ) over windows along the run: can this input tell all of them apart?"""
+    name, delta = "observability of (x, θ)", run.gain("delta")
+    if not run.facts["linearised"]:
+        return _too_large(name, run, source)
+    asked = max(2, round(run.gain("window") / run.record))
+    length = min(asked, _WINDOW)
+    matrices = _matrices(run)
+    rows = len(run.values["t"])
+    starts = np.unique(np.linspace(0, rows - length, 6).astype(int)) if rows >= length else np.empty(0, dtype=int)
+    found = [g for g in (_gramian(run, matrices, k, length, period) for k in starts) if g is not None]
+    if not found:
+        return Check(name, CANNOT_TELL, "the run is shorter than the window, or not finite", None, delta, source)
+    value = float(min(found))
+    holds = None if value < delta and length < asked else value >= delta  # a shorter window than asked proves nothing
+    return Check(
+        name,
+        verdict(holds),
+        f"smallest eigenvalue of the Gramian of (x, θ) over {length * run.record:g} s, in scaled units "
+        f"and weighted by R: {value:.3g} to {max(found):.3g} along the run, asked for {delta:g}",
+        value,
+        delta,
+        source,
+    )
+
+
+def _gramian(run: Observed, matrices: tuple[np.ndarray, ...], first: int, length: int, period: float) -> float | None:
+    """λmin of Σ Φᵀ Hᵀ R⁻¹ H Φ over ``length`` rows, Φ the transition of (x, θ) since the first of them."""
+    A, C, Phi, Psi = (M[first : first + length] for M in matrices)
+    if not all(np.isfinite(M).all() for M in (A, C, Phi, Psi)):
+        return None
+    n, p = run.context.n, len(run.channels)
+    R = run.gains("r") / np.array(output_scales(run.context)) ** 2
+    carried, total = np.eye(n + p), np.zeros((n + p, n + p))
+    blocks = np.zeros((length, n + p, n + p))
+    blocks[:, :n, :n], blocks[:, :n, n:] = A, Phi
+    if run.context.model["time"]["kind"] == "discrete":
+        blocks[:, n:, n:] = np.eye(p)
+    transitions = _over(run, blocks, run.record)
+    for k in range(length):
+        seen = np.hstack([C[k], Psi[k]]) @ carried
+        total += seen.T @ (seen / R[:, None]) * (run.record / period)
+        carried = transitions[k] @ carried
+    return float(np.linalg.eigvalsh(total)[0])

@@ -1,0 +1,170 @@
+"""Gains that the Kalman-type observers share, with defaults in the plant's own units and at its own pace.
+
+The defaults take what the plant and the experiment declare: a state's initial value or physical range as its scale, a
+channel's typical size, the noise. With them and the plant's slowest eigenvalue (time_constant.py) they are a start that works,
+not a tuning.
+"""
+
+import re
+
+from thetascope.engine.observers.support.declaration import Context, Gain
+from thetascope.engine.observers.support.time_constant import pace
+
+DOUBT = 0.01  # a state equation is trusted to one per cent of the state's scale over the plant's time constant
+HOLD = 0.01  # s, for which noise is taken to be held where its sample time is not known
+
+
+def state_scales(c: Context) -> list[float]:
+    """The size that each state has, roughly: its initial value, else a quarter of its physical range, else 1."""
+    scales = []
+    for state in c.model.get("states", [{}] * c.n):
+        low, high = state.get("domain") or (None, None)
+        spread = (high - low) / 4 if low is not None and high is not None else 1.0
+        scales.append(abs(state.get("initial", 0.0)) or spread)
+    return scales
+
+
+def output_scales(c: Context) -> list[float]:
+    """The same for the outputs: the largest of the states that the text mentions."""
+    scale = dict(zip((s["name"] for s in c.model.get("states", [])), state_scales(c)))
+    texts = [o["expression"] for o in c.model.get("outputs", [{"expression": ""}] * c.m)]
+    words = [re.findall(r"[A-Za-z_]\w*", text) for text in texts]
+    return [max((scale[w] for w in found if w in scale), default=max(scale.values(), default=1.0)) for found in words]
+
+
+def typical_sizes(c: Context) -> list[float]:
+    """The typical size of each fault to be estimated."""
+    typical = {ch["name"]: float(ch.get("typical", 1.0)) for ch in c.model.get("channels", [])}
+    names = c.channels or (tuple(typical) if len(typical) == c.p else ("",) * c.p)
+    return [typical.get(name, 1.0) for name in names]
+
+
+def noise_std(c: Context) -> list[float]:
+    """The noise of each output: as declared, else one per cent of the output's scale."""
+    return [std or 0.01 * scale for std, scale in zip(c.noise_std, output_scales(c), strict=True)]
+
+
+def process_noise(c: Context) -> list[float]:
+    return [pace(c.model) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
+
+
+def _noise_intensity(c: Context) -> list[float]:
+    holds = c.noise_hold or (HOLD,) * c.m
+    return [std * std * (hold or HOLD) for std, hold in zip(noise_std(c), holds, strict=True)]
+
+
+def _quiet_start(c: Context) -> list[float]:
+    # √(q r), about where the Riccati equation settles: a larger P(0) makes a stiff transient in continuous time
+    noise = min(r**0.5 / scale for r, scale in zip(_noise_intensity(c), output_scales(c), strict=True))
+    return [q**0.5 * noise * s for q, s in zip(process_noise(c), state_scales(c), strict=True)]
+
+
+def _walk(c: Context) -> list[float]:
+    return [0.2 * pace(c.model) ** 0.5 * s for s in typical_sizes(c)]
+
+
+Q = Gain(
+    "q",
+    "process noise: the variance per second by which each state equation may be off",
+    process_noise,
+    0.0,
+    1e15,
+    size="n",
+    symbol="Q",
+    unit="state²/s",
+)
+R_INTENSITY = Gain(
+    "r",
+    "measurement noise intensity of each output: its variance times the time it holds",
+    _noise_intensity,
+    1e-30,
+    1e15,
+    size="m",
+    symbol="R",
+    unit="output²·s",
+)
+R_VARIANCE = Gain(
+    "r",
+    "measurement noise of each output: its variance in one sample",
+    lambda c: [s * s for s in noise_std(c)],
+    1e-30,
+    1e15,
+    size="m",
+    symbol="R",
+    unit="output²",
+)
+P0_QUIET = Gain(
+    "p0",
+    "initial P, on the diagonal; a large value makes a stiff transient",
+    _quiet_start,
+    0.0,
+    1e15,
+    size="n",
+    symbol="P(0)",
+    unit="state²",
+    live=False,
+)
+P0 = Gain(
+    "p0",
+    "initial P, on the diagonal: how far the first estimate may be off, squared",
+    lambda c: [s * s for s in state_scales(c)],
+    0.0,
+    1e15,
+    size="n",
+    symbol="P(0)",
+    unit="state²",
+    live=False,
+)
+LAMBDA = Gain(
+    "lambda",
+    "forgetting rate: θ̂ follows faster and carries more noise",
+    lambda c: pace(c.model),
+    0.0,
+    1e3,
+    symbol="λ",
+    unit="1/s",
+)
+GAMMA0_QUIET = Gain(
+    "gamma0",
+    "initial Γ, on the diagonal; a large value makes a stiff transient",
+    lambda c: [1e-4 * s * s for s in typical_sizes(c)],
+    1e-30,
+    1e15,
+    size="p",
+    symbol="Γ(0)",
+    unit="fault²",
+    live=False,
+)
+GAMMA0 = Gain(
+    "gamma0",
+    "initial covariance of θ̂, on the diagonal: the size of faults to be expected, squared",
+    lambda c: [s * s for s in typical_sizes(c)],
+    1e-30,
+    1e15,
+    size="p",
+    symbol="Γ(0)",
+    unit="fault²",
+    live=False,
+)
+Q_THETA = Gain(
+    "q_theta",
+    "how fast each θ may move: the standard deviation of a random walk after one second",
+    _walk,
+    0.0,
+    1e15,
+    size="p",
+    symbol="Qθ^½",
+    unit="fault/√s",
+)
+WINDOW = Gain(
+    "window", "window T over which excitation is judged", lambda c: 3 / pace(c.model), 1e-3, 1e6, symbol="T", unit="s", live=False
+)
+DELTA = Gain(
+    "delta",
+    "level that the excitation is asked to keep, in (typical fault / its standard deviation)²",
+    1.0,
+    0.0,
+    1e15,
+    symbol="δ",
+    live=False,
+)

@@ -1,0 +1,82 @@
+"""How fast a plant is, from its text alone and without SymPy: gains that follow it get sensible defaults."""
+
+import json
+import math
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+
+import numpy as np
+
+from thetascope.engine.language.parser import Node, parse
+from thetascope.engine.language.syntax_tree import value_of
+
+SLOWEST = 1e-3  # eigenvalues below this fraction of the largest count as integrators
+
+
+def pace(model: Mapping) -> float:
+    """The slowest eigenvalue of ∂f/∂x at the initial state, in 1/s (integrators apart); 1 where there is none.
+
+    ``model`` is the plant's data. Inputs are at their defaults, known signals and t at zero.
+    """
+    if not model:
+        return 1.0
+    used = {k: model[k] for k in ("states", "inputs", "parameters", "signals", "definitions", "dynamics", "time")}
+    return _pace(json.dumps(used, default=str))
+
+
+@lru_cache(maxsize=256)
+def _pace(text: str) -> float:
+    model = json.loads(text)
+    try:
+        A = _jacobian(model)
+    except (ArithmeticError, ValueError):  # the text has no value there
+        return 1.0
+    if model["time"]["kind"] == "discrete":
+        with np.errstate(all="ignore"):
+            rates = np.abs(np.log(np.linalg.eigvals(A).astype(complex))) / model["time"]["period"]
+    else:
+        rates = np.abs(np.linalg.eigvals(A))
+    rates = rates[np.isfinite(rates)]
+    moving = rates[rates > SLOWEST * rates.max()] if len(rates) else rates
+    return float(moving.min()) if len(moving) and moving.min() > 0 else 1.0
+
+
+def _jacobian(model: Mapping) -> np.ndarray:
+    """∂f/∂x by central differences."""
+    states = [s["name"] for s in model["states"]]
+    x = np.array([float(s["initial"]) for s in model["states"]])
+    values = {i["name"]: float(i["default"]) for i in model["inputs"]} | {s["name"]: 0.0 for s in model["signals"]}
+    values |= {p["name"]: float(p["value"]) for p in model["parameters"]} | {"t": 0.0}
+    known = [*values, *states]
+    definitions = []
+    for d in model["definitions"]:
+        definitions.append((d["name"], parse(d["expression"], known).tree))
+        known.append(d["name"])
+    dynamics = [parse(model["dynamics"][s], known).tree for s in states]
+
+    def f(x: np.ndarray) -> np.ndarray:
+        here = values | dict(zip(states, x))
+        for name, tree in definitions:
+            here[name] = _value(tree, here)
+        return np.array([_value(tree, here) for tree in dynamics])
+
+    columns = []
+    for i in range(len(x)):
+        width = 1e-6 * max(abs(x[i]), 1e-3)
+        aside = np.where(np.arange(len(x)) == i, width, 0.0)
+        columns.append((f(x + aside) - f(x - aside)) / (2 * width))
+    A = np.array(columns).T
+    if not np.isfinite(A).all():
+        raise ValueError("the derivatives are not finite")
+    return A
+
+
+def _value(node: Node, values: Mapping[str, float]) -> float:
+    if node.value is not None:
+        return node.value
+    if node.kind == "name":
+        return values[node.name]
+    numbers = tuple(Node("number", (), 0, 0, value=float(_value(a, values))) for a in node.args)
+    result = float(value_of(replace(node, args=numbers)))
+    return result if math.isfinite(result) else math.nan

@@ -1,0 +1,1 @@
+"""Programs of plants and observers: made once, found again, called."""

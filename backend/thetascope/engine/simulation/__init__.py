@@ -1,0 +1,1 @@
+"""Plant, measurement and observers advanced together, one run or many in lanes."""

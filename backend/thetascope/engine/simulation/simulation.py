@@ -1,0 +1,255 @@
+"""Plant, measurement and observers advanced together: state in, state out.
+
+The plant's kernel hands over y at the four stages of each Runge–Kutta step; the measurement makes of it what sensors
+give; observers' kernels take that. Where the measurement only adds noise, plant and first observer are joined into one
+kernel: the same numbers, sooner. An observer that works at a sample period gets the samples at its own instants.
+
+Advancing over base steps [k, k+n) gives the recorded rows at base steps in that half-open span: everything that holds
+at t_k, the measured y included, is known when the step from t_k on begins.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from functools import lru_cache
+from time import thread_time
+
+import numpy as np
+
+from thetascope.engine.compiler.graph import variables
+from thetascope.engine.compiler.jit import Layout, Segments, kernel
+from thetascope.engine.compiler.system import DISCRETE, Program, join
+from thetascope.engine.inputs.input_tables import Tables
+from thetascope.engine.inputs.signals import Signal
+from thetascope.engine.inputs.time_grid import Grid, cut
+from thetascope.engine.programs.call_plan import Plan, plan
+from thetascope.engine.programs.evaluate_rows import probe
+from thetascope.engine.simulation.experiment import Experiment, Rows, State
+from thetascope.engine.simulation.initial_states import observer_states
+from thetascope.engine.simulation.kernel_cost import PLANT, divided
+
+CHUNK = 1 << 15  # base steps taken at once: tables of stages stay small
+
+
+@lru_cache(maxsize=128)
+def joined(plant: Program, observer: Program) -> Program:
+    """Plant and observer in one program; each output y gets the input ``noise.y`` added on its way."""
+    return join(plant, observer, {name: (name, f"noise.{name}") for name in plant.outputs})
+
+
+class Simulation:
+    """Advances an experiment. ``substeps`` divides every base step (for stiff observers).
+
+    ``remember``: keep what was measured last even where nothing needs it yet, because a fault that does (freeze,
+    dropout) may still be added.
+    """
+
+    def __init__(self, experiment: Experiment, substeps: int = 1, remember: bool = False):
+        self.experiment, self.substeps, self.remember = experiment, substeps, remember
+        plant = experiment.plant
+        self.stages = 1 if plant.time == DISCRETE else 4
+        self.lockstep = [i for i, e in enumerate(experiment.estimators) if e.every is None]
+        self.sampled = [i for i, e in enumerate(experiment.estimators) if e.every is not None]
+        # only an observer that runs in the plant's time can be joined to it
+        self.joined = bool(self.lockstep) and experiment.measurement.direct
+        self.spent: dict[str, float] = {}  # processor seconds of the kernels in one span
+
+    # ---- states ------------------------------------------------------------------------------------------------------
+
+    def initial(self) -> State:
+        """The state at t = 0; observers may start from the first measurement."""
+        e = self.experiment
+        observers = tuple(observer_states([e], i)[:, 0].copy() for i in range(len(e.estimators)))
+        return State(0, e.x0.astype(float).copy(), observers, e.measurement.start())
+
+    # ---- advancing ---------------------------------------------------------------------------------------------------
+
+    def advance(self, state: State, count: int) -> tuple[State, Rows]:
+        """Advance by ``count`` base steps; give the new state and the rows of [k, k + count)."""
+        e, first, last = self.experiment, state.k, state.k + count
+        grid = cut(first, last, e.step, self._breaks(first, last), e.every, self.substeps)
+        index = np.arange(-(-first // e.every) * e.every, last, e.every)
+        tables = Tables(grid, e.signals, self.stages)
+        observers, recorded, self.spent = list(state.observers), [None] * len(e.estimators), {}
+        if self.joined:
+            plant, plant_rows, y, memory = self._joint(state, tables, index, observers, recorded)
+        else:
+            plant, plant_rows, clean = self._plant(state, tables, index)
+            y, memory = e.measurement.measure(grid, first, clean, state.memory)
+        for i in self.lockstep:
+            if recorded[i] is None:
+                observers[i], recorded[i] = self._observer(i, state, tables, index, y)
+        for i in self.sampled:
+            observers[i], recorded[i] = self._sampling(i, state, grid, index, y)
+        y_rows = self._measured_rows(grid, first, index, plant_rows, y)
+        after = State(last, plant, tuple(observers), memory)
+        earlier = np.maximum(grid.base[index - first] - 1, 0)
+        known = self.remember and e.measurement.direct
+        passed = np.where((index > first)[:, None], y[earlier, -1], state.memory.passed) if known else None
+        spent = {s.label: (self.spent.get(s.label, 0.0), count * e.step) for s in e.estimators}
+        return after, Rows(index, plant_rows, y_rows, tuple(recorded), spent, passed)
+
+    def state_at(self, start: State, rows: Rows, r: int) -> State | None:
+        """The state at recorded row r of the span that began at ``start``; None where the rows do not tell it."""
+        if rows.passed is None or self.sampled:
+            return None
+        memory = replace(start.memory, passed=rows.passed[r].copy())
+        return State(int(rows.index[r]), rows.plant[r].copy(), tuple(o[r].copy() for o in rows.observers), memory)
+
+    def spans(self, count: int, state: State | None = None) -> Iterator[tuple[State, Rows]]:
+        """Advance by ``count`` base steps in chunks."""
+        state = state or self.initial()
+        while count > 0:
+            state, rows = self.advance(state, min(count, CHUNK))
+            count -= min(count, CHUNK)
+            yield state, rows
+
+    def _breaks(self, first: int, last: int) -> np.ndarray:
+        a, b = (first - 0.5) * self.experiment.step, (last + 0.5) * self.experiment.step
+        parts = [s.breaks(a, b) for s in self.experiment.signals.values() if s.level is None]
+        parts.append(self.experiment.measurement.breaks(a, b, self.experiment.signals.values()))
+        return np.concatenate(parts)
+
+    def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
+        """States at the rows of the span: the kernel records at the ends of steps, the first row may be the start."""
+        rows = np.vstack([start[None, :], out]) if first % self.experiment.every == 0 else out
+        return rows[: len(index)]
+
+    def _out(self, first: int, last: int, width: int) -> np.ndarray:
+        every = self.experiment.every
+        return np.empty((last // every - first // every + 1, width))
+
+    def _call(self, plan: Plan, parts: dict[str, Program], tables: Tables, values: dict, start: np.ndarray,
+              staged: np.ndarray | None = None, emitted: np.ndarray | None = None):  # fmt: skip
+        """One call of a kernel; its time is that of ``parts``, the programs it is made of."""
+        state, grid = start.copy(), tables.grid
+        params = np.array([values[p] for p in plan.params] or [0.0])
+        out = self._out(grid.first, grid.last, len(plan.program.states))
+        staged = tables.staged(plan.staged) if staged is None else staged
+        every, held = self.experiment.every * self.substeps, tables.held(plan.held)
+        clock = thread_time()
+        plan.kernel(grid.segments, state, params, every, out, held=held, staged=staged, emitted=emitted)
+        self.spent |= divided(thread_time() - clock, parts)
+        return state, out
+
+    def _plant(self, state: State, tables: "Tables", index: np.ndarray):
+        plant = self.experiment.plant
+        roots = tuple(plant.outputs.values())
+        emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
+        new, out = self._call(plan(plant, roots, tables.kinds), {PLANT: plant}, tables, self.experiment.parameters,
+                              state.plant, emitted=emitted)  # fmt: skip
+        return new, self._rows(state.plant, out, state.k, index), emitted[:, :, : len(roots)]
+
+    def _joint(self, state: State, tables: "Tables", index: np.ndarray, observers: list, recorded: list):
+        """Plant and first lockstep observer in one kernel; y is emitted only if another observer wants it."""
+        e, i = self.experiment, self.lockstep[0]
+        estimator = e.estimators[i]
+        program = joined(e.plant, estimator.program)
+        wanted = len(e.estimators) > 1 or self.remember
+        graph = program.graph
+        roots = tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs
+                      ) if wanted else ()  # fmt: skip
+        noise = dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
+        tables = tables.extended(noise)
+        emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
+        new, out = self._call(plan(program, roots, tables.kinds), {PLANT: e.plant, estimator.label: estimator.program},
+                              tables, e.parameters | estimator.parameters,
+                              np.concatenate([state.plant, state.observers[i]]), emitted=emitted)  # fmt: skip
+        memory = replace(state.memory, passed=emitted[-1, -1].copy()) if wanted else state.memory
+        n = len(e.plant.states)
+        observers[i] = new[n:]
+        recorded[i] = self._rows(state.observers[i], out[:, n:], state.k, index)
+        return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if wanted else None, memory
+
+    def _observer(self, i: int, state: State, tables: "Tables", index: np.ndarray, y: np.ndarray):
+        estimator = self.experiment.estimators[i]
+        program = estimator.program
+        outputs = tuple(n for n in self.experiment.plant.outputs if n in program.used_inputs)
+        call = plan(program, (), tables.kinds, outputs)
+        picked = [list(self.experiment.plant.outputs).index(n) for n in outputs]
+        parts = [p for p in (tables.staged(call.staged) if call.staged else None, y[:, :, picked]) if p is not None]
+        together = np.ascontiguousarray(np.concatenate(parts, axis=2))
+        new, out = self._call(call, {estimator.label: program}, tables, estimator.parameters, state.observers[i],
+                              staged=together)  # fmt: skip
+        return new, self._rows(state.observers[i], out, state.k, index)
+
+    def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray):
+        """An observer at its own sample period: one step for every sample instant t_j = j·period in [t_k, t_k+n)."""
+        e, estimator = self.experiment, self.experiment.estimators[i]
+        program, q, first = estimator.program, estimator.every, state.k
+        last = grid.last
+        j = np.arange(max(estimator.since // q + 1, -(-first // q)), -(-last // q))
+        start = state.observers[i]
+        if not len(j):
+            return start, np.repeat(start[None, :], len(index), axis=0)
+        now_y = y[grid.base[j * q - first], 0, :]
+        staged, table = self._sample_table(program, j * q, q, now_y)
+        ones = np.ones(len(j), dtype=np.int64)
+        segments = Segments(ones, ones, np.zeros(len(j)), (j - 1.0) * q, np.full(len(j), e.step))
+        layout = Layout(staged=staged)
+        params = np.array([estimator.parameters[p] for p in program.parameters] or [0.0])
+        new, out = start.copy(), np.empty((len(j), len(start)))
+        run = kernel(program, layout)
+        clock = thread_time()
+        run(segments, new, params, 1, out, staged=table)
+        self.spent[estimator.label] = thread_time() - clock
+        after = np.vstack([start[None, :], out])
+        return new, after[np.searchsorted(j * q, index, side="right")]
+
+    def _sample_table(
+        self, program: Program, k: np.ndarray, q: int, now_y: np.ndarray
+    ) -> tuple[tuple[str, ...], np.ndarray]:
+        """Inputs over each sample interval: at its start, middle, end (left limit) and at the instant now (right limit)."""
+        e, h, tiny = self.experiment, self.experiment.step, 1e-4
+        begin, end = (k - q) * h, k * h
+        middle = 0.5 * (begin + end)
+        places = {"": (begin, begin + tiny * h), "mid.": (middle, middle + tiny * h), "end.": (end, end - tiny * h),
+                  "now.": (end, end + tiny * h)}  # fmt: skip
+        names = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
+        outputs = list(e.plant.outputs)
+        table = np.empty((len(k), 1, max(1, len(names))))
+        for c, name in enumerate(names):
+            when, bare = next((w, name[len(w) :]) for w in ("mid.", "end.", "now.", "") if name.startswith(w))
+            if bare in outputs:
+                table[:, 0, c] = now_y[:, outputs.index(bare)]
+            else:
+                table[:, 0, c] = e.signals[bare](*places[when])
+        return names, table
+
+    def _measured_rows(self, grid: Grid, first: int, index: np.ndarray, plant_rows: np.ndarray, y: np.ndarray | None):
+        e = self.experiment
+        at = grid.base[index - first]
+        if y is not None:
+            return y[at, 0, :]
+        values = row_values(e, index, plant_rows)
+        clean = probe(e.plant, list(e.plant.outputs), values)
+        return clean.T + e.measurement.noise_at(grid.anchor[at])
+
+
+def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict[str, np.ndarray | float]:
+    """Time, signals (right limits), parameters and plant states at recorded rows."""
+    t = index * e.step
+    values: dict[str, np.ndarray | float] = {n: at_rows(s, t, e.step) for n, s in e.signals.items()}
+    values |= row_numbers(e) | {"t": t}
+    return values | {s: plant_rows[:, j] for j, s in enumerate(e.plant.states)}
+
+
+def at_rows(signal: Signal, t: np.ndarray, step: float) -> np.ndarray:
+    """A signal at recorded rows: right limits."""
+    return signal(t, t + 1e-4 * step)
+
+
+def row_numbers(e: Experiment) -> dict[str, float]:
+    """What holds at every row: the plant's parameters, and the intensity of the noise."""
+    m = e.measurement
+    noise = zip(m.outputs, m.std, m.sample_time, strict=True)
+    return e.parameters | {f"intensity.{n}": std * std * hold for n, std, hold in noise}
+
+
+def observed_values(e: Experiment, parameters: dict, values: dict, y: np.ndarray) -> dict:
+    """What an observer may know along the rows: its parameters, t, u.*, signal.*, y.*; no x, no θ."""
+    seen = {n: v for n, v in values.items() if n == "t" or n.startswith(("u.", "signal."))}
+    known = list(seen)
+    seen |= {n: v for n, v in values.items() if n.startswith("intensity.")}
+    seen |= {name: y[:, i] for i, name in enumerate(e.plant.outputs)}
+    seen |= {f"{when}{n}": seen[n] for when in ("mid.", "end.", "now.") for n in (*known, *e.plant.outputs) if n != "t"}
+    return seen | dict(parameters)

@@ -1,0 +1,12 @@
+"""Results as files: CSV, JSON and MATLAB .mat, whole or in part; the comparison of the observers as CSV."""
+
+from thetascope.export.comparison_csv import comparison_csv
+from thetascope.export.csv_format import csv_chunks
+from thetascope.export.json_format import json_bytes
+from thetascope.export.mat_format import matlab_bytes, matlab_names
+from thetascope.export.selection import Table, select
+
+#: Format name → media type of what it writes.
+MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "json": "application/json", "mat": "application/x-matlab-data"}
+
+__all__ = ["MEDIA_TYPES", "Table", "comparison_csv", "csv_chunks", "json_bytes", "matlab_bytes", "matlab_names", "select"]

@@ -1,0 +1,37 @@
+"""CSV: one header line, then one line a row; every number is the shortest text that reads back to the same float64."""
+
+import csv
+import io
+from collections.abc import Iterator
+
+import numpy as np
+import orjson
+
+from thetascope.export.selection import Table
+
+_BLOCK = 4096
+
+
+def csv_chunks(table: Table) -> Iterator[bytes]:
+    """The file in pieces: the header, then blocks of rows. Missing values (after a divergence) are `nan`."""
+    yield _header(table.names)
+    for start in range(0, table.rows, _BLOCK):
+        yield _rows(np.ascontiguousarray(table.data[:, start : start + _BLOCK].T))
+
+
+def _header(names: tuple[str, ...]) -> bytes:
+    line = io.StringIO()
+    csv.writer(line, lineterminator="\n").writerow(names)
+    return line.getvalue().encode()
+
+
+def _rows(block: np.ndarray) -> bytes:
+    """Rows of a C-contiguous (rows, columns) block.
+
+    orjson prints an array ten times faster than Python's repr and as exactly; the brackets are taken off afterwards.
+    JSON has no word for nan and infinity (orjson prints null for both), so blocks with an infinity go the slow way.
+    """
+    if np.isinf(block).any():
+        return b"".join(b",".join(repr(number).encode() for number in row) + b"\n" for row in block.tolist())
+    text = orjson.dumps(block, option=orjson.OPT_SERIALIZE_NUMPY)
+    return text[2:-2].replace(b"],[", b"\n").replace(b"null", b"nan") + b"\n"

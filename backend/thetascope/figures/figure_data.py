@@ -1,0 +1,96 @@
+"""What the figures of one run draw from: its columns by meaning, with symbols, units, colours and the faults' intervals."""
+
+import re
+from functools import cached_property
+
+import numpy as np
+
+from thetascope.figures import style
+from thetascope.figures.html_symbols import HAT, escape, symbol, wrap
+from thetascope.figures.strips import Abscissa, Line
+
+KINDS = {"x": "states", "theta": "channels", "y": "outputs", "u": "inputs", "signal": "signals"}
+
+
+class Scene:
+    """A `Result`, its experiment and its plant, in one theme. Reads them; changes nothing."""
+
+    def __init__(self, result, spec, plant, theme: str):
+        self.result, self.spec, self.plant = result, spec, plant
+        self.theme = style.theme_named(theme)
+        self.t = result.column("t")
+        self.time = Abscissa(self.t, "time (s)")
+        self.columns = set(result.names)
+        self.labels = [observer.label for observer in spec.observers]
+        self._rows = {name: row for row, name in enumerate(result.names)}
+
+    def values(self, column: str) -> np.ndarray:
+        """One column, shape (rows,); a KeyError that names it if the run has none such."""
+        return self.result.data[self._rows[column]]
+
+    def split(self, column: str) -> tuple[str | None, str, str]:
+        """(observer's label or None, kind, name): "adaptive.theta.theta1" → ("adaptive", "theta", "theta1").
+
+        The kind is x, theta, y, u, signal, "t" for time, or "" for an observer's diagnostic.
+        """
+        for label in self.labels:
+            if column.startswith(label + "."):
+                rest = column[len(label) + 1:]
+                kind, _, name = rest.partition(".")
+                return (label, kind, name) if name and kind in KINDS else (label, "", rest)
+        kind, _, name = column.partition(".")
+        return (None, kind, name) if name else (None, "t", column)
+
+    def colour(self, label: str) -> str:
+        return style.observer_colour(self.theme, self.labels.index(label))
+
+    def legend(self, label: str) -> str:
+        """The observer's name in the legend, with the time of its divergence if it diverged."""
+        lost = self._diverged.get(label)
+        return escape(label) + (f" (diverged at {lost.time:.4g} s)" if lost else "")
+
+    @cached_property
+    def _diverged(self) -> dict:
+        return {report.label: report.diverged for report in self.result.observers if report.diverged}
+
+    @cached_property
+    def _items(self) -> dict[tuple[str, str], object]:
+        return {(kind, item.name): item for kind, field in KINDS.items() for item in getattr(self.plant, field)}
+
+    def unit(self, kind: str, name: str) -> str:
+        """The unit of a quantity of the plant, "" when it has none."""
+        unit = getattr(self._items.get((kind, name)), "unit", None)
+        return "" if unit in (None, "", "1", "-") else str(unit)
+
+    def caption(self, kind: str, name: str, fallback: str = "") -> str:
+        """A few words under the symbol: the channel's title or the quantity's description, then its unit. HTML."""
+        item = self._items.get((kind, name))
+        words = getattr(item, "title", None) or getattr(item, "description", None) or fallback
+        unit = self.unit(kind, name)
+        words = wrap(re.split(r"[;:(]|[.,] ", words)[0], lines=2 if unit else 3)
+        return "<br>".join(part for part in (words, escape(unit)) if part)
+
+    def symbol(self, column: str) -> str:
+        label, kind, name = self.split(column)
+        return "<i>t</i>" if kind == "t" else symbol(name, HAT if label and kind else "")
+
+    def intervals(self, kind: str, name: str) -> list[tuple[float, float]]:
+        """When a fault acts on that channel (kind "theta") or on that measurement (kind "y"), clipped to the run."""
+        field, end = ("channel" if kind == "theta" else "output"), float(self.t[-1])
+        return [(fault.onset, min(end if fault.end is None else fault.end, end)) for fault in self.spec.faults
+                if getattr(fault, field, None) == name and fault.onset < end]
+
+    def changes(self) -> list[float]:
+        """Times inside the run at which any fault begins or ends."""
+        times = {at for fault in self.spec.faults for at in (fault.onset, fault.end) if at is not None}
+        return sorted(at for at in times if 0 < at < self.t[-1])
+
+    def truth(self, kind: str, name: str, final: bool = True) -> Line:
+        return Line(self.values(f"{kind}.{name}"), f"{symbol(name)} truth", self.theme.ink, "truth", "dash", 1.2, final,
+                    framing=True, layer=1)
+
+    def estimates(self, kind: str, name: str, final: bool = True) -> list[Line]:
+        """The line of every observer that estimates it, in the order of the spec."""
+        return [Line(self.values(column), f"{symbol(name, HAT)} {escape(label)}", self.colour(label), self.legend(label),
+                     final=final, layer=-place)
+                for place, label in enumerate(self.labels) if (column := f"{label}.{kind}.{name}") in self.columns]

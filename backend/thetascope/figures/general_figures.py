@@ -1,0 +1,141 @@
+"""The figures that every run has, whatever its plant: states, faults, outputs, residuals, errors, inputs, excitation."""
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from thetascope.figures.figure_data import Scene
+from thetascope.figures.html_symbols import HAT, TILDE, escape, symbol, wrap
+from thetascope.figures.strips import Line, Strip, stack
+
+EXCITATION = ("pe", "lambda_min", "excitation")
+"""Diagnostics that measure excitation, as the observers name them (the first part of the column's name)."""
+
+
+def _excitation_columns(columns: Sequence[str], labels: Sequence[str]) -> list[tuple[str, str]]:
+    """(label, diagnostic) of every column that measures excitation."""
+    return [(label, column[len(label) + 1:]) for column in columns for label in labels
+            if column.startswith(label + ".") and column[len(label) + 1:].split(".")[0] in EXCITATION]
+
+
+def available(spec, columns: Sequence[str]) -> list[tuple[str, str]]:
+    """(name, title) of the general figures that a result with these columns can fill."""
+    kinds = {column.split(".")[0] for column in columns}
+    labels = [observer.label for observer in spec.observers]
+    observed = bool(labels)
+    estimated = any(column.startswith(f"{label}.theta.") for column in columns for label in labels)
+    offered = [("faults", "theta" in kinds and (estimated or bool(spec.faults))), ("states", "x" in kinds), ("outputs", "y" in kinds),
+               ("residuals", observed and "y" in kinds), ("errors", observed), ("inputs", bool(kinds & {"u", "signal"})),
+               ("excitation", bool(_excitation_columns(columns, labels)))]
+    return [(name, TITLES[name]) for name, possible in offered if possible]
+
+
+def _compare(scene: Scene, kind: str) -> list[Strip]:
+    """Truth and every estimate of each state or channel."""
+    strips = []
+    for item in getattr(scene.plant, {"x": "states", "theta": "channels"}[kind]):
+        shade = scene.intervals(kind, item.name) if kind == "theta" else []
+        edges = {at for interval in shade for at in interval}
+        marks = [at for at in scene.changes() if at not in edges]
+        lines = [*scene.estimates(kind, item.name), scene.truth(kind, item.name)]
+        strips.append(Strip(scene.time, symbol(item.name), scene.caption(kind, item.name), lines, shade=shade, marks=marks))
+    return strips
+
+
+def _outputs(scene: Scene) -> list[Strip]:
+    strips = []
+    for item in scene.plant.outputs:
+        measured = Line(scene.values(f"y.{item.name}"), f"{symbol(item.name)} measured", scene.theme.soft, "measured",
+                        width=1.0, final=True, framing=True, layer=-len(scene.labels))
+        strips.append(Strip(scene.time, symbol(item.name), scene.caption("y", item.name), [measured, *scene.estimates("y", item.name)],
+                            shade=scene.intervals("y", item.name), marks=scene.changes()))
+    return strips
+
+
+def _residuals(scene: Scene) -> list[Strip]:
+    strips = []
+    for item in scene.plant.outputs:
+        y, sign = scene.values(f"y.{item.name}"), f"{symbol(item.name)} − {symbol(item.name, HAT)}"
+        lines = [Line(_difference(y, line.y), f"{sign} {line.legend}", line.colour, line.legend, layer=line.layer)
+                 for line in scene.estimates("y", item.name)]
+        if lines:
+            strips.append(Strip(scene.time, sign, scene.caption("y", item.name, "residual"), lines, marks=scene.changes(),
+                                shade=scene.intervals("y", item.name)))
+    return strips
+
+
+def _difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    with np.errstate(over="ignore", invalid="ignore"):
+        return a - b
+
+
+def _errors(scene: Scene) -> list[Strip]:
+    """|x̃| and |θ̃| on logarithmic axes: where an error decays exponentially it is a straight line."""
+    strips = []
+    for kind, items in (("theta", scene.plant.channels), ("x", scene.plant.states)):
+        for item in items:
+            truth, sign = scene.values(f"{kind}.{item.name}"), f"|{symbol(item.name, TILDE)}|"
+            lines = [Line(np.abs(_difference(line.y, truth)), f"{sign} {line.legend}", line.colour, line.legend, layer=line.layer)
+                     for line in scene.estimates(kind, item.name)]
+            if lines:
+                strips.append(Strip(scene.time, sign, scene.caption(kind, item.name), lines, log=True, marks=scene.changes(),
+                                    shade=scene.intervals(kind, item.name)))
+    return strips
+
+
+def _inputs(scene: Scene) -> list[Strip]:
+    strips = []
+    for kind, items in (("u", scene.plant.inputs), ("signal", scene.plant.signals)):
+        for item in items:
+            line = Line(scene.values(f"{kind}.{item.name}"), symbol(item.name), scene.theme.ink, framing=True)
+            strips.append(Strip(scene.time, symbol(item.name), scene.caption(kind, item.name), [line], height=72))
+    return strips
+
+
+def _excitation(scene: Scene) -> list[Strip]:
+    """Each measure of excitation on a strip of its own, against the threshold of the check of the same run."""
+    strips: dict[str, list[Line]] = {}
+    limits: dict[str, float] = {}
+    for label, name in _excitation_columns(scene.result.names, scene.labels):
+        strips.setdefault(name, []).append(
+            Line(scene.values(f"{label}.{name}"), f"{escape(name)} {escape(label)}", scene.colour(label), scene.legend(label),
+                 layer=-scene.labels.index(label)))
+        for check in (check for r in scene.result.observers if r.label == label for check in r.checks):
+            if "excitation" in check.name.lower() and check.threshold and check.threshold > 0:
+                limits[name] = max(check.threshold, limits.get(name, 0.0))
+    return [Strip(scene.time, "<i>λ</i><sub>min</sub>" if name in EXCITATION else wrap(name, 12), "excitation", lines,
+                  log=_wide(lines), marks=scene.changes(), limit=limits.get(name)) for name, lines in strips.items()]
+
+
+def _wide(lines: Sequence[Line]) -> bool:
+    """Whether the lines' positive values span more than a decade."""
+    positive = [y[y > 0] for y in (line.y for line in lines) if (y > 0).any()]
+    return bool(positive) and max(y.max() for y in positive) > 10 * min(y.min() for y in positive)
+
+
+TITLES = {
+    "faults": "Faults and their estimates", "states": "States and their estimates", "outputs": "Outputs",
+    "residuals": "Output residuals", "errors": "Estimation errors", "inputs": "Inputs and known signals",
+    "excitation": "Excitation",
+}
+_CAPTIONS = {
+    "faults": "Dashed: the true fault; tinted: while it acts. Numbers: the values at the end. A double click shows rare peaks whole.",
+    "states": "Dashed: the true state. Dotted lines mark where a fault begins or ends.",
+    "outputs": "As measured, noise and measurement faults included, and as each observer predicts it.",
+    "residuals": "Measured minus predicted output: what every observer corrects itself by.",
+    "errors": "Absolute errors; a straight fall is exponential. In long runs, the largest in each thousandth of the horizon.",
+    "inputs": "What the plant and the observers are given.",
+    "excitation": "Smallest eigenvalue of the excitation Gramian; below the dashed limit faults cannot be told apart.",
+}
+_BUILD: dict[str, Callable[[Scene], list[Strip]]] = {
+    "faults": lambda scene: _compare(scene, "theta"), "states": lambda scene: _compare(scene, "x"), "outputs": _outputs,
+    "residuals": _residuals, "errors": _errors, "inputs": _inputs, "excitation": _excitation,
+}
+
+
+def build(scene: Scene, name: str) -> dict:
+    """The general figure of that name; a KeyError if there is none such, or nothing to draw in this run."""
+    strips = _BUILD[name](scene)
+    if not strips:
+        raise KeyError(name)
+    return stack(TITLES[name], _CAPTIONS[name], strips, scene.theme)

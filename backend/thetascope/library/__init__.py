@@ -1,0 +1,76 @@
+"""The library: plants, experiments and lessons as data, read once and validated by the schemas."""
+
+from difflib import get_close_matches
+from functools import cache, lru_cache
+from pathlib import Path
+
+import yaml
+
+from thetascope.engine.compiler.cache import digest_of
+from thetascope.engine.errors import SpecError
+from thetascope_schemas import Experiment, Plant
+from thetascope_schemas.service.lesson import Lesson
+
+_HERE = Path(__file__).parent
+_FIRST = ("zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dc-motor", "dts200", "quadruple-tank")
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+_SCHEMAS = {"plants": Plant, "experiments": Experiment, "lessons": Lesson}
+
+
+@lru_cache(maxsize=len(_SCHEMAS))
+def _names(folder: str) -> tuple[str, ...]:
+    return tuple(sorted(path.stem for path in (_HERE / folder).glob("*.yaml")))
+
+
+@cache
+def _read(folder: str, name: str):
+    """One file, when it is first asked for: a run needs two of them, and reading them all takes longer than the run."""
+    path = _HERE / folder / f"{name}.yaml"
+    item = _SCHEMAS[folder].model_validate(yaml.load(path.read_text(encoding="utf-8"), Loader=_LOADER))
+    if item.id != name:
+        raise ValueError(f"{path.name}: its id is {item.id!r}; it must be the file's name")
+    return item
+
+
+@lru_cache(maxsize=1)
+def plants() -> dict[str, Plant]:
+    """All library plants by id."""
+    return {name: _read("plants", name) for name in _names("plants")}
+
+
+@lru_cache(maxsize=1)
+def experiments() -> dict[str, Experiment]:
+    """All library experiments by id: the four papers first, then the other stories, then variants."""
+    names = _names("experiments")
+    return {name: _read("experiments", name) for name in (*_FIRST, *(n for n in names if n not in _FIRST))}
+
+
+@lru_cache(maxsize=1)
+def lessons() -> dict[str, Lesson]:
+    """What to try, by the id of the experiment."""
+    return {name: _read("lessons", name) for name in _names("lessons")}
+
+
+@lru_cache(maxsize=1)
+def digest() -> str:
+    """Hash of all its files."""
+    return digest_of(_HERE, "*.yaml")
+
+
+def plant(id: str) -> Plant:
+    """One plant. Raises SpecError with near matches."""
+    return _one("plant", id)
+
+
+def experiment(id: str) -> Experiment:
+    """One experiment. Raises SpecError with near matches."""
+    return _one("experiment", id)
+
+
+def _one(what: str, id: str):
+    names = _names(f"{what}s")
+    if id in names:
+        return _read(f"{what}s", id)
+    near = get_close_matches(str(id), names, n=3, cutoff=0.4)
+    raise SpecError(what, id, f"the library has no {what} of that id",
+                    f"did you mean {' or '.join(near)}?" if near else f"choose from {', '.join(names)}")  # fmt: skip

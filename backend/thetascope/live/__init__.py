@@ -1,0 +1,1 @@
+"""Live sessions: commands in, rows and events out."""

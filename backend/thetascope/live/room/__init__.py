@@ -1,0 +1,1 @@
+"""One session with its viewers: its clock, its commands, rows computed ahead, frames for all."""

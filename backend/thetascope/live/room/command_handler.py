@@ -1,0 +1,200 @@
+"""Commands: play, pause, step and speed act on the clock; all others on the session, at the row that is shown."""
+
+import logging
+from collections import deque
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from thetascope.engine.errors import SpecError
+from thetascope.live.room.prefetch_plan import Computed, compute
+from thetascope.live.wire import messages
+from thetascope.live.wire.viewer import Viewer
+from thetascope_schemas.service.session import (
+    Ack,
+    AddObserverNow,
+    Command,
+    Event,
+    Pause,
+    Play,
+    Refused,
+    Reset,
+    Seek,
+    Spec,
+    Speed,
+    Step,
+)
+
+if TYPE_CHECKING:
+    from thetascope.live.room.room_parts import RoomParts
+
+log = logging.getLogger(__name__)
+
+_INSIDE = "an error inside the program; its log tells more"
+
+_LONG = (AddObserverNow, Reset, Seek)
+"""Commands that may take longer than other sessions should wait: they are carried out in a thread."""
+
+
+@dataclass(frozen=True)
+class Done:
+    """What carrying out a command gave: where the session stands, what happened, and the first rows after it."""
+
+    row: int
+    columns: tuple[str, ...]
+    ended: bool
+    events: list[Event]
+    refusal: Refused | None
+    computed: Computed | None
+
+
+class Control:
+    """Carries out the commands of one room, those on the session one after the other. Each gets one answer."""
+
+    def __init__(self, room: "RoomParts") -> None:
+        self._room = room
+        self._waiting: deque[tuple[Viewer, Command]] = deque()
+        self._busy = False
+
+    def receive(self, viewer: Viewer, text: str | None, limit: int) -> None:
+        """Take a message of a viewer; the answer goes into its outbox. None stands for a binary message."""
+        command = messages.read(text, limit)
+        if isinstance(command, Refused) and (viewer.control or command.id is None):
+            viewer.put(command.model_dump_json())
+        elif not viewer.control:
+            self._refuse(viewer, command, "this link only watches", "fork the session to have one of your own")
+        elif isinstance(command, Play | Pause | Step | Speed):
+            self._transport(viewer, command)
+        else:
+            self._waiting.append((viewer, command))
+            self._next()
+
+    # ---- the clock -----------------------------------------------------------------------------------------------------
+
+    def _transport(self, viewer: Viewer, command: Command) -> None:
+        room = self._room
+        now = room.house.clock()
+        if isinstance(command, Play | Step) and room.ended:
+            self._refuse(viewer, command, "the session has come to its end", "go back to an earlier time, or reset it")
+            return
+        self._ack(viewer, command)
+        match command:
+            case Play():
+                room.pace.play(room.shown, now)
+            case Pause():
+                room.pace.pause()
+            case Step(rows=rows):
+                room.pace.step((room.pace.target or room.shown) + rows)
+            case Speed(value=value):
+                room.pace.set_speed(value, room.shown, now)
+        room.lookahead.disturbed()
+        if room.pace.moving:
+            room.moving()
+            room.fill()
+        room.tell_status()
+
+    # ---- the session ---------------------------------------------------------------------------------------------------
+
+    def _next(self) -> None:
+        if self._busy or not self._waiting or self._room.closed:
+            return
+        self._busy = True
+        viewer, command = self._waiting.popleft()
+        if isinstance(command, AddObserverNow):
+            # Compiling is not to stop the session: it is done apart, into the cache, where the session then finds it.
+            spec = self._room.session.spec
+            self._room.house.workshop(lambda: _compile(spec, command), lambda *_: self._carry_out(viewer, command))
+        else:
+            self._carry_out(viewer, command)
+
+    def _carry_out(self, viewer: Viewer, command: Command) -> None:
+        room = self._room
+        room.lookahead.disturbed()
+        long = isinstance(command, _LONG)
+        room.frozen = room.frozen or long
+        room.turns.do(
+            lambda: self._job(command), lambda done, error: self._done(viewer, command, done, error), long, urgent=True
+        )
+
+    def _job(self, command: Command) -> Done:
+        """On the session, alone."""
+        session = self._room.session
+        session.rewind_unseen(self._room.shown)
+        try:
+            with session.attempt():
+                return self._carried_out(command)
+        except SpecError as error:
+            refusal = messages.refused(command.id, error)
+        except ValidationError as error:
+            refusal = messages.of_validation(command.id, error)
+        except Exception:
+            log.exception("session %s: %s failed", self._room.id, command.type)
+            refusal = Refused(id=command.id, problem=_INSIDE, remedy="report it")
+        return replace(self._carried_out(None), refusal=refusal)
+
+    def _carried_out(self, command: Command | None) -> Done:
+        """The command done, and the rows that are shown with its answer."""
+        room, session = self._room, self._room.session
+        events = session.handle(command)[0] if command is not None else []
+        row, columns, ended = session.row, session.columns, session.ended
+        rows = room.lookahead.soon(room.pace) if room.pace.moving else 0
+        if row < room.shown or row == 0:
+            rows = max(rows, 1)  # the row at the time that one went back to
+        computed = compute(session, rows, room.house.past()) if rows else None
+        return Done(row, columns, ended, events, None, computed)
+
+    def _done(self, viewer: Viewer, command: Command, done: Done | None, error: Exception | None) -> None:
+        room = self._room
+        if done is None:
+            log.error("session %s: %s failed", room.id, command.type, exc_info=error)
+            room.screen.restart(room.session.columns, room.session.row)  # what was computed ahead is given up
+            self._refuse(viewer, command, _INSIDE, "report it")
+        else:
+            self._take_over(viewer, command, done)
+        room.frozen = False
+        self._busy = False
+        room.fill()
+        self._next()
+
+    def _take_over(self, viewer: Viewer, command: Command, done: Done) -> None:
+        room, screen = self._room, self._room.screen
+        back = done.row < screen.shown
+        if done.refusal is not None:
+            viewer.put(done.refusal.model_dump_json())
+        else:
+            self._ack(viewer, command, done.row)
+        screen.restart(done.columns, done.row)
+        room.finished = done.ended
+        for event in done.events:
+            screen.tell(event)
+        if done.computed is not None:
+            room.take(done.computed)
+        now = room.house.clock()
+        if back or room.frozen:
+            room.pace.anchor(room.shown, now)
+        if back or room.pace.moving or room.shown == 0:
+            # The first row that shows the command goes out with the answer, at most one row before its time.
+            due = room.pace.due(now)
+            room.show(max(due, 0 if room.shown > due and room.pace.moving else room.shown + 1), now)
+        if done.refusal is None:  # after the frame: it is long, and nobody waits for it
+            screen.tell(Spec(spec=room.session.spec), "spec")
+        if back:
+            room.tell_status()
+
+    # ---- answers -------------------------------------------------------------------------------------------------------
+
+    def _ack(self, viewer: Viewer, command: Command, row: int | None = None) -> None:
+        row = self._room.shown if row is None else row
+        viewer.put(Ack(id=command.id, row=row, t=row * self._room.session.record).model_dump_json())
+
+    def _refuse(self, viewer: Viewer, command: Any, problem: str, remedy: str) -> None:
+        viewer.put(Refused(id=command.id, problem=problem, remedy=remedy).model_dump_json())
+
+
+def _compile(spec: Any, command: AddObserverNow) -> None:
+    """Make the kernels of an observer, so that they are in the cache. What is wrong with it is said later."""
+    from thetascope.assembly import prepare
+
+    observers = (*spec.observers, command.observer)
+    prepare(spec.model_copy(update={"observers": observers, "commands": ()})).run(None, lambda: True)

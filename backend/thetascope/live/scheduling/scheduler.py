@@ -1,0 +1,162 @@
+"""One clock for all sessions: it calls each room's tick when its next frame is due.
+
+A single timer stands for the earliest of them, so 400 sessions are no more than one on the event loop, and no session
+has a sleep of its own to drift. Rooms begin at different moments, so their frames spread over time by themselves.
+"""
+
+import asyncio
+import logging
+from collections import OrderedDict
+from collections.abc import Callable
+from heapq import heappop, heappush
+from itertools import count
+from math import ceil, inf
+from typing import Any
+
+from thetascope.live.room.playback_clock import FRAME
+from thetascope.live.room.room import Room
+from thetascope.live.scheduling.time_slices import Slices
+
+log = logging.getLogger(__name__)
+
+SHARE = 0.002
+"""Seconds after which the event loop gets its turn, so that commands are read however many frames are due."""
+FEW, MANY, TOGETHER, SLOTS = 20, 150, 50, 8
+"""Where there are more than a few rooms all are called together, once in a frame's time: waking up for each would cost as much as its
+frame, and what one has brought into the processor's caches serves the next. Where there are many, a frame's time has as many such
+calls as leave about fifty rooms to each, a power of two up to a limit; so every room keeps its beat."""
+_TINY = 1e-6  # s, for the rounding of times
+PAUSE = 0.002
+"""Seconds between two rooms that compute ahead."""
+SLICE, REST = 0.0005, 0.001
+"""Seconds of watching for faults at once, and between two such slices: there is time for it when nobody computes ahead."""
+TURNS = 2
+"""Turns of the event loop before a room computes ahead: so many it takes from a socket to the command's being carried out."""
+
+
+def slot(rooms: int) -> float:
+    """Seconds between two calls of so many rooms, each of those whose frames have become due meanwhile."""
+    return FRAME / (1 if rooms < MANY else min(SLOTS, 1 << ((rooms // TOGETHER).bit_length() - 1)))
+
+
+class Scheduler:
+    """Ticks rooms. Made and used on the event loop."""
+
+    def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
+        self._loop = loop
+        self._due: list[tuple[float, int, Room]] = []
+        self._when: dict[Room, float] = {}
+        self._hungry: OrderedDict[Room, None] = OrderedDict()
+        self._feeding = 0.0  # when the next of them may compute, or be watched
+        self._unwatched: dict[Room, None] = {}  # in order
+        self._slices = Slices()
+        self._order = count()
+        self._timer: asyncio.TimerHandle | None = None
+        self._running = False
+        self._stopped = False
+
+    def wake(self, room: Room, at: float) -> None:
+        """Tick a room then, if not earlier anyway."""
+        known = self._when.get(room)
+        if self._stopped or (known is not None and known <= at):
+            return
+        self._when[room] = at
+        heappush(self._due, (at, next(self._order), room))
+        if not self._running:
+            self._arm()
+
+    def feed(self, room: Room, first: bool) -> None:
+        """Let a room compute ahead when no frame is due, before all that wait or after them."""
+        self._hungry[room] = None
+        if first:
+            self._hungry.move_to_end(room, last=False)
+        if not self._running:
+            self._arm()
+
+    def watch(self, room: Room) -> None:
+        """Let what a room shows be watched when nothing else is to be done."""
+        self._unwatched[room] = None
+        if not self._running:
+            self._arm()
+
+    def stop(self) -> None:
+        """Tick no more."""
+        self._stopped = True
+        self._due.clear()
+        self._when.clear()
+        self._hungry.clear()
+        self._unwatched.clear()
+        if self._timer is not None:
+            self._timer.cancel()
+
+    @property
+    def _left(self) -> bool:
+        """Whether there is something to be done in free moments."""
+        return bool(self._hungry or self._unwatched or self._slices.busy)
+
+    def _arm(self) -> None:
+        if (self._due or self._left) and not self._stopped:
+            at = self._due[0][0] if self._due else self._feeding
+            if self._due and len(self._when) > FEW:
+                part = slot(len(self._when))
+                at = ceil((at - _TINY) / part) * part
+            if self._left:
+                at = min(at, self._feeding)
+            if self._timer is not None:
+                if self._timer.when() <= at and not self._timer.cancelled():
+                    return
+                self._timer.cancel()
+            self._timer = self._loop.call_at(at, self._run)
+
+    def _run(self) -> None:
+        self._timer, self._running = None, True
+        begin = now = self._loop.time()
+        try:
+            while self._due and self._due[0][0] <= now + _TINY and now - begin < SHARE:
+                at, _, room = heappop(self._due)
+                if self._when.get(room) == at:
+                    del self._when[room]
+                    following = self._guarded(room, room.tick, at)
+                    if following is not None:
+                        self.wake(room, following)
+                now = self._loop.time()
+            if self._left and now >= self._feeding and (not self._due or self._due[0][0] > now + _TINY):
+                self._feeding = inf
+                self._loop.call_soon(self._give_way, TURNS)
+        finally:
+            self._running = False
+            self._arm()
+
+    def _give_way(self, turns: int) -> None:
+        """Let commands that have come, or are on their way through the event loop, be carried out before a room computes."""
+        if turns > 0:
+            self._loop.call_soon(self._give_way, turns - 1)
+            return
+        room = next(iter(self._hungry), None)
+        if room is not None:
+            del self._hungry[room]
+            self._guarded(room, room.fill)
+        else:
+            self._slice()
+        self._feeding = self._loop.time() + (REST if room is None else PAUSE)
+        if not self._running:
+            self._arm()
+
+    def _slice(self) -> None:
+        """Watch a little."""
+        while not self._slices.busy and self._unwatched:
+            room = next(iter(self._unwatched))
+            del self._unwatched[room]
+            left = self._guarded(room, room.inspection.watching)
+            if left is not None:
+                self._slices.begin(*left)
+        if self._slices.busy and not self._stopped:
+            self._slices.go_on(SLICE)
+
+    def _guarded(self, room: Room, work: Callable[..., Any], *given: float) -> Any:
+        """Do something with a room; if it fails the others go on."""
+        try:
+            return work(*given)
+        except Exception:
+            log.exception("session %s", room.id)
+            return None

@@ -1,0 +1,182 @@
+"""The detector in a live session: the one that runs are diagnosed with, over rows as they come."""
+
+from collections import OrderedDict
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from threading import Lock
+
+from thetascope.assembly.build.diagnosis_settings import asked, calibration_key, span
+from thetascope.diagnosis.input_design.input_proposal import propose
+from thetascope.diagnosis.isolation.decision_state import Found, Standing
+from thetascope.diagnosis.monitor.detector import Asked, Detector, detector, unwatchable
+from thetascope.diagnosis.monitor.monitor import Watched
+from thetascope.diagnosis.outcome.diagnose_run import Diagnosed, follow, refitted
+from thetascope.diagnosis.outcome.findings import WINDOW, alarm, of_detector
+from thetascope.engine.errors import Unwatchable
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.engine.simulation.experiment import Rows, State
+from thetascope_schemas import Experiment
+from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, InputProposal, ObserverDiagnosis
+from thetascope_schemas.service.session import DiagnosisNow, Event
+
+_MOST_WAITING = 8  # pieces of rows that wait to be watched in passing
+_MOST_PIECES, _MOST_ROWS = 256, 20_000  # that may wait for somebody else to watch them
+_KEPT = 16  # detectors, shared by the sessions on the same experiment
+_made: OrderedDict[str, Detector] = OrderedDict()
+_lock = Lock()
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What was watched, and rows that wait to be: (experiment, rows, values along them)."""
+
+    watched: Watched
+    waiting: tuple[tuple[Engine, Rows, dict], ...] = ()
+
+    @property
+    def rows(self) -> int:
+        """How many rows wait."""
+        return sum(len(rows.index) for _, rows, _ in self.waiting)
+
+    def follows(self, earlier: "Seen") -> bool:
+        """Whether this is an earlier value with more rows waiting."""
+        same = zip(self.waiting, earlier.waiting, strict=False)
+        return self.watched is earlier.watched and len(self.waiting) >= len(earlier.waiting) and all(a is b for a, b in same)
+
+
+@dataclass(frozen=True)
+class Watch:
+    """What watches a session: the detector, or why there is none."""
+
+    made: Detector | None
+    asked: Asked
+    settings: DiagnosisSettings
+    horizon: float
+    record: float
+    note: str = ""
+
+    @classmethod
+    def over(cls, spec: Experiment, experiment: Engine, record: float) -> "Watch":
+        """For a session on a spec (with its plant in full) that begins as ``experiment``."""
+        settings, wanted = spec.diagnosis, asked(spec)
+        note = "none is asked for" if not settings.enabled else unwatchable(replace(experiment, steps=round(span(spec) / spec.step)), experiment.context)
+        made = None
+        if not note:
+            try:
+                made = _shared(spec, experiment, wanted)
+            except Unwatchable as error:
+                note = str(error)
+        return cls(made, wanted, settings, span(spec), record, note)
+
+    def begin(self) -> "Seen | None":
+        """Before the first row."""
+        return Seen(self.made.begin()) if self.made else None
+
+    def seen(
+        self, seen: "Seen | None", experiment: Engine, rows: Rows, values: dict, now: bool, left: bool = False
+    ) -> tuple["Seen | None", list[Event]]:
+        """The newest rows taken in, and what was found; unless ``now``, they wait: a command is not to be kept waiting.
+
+        ``left``: somebody else is to watch them (`caught_up`).
+        """
+        if seen is None:
+            return None, []
+        seen = Seen(seen.watched, (*seen.waiting, (experiment, rows, values)))
+        if left:
+            later = len(seen.waiting) <= _MOST_PIECES and seen.rows <= _MOST_ROWS
+        else:
+            later = not now and len(seen.waiting) < _MOST_WAITING
+        if later:
+            return seen, []
+        after = self.caught_up(seen)
+        return Seen(after), self.events(seen, after)
+
+    def events(self, seen: "Seen", after: Watched) -> list[Event]:
+        """What was found in rows that waited."""
+        return list(self._events(seen.watched.standing.found, after.standing))
+
+    def caught_up(self, seen: "Seen") -> Watched:
+        """With the rows that waited."""
+        watched = seen.watched
+        for experiment, rows, values in seen.waiting:
+            watched = follow(refitted(self.made, experiment, self.asked.doubt), watched, experiment, rows, values)
+        return watched
+
+    def _events(self, before: tuple[Found, ...], now: Standing) -> Iterator[Event]:
+        for i, found in enumerate(now.found):
+            old = before[i] if i < len(before) else None
+            if old is None:
+                yield self._event(_as_named(replace(found, cleared=None)), found.at, "alarm")
+            elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
+                yield self._event(_as_named(found), now.at, "alarm")  # it has got another name, or was not over after all
+            if found.cleared is not None and (old is None or old.cleared is None):
+                yield self._event(found, found.cleared, "alarm-over")
+
+    def _event(self, found: Found, decision: int, kind: str) -> Event:
+        told = alarm(found, self.made, self.settings.confidence)
+        row = decision * self.made.stride
+        told["estimate"] = told["size"]
+        told["sigma"] = None if found.channel is None else found.deviation
+        subject = told["channel"] or told["output"].removeprefix("y.")
+        text = told["text"] if kind == "alarm" else f"alarm over: {subject}"
+        value = {k: list(v) if isinstance(v, tuple) else v for k, v in told.items() if k != "text"}
+        return Event(row=row, t=row * self.record, kind=kind, subject=subject, observer="detector", value=value, text=text)
+
+    def proposed(self, experiment: Engine, state: State) -> InputProposal:
+        """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""
+        if self.made is None:
+            raise Unwatchable(self.note)
+        made = refitted(self.made, experiment, self.asked.doubt)
+        among = tuple(dict.fromkeys(c for e in experiment.estimators for c in e.channels)) or None
+        window = WINDOW * self.horizon
+        found = propose(made.filter, experiment, state.plant, state.k, window, self.settings.accuracy, among)
+        return InputProposal.model_validate(vars(found))
+
+    def told(self, seen: "Seen | None", left: bool) -> DiagnosisNow:
+        """The diagnosis as it stands; rows that are ``left`` to somebody else are not waited for."""
+        watched = (seen.watched if left else self.caught_up(seen)) if seen else None
+        found = Diagnosed(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
+        told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
+        return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
+
+
+def _as_named(found: Found) -> Found:
+    """With the size that it was named with, whatever was found out since: an event does not depend on how rows come in."""
+    size, deviation = found.first or (found.size, found.deviation)
+    return replace(found, size=size, deviation=deviation)
+
+
+def pinned(spec: Experiment) -> DiagnosisSettings:
+    """What is asked of the diagnosis, with the span that it has now: a run of a part of the session is judged alike."""
+    return spec.diagnosis.model_copy(update={"span": span(spec)})
+
+
+def bare(seen: Seen | None) -> Seen | None:
+    """What is kept for going far back: where the filter and the decisions stand. Windows then begin anew."""
+    if seen is None:
+        return None
+    watched = seen.watched
+    rest = len(watched.t) - (watched.sums.last - watched.sums.first) * watched.stride
+    now = watched.standing
+    left = Watched(
+        replace(now, start=max(now.start, watched.sums.last), detected=None, pending=None), watched.sums.recent(1), watched.states[-1:].copy(),
+        watched.table[len(watched.t) - rest :].copy(), watched.t[len(watched.t) - rest :].copy(), watched.stride,
+    )  # fmt: skip
+    return Seen(left, seen.waiting)
+
+
+def _shared(spec: Experiment, experiment: Engine, wanted: Asked) -> Detector:
+    key = calibration_key(spec)
+    with _lock:
+        found = _made.get(key)
+        if found is not None:
+            _made.move_to_end(key)
+            return found
+    whole = replace(experiment, steps=round(span(spec) / spec.step))
+    found = detector(whole, whole.context, wanted, key)
+    found.prepare()
+    with _lock:
+        _made[key] = found
+        while len(_made) > _KEPT:
+            _made.popitem(last=False)
+    return found

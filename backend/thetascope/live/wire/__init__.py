@@ -1,0 +1,1 @@
+"""What goes over a viewer's connection, and when."""

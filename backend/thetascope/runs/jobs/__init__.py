@@ -1,0 +1,1 @@
+"""Runs under way, in memory and in the store."""

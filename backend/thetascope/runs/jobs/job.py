@@ -1,0 +1,97 @@
+"""A run under way: what it waits for, how far it is, and the future that its end resolves."""
+
+import time
+from concurrent.futures import Future
+from dataclasses import dataclass, field, replace
+from threading import Event
+
+from thetascope.engine.model.result import Result
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.run import Problem, RunSummary, Status
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """A run at one moment. `spec` is as it was posted, `created` is Unix time."""
+
+    id: str
+    spec: Experiment
+    status: Status
+    created: float
+    progress: float = 0.0
+    summary: RunSummary | None = None
+    problem: Problem | None = None
+    pinned: bool = False
+
+    @property
+    def active(self) -> bool:
+        return self.status in ("queued", "running")
+
+
+@dataclass(eq=False)
+class Job:
+    """A run that is queued or running.
+
+    `done` resolves to the last snapshot; it never raises for what the run did (that is in the snapshot), only
+    InvalidSpec when the spec was refused before the run began.
+    """
+
+    id: str
+    spec: Experiment
+    created: float = field(default_factory=time.time)
+    pinned: bool = False
+    status: Status = "queued"
+    progress: float = 0.0
+    deadline: float | None = None
+    announced: bool = False
+    ending: bool = False
+    done: "Future[Snapshot]" = field(default_factory=Future)
+    _cancel: Event = field(default_factory=Event)
+
+    def __post_init__(self) -> None:
+        self.done.set_running_or_notify_cancel()  # a client that goes away must not be able to cancel it
+
+    def snapshot(self) -> Snapshot:
+        """The run as it is now."""
+        return Snapshot(self.id, self.spec, self.status, self.created, self.progress, pinned=self.pinned)
+
+    def begin(self, seconds: float) -> None:
+        """The run starts and has so many seconds."""
+        self.status = "running"
+        self.deadline = time.monotonic() + seconds
+
+    def report(self, progress: float) -> None:
+        """The kernel's loop tells the share done."""
+        self.progress = min(max(progress, self.progress), 1.0)
+
+    def cancel(self) -> None:
+        self._cancel.set()
+
+    @property
+    def cancelled(self) -> bool:
+        """Whether somebody asked to cancel the run."""
+        return self._cancel.is_set()
+
+    @property
+    def late(self) -> bool:
+        """Whether the run has used up its time."""
+        return self.deadline is not None and time.monotonic() > self.deadline
+
+    def stopped(self) -> bool:
+        """What the kernel's loop asks: is it to end early?"""
+        return self._cancel.is_set() or self.late
+
+
+@dataclass(frozen=True)
+class Finished:
+    """A run that has ended, with its result where there is one."""
+
+    snapshot: Snapshot
+    result: Result | None = None
+
+    @property
+    def size(self) -> int:
+        return 0 if self.result is None else self.result.data.nbytes
+
+    def with_snapshot(self, **changes: object) -> "Finished":
+        return Finished(replace(self.snapshot, **changes), self.result)

@@ -1,0 +1,197 @@
+"""The run manager: one place that knows every run, whether under way, in memory or in the store."""
+
+from dataclasses import replace
+from threading import Lock
+
+from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.jobs.recent_runs import Memory
+from thetascope.runs.jobs.store_rows import INTERRUPTED, record_of, snapshot_of
+from thetascope.runs.jobs.store_writer import Writer
+from thetascope.runs.jobs.worker import Execution
+from thetascope.runs.results.engine_version import engine_version
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown, refused
+from thetascope.runs.specs.resolve_spec import resolved
+from thetascope.settings import Settings
+from thetascope.store import Record, RunStore
+from thetascope_schemas.experiment.experiment import Experiment
+
+
+class RunManager:
+    """Starts runs and answers for them.
+
+    A spec that was run before is answered from memory or the store, one that is under way joins it. Otherwise it is
+    prepared and run in worker threads, and its result is written to the store in the background: a run is a function
+    of its spec, so a result lost in a crash is only computed again.
+    """
+
+    def __init__(self, settings: Settings, store: RunStore) -> None:
+        self._room = settings.queue + settings.workers
+        self._store = store
+        self._memory = Memory(settings.memory)
+        self._jobs: dict[str, Job] = {}
+        self._lock = Lock()
+        self._writer = Writer()
+        self._execution = Execution(settings, self._end)
+        store.interrupted(INTERRUPTED.model_dump(mode="json"))
+
+    def submit(self, spec: Experiment) -> Snapshot | Job:
+        """The run of a spec: a snapshot if it has a result, else the job that computes it.
+
+        Raises:
+            InvalidSpec: names that do not fit the plant, or more steps or numbers than the limits allow.
+            Busy: the queue is full.
+        """
+        complete = resolved(spec)
+        id = complete.spec_hash()
+        known = self._known(id)
+        if known is not None and self._has_result(known):
+            return self._respelt(known, spec)
+        kept = {} if known is None else {"created": known.created, "pinned": known.pinned}
+        with self._lock:
+            job = self._jobs.get(id)
+            if job is not None:
+                return job
+            if len(self._jobs) >= self._room:
+                raise Busy(f"{len(self._jobs)} runs are waiting or under way", "try again when some have ended")
+            job = self._jobs[id] = Job(id, spec, **kept)
+            self._execution.start(job, complete)
+        return job
+
+    def get(self, id: str) -> Snapshot:
+        """The run as it is now. Raises :class:`Unknown`."""
+        job = self._jobs.get(id)
+        snapshot = self._known(id) if job is None else job.snapshot()
+        if snapshot is None:
+            near = self._store.ids(id[:6]) if len(id) >= 4 else []
+            remedy = f"did you mean {' or '.join(near)}?" if near else "list the runs there are"
+            raise Unknown(f"there is no run {id[:64]!r}", remedy)
+        return snapshot
+
+    def job(self, id: str) -> Job | None:
+        """The run's job while it is under way."""
+        return self._jobs.get(id)
+
+    def page(self, limit: int, offset: int) -> tuple[list[Snapshot], list[Record]]:
+        """The runs under way, and a page of the stored ones (records without specs), newest first."""
+        active = sorted((job.snapshot() for job in list(self._jobs.values())), key=lambda run: -run.created)
+        return active, self._store.page(limit, offset)
+
+    def finished(self, id: str) -> Finished | Job:
+        """The run with its result, or the job that computes it (again, if the store has let it go).
+
+        Raises :class:`Unknown`, or :class:`NotReady` for a run that failed or was cancelled.
+        """
+        snapshot = self.get(id)
+        if snapshot.status in ("failed", "cancelled"):
+            reason = f": {snapshot.problem.detail}" if snapshot.problem else ""
+            raise NotReady(f"the run {snapshot.status}{reason}", "POST its spec again to start it anew")
+        job = self._jobs.get(id)
+        if job is not None:
+            return job
+        entry = self._memory.get(id)
+        if entry is not None:
+            return entry
+        result = self._store.get_result(id, engine_version())
+        if result is not None:
+            entry = Finished(snapshot, result)
+            self._memory.put(entry)
+            return entry
+        again = self.submit(snapshot.spec)
+        return again if isinstance(again, Job) else self.finished(again.id)
+
+    def announce(self, job: Job) -> None:
+        """Keep the spec of a run whose client was told to come back for it."""
+        with self._lock:
+            if self._jobs.get(job.id) is job and not job.announced and not job.ending:  # else "running" would be written last
+                job.announced = True
+                record = record_of(job.snapshot())
+                self._writer.later(lambda: self._store.put(record))
+
+    def cancel(self, id: str) -> Snapshot:
+        """Ask a run under way to stop; a run that has ended stays as it is. Raises :class:`Unknown`."""
+        job = self._jobs.get(id)
+        if job is not None:
+            job.cancel()
+            if job.status == "queued":
+                self._end(job, Finished(replace(job.snapshot(), status="cancelled")))
+        return self.get(id)
+
+    def remove(self, id: str) -> None:
+        """Forget a run that has ended, with its spec. Raises :class:`Unknown`."""
+        self.get(id)
+        self._memory.remove(id)
+        self._writer.now(lambda: self._store.delete(id))
+
+    def pin(self, id: str, pinned: bool) -> Snapshot:
+        """Keep the run's result when the store needs room, or no longer. Raises :class:`Unknown`."""
+        snapshot = self.get(id)
+        if snapshot.active:
+            raise NotReady("a run under way cannot be pinned", "pin it when it is done")
+        self._writer.now(lambda: self._store.pin(id, pinned))
+        self._memory.change(id, pinned=pinned)
+        return self.get(id)
+
+    def usage(self) -> dict[str, int]:
+        """Runs under way, and what the store holds."""
+        return {"active": len(self._jobs), **self._store.usage()}
+
+    def close(self) -> None:
+        """Cancel what is under way, write what has ended, and stop the threads."""
+        for job in list(self._jobs.values()):
+            job.cancel()
+        self._execution.close()
+        self._writer.close()
+
+    def _known(self, id: str) -> Snapshot | None:
+        """The run as memory or the store has it."""
+        entry = self._memory.get(id)
+        if entry is not None:
+            return entry.snapshot
+        record = self._store.get(id)
+        return None if record is None else snapshot_of(record)
+
+    def _has_result(self, snapshot: Snapshot) -> bool:
+        if snapshot.status != "done":
+            return False
+        entry = self._memory.get(snapshot.id)
+        return entry is not None or self._store.has_result(snapshot.id, engine_version())
+
+    def _respelt(self, snapshot: Snapshot, spec: Experiment) -> Snapshot:
+        """The run under the spec as it is posted now: title and figures are no part of the id, the newer ones count."""
+        if snapshot.spec == spec:
+            return snapshot
+        snapshot = replace(snapshot, spec=spec)
+        self._memory.change(snapshot.id, spec=spec)
+        record = record_of(snapshot)
+        self._writer.later(lambda: self._store.put(record))
+        return snapshot
+
+    def _end(self, job: Job, end: Finished | InvalidSpec) -> None:
+        """A job has ended: remember it, write it, and wake who waits. The second of two ends is passed over."""
+        with self._lock:
+            if self._jobs.get(job.id) is not job or job.ending:
+                return
+            job.ending = True
+            if isinstance(end, InvalidSpec) and job.announced:
+                end = Finished(replace(job.snapshot(), status="failed", problem=refused(end)))
+        if isinstance(end, Finished):
+            self._keep(end)  # queued before anybody can see the end: who then removes or pins the run comes after it
+        with self._lock:
+            if isinstance(end, Finished):
+                self._memory.put(end)
+            del self._jobs[job.id]
+        if isinstance(end, InvalidSpec):
+            job.done.set_exception(end)
+            return
+        job.status = end.snapshot.status
+        job.done.set_result(end.snapshot)
+
+    def _keep(self, end: Finished) -> None:
+        record, result, version = record_of(end.snapshot), end.result, engine_version()
+
+        def write() -> None:
+            self._store.put(record)
+            if result is not None:
+                self._store.put_result(record.id, version, result)
+
+        self._writer.later(write)

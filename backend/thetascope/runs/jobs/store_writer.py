@@ -1,0 +1,48 @@
+"""Writing to the store in the background, in order, with a bound on what may wait."""
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from threading import BoundedSemaphore
+from typing import TypeVar
+
+from thetascope.store import StoreError
+
+log = logging.getLogger(__name__)
+
+_WAITING = 8
+"""Writes that may wait; who brings one more waits for the disk."""
+Value = TypeVar("Value")
+
+
+class Writer:
+    """One thread through which all writes go, so that they reach the store in the order asked for."""
+
+    def __init__(self) -> None:
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="store")
+        self._room = BoundedSemaphore(_WAITING)
+
+    def later(self, write: Callable[[], object]) -> None:
+        """Write soon. A failure is logged: the run stays in memory, and can be computed again."""
+        self._room.acquire()
+        try:
+            self._thread.submit(self._quietly, write)
+        except BaseException:
+            self._room.release()
+            raise
+
+    def now(self, write: Callable[[], Value]) -> Value:
+        """Write after all that waits, and return the answer or raise the :class:`StoreError`."""
+        return self._thread.submit(write).result()
+
+    def close(self) -> None:
+        """Write what waits, and stop."""
+        self._thread.shutdown(wait=True)
+
+    def _quietly(self, write: Callable[[], object]) -> None:
+        try:
+            write()
+        except StoreError as error:
+            log.error("A run was not stored. %s", error)
+        finally:
+            self._room.release()

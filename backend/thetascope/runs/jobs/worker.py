@@ -1,0 +1,113 @@
+"""From a job to its end, in worker threads: prepare (check, compile), hold the cost against the limits, run."""
+
+import logging
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from thetascope.engine.errors import Cancelled, SpecError
+from thetascope.engine.model.result import Result
+from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.results.summary import summarise
+from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
+from thetascope.settings import Settings
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.run import Problem
+
+if TYPE_CHECKING:
+    from thetascope.assembly import Cost, Prepared
+
+log = logging.getLogger(__name__)
+
+_PREPARERS = 2
+End = Callable[[Job, Finished | InvalidSpec], None]
+
+
+def allow(spec: Experiment, cost: "Cost", settings: Settings) -> None:
+    """Refuse a run that asks for more steps or numbers than the settings allow. Raises InvalidSpec, in numbers."""
+    if cost.steps > settings.max_steps:
+        raise invalid(
+            "horizon", spec.horizon, f"the run takes {cost.steps:,} steps, and {settings.max_steps:,} are allowed",
+            "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_STEPS",
+        )  # fmt: skip
+    if cost.bytes > settings.max_result:
+        raise invalid(
+            "record", spec.record,
+            f"the result has {cost.rows:,} rows of {cost.columns} columns, {cost.bytes:,} bytes, and "
+            f"{settings.max_result:,} are allowed",
+            "record at a wider spacing, shorten the horizon, or raise THETASCOPE_MAX_RESULT",
+        )  # fmt: skip
+
+
+class Execution:
+    """The threads. `end` is called once for each job that was started, with what became of it.
+
+    Kernels run outside Python's lock, so the workers use several cores. Preparing has threads of its own: a wrong spec
+    is refused at once, even while long runs fill the workers.
+    """
+
+    def __init__(self, settings: Settings, end: End) -> None:
+        self._settings = settings
+        self._end = end
+        self._preparers = ThreadPoolExecutor(_PREPARERS, thread_name_prefix="prepare")
+        self._workers = ThreadPoolExecutor(max(1, settings.workers), thread_name_prefix="run")
+
+    def start(self, job: Job, spec: Experiment) -> None:
+        """Queue a job; `spec` is its experiment with the plant in full."""
+        self._preparers.submit(self._guarded, job, lambda: self._prepare(job, spec))
+
+    def close(self) -> None:
+        """Wait for the threads; the jobs are to be cancelled before."""
+        self._preparers.shutdown(wait=True)
+        self._workers.shutdown(wait=True)
+
+    def _prepare(self, job: Job, spec: Experiment) -> None:
+        if job.cancelled:
+            raise Cancelled
+        from thetascope.assembly import prepare  # SymPy comes with it, so the service starts without
+
+        prepared = prepare(spec)
+        allow(spec, prepared.cost, self._settings)
+        self._workers.submit(self._guarded, job, lambda: self._run(job, prepared))
+
+    def _run(self, job: Job, prepared: "Prepared") -> None:
+        if job.cancelled:
+            raise Cancelled
+        job.begin(self._settings.max_seconds)
+        result = prepared.run(job.report, job.stopped)
+        self._end(job, completed(job.snapshot(), result, job.spec))
+
+    def _guarded(self, job: Job, stage: Callable[[], None]) -> None:
+        """Run a stage; whatever it raises becomes the job's end, so that nobody waits for ever."""
+        try:
+            stage()
+        except SpecError as error:
+            self._end(job, from_engine(error, in_plant=not isinstance(job.spec.plant, str)))
+        except InvalidSpec as error:
+            self._end(job, error)
+        except Cancelled:
+            self._end(job, self._stopped(job))
+        except MemoryError:
+            self._end(job, failed(job, "There was not enough memory", "record fewer rows, or run fewer at a time"))
+        except Exception:
+            log.exception("Run %s failed", job.id)
+            detail = "An error inside the program ended the run; its log tells more"
+            self._end(job, failed(job, detail, "report it with the spec"))
+
+    def _stopped(self, job: Job) -> Finished:
+        if job.cancelled:
+            return Finished(replace(job.snapshot(), status="cancelled"))
+        detail = f"The run took longer than {self._settings.max_seconds:g} s and was stopped at {job.progress:.0%}"
+        return failed(job, detail, "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_SECONDS")
+
+
+def completed(snapshot: Snapshot, result: Result, spec: Experiment) -> Finished:
+    """The end of a run that has a result."""
+    return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result, spec)), result)
+
+
+def failed(job: Job, detail: str, remedy: str) -> Finished:
+    """The end of a run that has none."""
+    problem = Problem(title="The run failed", status=500, detail=f"{detail}; {remedy}")
+    return Finished(replace(job.snapshot(), status="failed", problem=problem))

@@ -1,0 +1,71 @@
+"""A result in a few numbers: the summary that goes with a run."""
+
+import math
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from thetascope.diagnosis.evaluation.metrics import LAST, event_times, final_values, settling, state_rmse, step_changes
+from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
+from thetascope.runs.results.comparison_rows import compared
+from thetascope_schemas import Experiment
+from thetascope_schemas.experiment.diagnosis import Diagnosis
+from thetascope_schemas.service.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
+
+
+def summarise(result: Result, spec: Experiment) -> RunSummary:
+    """The run's summary: divergence, errors, estimates, settling and assumption checks of every observer."""
+    return RunSummary(
+        columns=len(result.names),
+        rows=result.data.shape[1],
+        step=result.step,
+        substeps=result.substeps,
+        diverged=_divergence(result.diverged),
+        observers=tuple(_observer(result, report, spec) for report in result.observers),
+        comparison=compared(result, spec),
+        diagnosis=None if result.diagnosis is None else Diagnosis.model_validate(result.diagnosis),
+        notes=tuple(result.notes),
+        seconds=result.seconds,
+    )
+
+
+def _observer(result: Result, report: ObserverReport, spec: Experiment) -> ObserverSummary:
+    steps, events = step_changes(spec.faults, spec.horizon), event_times(spec.faults)
+    return ObserverSummary(
+        label=report.label,
+        kind=report.kind,
+        title=report.title,
+        diverged=_divergence(report.diverged),
+        rmse=state_rmse(result, report.label),
+        rmse_end=state_rmse(result, report.label, LAST),
+        theta=jsonable(final_values(result, report.label)),
+        settling=tuple(jsonable(vars(s)) for s in settling(result, report.label, steps, events)),
+        checks=tuple(_check(check) for check in report.checks),
+        facts={name: jsonable(value) for name, value in report.facts.items()},
+    )
+
+
+def _check(check: Check) -> AssumptionCheck:
+    return AssumptionCheck(**jsonable(asdict(check)))
+
+
+def _divergence(diverged: Diverged | None) -> Divergence | None:
+    return None if diverged is None else Divergence(time=diverged.time, cause=diverged.cause)
+
+
+def jsonable(value: object) -> Any:
+    """Plain JSON data: arrays as lists, complex numbers as [re, im], null for what is not finite, text for the rest."""
+    if isinstance(value, np.ndarray | np.generic):
+        value = value.tolist()
+    if value is None or isinstance(value, bool | int | str):
+        return value
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, complex):
+        return [jsonable(value.real), jsonable(value.imag)]
+    if isinstance(value, dict):
+        return {str(key): jsonable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple | set | frozenset):
+        return [jsonable(item) for item in value]
+    return str(value)

@@ -1,0 +1,16 @@
+"""The report of a run, for the service and the command line."""
+
+from datetime import UTC, datetime
+
+from thetascope.runs.jobs.job import Finished
+from thetascope.runs.specs.resolve_spec import plant_of
+
+
+def report_html(finished: Finished, command: str | None = None) -> str:
+    """The run as one HTML file. `command` is the command line that makes it again, where there is one."""
+    from thetascope.report.html_report import report  # only reports need it
+
+    snapshot = finished.snapshot
+    created = datetime.fromtimestamp(snapshot.created, UTC).strftime("%Y-%m-%d %H:%M UTC")
+    about = {"id": snapshot.id, "created": created, "command": command}
+    return report(finished.result, snapshot.spec, plant_of(snapshot.spec), about)

@@ -1,0 +1,30 @@
+"""What a POST of a run and an experiment file hold: a whole experiment, or one of the library with values changed."""
+
+from typing import Any
+
+from pydantic import Field, JsonValue
+
+from thetascope.runs.specs.refusals import validated
+from thetascope.runs.specs.resolve_spec import library_experiment, with_changes
+from thetascope_schemas.experiment.base import Identifier, Strict, example
+from thetascope_schemas.experiment.experiment import Experiment
+
+
+class RunRequest(Strict):
+    """An experiment of the library, with values changed by path."""
+
+    model_config = example(experiment="zhao-2012", set={"noise.y.std": 0, "observers.adaptive.gains.rho": 8, "seed": 3})
+
+    experiment: Identifier = Field(description="Id of a library experiment.")
+    set: dict[str, JsonValue] = Field(
+        default_factory=dict, max_length=200,
+        description="Path: new value. Items of lists by index, label or name; a number for an input is that constant.",
+    )  # fmt: skip
+
+
+def asked(data: Any) -> Experiment:
+    """The experiment that a body or file asks for. Raises InvalidSpec, or Unknown for an id not in the library."""
+    if isinstance(data, dict) and "experiment" in data and "plant" not in data:
+        request = validated(RunRequest, data)
+        return with_changes(library_experiment(request.experiment), request.set)
+    return validated(Experiment, data)

@@ -1,0 +1,114 @@
+"""The service: `create_app(settings)` makes the ASGI application, `serve(settings)` runs it."""
+
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from importlib import import_module
+from socket import socket
+from threading import Thread
+
+from fastapi import APIRouter, FastAPI
+from starlette.concurrency import run_in_threadpool
+from starlette.responses import Response
+
+from thetascope import library
+from thetascope.api.http import openapi, problems, static_pages
+from thetascope.api.http.answers import json_response
+from thetascope.api.http.security_headers import Security
+from thetascope.api.http.services import Services, Use
+from thetascope.api.routes import (
+    catalogue,
+    equations,
+    gain_defaults,
+    lessons,
+    plants,
+    records,
+    run_results,
+    runs,
+    sessions,
+)
+from thetascope.runs.results.engine_version import engine_version
+from thetascope.server import prewarm
+from thetascope.settings import Settings, load
+from thetascope.store import Database
+from thetascope_schemas.experiment.base import SCHEMA_VERSION
+
+DESCRIPTION = """Adaptive observers finding faults: plants as text, experiments as data, runs by the hash of their spec.
+
+Start with `GET /api/experiments`, then `POST /api/runs` with `{"experiment": "zhao-2012"}`. Every error is a
+problem document (RFC 9457) that names the field, the value and the remedy."""
+
+
+def create_app(settings: Settings | None = None) -> FastAPI:
+    """The application. Its store is opened when it starts and closed when it stops. Raises SettingsError."""
+    settings = settings or load()
+
+    @asynccontextmanager
+    async def lifespan(app: FastAPI) -> AsyncIterator[None]:
+        app.state.services = Services.start(settings)
+        Thread(target=_warm, name="warm", daemon=True).start()
+        yield
+        app.state.services.live.stop()
+        await run_in_threadpool(app.state.services.close)
+
+    app = FastAPI(
+        title="Thetascope", description=DESCRIPTION, version="1", lifespan=lifespan, docs_url=None, redoc_url=None
+    )
+    app.add_middleware(Security)
+    problems.install(app)
+    openapi.install(app)
+    app.include_router(_api())
+    app.include_router(static_pages.router)
+    static_pages.serve_frontend(app)
+    return app
+
+
+def _warm() -> None:
+    """Once the service answers, load what the first run will need, so that its user does not wait for it."""
+    time.sleep(0.3)
+    import_module("thetascope.assembly")
+    library.experiments()
+
+
+def _api() -> APIRouter:
+    api = APIRouter(prefix="/api")
+
+    @api.get("/health", response_model=None, tags=["service"])
+    def health(services: Use) -> Response:
+        """Whether the service and its store work."""
+        return json_response(
+            {"status": "ok", "schema": SCHEMA_VERSION, "engine": engine_version(), "runs": services.runs.usage()}
+        )
+
+    for part in (catalogue, plants, equations, gain_defaults, lessons, records, runs, run_results, sessions):
+        api.include_router(part.router)
+
+    return api
+
+
+def serve(settings: Settings, ready: Callable[[str], None] = lambda address: None) -> None:
+    """Serve until interrupted; `ready` is called with the page's address once requests are answered.
+
+    Raises StoreError before anything listens when the store cannot be used.
+    """
+    import uvicorn
+
+    Database(settings.database).close()
+    config = uvicorn.Config(
+        create_app(settings), host=settings.host, port=settings.port, log_level="warning", server_header=False,
+        ws="websockets-sansio", ws_per_message_deflate=False, ws_max_size=4 * settings.max_message, timeout_graceful_shutdown=5,
+    )  # fmt: skip
+
+    class Server(uvicorn.Server):
+        async def startup(self, sockets: list[socket] | None = None) -> None:
+            await super().startup(sockets)
+            if self.started:
+                port = self.servers[0].sockets[0].getsockname()[1]
+                host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
+                ready(f"http://{host}:{port}/")
+
+    beside = prewarm.begin() if settings.prepare else None
+    try:
+        Server(config).run()
+    finally:
+        prewarm.end(beside)

@@ -1,0 +1,118 @@
+"""One SQLite file, opened for several threads and several processes, brought to the current schema."""
+
+import sqlite3
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from thetascope.store.migrations import MIGRATIONS
+
+
+class StoreError(RuntimeError):
+    """The store cannot be used; the message says why and what to do."""
+
+
+class Database:
+    """Two connections to the file, one for writing and one for reading, each under a lock of its own.
+
+    The write-ahead log lets the reader go on while a large result is written, and other processes read and write
+    too (they wait for the lock up to `timeout` seconds). A crash loses at most the last transactions, never the file:
+    runs are functions of their specs, so what is lost is recomputed.
+    """
+
+    def __init__(self, path: Path, timeout: float = 10.0) -> None:
+        self.path = path
+        self._timeout = timeout
+        self._locks = {"read": threading.RLock(), "write": threading.RLock()}
+        with self._explained():
+            path.parent.mkdir(parents=True, exist_ok=True)
+            write = self._connect()
+            self._connections = {"write": write}
+            migrate(write, path)
+            self._connections["read"] = self._connect()
+
+    @contextmanager
+    def reading(self) -> Iterator[sqlite3.Connection]:
+        """The reading connection, for this thread alone while inside."""
+        with self._locks["read"], self._explained():
+            yield self._connections["read"]
+
+    @contextmanager
+    def writing(self) -> Iterator[sqlite3.Connection]:
+        """A write transaction: committed at the end, rolled back on an error."""
+        with self._locks["write"], self._explained():
+            connection = self._connections["write"]
+            connection.execute("BEGIN IMMEDIATE")
+            try:
+                yield connection
+            except BaseException:
+                connection.rollback()
+                raise
+            connection.commit()
+
+    def close(self) -> None:
+        """Close both connections; the log is merged into the file."""
+        for name, connection in self._connections.items():
+            with self._locks[name]:
+                connection.close()
+
+    def _connect(self) -> sqlite3.Connection:
+        connection = sqlite3.connect(
+            self.path, timeout=self._timeout, isolation_level=None, check_same_thread=False, cached_statements=64
+        )
+        connection.row_factory = sqlite3.Row
+        connection.execute("PRAGMA page_size = 8192")  # of a new file; results are megabytes
+        connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
+        connection.execute("PRAGMA journal_mode = WAL")
+        connection.execute("PRAGMA synchronous = NORMAL")
+        return connection
+
+    @contextmanager
+    def _explained(self) -> Iterator[None]:
+        try:
+            yield
+        except sqlite3.Error as error:
+            raise StoreError(_explain(self.path, error)) from error
+        except OSError as error:
+            raise StoreError(
+                f"The store's folder {self.path.parent} cannot be used: {error.strerror or error}. "
+                "Set THETASCOPE_DATA to a folder that can be written."
+            ) from error
+
+
+def migrate(connection: sqlite3.Connection, path: Path) -> None:
+    """Apply the migrations that the file has not seen; another process may be doing the same at this moment."""
+    if _version(connection) == len(MIGRATIONS):
+        return
+    connection.execute("BEGIN IMMEDIATE")
+    version = _version(connection)
+    if version > len(MIGRATIONS):
+        connection.rollback()
+        raise StoreError(
+            f"The store {path} was written by a newer version of Thetascope (schema {version}, this one knows "
+            f"{len(MIGRATIONS)}). Update Thetascope, or set THETASCOPE_DATA to another folder."
+        )
+    for statements in MIGRATIONS[version:]:
+        for statement in statements:
+            connection.execute(statement)
+    connection.execute(f"PRAGMA user_version = {len(MIGRATIONS)}")
+    connection.commit()
+
+
+def _version(connection: sqlite3.Connection) -> int:
+    return connection.execute("PRAGMA user_version").fetchone()[0]
+
+
+def _explain(path: Path, error: sqlite3.Error) -> str:
+    text = str(error)
+    if "locked" in text or "busy" in text:
+        return f"The store {path} is held by another process ({text}). Close the other program, or try again."
+    if "unable to open" in text or "readonly" in text:
+        return f"The store {path} cannot be opened for writing ({text}). Set THETASCOPE_DATA to a folder that can."
+    if "full" in text:
+        return f"The disk of the store {path} is full ({text}). Free some space, or set THETASCOPE_DATA elsewhere."
+    return (
+        f"The store {path} is damaged or no database ({text}). Move the file away to start with an empty store, "
+        "or set THETASCOPE_DATA to another folder."
+    )

@@ -1,0 +1,63 @@
+"""A result as a short JSON head and one block of float64, and back without a bit of difference in the numbers."""
+
+import json
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
+
+
+def encode(result: Result) -> tuple[str, np.ndarray]:
+    """The head and the numbers, an array of shape (columns, rows) that SQLite writes without a copy."""
+    head = {
+        "names": result.names,
+        "observers": [asdict(report) for report in result.observers],
+        "diverged": result.diverged and asdict(result.diverged),
+        "step": result.step,
+        "substeps": result.substeps,
+        "notes": result.notes,
+        "seconds": result.seconds,
+        "costs": result.costs,
+        "diagnosis": result.diagnosis,
+    }
+    return json.dumps(head, default=plain), np.ascontiguousarray(result.data, dtype="<f8")
+
+
+def decode(head: str, data: bytes, rows: int) -> Result:
+    """The result; its array is read-only and shares the memory of `data`."""
+    values: dict[str, Any] = json.loads(head)
+    names = tuple(values["names"])
+    return Result(
+        names=names,
+        data=np.frombuffer(data, dtype="<f8").reshape(len(names), rows),
+        observers=tuple(_observer(report) for report in values["observers"]),
+        diverged=_diverged(values["diverged"]),
+        step=values["step"],
+        substeps=values["substeps"],
+        notes=tuple(values["notes"]),
+        seconds=values["seconds"],
+        costs=values.get("costs", {}),
+        diagnosis=values.get("diagnosis"),
+    )
+
+
+def plain(value: object) -> Any:
+    """Facts that observers report, as JSON: arrays and NumPy numbers as lists and numbers, complex as [re, im]."""
+    if isinstance(value, np.ndarray | np.generic):
+        return value.tolist()
+    if isinstance(value, complex):
+        return [value.real, value.imag]
+    if isinstance(value, set | frozenset | tuple):
+        return list(value)
+    return str(value)
+
+
+def _observer(values: dict[str, Any]) -> ObserverReport:
+    checks = tuple(Check(**check) for check in values.pop("checks"))
+    return ObserverReport(checks=checks, diverged=_diverged(values.pop("diverged")), **values)
+
+
+def _diverged(values: dict[str, Any] | None) -> Diverged | None:
+    return None if values is None else Diverged(**values)

@@ -1,0 +1,17 @@
+// What the library and the server say, in Chinese.
+
+import {translator} from './translator.js';
+import {catalogue} from './catalogue.js';
+import {checkNames, checkRules} from './checks.js';
+import {diagnosisRules} from './diagnosis-text.js';
+import {names} from './library-names.js';
+import {prose} from './prose.js';
+import {refusalRules} from './refusals.js';
+
+const known = {...prose, ...catalogue, ...names};
+
+/** What the library calls things; what is not of the library stays as it is. */
+export const named = (words) => known[words] ?? words;
+
+/** What the server says of a check, or why it refuses. */
+export const said = translator([...checkRules, ...refusalRules, ...diagnosisRules], {...known, ...checkNames});

@@ -1,0 +1,147 @@
+// What can be done on the page beyond single commands (README.md lists it).
+
+import {picture} from './scope/figure.js';
+import {seconds} from '../widgets/number-format.js';
+import * as permalink from './state/permalink.js';
+import {library, save} from './net/session.js';
+
+const LANGUAGE = 'language';
+const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
+
+/** @param {object} app  @param {object} link  what main.js does with sessions: {begin, fork, token} */
+export const actions = (app, link) => ({...transport(app, link), ...sessions(app, link), ...looks(app)});
+
+const set = (app, values) => app.store.dispatch({type: 'set', ...values});
+
+const tell = (app, text, {kind = 'note', action = null} = {}) => set(app, {told: {text, kind, action, at: performance.now()}});
+
+/** A refusal in a line: what is wrong, what to do about it. */
+export const refused = (error, text) => [error.problem ?? error.detail ?? error.message, error.remedy].filter(Boolean).map(text.said).join(text.and);
+
+/** A command whose refusal is told on the page; the Ack, or null. */
+async function ask(app, command) {
+  try {
+    return await app.send(command);
+  } catch (error) {
+    tell(app, refused(error, app.text), {kind: 'problem'});
+    return null;
+  }
+}
+
+function transport(app, link) {
+  const send = (command) => ask(app, command);
+  /** Give up what came after a time; for a while it can be had back, as another session that was done the same. */
+  async function goBack(command, t) {
+    const {spec, experiment} = app.state;
+    const now = app.samples.now;
+    if (!await send(command)) return;
+    const undo = () => link.begin({spec, experiment, t: now, play: false});
+    tell(app, app.text.wentBack(seconds(t, 0.1)), {action: {words: app.text.undo, act: undo, alone: true}}); // those who watch would stay behind
+  }
+  return {
+    /** Commands that belong together act from the same row on: time stands still for them, however fast it runs. */
+    async together(commands) {
+      const moves = app.state.playing && commands.length > 1;
+      if (moves) await app.send({type: 'pause'});
+      try {
+        return await Promise.all(commands.map((command) => app.send(command)));
+      } finally {
+        if (moves) await app.send({type: 'play'});
+      }
+    },
+    play: () => send({type: 'play'}),
+    pause: () => send({type: 'pause'}),
+    toggle: () => send({type: app.state.playing ? 'pause' : 'play'}),
+    step: (rows = 1) => send({type: 'step', rows}),
+    speed: (value) => send({type: 'speed', value}),
+    reset: () => goBack({type: 'reset'}, 0),
+    seek: (t) => goBack({type: 'seek', t}, t),
+  };
+}
+
+function sessions(app, link) {
+  return {
+    open: (id) => link.begin({experiment: id ?? app.first, play: true}),
+    openSpec: (spec, {t = 0} = {}) => link.begin({spec, t, play: false, experiment: app.state.experiment}),
+    fork: (t) => link.fork(t),
+    visit: (id) => link.visit(id),
+    save: () => save(app.state.session, link.token()),
+    async link({view = false} = {}) {
+      if (view) return `${location.origin}/?session=${encodeURIComponent(app.state.session)}`;
+      return `${location.origin}/${await addressOf(app)}`;
+    },
+  };
+}
+
+function looks(app) {
+  return {
+    window: (length) => set(app, {window: length, selection: null, looking: null}),
+    select(t0, t1) {
+      const least = 4 * app.state.record;
+      set(app, {looking: null, selection: t0 === null || t0 === undefined || t1 - t0 < least ? null : [Math.max(0, t0), t1]});
+    },
+    /** Look back to a time of the past (null: at now again); nothing is given up. */
+    look(t) {
+      const length = app.state.window ?? Math.max(app.samples.now, 10);
+      const end = t === null ? null : Math.max(t, length);
+      set(app, {looking: t, selection: t === null ? null : [end - length, end]});
+    },
+    band: (label) => set(app, {band: label}),
+    strip(name, shown) {
+      if (name === null) set(app, {strips: {}});
+      else app.store.dispatch({type: 'strip', name, shown});
+    },
+    site: (name) => set(app, {site: name}),
+    present(on) {
+      document.documentElement.classList.toggle('presentation', on);
+      keep(sessionStorage, PRESENTED, on ? 'on' : null);
+      set(app, {presentation: on});
+    },
+    desk: (name) => set(app, {desk: name}),
+    theme(wanted) {
+      if (wanted !== null && wanted !== window.theme.now) window.theme.toggle();
+    },
+    language(language) {
+      document.documentElement.lang = language === 'zh' ? 'zh-CN' : 'en';
+      keep(localStorage, LANGUAGE, language);
+      set(app, {language});
+    },
+    tell: (text, how) => tell(app, text, how),
+    refused: (error) => tell(app, refused(error, app.text), {kind: 'problem'}),
+    figure: (what) => picture(app, what),
+  };
+}
+
+/** Keep a word, or (null) forget it. */
+function keep(storage, name, value) {
+  try {
+    if (value === null) storage.removeItem(name);
+    else storage.setItem(name, value);
+  } catch { /* private windows keep nothing */ }
+}
+
+function kept(storage, name) {
+  try {
+    return storage.getItem(name);
+  } catch {
+    return null;
+  }
+}
+
+/** The language that was chosen here before, else the browser's. */
+export const languageNow = () => kept(localStorage, LANGUAGE) ?? (navigator.language.startsWith('zh') ? 'zh' : 'en');
+
+/** Whether this tab was presenting when it was loaded again. */
+export const presented = () => kept(sessionStorage, PRESENTED) === 'on';
+
+const DONE = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
+
+/** The address of the session as it is now: the short form while nobody has done anything to a library experiment. */
+export async function addressOf(app) {
+  const {state} = app;
+  const t = app.samples.now;
+  if (!state.spec) return location.search + location.hash;
+  const base = state.experiment ? await library(state.experiment) : null;
+  const untouched = base !== null && state.begunPlain && !state.log.some((event) => DONE.has(event.kind));
+  return permalink.write({spec: untouched ? base : state.spec, t, experiment: state.experiment, base});
+}

@@ -1,0 +1,74 @@
+// Frames on their way into the samples, in order. Rows that were not sent because this page was too far behind are fetched thinned out, so
+// that the curves have no hole; frames that come meanwhile wait.
+
+import {get} from '../../common/api.js';
+
+const MOST = 4000; // rows asked for
+const PIECE = 8192; // rows handed on at once
+const TRIES = [0, 400, 1500, 4000]; // ms before each; then there is a hole, which is what there is
+
+export class Arrivals {
+  /** Where the frames of a session go; `done` is called whenever something new is there. */
+  constructor(samples, session, done) {
+    Object.assign(this, {samples, session, done, waiting: []});
+  }
+
+  /** A frame that came. Frames of an epoch that is over are void: what replaces them is on its way. */
+  frame(frame) {
+    if (this.samples.held) this.waiting.push({frame});
+    else this.put(frame);
+    this.done();
+  }
+
+  put(frame) {
+    const {samples} = this;
+    if (frame.epoch === samples.epoch && frame.columns === samples.sent.length) samples.push(frame.first, frame.count, frame.data);
+  }
+
+  /** Rows first … row − 1 will not be sent: {first, row}. */
+  async jump(jump) {
+    this.waiting.push({jump});
+    if (this.samples.held) return;
+    this.samples.held = true;
+    while (this.waiting.length) {
+      const next = this.waiting.shift();
+      if (next.frame) this.put(next.frame);
+      else await this.fetch(next.jump);
+    }
+    this.samples.held = false;
+    this.done();
+  }
+
+  async fetch({first, row}) {
+    const {samples, session} = this;
+    for (const pause of TRIES) {
+      await new Promise((go) => { setTimeout(go, pause); });
+      const names = samples.sent;
+      try {
+        await fetchMissed({session, names, record: samples.record, first, last: row, push: (...rows) => samples.sent === names && samples.push(...rows)});
+        if (samples.sent === names) return; // else an observer came or went, and its columns are to be asked for, too
+      } catch { /* the server is busy or the session over: once more */ }
+    }
+  }
+}
+
+/** Fetch rows first … last − 1 of a session and give them to `push(first, count, data)` as if they had been sent, each held until the next. */
+async function fetchMissed({session, names, record, first, last, push}) {
+  const every = Math.max(1, Math.ceil((last - first) / MOST));
+  const query = new URLSearchParams({from: first * record, to: (last - 1) * record, every, format: 'bdata'});
+  const {rows, columns} = await get(`/api/sessions/${encodeURIComponent(session)}/data?${query}`);
+  if (rows === 0) return; // gone back beyond them meanwhile
+  if (names.some((name) => !(name in columns))) throw new Error('other columns by now');
+  const values = names.map((name) => doubles(columns[name].bdata));
+  const start = Math.round(values[names.indexOf('t')][0] / record); // the server may have forgotten the oldest
+  for (let from = start; from < last; from += PIECE) {
+    const count = Math.min(PIECE, last - from);
+    const data = new Float32Array(names.length * count);
+    values.forEach((column, place) => {
+      for (let i = 0; i < count; i += 1) data[place * count + i] = column[Math.min(rows - 1, Math.floor((from + i - start) / every))];
+    });
+    push(from, count, data);
+  }
+}
+
+const doubles = (text) => new Float64Array(Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0)).buffer);

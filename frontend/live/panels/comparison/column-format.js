@@ -1,0 +1,21 @@
+// How the numbers of a column are written.
+
+import {power} from '../../../widgets/number-format.js';
+
+/** One form for all numbers of a column, so that they can be compared and none changes its width: once it has had to be finer it stays so. */
+export class Form {
+  constructor() { Object.assign(this, {places: 0, powers: false}); }
+
+  take(values) {
+    for (const value of values) {
+      if (!(value > 0)) continue;
+      this.places = Math.max(this.places, 1 - Math.floor(Math.log10(value)));
+      this.powers ||= this.places > 5 || value >= 1e5;
+    }
+  }
+
+  write(value) {
+    if (!Number.isFinite(value)) return '–';
+    return this.powers ? power(value) : value.toFixed(this.places);
+  }
+}

@@ -1,0 +1,55 @@
+// What the comparison says of one observer of one session, this one or the one that it was forked from.
+
+import {finding} from '../../../diagnosis/alarms.js';
+import {noise, rmse, settled, unsettled} from './metrics.js';
+import {took} from '../../../widgets/controls.js';
+
+const MOST = 200_000; // rows after a fault that are looked at
+const SETTLED = 0.1; // of the step: as in backend/thetascope/diagnosis/evaluation/metrics.py
+
+/**
+ * @typedef {object} Watched     a session
+ * @property {import('../../state/samples.js').Samples} samples
+ * @property {object[]} faults
+ * @property {object[]} alarms
+ */
+
+/** RMSE, time to settle and noise as {value or words, title}, over from … to; a session that has not come so far has none. */
+export function figuresOf({samples, faults}, label, [x, theta], [from, to], text) {
+  const none = {words: '–', title: ''};
+  if (to > samples.now + 1.5 * samples.record) return theta ? [{words: '–', title: text.notSoFar}, none, none] : [{words: '–', title: text.notSoFar}];
+  const truth = samples.window(`x.${x}`, from, to);
+  const mine = samples.window(`${label}.x.${x}`, from, to);
+  const error = {value: mine.v.length === truth.v.length ? rmse(mine.v, truth.v) : NaN, title: ''};
+  if (!theta) return [error];
+  const estimate = samples.window(`${label}.theta.${theta}`, to - (to - from) / 4, to);
+  const fault = newest(faults, theta, to);
+  return [error, fault ? settling(samples, faults, label, theta, fault, text) : none, {value: noise(estimate.t, estimate.v), title: ''}];
+}
+
+const newest = (faults, theta, t) => faults.findLast((one) => one.subject === theta && one.onset <= t);
+
+/** How soon the detector named the newest fault. */
+export function detected({samples, faults, alarms}, theta, to, text) {
+  const fault = newest(faults, theta, Math.min(to, samples.now));
+  if (!fault) return {words: '–', title: ''};
+  const found = finding(fault, alarms);
+  if (found === null) return {words: text.notYet, title: ''};
+  return found.delay === null ? {words: '–', title: text.alarmWasOn} : {words: took(found.delay), title: ''};
+}
+
+function settling(samples, faults, label, theta, fault, text) {
+  const none = {words: '–', title: ''};
+  if (fault.shape !== 'step') return none;
+  const {record} = samples;
+  const from = fault.onset;
+  const next = Math.min(...faults.flatMap(({onset, end}) => [onset, end ?? Infinity]).filter((event) => event > from)); // disturbs the estimate, too
+  const until = Math.min(next - record / 2, samples.now, from + MOST * record);
+  const truth = samples.window(`theta.${theta}`, from, until);
+  const mine = samples.window(`${label}.theta.${theta}`, from, until);
+  if (mine.v.length !== truth.v.length || mine.v.length < 3 || !mine.v.some(Number.isFinite)) return none;
+  const within = SETTLED * Math.abs(fault.fault.size);
+  const time = settled(truth.t, truth.v, mine.v, from, within);
+  if (time !== null) return {words: took(time), title: ''};
+  return unsettled(truth.t, truth.v, mine.v, within) ? {words: text.tooNoisy, title: text.tooNoisyHint} : {words: text.notYet, title: text.settleHint};
+}

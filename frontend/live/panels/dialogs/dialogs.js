@@ -1,0 +1,29 @@
+// What opens over the page: equations, the keys, sharing, exporting. One dialog element, filled when it is opened.
+
+import {fill, h} from '../../../common/dom.js';
+import {showEquations} from '../../../widgets/equations.js';
+import {showExport} from './export.js';
+import {showHelp} from './help.js';
+import {opens} from './open-dialog.js';
+import {showShare} from './share.js';
+import {icon} from '../../../widgets/svg.js';
+
+const CONTENTS = {equations: showEquations, help: showHelp, share: showShare, export: showExport};
+
+export function mount(element, app) {
+  const title = h('h2', {id: 'dialog-title'});
+  const body = h('div', {class: 'dialog-body', tabindex: 0});
+  const close = h('button', {type: 'button', class: 'plain', onclick: () => dialog.close()}, icon('close'));
+  const dialog = h('dialog', {'aria-labelledby': 'dialog-title'}, h('div', {class: 'dialog-head'}, title, close), body);
+  dialog.addEventListener('click', (event) => { if (event.target === dialog) dialog.close(); });
+  dialog.addEventListener('close', () => fill(body));
+  fill(element, dialog);
+  opens((name) => {
+    if (dialog.open) dialog.close();
+    dialog.dataset.name = name;
+    close.setAttribute('aria-label', app.text.close);
+    title.textContent = app.text.dialogs[name];
+    CONTENTS[name](body, app, () => dialog.close());
+    dialog.showModal();
+  });
+}

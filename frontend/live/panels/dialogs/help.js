@@ -1,0 +1,30 @@
+// The keys of the page, and what the marks on the curves and on the timeline say.
+
+import {fill, h} from '../../../common/dom.js';
+import {KEYS} from './keyboard.js';
+
+const svg = (...parts) => h('svg', {viewBox: '0 0 26 14', width: 26, height: 14, 'aria-hidden': 'true'}, parts);
+const path = (d, colour, filled = true, more = {}) => h('path', {d, fill: filled ? colour : 'none', stroke: filled ? 'none' : colour, 'stroke-width': 1.6, ...more});
+
+/** The marks on strips and timeline, as they are drawn there. */
+const MARKS = {
+  truth: () => path('M1 7H25', 'var(--ink)', false, {'stroke-dasharray': '5 3'}),
+  band: () => path('M1 3Q13 0 25 3V11Q13 8 1 11Z', 'var(--o0)', true, {opacity: 0.25}),
+  tint: () => [path('M1 0H25V14H1Z', 'var(--fault-soft)'), path('M1.500 0V14', 'var(--fault-line)', false)],
+  alarm: () => path('M7 2H19L13 11Z', 'var(--alarm)'),
+  second: () => path('M8 2.500H18L13 10.500Z', 'var(--alarm)', false),
+  stands: () => path('M1 2H25', 'var(--alarm)', false, {'stroke-width': 2.5, opacity: 0.6}),
+  onset: () => path('M8 9H18V14H8Z', 'var(--alarm)', true, {opacity: 0.5}),
+  leaves: () => path('M9 9L13 3L17 9Z', 'var(--o0)'),
+  threshold: () => path('M1 7H25', 'var(--alarm)', false, {'stroke-dasharray': '3 4', 'stroke-width': 1}),
+  fallen: () => path('M9 3L17 11M9 11L17 3', 'var(--o1)', false, {'stroke-width': 2}),
+  bar: () => path('M1 5H25V9H1Z', 'var(--fault)'),
+  change: () => path('M13 6V14', 'var(--ink)', false),
+  escaped: () => path('M9 3L17 11M9 11L17 3', 'var(--alarm)', false, {'stroke-width': 2}),
+};
+
+export function showHelp(body, app) {
+  const rows = KEYS.map(({keys, does}) => h('tr', {}, h('th', {scope: 'row'}, keys.map((key) => h('kbd', {}, app.text.keyNames[key] ?? key))), h('td', {}, app.text.keys[does])));
+  fill(body, h('table', {class: 'keys'}, h('tbody', {}, rows)), h('p', {class: 'soft'}, app.text.keysNote),
+    h('h3', {}, app.text.marksTitle), h('table', {class: 'keys marks-list'}, h('tbody', {}, Object.entries(MARKS).map(([name, draw]) => h('tr', {}, h('td', {}, svg(...[draw()].flat())), h('td', {}, app.text.marks[name]))))));
+}

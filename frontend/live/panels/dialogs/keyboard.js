@@ -1,0 +1,74 @@
+// All keys of the page. Nothing is taken while one types, or from a control that uses the key itself.
+
+import {TABS} from '../../ui/presentation.js';
+import {SPEEDS} from '../../../widgets/number-format.js';
+import {open} from './open-dialog.js';
+
+/** What each key does; `does` names the words in app.text.keys. */
+export const KEYS = [
+  {keys: ['Space'], does: 'toggle', act: (app) => app.act.toggle()},
+  {keys: ['.'], does: 'step', act: (app) => app.act.step(1)},
+  {keys: ['ArrowLeft'], does: 'back', act: (app) => look(app, -1)},
+  {keys: ['ArrowRight'], does: 'on', act: (app) => look(app, 1)},
+  {keys: ['End', 'Escape'], does: 'now', act: (app, key) => (key === 'Escape' && leaves(app.state) ? app.act.present(false) : app.act.select(null))},
+  {keys: ['Home'], does: 'reset', act: (app) => app.act.reset()},
+  {keys: ['+', '='], does: 'faster', act: (app) => app.act.speed(faster(app.state.speed, 1))},
+  {keys: ['-'], does: 'slower', act: (app) => app.act.speed(faster(app.state.speed, -1))},
+  {keys: ['F'], does: 'fork', act: (app) => app.act.fork()},
+  {keys: ['1', '…', '9'], does: 'site'},
+  {keys: ['C'], does: 'clear', act: (app) => app.send({type: 'clear'})},
+  {keys: ['E'], does: 'equations', act: () => open('equations')},
+  {keys: ['P'], does: 'present', act: (app) => app.act.present(!app.state.presentation)},
+  {keys: Object.values(TABS), does: 'desk', act: (app, key) => choose(app, key)},
+  {keys: ['T'], does: 'theme', act: (app) => app.act.theme(app.state.theme === 'dark' ? 'light' : 'dark')},
+  {keys: ['L'], does: 'language', act: (app) => app.act.language(app.state.language === 'en' ? 'zh' : 'en')},
+  {keys: ['S'], does: 'share', act: () => open('share')},
+  {keys: ['?'], does: 'help', act: () => open('help')},
+];
+
+/** Whether Escape ends the presentation: only where there is nothing else that it would close. */
+const leaves = ({presentation, selection, looking}) => presentation && !selection && looking === null && !document.querySelector('dialog[open], .menu[open]');
+
+/** Open the tab of a key while presenting; the focus stays, so that Space still plays. */
+function choose(app, key) {
+  const name = Object.keys(TABS).find((one) => TABS[one] === key);
+  if (app.state.presentation && !document.getElementById(`desk-${name}`)?.disabled) app.act.desk(name);
+}
+
+/** Move what the scope shows by a tenth of it; at now it follows time again. */
+function look(app, by) {
+  const {selection, window, t} = app.state;
+  const [from, to] = selection ?? [t - (window ?? t), t];
+  const step = (by * (to - from)) / 10;
+  if (to + step >= t && by > 0) app.act.select(null);
+  else app.act.select(Math.max(0, from + step), Math.max(to - from, to + step));
+}
+
+/** The next speed up or down; null, as fast as possible, is the last. */
+export function faster(speed, by) {
+  const place = speed === null ? SPEEDS.length - 1 : SPEEDS.findIndex((one) => one === null || one >= speed);
+  return SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, place + by))];
+}
+
+/** Whether an element has its own use for a key. */
+function own(element, key) {
+  const dialog = element.closest('dialog');
+  if (dialog) return dialog.open; // one that has just been closed keeps the focus until the page is drawn
+  if (element.matches('input:not([type=range]), textarea, select, [contenteditable]')) return true;
+  if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *')) return key.startsWith('Arrow') || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
+  return element.matches('button:not([role=tab]), a, summary, [role=button]') && (key === ' ' || key === 'Enter');
+}
+
+export function mount(element, app) {
+  element.addEventListener('keydown', (event) => {
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || own(event.target, event.key)) return;
+    if (event.key === 'Escape' && document.querySelector(':popover-open')) return; // the browser closes it
+    const name = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toUpperCase() : event.key;
+    const channel = /^[1-9]$/.test(name) ? app.state.plant?.channels[Number(name) - 1] : null;
+    const found = KEYS.find((one) => one.act && one.keys.includes(name));
+    if (!channel && !found) return;
+    event.preventDefault();
+    if (channel) { app.act.site(null); app.act.site(channel.name); }
+    else Promise.resolve(found.act(app, name)).catch(app.act.refused);
+  });
+}

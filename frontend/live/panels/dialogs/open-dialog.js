@@ -1,0 +1,9 @@
+// Opening a dialog by its name, for whoever wants one; dialogs.js says how.
+
+let show = () => {};
+
+/** Open a dialog by name: equations, help, share, export. */
+export const open = (name) => show(name);
+
+/** Say how dialogs are opened. */
+export function opens(how) { show = how; }

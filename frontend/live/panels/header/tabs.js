@@ -1,0 +1,26 @@
+// On a phone the panels stand behind tabs at the foot of the page; elsewhere the tabs are not shown and all panels are.
+
+import {fill, h} from '../../../common/dom.js';
+
+const TABS = ['curves', 'inject', 'observers', 'diagnosis']; // which panels belong to each is in panels.css
+
+export function mountTabs(app) {
+  const narrow = matchMedia('(max-width: 719px)');
+  const bar = h('nav', {class: 'tabs'});
+  const buttons = TABS.map((name) => h('button', {type: 'button', id: `tab-${name}`, onclick: () => choose(name)}));
+  document.body.append(fill(bar, buttons));
+  const choose = (name) => {
+    document.documentElement.dataset.tab = name;
+    for (const button of buttons) button.setAttribute('aria-pressed', String(button.id === `tab-${name}`));
+    scrollTo(0, 0);
+  };
+  const place = () => { bar.hidden = !narrow.matches; };
+  narrow.addEventListener('change', place);
+  app.subscribe((state) => state.language, () => {
+    bar.setAttribute('aria-label', app.text.tabsLabel);
+    TABS.forEach((name, at) => { buttons[at].textContent = app.text.tabs[name]; });
+  });
+  app.subscribe((state) => state.site, (site) => { if (site && narrow.matches) choose('inject'); });
+  choose('curves');
+  place();
+}

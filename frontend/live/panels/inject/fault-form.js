@@ -1,0 +1,86 @@
+// What a form for a fault needs, from the catalogue's description of its shape: its fields, first values, sliders.
+
+import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
+
+/**
+ * @typedef {object} Subject       what the fault is on
+ * @property {string} name
+ * @property {boolean} onChannel
+ * @property {number} typical      a usual size: the channel's, or a share of the output's own size
+ * @property {[number|null, number|null]} bounds
+ * @property {string} unit
+ * @property {number} level        the output's present value
+ * @property {number} horizon      s
+ * @property {number} sampleTime   s
+ */
+
+const GENERAL = new Set(['onset', 'end', 'channel', 'output']);
+
+/** The fields that are a shape's own. */
+export const ownFields = (shape) => shape.fields.filter((field) => !GENERAL.has(field.name));
+
+/** The one that a slider sets: the first number. */
+export const mainField = (shape) => ownFields(shape).find((field) => field.type === 'number') ?? null;
+
+/** First values by what a field is called; others take their default, or the catalogue's example. */
+const FIRST = {
+  size: (subject) => (subject.onChannel ? subject.typical : nice(subject.typical)),
+  rate: (subject) => nice(subject.typical / (subject.horizon / 10)),
+  intensity: (subject) => nice(subject.typical / Math.sqrt(subject.horizon / 5)),
+  value: (subject) => Number(subject.level.toPrecision(3)),
+  std: (subject) => nice(subject.typical / 4),
+  resolution: (subject) => nice(subject.typical / 3),
+  probability: () => 0.3,
+  duration: (subject) => nice(subject.horizon / 20),
+  time_constant: (subject) => nice(subject.horizon / 30),
+  period: (subject) => nice(subject.horizon / 20),
+  width: (subject) => nice(subject.horizon / 20) / 2,
+  frequency: (subject) => nice(10 / subject.horizon),
+  delay: (subject) => Math.max(subject.sampleTime, nice(subject.horizon / 200)),
+  sample_time: (subject) => subject.sampleTime,
+  values: (subject) => [0, subject.typical],
+  times: (subject) => [0, nice(subject.horizon / 20)],
+};
+
+/** First values of a shape's own fields. */
+export function firstValues(shape, subject) {
+  return Object.fromEntries(ownFields(shape).map((field) => [field.name,
+    FIRST[field.name]?.(subject) ?? field.default ?? shape.example[field.name] ?? null]));
+}
+
+/** The slider of the main field. */
+export function mainScale(field, subject, first) {
+  if (field.maximum !== undefined && field.minimum !== undefined) return linear(field.minimum, field.maximum);
+  if (field.name === 'value') return linear(subject.level - 3 * subject.typical, subject.level + 3 * subject.typical);
+  const reach = 3 * (Math.abs(first) || subject.typical || 1);
+  const positive = field.minimum === 0 || field.above === 0;
+  if (field.name === 'size' || field.name === 'rate') {
+    const [low, high] = subject.onChannel && field.name === 'size' ? subject.bounds : [null, null];
+    return linear(Math.max(low ?? -Infinity, -reach), Math.min(high ?? Infinity, reach));
+  }
+  return positive ? logarithmic(Math.abs(first) / 20 || 0.001, 10 * Math.abs(first) || 1) : linear(-reach, reach);
+}
+
+/** Smallest and largest value that may be typed. */
+export function limits(field, subject) {
+  const [low, high] = subject.onChannel && field.name === 'size' ? subject.bounds : [null, null];
+  const least = field.minimum ?? (field.above !== undefined ? field.above + Number.MIN_VALUE : null);
+  return {low: least ?? low ?? -Infinity, high: field.maximum ?? high ?? Infinity};
+}
+
+/** A typed text as a value of a field; undefined where it is none. */
+export function read(field, text) {
+  const trimmed = text.trim().replace('−', '-');
+  if (field.type === 'array') {
+    const parts = trimmed.split(/[\s,;]+/).filter(Boolean).map(Number);
+    return parts.length && parts.every(Number.isFinite) ? parts : undefined;
+  }
+  if (field.type === 'choice') return trimmed;
+  if (trimmed === '') return field.nullable ? null : undefined;
+  const value = Number(trimmed.replace(',', '.'));
+  const fits = Number.isFinite(value) && !(value < field.minimum) && !(value <= field.above) && !(value > field.maximum);
+  return fits ? value : undefined;
+}
+
+/** A value as one types it. */
+export const spell = (value) => (Array.isArray(value) ? value.join(', ') : value === null || value === undefined ? '' : String(value));

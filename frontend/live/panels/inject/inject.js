@@ -1,0 +1,124 @@
+// Inject a fault: a row for every channel, one for every output's measurement, and the noise.
+
+import {fill, h} from '../../../common/dom.js';
+import {badges, called, split} from '../../../common/names.js';
+import {createRow} from './inject-row.js';
+import {wholeLines} from '../../../widgets/whole-lines.js';
+import {asOfNow, badge, heading, link, slider, throttled} from '../../../widgets/controls.js';
+import {logarithmic} from '../../../widgets/slider-scale.js';
+
+export function mount(element, app) {
+  let rows = new Map();
+  let open = false; // the rows of measurement faults
+  const ends = []; // of subscriptions that the rows hold
+  const list = h('div', {class: 'scroll faults'});
+  const more = wholeLines(list, () => [...list.children], app);
+  const tag = asOfNow(app);
+
+  const build = async () => {
+    const {plant} = app.state;
+    const {faults} = await app.catalogue;
+    if (plant !== app.state.plant) return;
+    rows = new Map();
+    for (const end of ends.splice(0)) end();
+    if (!plant) return fill(element, heading(app.text.injectTitle));
+    const channels = channelRows(app, plant, faults, rows);
+    const outputs = outputRows(app, plant, faults, rows);
+    const toggle = link(app.text.moreFaults, () => {
+      show(!open);
+      if (open) outputs[0]?.element.scrollIntoView({block: 'nearest'});
+      if (open) list.scrollTop = Math.max(list.scrollTop, list.scrollHeight - list.clientHeight);
+    }, {'aria-expanded': 'false'});
+    const show = (now) => {
+      open = now;
+      toggle.setAttribute('aria-expanded', String(open));
+      toggle.textContent = open ? app.text.fewerFaults : app.text.moreFaults;
+      for (const {element: row, active} of outputs) row.hidden = !open && !active;
+    };
+    fill(list, channels.map((row) => row.element), plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
+      plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]));
+    fill(element, heading(app.text.injectTitle, tag, toggle), list, more);
+    list.show = show;
+    show(open);
+    return update();
+  };
+  const update = () => {
+    const {role, spec} = app.state;
+    for (const [subject, row] of rows) row.show(app.state.faults.filter((fault) => fault.subject === subject && !fault.ended), role, spec?.horizon);
+    list.show?.(open);
+  };
+  const choose = (site) => {
+    const row = rows.get(site);
+    if (!row) return;
+    if (!app.state.plant.channels.some((channel) => channel.name === site)) list.show?.(true);
+    for (const {element: one} of rows.values()) one.classList.toggle('chosen', one === row.element);
+    const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
+    row.element.scrollIntoView({block: 'nearest', behavior: still ? 'auto' : 'smooth'});
+    (row.main?.range ?? row.element.querySelector('select')).focus({preventScroll: true});
+  };
+  app.subscribe((state) => [state.plant, state.language, state.session], build);
+  app.subscribe((state) => [state.faults, state.role], update);
+  app.subscribe((state) => state.site, (site) => choose(site));
+}
+
+function channelRows(app, plant, shapes, rows) {
+  const short = badges(plant.channels);
+  const mine = shapes.filter((shape) => shape.on === 'channel');
+  return plant.channels.map((channel) => {
+    const subject = {name: channel.name, onChannel: true, typical: channel.typical, bounds: channel.bounds, unit: channel.unit, level: 0, ...times(app)};
+    const row = createRow(app, () => subject, {title: titled(app.text.named(channel.title) || channel.name), description: app.text.named(channel.description), kind: app.text.kinds[channel.kind], badge: short.get(channel.name), shapes: mine});
+    rows.set(channel.name, row);
+    return row;
+  });
+}
+
+function outputRows(app, plant, shapes, rows) {
+  const mine = shapes.filter((shape) => shape.on === 'output');
+  return plant.outputs.map((output) => {
+    const subject = () => ({name: output.name, onChannel: false, bounds: [null, null], unit: output.unit, ...size(app, output.name), ...times(app)});
+    const row = createRow(app, subject, {title: app.text.measurementOf(titled(app.text.named(output.description) || output.name)), description: '', kind: app.text.kinds.measurement, badge: split(output.name), shapes: mine});
+    rows.set(output.name, row);
+    return row;
+  });
+}
+
+const titled = (words) => words && words[0].toUpperCase() + words.slice(1);
+
+/** The times that first values go by. */
+function times(app) {
+  const {spec, noise, step} = app.state;
+  const held = Object.values(noise)[0]?.sample_time;
+  return {horizon: spec.horizon, sampleTime: spec.measurement?.period ?? held ?? 10 * step};
+}
+
+/** How large an output is, and a fault on it that one sees: a fifth of what it moved by, at least a tenth of itself. */
+function size(app, name) {
+  const {min, max} = app.range(`y.${name}`, Math.max(0, app.state.t - 60), app.state.t);
+  const now = app.latest(`y.${name}`);
+  const level = Number.isFinite(now) ? now : 0;
+  const swing = Number.isFinite(max - min) ? max - min : 0;
+  return {level, typical: Math.max(swing / 3, Math.abs(level) / 10) || 1};
+}
+
+/** The measurement noise of one output: its standard deviation, moved while time runs. */
+function noiseRow(app, output, ends) {
+  const {text} = app;
+  const noise = () => app.state.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
+  const begin = noise().std || size(app, output.name).typical / 30 || 0.01;
+  const send = throttled(async (std) => {
+    try {
+      await app.send({type: 'set-noise', output: output.name, std, sample_time: noise().sample_time});
+    } catch (error) {
+      app.act.refused(error);
+      made.show(noise().std);
+    }
+  });
+  const made = slider({name: text.noiseOf(called(output.name, app.state.plant, text)), scale: logarithmic(begin / 30, begin * 30, true), value: noise().std, low: 0, change: (std) => send(std)});
+  ends.push(app.subscribe((state) => [state.noise[output.name]?.std ?? 0, state.role], ([std, role]) => {
+    made.follow(std);
+    made.disable(role === 'view');
+  }));
+  const hint = [text.noiseHeld(String(noise().sample_time)), output.unit].filter(Boolean).join(', ');
+  return h('div', {class: 'fault noise', role: 'group', 'aria-label': text.noiseOf(called(output.name, app.state.plant, text)), title: hint}, badge(split(output.name), {square: true}),
+    h('div', {class: 'control'}, h('span', {}, text.noise, ' ', h('i', {}, 'σ')), made.range, made.field));
+}

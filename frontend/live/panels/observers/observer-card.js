@@ -1,0 +1,170 @@
+// One observer: its colour and name, the lights of its assumptions, its gains, a cross to remove it.
+
+import {fill, h, number, symbol} from '../../../common/dom.js';
+import {chip, refusal, seconds, slider, throttled} from '../../../widgets/controls.js';
+import {gainScale} from '../../../widgets/slider-scale.js';
+import {icon} from '../../../widgets/svg.js';
+
+const SHOWN = 2; // gains that are always in sight
+
+/** Every number of the gains that a running observer takes: a column gain is one for each entry. */
+function entries(kind, gains) {
+  return kind.gains.filter((gain) => gain.live !== false).flatMap((gain) => {
+    const now = gains[gain.name] ?? gain.default;
+    if (Array.isArray(now)) return now.map((value, place) => ({gain, place, value}));
+    return [{gain, place: null, value: now}];
+  });
+}
+
+export function createCard(app, observer, kind) {
+  const {text} = app;
+  let present = observer;
+  let known = {}; // defaults from the server
+  const lights = h('button', {type: 'button', class: 'lights', 'aria-expanded': 'false'});
+  const checks = h('ul', {class: 'checks', popover: 'auto'}); // over the page: opened, it moves nothing
+  lights.popoverTargetElement = checks;
+  const gains = h('div', {class: 'gains'});
+  const more = h('div', {class: 'gains'});
+  const fold = h('details', {class: 'fold', hidden: true}, h('summary', {}, text.moreGains), more);
+  const problem = h('p', {class: 'refused', role: 'alert'});
+  const fallen = h('div', {class: 'fallen', hidden: true});
+  const cross = h('button', {type: 'button', class: 'plain control-only', title: text.removeObserver(observer.label), 'aria-label': text.removeObserver(observer.label)}, icon('close', 13));
+  const unfold = h('button', {type: 'button', class: 'unfold', title: `${text.gainsOf(observer.label)} (${text.kindNames[kind.id] ?? kind.title})`, onclick: () => open(body.hidden, true)}, h('b', {}, observer.label));
+  const body = h('div', {class: 'tuning'}, gains, fold);
+  let chosen = false; // opened or closed by hand
+  let listed = false; // the checks
+  const open = (on, byHand = false) => {
+    chosen ||= byHand;
+    body.hidden = !on;
+    unfold.setAttribute('aria-expanded', String(on));
+  };
+  const element = h('section', {class: 'observer', 'aria-label': observer.label},
+    h('div', {class: 'observer-head'}, chip(observer.colour), unfold, h('span', {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`}, text.kindNames[kind.id] ?? kind.title), lights, cross),
+    checks, fallen, body, problem);
+  const controls = new Map();
+  cross.addEventListener('click', () => ask({type: 'remove-observer', label: observer.label}));
+  checks.addEventListener('beforetoggle', ({newState}) => {
+    if (newState === 'open') beside(lights, checks, element.closest('.card'));
+    lights.setAttribute('aria-expanded', String(newState === 'open'));
+    listed = newState === 'open';
+    card.checks();
+  });
+  const ask = async (command) => {
+    try {
+      await app.send(command);
+      refusal(problem, null, text);
+    } catch (error) {
+      refusal(problem, error, text);
+      show(true);
+    }
+  };
+  const values = () => ({...known, ...present.gains});
+  const show = (force = false) => {
+    const now = entries(kind, values());
+    const names = now.map(({gain, place}) => `${gain.name}.${place}`).join();
+    if (controls.names !== names) build(now, names);
+    for (const {gain, place, value} of now) {
+      const control = controls.get(`${gain.name}.${place}`);
+      if (control && value !== null && value !== undefined && control.value !== value) control[force ? 'show' : 'follow'](value);
+    }
+  };
+  const build = (now, names) => {
+    controls.clear();
+    controls.names = names;
+    const scalars = now.filter((one) => one.gain.size === null);
+    const first = scalars.length ? scalars.slice(0, SHOWN) : now.filter((one) => one.gain === now[0].gain).slice(0, 4);
+    const line = (one) => gainLine(app, observer.label, one, controls, () => values()[one.gain.name], ask);
+    fill(gains, first.map(line));
+    const rest = now.filter((one) => !first.includes(one));
+    fill(more, rest.map(line));
+    fold.hidden = rest.length === 0;
+  };
+  const card = {
+    element, label: observer.label,
+    update(next) {
+      present = next ?? present;
+      fill(fallen, present.diverged && fall(app, present));
+      fallen.hidden = !present.diverged;
+      show();
+      card.checks();
+    },
+    lacks: (anew) => kind.gains.some((gain) => gain.live !== false && !(gain.name in present.gains) && (anew || !(gain.name in known)) && gain.default === null),
+    defaults(found) { known = {...found}; show(); },
+    checks() {
+      showLights(lights, checks, app.state.checks[observer.label] ?? [], listed, text);
+      for (const control of controls.values()) control.disable(app.state.role === 'view');
+      cross.hidden = app.state.role === 'view';
+    },
+    end() { element.remove(); },
+    unfold(on) { if (!chosen) open(on); },
+  };
+  return card;
+}
+
+/** Where and why it diverged, what to do about it, and a button that lets it begin anew with its present gains. */
+function fall(app, {label, config, gains, diverged}) {
+  const {text} = app;
+  const words = text.said(diverged.text.replace(`${label} diverged: `, ''));
+  const again = async (event) => {
+    event.currentTarget.disabled = true;
+    try {
+      await app.act.together([{type: 'remove-observer', label}, {type: 'add-observer', observer: {...config, gains}}]);
+    } catch (error) {
+      app.act.refused(error);
+    }
+  };
+  return [h('p', {class: 'alarm small'}, `${text.fellAt(seconds(diverged.t, app.state.spec?.horizon))}. ${words}${/[.。]$/.test(words) ? '' : text.stop}`),
+    app.state.broken === null && h('button', {type: 'button', class: 'press quiet-press control-only', title: text.startObserverHint, onclick: again}, text.startObserver)];
+}
+
+/** A slider for one number of a gain; sent while it moves. */
+function gainLine(app, label, {gain, place, value}, controls, column, ask) {
+  if (value === null || value === undefined) {
+    return h('div', {class: 'gain', title: app.text.named(gain.meaning)}, gainSymbol(gain, place), h('span', {class: 'soft'}, '…'));
+  }
+  const send = throttled((next) => {
+    const whole = place === null ? next : column().map((one, at) => (at === place ? next : one));
+    return ask({type: 'set-gain', observer: label, gain: gain.name, value: whole});
+  }, 160);
+  const made = slider({name: `${label}: ${gain.symbol || gain.name}${place === null ? '' : ` ${place + 1}`}, ${app.text.named(gain.meaning)}`, scale: gainScale(gain, value), value,
+    low: gain.low, high: gain.high, change: send});
+  controls.set(`${gain.name}.${place}`, made);
+  return h('div', {class: 'gain', title: [app.text.named(gain.meaning), gain.unit].filter(Boolean).join(', ')}, gainSymbol(gain, place), made.range, made.field);
+}
+
+function gainSymbol(gain, place) {
+  const base = gain.symbol ? h('i', {}, gain.symbol) : symbol(gain.name);
+  return h('span', {class: 'math'}, base, place === null ? null : h('sub', {}, String(place + 1)));
+}
+
+/** Put a list that opens over the page below its button, as wide as the card and within the window. */
+function beside(button, list, card) {
+  const {left, width} = card.getBoundingClientRect();
+  const {top, bottom} = button.getBoundingClientRect();
+  const below = innerHeight - bottom - 16;
+  Object.assign(list.style, {left: `${left}px`, width: `${width}px`,
+    ...(below > 0.4 * innerHeight ? {top: `${bottom + 4}px`, bottom: 'auto', maxHeight: `${below}px`} : {top: 'auto', bottom: `${innerHeight - top + 4}px`, maxHeight: `${top - 16}px`})});
+}
+
+const MARK = {holds: 'ok', fails: 'bad'};
+
+/** Lights, one a check, and the list that they open to. */
+function showLights(lights, list, found, listed, text) {
+  const count = (verdict) => found.filter((check) => check.verdict === verdict).length;
+  const spoken = Object.keys(text.verdicts).filter(count).map((verdict) => `${count(verdict)} ${text.verdicts[verdict]}`).join(', ');
+  fill(lights, found.map((check) => h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`})));
+  lights.hidden = found.length === 0;
+  lights.title = spoken;
+  lights.setAttribute('aria-label', `${text.assumptions}: ${spoken}`);
+  const wanted = listed ? found : null;
+  if (wanted === list.shown) return;
+  list.shown = wanted;
+  if (!listed) {
+    fill(list);
+    return;
+  }
+  fill(list, found.map((check) => h('li', {}, h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
+    h('b', {}, text.said(check.name)), ` ${text.verdicts[check.verdict]}`,
+    check.value === null || check.value === undefined ? null : h('span', {class: 'num'}, ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`),
+    h('span', {class: 'soft'}, text.said(check.text)), check.source && h('span', {class: 'soft source'}, check.source))));
+}

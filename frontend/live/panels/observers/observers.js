@@ -1,0 +1,66 @@
+// The observers that watch: colour, assumptions, gains to move while they run; one more can be added, each can go.
+
+import {post} from '../../../common/api.js';
+import {fill, h} from '../../../common/dom.js';
+import {createAdder} from './add-observer.js';
+import {createCard} from './observer-card.js';
+import {wholeLines} from '../../../widgets/whole-lines.js';
+import {heading, link} from '../../../widgets/controls.js';
+
+const FOLDED = 3; // so many observers are a line each, until one is opened
+
+export function mount(element, app) {
+  const list = h('div', {class: 'watching'});
+  const adder = h('div', {class: 'adder', hidden: true});
+  const body = h('div', {class: 'scroll'}, adder, list); // the form scrolls with the cards: however low the card is, its buttons can be reached
+  const more = wholeLines(body, () => [...list.children], app);
+  let cards = new Map();
+  let kinds = [];
+  let serial = 0;
+
+  const build = () => {
+    const add = link(app.text.add, () => toggle(), {'aria-expanded': 'false', class: 'link control-only'});
+    const toggle = (on = adder.hidden) => {
+      adder.hidden = !on;
+      add.setAttribute('aria-expanded', String(on));
+      if (on) createAdder(adder, app, kinds, () => { toggle(false); add.focus(); });
+    };
+    toggle(false);
+    for (const card of cards.values()) card.end();
+    cards = new Map();
+    fill(element, heading(app.text.observers, add), body, more);
+    update();
+  };
+  const update = () => {
+    const {observers} = app.state;
+    const kept = new Map();
+    for (const observer of observers) {
+      const key = `${observer.label}/${observer.kind}/${observer.since}`;
+      const kind = kinds.find((one) => one.id === observer.kind);
+      if (kind) kept.set(key, cards.get(key) ?? createCard(app, observer, kind));
+    }
+    for (const [key, card] of cards) if (!kept.has(key)) card.end();
+    cards = kept;
+    for (const card of cards.values()) card.unfold(cards.size < FOLDED);
+    const wanted = [...cards.values()].map((card) => card.element);
+    if (wanted.some((one, place) => list.children[place] !== one) || list.children.length !== wanted.length) fill(list, wanted.length ? wanted : h('p', {class: 'soft'}, app.text.noObserver));
+    for (const [key, card] of cards) card.update(observers.find((one) => key.startsWith(`${one.label}/${one.kind}/${one.since}`)));
+    return filled();
+  };
+  /** Every gain's present value, with defaults that depend on plant and noise, from the server; `anew`: the noise is another now. */
+  const filled = async (anew = false) => {
+    const {spec, noise, observers} = app.state;
+    const mine = serial += 1;
+    if (!spec || ![...cards.values()].some((card) => card.lacks(anew))) return;
+    const plain = observers.map(({label, kind, gains, options}) => ({label, kind, gains, options}));
+    try {
+      const {gains} = await post('/api/gains', {...spec, noise, commands: [], faults: [], figures: [], observers: plain});
+      if (mine === serial) for (const card of cards.values()) card.defaults(gains[card.label]);
+    } catch { /* the gains that were set are shown all the same */ }
+  };
+  app.catalogue.then((catalogue) => { kinds = catalogue.observers; build(); }, app.act.refused);
+  app.subscribe((state) => [state.language, state.session], build);
+  app.subscribe((state) => state.observers, update);
+  app.subscribe((state) => state.noise, () => filled(true));
+  app.subscribe((state) => [state.checks, state.role], () => { for (const card of cards.values()) card.checks(); });
+}

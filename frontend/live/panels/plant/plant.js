@@ -1,0 +1,152 @@
+// The plant as a picture one can touch: what goes in, where faults act, what is measured, who watches.
+
+import {fill} from '../../../common/dom.js';
+import {badges, called} from '../../../common/names.js';
+import {HALF, layout, WIDTH} from './diagram.js';
+import {open} from '../dialogs/open-dialog.js';
+import {asOfNow, heading, link, steady} from '../../../widgets/controls.js';
+import {letters, s} from '../../../widgets/svg.js';
+
+export function mount(element, app) {
+  let values = [];
+  let sites = new Map();
+  const tag = asOfNow(app);
+  const draw = () => {
+    const {plant} = app.state;
+    fill(element, heading(app.text.plant, tag, plant && link(app.text.equations, () => open('equations'))), plant && picture());
+    light();
+  };
+  const picture = () => {
+    const made = drawPlant(app.state.plant, app);
+    ({values, sites} = made);
+    tick();
+    return made.svg;
+  };
+  /** Amber: a fault acts there; a vermilion ring: an alarm names it, dashed where others explain the data as well. */
+  const light = () => {
+    const {faults, alarms} = app.state;
+    const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
+    const on = alarms.filter((alarm) => alarm.over === null);
+    for (const [subject, {group, title, onChannel}] of sites) {
+      const mine = on.filter((alarm) => (onChannel ? alarm.subjects.includes(subject) : !alarm.explained && alarm.subject === subject));
+      const sure = mine.some((alarm) => alarm.subjects.length < 2);
+      group.classList.toggle('on', active.has(subject));
+      group.classList.toggle('found', sure);
+      group.classList.toggle('perhaps', mine.length > 0 && !sure);
+      const said = [title, active.has(subject) && app.text.activeNow, mine.length > 0 && (sure ? app.text.namedNow : app.text.perhapsNow)];
+      group.setAttribute('aria-label', said.filter(Boolean).join(', '));
+    }
+  };
+  const tick = () => {
+    for (const {column, node, scale} of values) {
+      const now = app.latest(column);
+      node.textContent = Number.isFinite(now) ? steady(now, Math.max(Math.abs(now), scale), 3) : '';
+    }
+  };
+  app.subscribe((state) => [state.plant, state.language], draw);
+  app.subscribe((state) => state.observers.map((one) => one.colour).join(), draw);
+  app.subscribe((state) => [state.faults, state.alarms], light);
+  app.subscribe((state) => state.site, (site) => {
+    for (const [subject, {group}] of sites) group.setAttribute('aria-pressed', String(subject === site));
+  });
+  app.onTick(tick);
+}
+
+function drawPlant(plant, app) {
+  const place = layout(plant);
+  const short = badges(plant.channels);
+  const sites = new Map();
+  const values = [];
+  const parts = place.blocks.map((box) => block(box, plant, app.text));
+  const buttons = place.blocks.flatMap((box) => box.spots.map((spot) => button(spot, short, app, sites)));
+  const svg = s('svg', {class: 'plant', viewBox: `0 0 ${WIDTH} ${place.height}`, role: 'group', 'aria-label': app.text.plantPicture(app.text.named(plant.title))},
+    s('defs', {}, s('marker', {id: 'tip', viewBox: '0 0 8 8', refX: 7, refY: 4, markerWidth: 6, markerHeight: 6, orient: 'auto'},
+      s('path', {d: 'M0 0L8 4L0 8z', fill: 'var(--ink)'}))),
+    wires(place, plant, values, app.text.named), parts, watchers(place, app), buttons);
+  return {svg, values, sites};
+}
+
+/** Signal lines: through the blocks, and down to the observers; with the present values of u and y beside these. */
+function wires({blocks, axis, foot, left, right}, plant, values, named) {
+  const wire = (d) => s('path', {class: 'wire', d, 'marker-end': 'url(#tip)'});
+  const between = blocks.slice(1).map((box, place) => wire(`M${blocks[place].x + blocks[place].width} ${axis}H${box.x - 1}`));
+  const out = wire(`M${right} ${axis + HALF}V${foot}H${WIDTH / 2 + 56}`);
+  const parts = [...between, out, ...list(plant.outputs, 'y.', right - 7, foot, 'end', values, named)];
+  if (blocks[0].id === 'actuator') {
+    const x = 13;
+    parts.push(wire(`M2 ${axis}H${left - 1}`), wire(`M${x} ${axis}V${foot}H${WIDTH / 2 - 56}`), s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}),
+      ...list(plant.inputs, 'u.', x + 7, foot, 'start', values, named));
+    if (plant.inputs.length > 1) parts.push(s('path', {class: 'wire', d: `M5 ${axis + 5}l5 -10`}), s('text', {class: 'ts', x: 9, y: axis - 8}, String(plant.inputs.length)));
+  }
+  return parts;
+}
+
+/** Names and present values, one under the other beside a wire. */
+function list(ports, prefix, x, foot, anchor, values, named) {
+  const top = foot - 22 - 14 * ports.length + 6;
+  return ports.map((port, place) => {
+    const node = s('tspan', {class: 'num'});
+    values.push({column: prefix + port.name, node, scale: Math.abs(port.default ?? 0)});
+    return s('text', {class: 'port', x, y: top + place * 14, 'text-anchor': anchor}, s('title', {}, [named(port.description), port.unit].filter(Boolean).join(', ')),
+      letters(port.name, 13), ' ', node);
+  });
+}
+
+function block(box, plant, text) {
+  const x = box.x + box.width / 2;
+  const y = box.y + box.height / 2 + (box.sites.some((site) => site.onChannel) ? 5 : 0); // clear of the sites
+  const frame = s('rect', {class: 'blk', x: box.x, y: box.y, width: box.width, height: box.height, rx: 6});
+  if (box.id === 'hysteresis') {
+    const loop = `M${x - 13} ${y + 14}h7c5 0 4 -26 13 -26h6M${x + 13} ${y - 12}h-7c-5 0 -4 26 -13 26`;
+    return [frame, s('path', {class: 'hysteresis', d: loop}), s('title', {}, text.blocks.hysteresis)];
+  }
+  const discrete = plant.time.kind === 'discrete' && box.id === 'plant';
+  const states = box.states.length ? summary(box.states, box.width, text) : [];
+  const lift = (states.length ? 6 : -4) + (discrete ? 4 : 0);
+  return [frame, s('text', {class: box.width < 52 ? 't small' : 't', x, y: y - lift}, text.blocks[box.id]),
+    states.length && s('text', {class: 'ts', x, y: y - lift + 14}, states),
+    discrete && s('text', {class: 'ts', x, y: y - lift + 26}, text.every(plant.time.period))].filter(Boolean);
+}
+
+/** The states of a block, as many as fit. */
+function summary(names, width, text) {
+  const wide = names.reduce((sum, name) => sum + (name.length > 3 ? 6 * name.length : 15), 0);
+  if (wide > width - 6) return [text.manyStates(names.length)];
+  return names.flatMap((name) => [...letters(name, 12), ' ']);
+}
+
+/** A letter with its hat so much higher than a font puts it. */
+const hat = (letter, up) => [s('tspan', {class: 'letter'}, letter), s('tspan', {class: 'letter', dx: -5, dy: -up}, 'ˆ'), s('tspan', {dx: 1, dy: up}, '\u200b')];
+
+/** The observers below: they see u and y only. One stroke of colour each. */
+function watchers({foot, axis}, app) {
+  const {observers, plant} = app.state;
+  const w = 112;
+  const x = (WIDTH - w) / 2;
+  const step = Math.min(16, (w - 16) / Math.max(observers.length, 1));
+  const begin = WIDTH / 2 - (step * observers.length) / 2;
+  const sees = plant.inputs.length ? app.text.fromInputs : app.text.fromOutputs;
+  return [s('rect', {class: 'blk eye', x, y: foot - 23, width: w, height: 46, rx: 6, style: observers[0] && `stroke:${observers[0].colour}`}),
+    s('text', {class: 't', x: WIDTH / 2, y: foot - 9}, app.text.observersBlock),
+    s('text', {class: 'ts', x: WIDTH / 2, y: foot + 6.5}, ...hat('x', 0.6), ', ', ...hat('θ', 3.1), ' ', sees, s('tspan', {class: 'letter'}, plant.inputs.length ? ' u, y' : ' y')),
+    ...observers.map((one, place) => s('rect', {x: begin + place * step + 1.5, y: foot + 13, width: step - 3, height: 3.5, rx: 1.5, style: `fill:${one.colour}`}))];
+}
+
+/** One fault site: round for a channel, a small square for what can happen to a measurement. */
+function button(spot, short, app, sites) {
+  const press = () => { app.act.site(null); app.act.site(spot.subject); };
+  const title = spot.onChannel ? app.text.siteOf(app.text.named(spot.title)) : app.text.siteOfOutput(called(spot.name, app.state.plant, app.text));
+  const key = (event) => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); press(); } };
+  const [base, index] = short.get(spot.name) ?? ['', ''];
+  const long = base.length + index.length > 2;
+  const group = s('g', {class: `site${spot.onChannel ? '' : ' output'}`, role: 'button', tabindex: 0, 'aria-label': title, 'aria-pressed': 'false',
+    transform: `translate(${spot.x.toFixed(1)} ${spot.y.toFixed(1)})`, onclick: press, onkeydown: key},
+  s('title', {}, title),
+  spot.onChannel ? s('circle', {r: 12.6, class: 'ring'}) : s('rect', {class: 'ring', x: -7, y: -7, width: 14, height: 14, rx: 2.5, transform: 'rotate(45)'}),
+  spot.onChannel ? [s('circle', {r: 14, class: 'hit'}), s('circle', {r: 10}), s('text', {y: 4, 'font-size': long ? 10 : 12}, s('tspan', {}, base),
+    index && s('tspan', {dy: 2.5, 'font-size': long ? 7 : 8.5}, index))]
+    : [s('circle', {r: 9, class: 'hit'}), s('rect', {x: -4.5, y: -4.5, width: 9, height: 9, rx: 1.5, transform: 'rotate(45)'})]);
+  sites.set(spot.subject, {group, title, onChannel: spot.onChannel});
+  return group;
+}
+

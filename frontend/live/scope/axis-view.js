@@ -1,0 +1,107 @@
+// What the axis of a strip should show, the marks beside it, and where curves leave it.
+
+import {bins, marks, niceStep, quantiles} from './axes.js';
+import {fixed, power, raised} from '../../widgets/number-format.js';
+
+const TRIMMED = 0.12; // share of an estimate's outermost moments that do not set the scale: starts, and what other faults throw it to
+const BEYOND = 0.6; // of that scale: what lies within it on either side is shown whole, so that noise is never cut
+const BAND = 0.35; // the same for a confidence band, which may be as wide as it likes
+const DIGITS = 7; // that fit beside an axis
+const NEAR = 24; // of the window's width: what leaves the axis again within a share of it has one mark
+
+/** Rows of the samples between two times: [first, last). */
+function rowsOf(samples, t0, t1) {
+  return [Math.max(0, Math.floor(t0 / samples.record)), Math.min(samples.rows, Math.ceil(t1 / samples.record) + 1)];
+}
+
+/**
+ * What a strip should show between two times: all of the truth, the bulk of the estimates with all of its noise, and their bands as far as they
+ * leave the curves readable. A short throw far out stays off the axis and gets a mark (`leaving`); `whole` shows that, too.
+ */
+export function wanted(strip, samples, t0, t1, whole = false) {
+  const [first, last] = rowsOf(samples, t0, t1);
+  let range = strip.base;
+  const take = (found) => { if (found) range = range ? [Math.min(range[0], found[0]), Math.max(range[1], found[1])] : found; };
+  if (last > first) {
+    const traces = strip.traces.map(({column}) => bins(samples, column, first, last)).filter(Boolean);
+    if (strip.truth) take(quantiles(bins(samples, strip.truth, first, last), 0));
+    for (const found of traces) take(quantiles(found, whole ? 0 : TRIMMED));
+    if (range && !whole) {
+      const within = (share) => [range[0] - share * (range[1] - range[0]), range[1] + share * (range[1] - range[0])];
+      const [fence, edge] = [within(BEYOND), within(BAND)];
+      for (const {low, high} of traces) for (const value of [...low, ...high]) if (value >= fence[0] && value <= fence[1]) take([value, value]);
+      for (const trace of strip.traces) if (trace.low) take(clipped(bandOf(samples, trace, first, last), edge));
+    }
+  }
+  return range ? opened(strip, ...range) : [0, 1];
+}
+
+const bandOf = (samples, {low, high}, first, last) => {
+  const under = quantiles(bins(samples, low, first, last), TRIMMED);
+  const over = quantiles(bins(samples, high, first, last), TRIMMED);
+  return under && over ? [under[0], over[1]] : null;
+};
+
+const clipped = (found, [low, high]) => found && [Math.max(low, found[0]), Math.min(high, found[1])];
+
+/** Residuals about zero, and no range narrower than it makes sense. */
+function opened(strip, low, high) {
+  if (strip.kind === 'residual') [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
+  const least = Math.max(strip.least, 0.02 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
+  const middle = (low + high) / 2;
+  return high - low < least ? [middle - least / 2, middle + least / 2] : [low, high];
+}
+
+/** Where curves are beyond an axis: [{from, to} times, up, place of the colour, trace]. */
+export function leaving(strip, samples, t0, t1, [low, high]) {
+  const [first, last] = rowsOf(samples, t0, t1);
+  const found = [];
+  if (last <= first) return found;
+  const near = (t1 - t0) / NEAR;
+  strip.traces.forEach(({column, place}, trace) => {
+    const seen = bins(samples, column, first, last);
+    if (!seen) return;
+    for (const [values, up] of [[seen.high, true], [seen.low, false]]) {
+      let open = null;
+      values.forEach((value, i) => {
+        if (up ? !(value > high) : !(value < low)) return;
+        const t = (seen.from + i + 0.5) * seen.each * samples.record;
+        if (open && t - open.to < near) open.to = t;
+        else found.push(open = {from: t, to: t, up, place, trace});
+      });
+    }
+  });
+  return found;
+}
+
+/** Two to four marks on a vertical axis, whole powers of ten on a logarithmic one, each as text that fits beside it. */
+export function setTicks(strip, range, height) {
+  const span = range.high - range.low;
+  if (!(span > 0)) return;
+  let count = strip.log ? height / 30 : Math.max(2, height / (height < 80 ? 17 : 23));
+  let step = strip.log ? Math.max(1, Math.round(niceStep(span, count))) : niceStep(span, count);
+  const inside = () => marks(range.low + 0.05 * span, range.high - 0.05 * span, step).length;
+  while (!strip.log && inside() < 2 && count < 10) step = niceStep(span, count += 1); // one alone says nothing of the scale
+  strip.ticks = marks(range.low, range.high, step);
+  [strip.labels, strip.power] = strip.log ? [strip.ticks.map((value) => `10${raised(Math.round(value))}`), ''] : spelt(strip.ticks, step);
+}
+
+/** Marks in plain figures where they fit, else with one power of ten for all of them. */
+export function spelt(ticks, step) {
+  const most = Math.max(...ticks.map(Math.abs));
+  const write = (unit, places) => ticks.map((value) => (value === 0 ? '0' : (value / unit).toFixed(places).replace('-', '−')));
+  const plain = write(1, placesOf(step));
+  if (!(most > 0) || (most < 1e6 && plain.every((label) => label.length <= DIGITS))) return [plain, ''];
+  const exponent = Math.floor(Math.log10(most) + 1e-9);
+  const unit = 10 ** exponent;
+  return [write(unit, Math.min(DIGITS - 3, placesOf(step / unit))), `·10${raised(exponent)}`];
+}
+
+const placesOf = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+
+/** How the numbers beside a strip are written: all in one form, which goes by the axis. */
+export function written({low, high}) {
+  const places = Math.ceil(-Math.log10(high - low) + 2.05);
+  if (places > 6 || Math.max(Math.abs(low), Math.abs(high)) >= 1e6) return (value) => (Number.isFinite(value) ? power(value) : '–');
+  return (value) => fixed(value, Math.max(0, places));
+}

@@ -1,0 +1,58 @@
+// A strip, or the whole scope, as a figure: in a dialog to measure in, or as a picture to keep.
+
+import {fill, h} from '../../common/dom.js';
+import {figureOf, image, show} from './plotly-figure.js';
+import {wanted} from './axis-view.js';
+
+const STRIP = 230; // px of height for each strip in a picture of all
+
+function shown(app, name) {
+  const all = app.strips();
+  return name === null || name === undefined ? all.filter((strip) => strip.shown) : all.filter((strip) => strip.name === name);
+}
+
+function make(app, strips, {span = app.span(), whole = false} = {}) {
+  const {state, samples, text} = app;
+  const inSight = strips.map((strip) => ({...strip, range: whole ? wanted(strip, samples, ...span, true) : rangeOf(app, strip.name)}));
+  return figureOf({samples, strips: inSight, faults: state.faults, alarms: state.alarms, bands: app.scope.bands(), text, t0: span[0], t1: span[1], title: strips.length > 1 ? text.named(state.spec.title) || state.spec.id : null});
+}
+
+/** What the strip's own axis shows at present. */
+function rangeOf(app, name) {
+  const range = app.scope.rows.get(name)?.range;
+  return range && Number.isFinite(range.low) ? [range.low, range.high] : null;
+}
+
+/** A picture as a Blob: {strip: name or null for all that are shown, format: 'png' or 'svg'}. */
+export function picture(app, {strip = null, format = 'png'} = {}) {
+  const strips = shown(app, strip);
+  return image(make(app, strips), {format, width: 1100, height: strips.length > 1 ? 90 + (STRIP * strips.length) / 1.6 : 420});
+}
+
+/** Open a strip as a figure over the page. */
+export async function openFigure(app, name) {
+  const {text} = app;
+  const [strip] = shown(app, name);
+  if (!strip) return;
+  const plot = h('div', {class: 'plot'}, h('p', {class: 'soft'}, text.loadingFigure));
+  const keep = async (format) => {
+    const address = URL.createObjectURL(await picture(app, {strip: name, format}));
+    h('a', {href: address, download: `${app.state.spec.id}-${strip.name.replaceAll('.', '-')}.${format}`}).click();
+    setTimeout(() => URL.revokeObjectURL(address), 10_000);
+  };
+  const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
+  const dialog = h('dialog', {class: 'figure-dialog', 'aria-label': text.named(strip.title) || strip.name, onclose: () => {
+    if (plot.data) window.Plotly.purge(plot);
+    dialog.remove();
+  }}, h('div', {class: 'heading'}, h('h2', {}, text.named(strip.title) || strip.name), h('span', {class: 'grow'}), button(text.savePng, () => keep('png')), button(text.saveSvg, () => keep('svg')),
+    button(text.close, () => dialog.close())), plot);
+  document.body.append(dialog);
+  dialog.showModal();
+  try {
+    const figure = make(app, [strip], {whole: true}); // whatever leaves the axis of the strip is seen here
+    fill(plot);
+    await show(plot, figure);
+  } catch (error) {
+    fill(plot, h('p', {class: 'alarm'}, error.message));
+  }
+}

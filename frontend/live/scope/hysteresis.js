@@ -1,0 +1,219 @@
+// A sandwich plant's hysteresis: the loop v over x, and every backlash operator as what it is, a slot that its input pushes along.
+
+import {fill, h, symbol} from '../../common/dom.js';
+import {Range, marks, niceStep} from './axes.js';
+import {palette} from './canvas.js';
+import {fixed} from '../../widgets/number-format.js';
+import {moment} from './values.js';
+
+const SHOWN = 240; // rows of the loop
+const BACKLASH = /^\s*backlash\(\s*(\w+)\s*,.*,\s*([\w.]+)\s*,\s*([\w.]+)\s*\)\s*$/;
+
+/** The backlash operators of a plant: {input, operators: [{name, memory, right, left}]}, or null without any. */
+export function operatorsOf(plant) {
+  const values = Object.fromEntries((plant?.parameters ?? []).map(({name, value}) => [name, value]));
+  const amount = (text) => (text in values ? values[text] : Number(text));
+  const operators = [];
+  let input = null;
+  for (const {name, expression} of plant?.definitions ?? []) {
+    const match = BACKLASH.exec(expression);
+    if (!match) continue;
+    input ??= match[1];
+    const memory = Object.entries(plant.dynamics).find(([, text]) => text.trim() === name)?.[0]; // the state that keeps its output
+    if (memory && input === match[1]) operators.push({name, memory, right: amount(match[2]), left: amount(match[3])});
+  }
+  return operators.length ? {input, operators} : null;
+}
+
+export function mountHysteresis(root, app) {
+  const loop = h('canvas', {role: 'img'});
+  const slots = h('canvas', {role: 'img'});
+  const values = h('span', {class: 'num'});
+  const picture = {app, loop, slots, ctx: loop.getContext('2d'), slotCtx: slots.getContext('2d'), x: new Range(), y: new Range(), colours: palette(),
+    found: null, at: 0, still: ''};
+  app.subscribe((state) => [state.plant, state.language, state.columns], () => {
+    const {text, state} = app;
+    picture.found = operatorsOf(state.plant);
+    root.hidden = picture.found === null;
+    if (root.hidden) return;
+    picture.observer = state.observers.find(({label}) => state.columns.includes(`${label}.v`) && state.columns.includes(`${label}.zone.1`)) ?? null;
+    loop.setAttribute('aria-label', text.hysteresis);
+    slots.setAttribute('aria-label', text.zones);
+    fill(root, h('h2', {}, text.hysteresis, values),
+      h('div', {class: 'loop'}, h('figure', {}, loop, h('figcaption', {}, h('i', {}, 'v'), ` ${text.over} `, symbol(picture.found.input))),
+        h('figure', {}, slots, h('figcaption', {}, text.slots))));
+    measure(picture);
+  });
+  app.subscribe((state) => [state.theme, state.presentation], () => {
+    picture.colours = palette();
+    measure(picture);
+  });
+  new ResizeObserver(() => measure(picture)).observe(root);
+  app.onFrame((now) => draw(picture, now));
+  app.onTick(() => {
+    if (picture.found) values.textContent = zoneWords(picture);
+  });
+}
+
+function measure(picture) {
+  const ratio = Math.min(3, devicePixelRatio || 1);
+  for (const [canvas, ctx] of [[picture.loop, picture.ctx], [picture.slots, picture.slotCtx]]) {
+    canvas.width = Math.round(canvas.clientWidth * ratio);
+    canvas.height = Math.round(canvas.clientHeight * ratio);
+    ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
+  }
+  picture.still = '';
+  picture.app.wake();
+}
+
+/** Zone of each operator in words: how many rise, fall, remember. */
+function zoneWords({app, found, observer}) {
+  if (!observer) return '';
+  const zones = found.operators.map((_, i) => app.latest(`${observer.label}.zone.${i + 1}`));
+  const count = (zone) => zones.filter((one) => one === zone).length;
+  const {text} = app;
+  return [[1, text.rising], [-1, text.falling], [0, text.memory]].map(([zone, word]) => `${word} ${count(zone)}`).join(' · ');
+}
+
+function draw(picture, now) {
+  const {app, found} = picture;
+  if (!found || picture.loop.clientWidth === 0) return false;
+  const t = moment(app.state, app.samples.now);
+  const shown = `${app.samples.version} ${t}`;
+  const moving = picture.x.move(now) | picture.y.move(now);
+  if (shown === picture.still && !moving) return false;
+  picture.still = shown;
+  const end = Math.min(app.samples.rows - 1, Math.round(t / app.samples.record));
+  const true_ = trueLoop(app.samples, found, end);
+  const own = picture.observer ? estimated(app.samples, found, picture.observer.label, end) : null;
+  if (true_.x.length > 1 && now - picture.at > 300) {
+    picture.at = now;
+    picture.x.aim(Math.min(...true_.x), Math.max(...true_.x), now);
+    picture.y.aim(Math.min(...true_.y), Math.max(...true_.y), now);
+  }
+  drawLoop(picture, true_, own);
+  drawSlots(picture, end);
+  return Boolean(moving);
+}
+
+/** The plant's own loop. An operator's output of a row is what its memory holds in the next one. */
+function trueLoop(samples, {input, operators}, end) {
+  const x = [];
+  const y = [];
+  for (let row = Math.max(0, end - SHOWN); row < end; row += 1) {
+    x.push(samples.value(`x.${input}`, row));
+    y.push(operators.reduce((sum, {memory}) => sum + samples.value(`x.${memory}`, row + 1), 0));
+  }
+  return {x, y};
+}
+
+function estimated(samples, {input}, label, end) {
+  const x = [];
+  const y = [];
+  for (let row = Math.max(0, end - SHOWN); row < end; row += 1) {
+    x.push(samples.value(`${label}.x.${input}`, row));
+    y.push(samples.value(`${label}.v`, row));
+  }
+  return {x, y};
+}
+
+function drawLoop(picture, true_, own) {
+  const {ctx, loop, x, y, colours, observer} = picture;
+  const left = 40 * colours.size;
+  const area = {left, w: loop.clientWidth - left - 1, h: loop.clientHeight - 15 * colours.size};
+  const px = (value) => left + ((value - x.low) / (x.high - x.low)) * area.w;
+  const py = (value) => area.h - ((value - y.low) / (y.high - y.low)) * area.h;
+  drawAxes(picture, area, px, py);
+  ctx.save();
+  ctx.beginPath();
+  ctx.rect(left, 0, area.w, area.h);
+  ctx.clip();
+  const curve = (points, colour, dash, wide) => {
+    ctx.beginPath();
+    points.x.forEach((value, i) => ctx.lineTo(px(value), py(points.y[i])));
+    Object.assign(ctx, {strokeStyle: colour, lineWidth: wide, lineJoin: 'round'});
+    ctx.setLineDash(dash);
+    ctx.stroke();
+    ctx.setLineDash([]);
+  };
+  if (own) curve(own, colours.observers[observer.place % 6], [], 1.4 * colours.size);
+  curve(true_, colours.ink, [5, 3], 1.2 * colours.size);
+  const last = true_.x.length - 1;
+  if (last >= 0) dot(ctx, px(true_.x[last]), py(true_.y[last]), 3.5 * colours.size, colours.ink);
+  ctx.restore();
+}
+
+function drawAxes({ctx, loop, x, y, colours}, area, px, py) {
+  const mark = (value, step) => (value === 0 ? '0' : fixed(value, Math.max(0, Math.ceil(-Math.log10(step)))));
+  ctx.clearRect(0, 0, loop.clientWidth, loop.clientHeight);
+  Object.assign(ctx, {font: colours.number, fillStyle: colours.soft, strokeStyle: colours.grid, lineWidth: 1, textAlign: 'center', textBaseline: 'bottom'});
+  const stepX = niceStep(x.high - x.low, 3);
+  for (const value of marks(x.low, x.high, stepX)) {
+    straight(ctx, px(value), 0, px(value), area.h);
+    ctx.fillText(mark(value, stepX), Math.max(area.left + 12, Math.min(area.left + area.w - 14, px(value))), loop.clientHeight);
+  }
+  Object.assign(ctx, {textAlign: 'right', textBaseline: 'middle'});
+  const stepY = niceStep(y.high - y.low, 4);
+  for (const value of marks(y.low, y.high, stepY)) {
+    straight(ctx, area.left, py(value), area.left + area.w, py(value));
+    if (py(value) > 6 && py(value) < area.h - 6) ctx.fillText(mark(value, stepY), area.left - 5, py(value));
+  }
+  ctx.strokeStyle = colours.line;
+  ctx.strokeRect(area.left + 0.5, 0.5, area.w - 1, area.h - 1);
+}
+
+/** Each operator as a slot of its width around its output; the dot is the input. Where it pushes a wall, the operator follows. */
+function drawSlots({app, slotCtx: ctx, slots, found, colours, observer, x: range}, end) {
+  const width = slots.clientWidth;
+  const height = slots.clientHeight;
+  const {input, operators} = found;
+  const {samples} = app;
+  ctx.clearRect(0, 0, width, height);
+  const widest = Math.max(...operators.map(({right, left}) => Math.max(right, left)));
+  const most = Math.max(widest, Math.abs(range.low), Math.abs(range.high)) * 1.08 + widest * 0.2;
+  const name = 52 * colours.size;
+  const px = (value) => name + ((value + most) / (2 * most)) * (width - name - 4);
+  const pitch = height / operators.length;
+  const x = samples.value(`x.${input}`, end - 1);
+  ctx.strokeStyle = colours.grid;
+  straight(ctx, px(0), 0, px(0), height);
+  operators.forEach(({memory, right, left}, i) => {
+    const y = (i + 0.5) * pitch;
+    const z = samples.value(`x.${memory}`, end); // what it put out in the row before
+    const zone = observer ? samples.value(`${observer.label}.zone.${i + 1}`, end - 1) : 0;
+    ctx.fillStyle = colours.soft;
+    ctx.font = colours.number;
+    ctx.textAlign = 'left';
+    ctx.textBaseline = 'middle';
+    ctx.fillText(`±${fixed(right, 2)}`, 0, y);
+    const tall = Math.min(7 * colours.size, pitch * 0.32);
+    ctx.strokeStyle = colours.soft;
+    ctx.lineWidth = 1;
+    straight(ctx, px(z - left), y, px(z + right), y);
+    const accent = observer ? colours.observers[observer.place % 6] : colours.ink;
+    wall(ctx, px(z - left), y, tall, zone === -1 ? accent : colours.soft, zone === -1);
+    wall(ctx, px(z + right), y, tall, zone === 1 ? accent : colours.soft, zone === 1);
+    dot(ctx, px(x), y, 2.8 * colours.size, colours.ink);
+  });
+}
+
+function wall(ctx, x, y, tall, colour, pushed) {
+  ctx.strokeStyle = colour;
+  ctx.lineWidth = pushed ? 3 : 1.2;
+  straight(ctx, x, y - tall, x, y + tall);
+  ctx.lineWidth = 1;
+}
+
+function dot(ctx, x, y, radius, colour) {
+  ctx.fillStyle = colour;
+  ctx.beginPath();
+  ctx.arc(x, y, radius, 0, 2 * Math.PI);
+  ctx.fill();
+}
+
+function straight(ctx, x0, y0, x1, y1) {
+  ctx.beginPath();
+  ctx.moveTo(x0, y0);
+  ctx.lineTo(x1, y1);
+  ctx.stroke();
+}

@@ -1,0 +1,39 @@
+// The numbers beside the strips: at the pointer, else at the time that is looked back to, else at the right edge of the curves.
+
+import {power} from '../../widgets/number-format.js';
+import {written} from './axis-view.js';
+
+/** The time whose values are shown. */
+export const moment = ({cursor, looking, selection}, now) => Math.min(now, cursor ?? looking ?? selection?.[1] ?? now);
+
+/** Fill the cells beside every row of the scope. */
+export function showValues(rows, app) {
+  const {state, samples, text} = app;
+  const row = Math.min(samples.rows - 1, Math.round(moment(state, samples.now) / samples.record));
+  for (const {strip, values, range, canvas} of rows) {
+    const spell = strip.log ? excitation : written(range.target ? {low: range.target[0], high: range.target[1]} : range);
+    const shown = [...(strip.truth ? [{column: strip.truth, label: text.truth, fallen: null}] : []), ...strip.traces];
+    const words = shown.map(({column, fallen, label}, i) => {
+      const value = samples.value(column, row);
+      const said = fallen !== null && value !== value ? text.diverged : spell(value);
+      const cell = values.children[i];
+      put(cell, said);
+      if (strip.log) cell?.classList.toggle('warning', said === text.diverged);
+      return `${label} ${said}`;
+    });
+    if (strip.log && shown.length === 1) words.push(judge(values.children[1], samples.value(shown[0].column, row), strip, text));
+    if (!state.playing) canvas.setAttribute('aria-label', text.describe(canvas.dataset.name, words.join(', ')));
+  }
+}
+
+const put = (cell, words) => { if (cell && cell.textContent !== words) cell.textContent = words; };
+
+const excitation = (value) => (value === value ? power(10 ** value) : '–');
+
+/** Whether the one observer's excitation suffices. */
+function judge(cell, value, {threshold}, text) {
+  const words = value !== value || threshold === null ? '' : value >= threshold ? text.excited : text.notExcited;
+  put(cell, words);
+  cell?.classList.toggle('warning', words === text.notExcited);
+  return words;
+}

@@ -1,0 +1,100 @@
+// The page for a projector: the curves, and beside them the diagnosis, the plant and one card whose tabs hold the other panels. Panels are moved
+// there and back: they read in the order in which they are seen, keep what was typed, and exist once. What it looks like is in presentation.css.
+
+import {fill, h} from '../../common/dom.js';
+
+/** The tabs with their keys; behind each is the panel of that name. */
+export const TABS = {inject: 'I', observers: 'O', comparison: 'M', log: 'G', try: 'Y'};
+const ABOVE = ['diagnosis', 'plant'];
+const WIDE = '(min-width: 960px)'; // as in presentation.css: where the screen is narrower, panels stay in their places
+
+const names = Object.keys(TABS);
+const panel = (name) => document.getElementById(`panel-${name}`);
+
+export function mountDesk(main, app) {
+  const wide = matchMedia(WIDE);
+  const homes = ['.left', '.right'].map((name) => main.querySelector(name)).map((column) => [column, [...column.children]]);
+  const tabs = new Map(names.map((name) => [name, h('button', {type: 'button', role: 'tab', id: `desk-${name}`, 'aria-controls': `panel-${name}`,
+    onclick: () => app.act.desk(name)})]));
+  const list = h('div', {role: 'tablist', class: 'desk-tabs', onkeydown: (event) => walk(event, tabs, app)}, ...tabs.values());
+  const desk = h('div', {class: 'card desk'}, list);
+  const beside = h('div', {class: 'col beside'}, desk);
+
+  const arrange = () => {
+    const on = app.state.presentation && wide.matches;
+    if (on === beside.isConnected) return;
+    keeping(main, () => {
+      for (const name of names) become(panel(name), on ? `desk-${name}` : null);
+      if (on) {
+        beside.prepend(...ABOVE.map(panel));
+        desk.append(...names.map(panel));
+        main.append(beside);
+      } else {
+        for (const [column, panels] of homes) column.append(...panels);
+        beside.remove();
+      }
+    });
+    choose(app.state.desk);
+  };
+  const choose = (chosen) => {
+    for (const [name, tab] of tabs) {
+      tab.setAttribute('aria-selected', String(name === chosen));
+      tab.tabIndex = name === chosen ? 0 : -1;
+      panel(name).toggleAttribute('data-off', beside.isConnected && name !== chosen);
+    }
+  };
+  wide.addEventListener('change', arrange);
+  watchEmpty(tabs, app);
+  app.subscribe((state) => state.presentation, arrange);
+  app.subscribe((state) => state.desk, choose);
+  app.subscribe((state) => state.site, (site) => { if (site) app.act.desk('inject'); }); // before the panel opens the row: it is mounted later
+  app.subscribe((state) => state.language, () => label(list, tabs, app.text));
+}
+
+function label(list, tabs, text) {
+  list.setAttribute('aria-label', text.deskLabel);
+  const words = {...text, try: text.tryThis};
+  for (const [name, tab] of tabs) {
+    fill(tab, words[name]);
+    tab.title = `${words[name]} (${TABS[name]})`;
+  }
+}
+
+/** Make a place the panel of a tab, or (null) what it was. */
+function become(element, tab) {
+  if (tab) {
+    element.setAttribute('role', 'tabpanel');
+    element.setAttribute('aria-labelledby', tab);
+  } else for (const name of ['role', 'aria-labelledby']) element.removeAttribute(name);
+}
+
+/** Move elements without losing the focus, nor where lists are scrolled to. */
+function keeping(main, move) {
+  const focused = document.activeElement;
+  const scrolled = [...main.querySelectorAll('.scroll')].map((one) => [one, one.scrollTop]);
+  move();
+  for (const [one, top] of scrolled) one.scrollTop = top;
+  if (main.contains(focused) && document.activeElement !== focused) focused.focus({preventScroll: true});
+}
+
+/** A panel that has nothing to show hides itself; its tab keeps its place and cannot be chosen. */
+function watchEmpty(tabs, app) {
+  const look = () => {
+    for (const [name, tab] of tabs) tab.disabled = panel(name).hidden;
+    if (app.state.plant && tabs.get(app.state.desk).disabled) app.act.desk(names[0]); // while a session is opened, all of them are empty
+  };
+  const watcher = new MutationObserver(look);
+  for (const name of names) watcher.observe(panel(name), {attributeFilter: ['hidden']});
+  app.subscribe((state) => state.plant, () => queueMicrotask(look));
+}
+
+/** Arrows, Home and End go from tab to tab. */
+function walk(event, tabs, app) {
+  const open = names.filter((name) => !tabs.get(name).disabled);
+  const at = open.indexOf(app.state.desk);
+  const next = {ArrowRight: (at + 1) % open.length, ArrowLeft: (at + open.length - 1) % open.length, Home: 0, End: open.length - 1}[event.key];
+  if (next === undefined) return;
+  event.preventDefault();
+  app.act.desk(open[next]);
+  tabs.get(open[next]).focus();
+}

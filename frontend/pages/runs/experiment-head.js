@@ -1,0 +1,61 @@
+// The chosen experiment: what it is, what can be set, the run and its progress.
+
+import {fill, h} from '../../common/dom.js';
+import {spelt, stale} from './run-state.js';
+import {text} from '../../i18n/pages.js';
+import {createForm} from './override-form.js';
+import {problemBlock} from '../../common/problem.js';
+import {timeline} from './fault-bars.js';
+
+export function mountHead(root, store, act) {
+  const about = h('div', {class: 'about'});
+  const plan = h('div');
+  const form = createForm(store, act);
+  const bar = h('progress', {max: 1, value: 0, 'aria-label': text.running});
+  const status = h('p', {class: 'status', role: 'status'});
+  const cancel = h('button', {type: 'button', class: 'quiet', onclick: act.cancel, hidden: true}, text.cancel);
+  const start = h('button', {type: 'submit', class: 'run', form: 'form'}, text.run);
+  const trouble = h('div');
+  const controls = h('div', {class: 'controls'}, start, cancel, status);
+  fill(root, about, plan, form.element, trouble, controls, bar);
+  root.hidden = true;
+
+  function showSpec({spec, plant, chosen, phase, foreign}) {
+    root.hidden = !spec && !chosen && phase !== 'failed';
+    root.classList.toggle('waiting', !spec && phase !== 'failed');
+    form.element.hidden = !spec || foreign;
+    start.hidden = !spec || foreign;
+    if (!spec) {
+      fill(plan);
+      return fill(about, phase === 'failed' ? null : h('p', {class: 'soft'}, text.loading));
+    }
+    const observers = text.observers(spec.observers.length);
+    fill(about, h('h1', {}, text.named(spec.title) || spec.id), spec.source && h('p', {class: 'soft'}, spec.source),
+      spec.description && h('p', {}, text.named(spec.description)));
+    fill(plan, timeline(spec, plant), h('p', {class: 'soft'}, text.plan(spec.horizon, spec.step, observers)));
+    return form.build();
+  }
+
+  function showProgress(state) {
+    const {phase, progress, problem, spec} = state;
+    const running = phase === 'running';
+    root.setAttribute('aria-busy', String(running));
+    bar.classList.toggle('on', running);
+    if (progress.status === 'running') bar.value = progress.progress;
+    else bar.removeAttribute('value');
+    cancel.hidden = !running || !progress.links.cancel;
+    start.disabled = running || !spec;
+    fill(start, state.run ? text.runAgain : text.run);
+    fill(status, running ? (progress.status === 'queued' ? (progress.links.cancel ? text.queued : text.running) : text.percent(progress.progress))
+      : phase === 'cancelled' ? text.cancelled : stale(state) ? text.changed : '');
+    status.classList.toggle('note', !running && stale(state));
+    const left = problem && spec ? problem.errors.filter((error) => !form.has(spelt(spec, error.field))) : problem?.errors;
+    fill(trouble, problem && (left.length || !problem.errors.length) ? problemBlock(problem, left) : null);
+  }
+
+  store.subscribe((state, before) => {
+    if (['spec', 'plant', 'chosen', 'foreign'].some((key) => state[key] !== before[key]) || (state.phase === 'failed' && !state.spec)) showSpec(state);
+    form.update(state, before);
+    showProgress(state);
+  });
+}

@@ -1,0 +1,24 @@
+// When each fault acts, as bars over the horizon.
+
+import {fill, h, number, symbol} from '../../common/dom.js';
+import {text} from '../../i18n/pages.js';
+
+/** The timeline of an experiment, with what its plant says of the channels. */
+export function timeline(spec, plant) {
+  if (!spec.faults.length) return h('p', {class: 'soft'}, text.noFaults);
+  const rows = spec.faults.map((fault) => {
+    const name = fault.channel ?? fault.output;
+    const channel = plant?.channels.find((one) => one.name === name);
+    const share = (time) => `${Math.min(100, (100 * time) / spec.horizon)}%`;
+    const from = fault.onset;
+    const to = fault.end ?? spec.horizon;
+    const title = text.named(channel?.title);
+    const shape = text.shapes[fault.shape] ?? fault.shape;
+    return h('li', {title: text.faultText(title || name, shape, number(from, 6), typeof fault.end === 'number' ? number(fault.end, 6) : null)},
+      h('span', {class: 'name'}, symbol(name), h('small', {}, [title, shape].filter(Boolean).join(', '))),
+      h('span', {class: 'track'}, h('span', {class: 'bar', style: `left:${share(from)};right:calc(100% - ${share(to)})`},
+        h('small', {}, `${number(from, 6)} s`))));
+  });
+  const ticks = [0, 0.25, 0.5, 0.75, 1].map((share) => h('span', {}, String(Number((share * spec.horizon).toFixed(spec.horizon >= 20 ? 1 : 3)))));
+  return fill(h('div', {class: 'timeline'}), h('ul', {'aria-label': text.timeline}, rows), h('div', {class: 'ticks', 'aria-hidden': 'true'}, ticks));
+}

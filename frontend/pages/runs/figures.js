@@ -1,0 +1,170 @@
+// The figures of the run. Plotly is loaded when it is first needed; figures are fetched and drawn one after another, as they
+// come near the screen.
+
+import {connection, get} from '../../common/api.js';
+import {fill, h} from '../../common/dom.js';
+import {text} from '../../i18n/pages.js';
+
+// Plotly offers by default to send the figure to its makers' cloud: not from here.
+const OPTIONS = {displaylogo: false, responsive: false, showSendToCloud: false, plotlyServerURL: '',
+  modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d']};
+const PROJECTOR = 1.25;
+const narrow = matchMedia('(max-width: 640px)');
+const projector = matchMedia('(min-width: 1800px)');
+
+let library = null;
+
+function plotly() {
+  library ??= new Promise((done, stop) => {
+    const script = h('script', {src: '/assets/plotly.min.js', onload: () => done(window.Plotly), onerror: () => {
+      library = null;
+      script.remove();
+      stop(new Error(text.plotlyFailed));
+    }});
+    document.head.append(script);
+  });
+  return library;
+}
+
+/** The layout for this screen: on a narrow one the server's own variant, on a projector everything larger. The width is
+ * given outright: Plotly's own resizing measures the height too, and loses the margins on the way. */
+function fitted(layout, width) {
+  const copy = {...structuredClone(layout), width};
+  if (narrow.matches) {
+    for (const [path, value] of Object.entries(copy.meta.narrow)) {
+      const keys = path.split('.');
+      const last = keys.pop();
+      keys.reduce((at, key) => at[key], copy)[last] = value;
+    }
+  }
+  return projector.matches ? enlarged(copy) : copy;
+}
+
+const LENGTHS = new Set(['size', 'height', 'l', 'r', 't', 'b', 'xshift', 'yshift', 'itemwidth', 'standoff']);
+
+function enlarged(part) {
+  for (const [key, value] of Object.entries(part)) {
+    if (typeof value === 'number' && LENGTHS.has(key)) part[key] = value * PROJECTOR;
+    else if (typeof value === 'object' && value !== null && key !== 'meta') enlarged(value);
+  }
+  return part;
+}
+
+export function mountFigures(root, store) {
+  const boxes = new Map(); // name → {section, plot, address, drawn}
+  const bar = h('nav', {class: 'jump', 'aria-label': text.figures});
+  let queue = Promise.resolve();
+  const near = new IntersectionObserver((entries) => {
+    for (const entry of entries) if (entry.isIntersecting) draw(boxes.get(entry.target.dataset.name));
+  }, {rootMargin: '500px'});
+
+  function later(work) {
+    queue = queue.then(work, work);
+    return queue;
+  }
+
+  async function list(run) {
+    try {
+      const {figures} = await get(run.links.figures);
+      if (store.state.run !== run) return;
+      const names = new Set(figures.map((one) => one.name));
+      for (const [name, box] of boxes) if (!names.has(name)) remove(name, box);
+      fill(bar, figures.map((one) => h('a', {href: `#figure-${one.name}`, onclick: jump}, text.named(one.title))));
+      root.replaceChildren(bar, ...figures.map((one) => section(one, run)));
+      for (const box of boxes.values()) near.observe(box.section);
+    } catch (error) {
+      if (store.state.run === run) fill(root, failure(error, () => list(run)));
+    }
+  }
+
+  function jump(event) {
+    event.preventDefault(); // the address is the choice's
+    document.querySelector(event.currentTarget.getAttribute('href')).scrollIntoView();
+  }
+
+  function section(one, run) {
+    const box = boxes.get(one.name) ?? create(one);
+    near.unobserve(box.section); // observed anew, so that what is on the screen is drawn anew
+    return Object.assign(box, {address: `${run.links.figures}/${encodeURIComponent(one.name)}`, drawn: null}).section;
+  }
+
+  function create(one) {
+    const plot = h('div', {class: 'plot', role: 'img', 'aria-label': text.named(one.title)});
+    const box = {plot, caption: h('figcaption'), drawn: null, section: h('figure', {class: 'card', id: `figure-${one.name}`, 'data-name': one.name})};
+    box.section.append(h('h2', {}, text.named(one.title)), box.caption, plot);
+    boxes.set(one.name, box);
+    return box;
+  }
+
+  function remove(name, box) {
+    near.unobserve(box.section);
+    if (box.plot.data) window.Plotly.purge(box.plot);
+    boxes.delete(name);
+  }
+
+  function draw(box) {
+    if (!box) return;
+    const wanted = `${box.address}?theme=${window.theme.now}`;
+    if (box.drawn === wanted) return;
+    box.drawn = wanted;
+    later(async () => {
+      if (box.drawn !== wanted || !box.section.isConnected) return;
+      try {
+        const [Plotly, figure] = await Promise.all([plotly(), get(wanted)]);
+        if (box.drawn !== wanted) return;
+        box.failed?.remove();
+        box.figure = figure;
+        fill(box.caption, text.named(figure.layout.meta.caption));
+        box.plot.setAttribute('aria-label', `${text.named(figure.layout.meta.title)}. ${text.named(figure.layout.meta.caption)}`);
+        await Plotly.react(box.plot, figure.data, fitted(figure.layout, box.plot.clientWidth), OPTIONS);
+        box.section.dataset.drawn = wanted;
+      } catch (error) {
+        box.drawn = null;
+        box.failed?.remove();
+        box.failed = failure(error, () => draw(box));
+        box.section.append(box.failed);
+      }
+    });
+  }
+
+  const failure = (error, again) => h('div', {class: 'problem', role: 'alert'}, h('b', {}, text.figureFailed), h('p', {}, error.message),
+    h('button', {type: 'button', class: 'quiet', onclick: again}, text.tryAgain));
+
+  /** Fit what is drawn to another size of the window. */
+  function refit(whole) {
+    for (const box of boxes.values()) {
+      if (!box.figure || !box.plot.data) continue;
+      later(() => (whole ? window.Plotly.react(box.plot, box.figure.data, fitted(box.figure.layout, box.plot.clientWidth), OPTIONS)
+        : window.Plotly.relayout(box.plot, {width: box.plot.clientWidth})));
+    }
+  }
+
+  let timer = null;
+  addEventListener('resize', () => {
+    clearTimeout(timer);
+    timer = setTimeout(refit, 150, false);
+  });
+  for (const query of [narrow, projector]) query.addEventListener('change', () => refit(true));
+  addEventListener('theme', () => {
+    for (const box of boxes.values()) {
+      near.unobserve(box.section);
+      near.observe(box.section);
+    }
+  });
+
+  function showEmpty({spec, phase}) {
+    const words = phase === 'running' ? h('h2', {}, text.running) : [h('h2', {}, text.notRun), h('p', {}, text.notRunText)];
+    const lost = connection.lost && h('p', {}, text.unreachable);
+    fill(root, spec || lost ? h('div', {class: 'empty card'}, spec ? words : lost) : null);
+  }
+
+  connection.addEventListener('change', () => store.state.spec || showEmpty(store.state));
+  store.subscribe((state, before) => {
+    if (state.run && state.run !== before.run) list(state.run);
+    else if (!state.run && (state.spec !== before.spec || state.phase !== before.phase || before.run)) {
+      for (const [name, box] of boxes) remove(name, box);
+      showEmpty(state);
+      if (state.spec) plotly().catch(() => {}); // ready by the time it is needed; a failure is told when it is
+    }
+  });
+}

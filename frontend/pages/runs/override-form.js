@@ -1,0 +1,84 @@
+// What can be changed before a run: seed, noise, gains, and any other value by its path.
+// Values go to the server as they are typed; what it refuses is shown under the field that it names.
+
+import {spell, value} from './address.js';
+import {fill, h, symbol} from '../../common/dom.js';
+import {original, spelt} from './run-state.js';
+import {text} from '../../i18n/pages.js';
+import {sentence} from '../../common/problem.js';
+
+export function createForm(store, act) {
+  const fields = new Map(); // path → {input, error}
+  const element = h('form', {id: 'form', novalidate: true, autocomplete: 'off', onsubmit: (event) => {
+    event.preventDefault();
+    if (!store.state.foreign && store.state.spec && store.state.phase !== 'running') act.run();
+  }});
+  const more = h('textarea', {rows: 3, spellcheck: 'false', placeholder: text.moreExample, id: 'more', 'aria-describedby': 'more-error',
+    oninput: readMore});
+  const moreError = h('p', {class: 'error', id: 'more-error'});
+  const reset = h('button', {type: 'button', class: 'quiet', hidden: true, onclick: () => {
+    act.replace({});
+    build();
+  }}, text.reset);
+  let details = null;
+
+  function field(path, label, hint) {
+    const {spec, changes} = store.state;
+    const id = `field-${path.replaceAll('.', '-')}`;
+    const error = h('p', {class: 'error', id: `${id}-error`});
+    const input = h('input', {id, type: 'text', inputmode: 'decimal', title: hint, 'aria-describedby': error.id,
+      value: spell(changes[path] ?? original(spec, path)),
+      oninput: () => act.change(path, input.value.trim() === '' ? undefined : value(input.value))});
+    fields.set(path, {input, error});
+    return h('div', {class: 'field'}, h('label', {for: id}, label), input, error);
+  }
+
+  function build() {
+    const {spec, changes} = store.state;
+    fields.clear();
+    const noise = Object.keys(spec.noise).map((output) => field(`noise.${output}.std`, [`${text.noiseOf} `, symbol(output)], text.noiseHint));
+    const gains = spec.observers.map((observer) => [observer, Object.keys(observer.gains)]).filter(([, names]) => names.length)
+      .map(([observer, names], place) => h('fieldset', {}, h('legend', {},
+        h('span', {class: 'chip', style: `--c:var(--o${spec.observers.indexOf(observer, place) % 6})`}), observer.label),
+      names.map((name) => field(`observers.${observer.label}.gains.${name}`, symbol(name), text.gainsOf(observer.label)))));
+    const open = details?.open ?? false;
+    details = h('details', {class: 'more'}, h('summary', {}, text.gains), h('div', {class: 'gains'}, gains),
+      h('label', {for: 'more'}, text.more), more, moreError);
+    details.open = open || Object.keys(changes).some((path) => path !== 'seed' && !path.startsWith('noise.'));
+    more.value = Object.entries(changes).filter(([path]) => !fields.has(path)).map(([path, to]) => `${path} = ${spell(to)}`).join('\n');
+    fill(moreError);
+    fill(element, h('div', {class: 'row'}, field('seed', text.seed, text.seedHint),
+      noise.length ? noise : h('p', {class: 'soft'}, text.noNoise), reset), details);
+    update(store.state, {});
+  }
+
+  function readMore() {
+    const changes = Object.fromEntries(Object.entries(store.state.changes).filter(([path]) => fields.has(path)));
+    fill(moreError);
+    for (const line of more.value.split('\n').filter((one) => one.trim())) {
+      const [path, ...rest] = line.split('=');
+      if (!path.trim() || !rest.length || !rest.join('=').trim()) fill(moreError, text.moreWrong(line.trim()));
+      else changes[path.trim()] = value(rest.join('='));
+    }
+    act.replace(changes);
+  }
+
+  function update(state, before) {
+    if (!state.spec) return;
+    reset.hidden = Object.keys(state.changes).length === 0;
+    for (const [path, {input}] of fields) input.classList.toggle('changed', path in state.changes);
+    if (state.problem === before.problem) return;
+    const errors = new Map((state.problem?.errors ?? []).map((error) => [spelt(state.spec, error.field), error]));
+    for (const [path, {input, error}] of fields) {
+      const wrong = errors.get(path);
+      input.toggleAttribute('aria-invalid', Boolean(wrong));
+      if (wrong) input.setAttribute('aria-invalid', 'true');
+      fill(error, wrong ? sentence(wrong) : null);
+    }
+    const first = [...fields].find(([path]) => errors.has(path));
+    if (first?.[0].includes('.gains.')) details.open = true;
+    first?.[1].input.focus();
+  }
+
+  return {element, build, update, has: (path) => fields.has(path)};
+}

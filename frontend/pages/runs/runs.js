@@ -1,0 +1,115 @@
+// Starts the page: loads the library, opens what the address chooses, and carries out what the views ask for.
+
+import {connection, get, post, Problem, run} from '../../common/api.js';
+import {read, write} from './address.js';
+import {createStore} from './run-state.js';
+import {text} from '../../i18n/pages.js';
+import {mountChooser} from './chooser.js';
+import {mountFigures} from './figures.js';
+import {mountHead} from './experiment-head.js';
+import {mountSide} from './side-column.js';
+import {mountTop} from '../../common/page-header.js';
+import {mountVerdicts} from './verdicts.js';
+
+const store = createStore();
+let following = null; // the AbortController of the run that is followed
+
+const act = {
+  /** Open an experiment of the library; `run`, an id, shows that run's result where the store still has it. */
+  async choose(id, {changes = {}, run: known = null, push = true} = {}) {
+    following?.abort();
+    if (push) history.pushState(null, '', write({experiment: id}));
+    store.dispatch({type: 'choose', id, changes});
+    await guarded(async () => {
+      const spec = await get(`/api/experiments/${encodeURIComponent(id)}`);
+      const plant = await plantOf(spec);
+      if (store.state.chosen !== id) return;
+      store.dispatch({type: 'spec', spec, plant});
+      if (known) await reopen(known, changes);
+    });
+  },
+
+  /** Run the chosen experiment with the form's changes. */
+  async run() {
+    following?.abort();
+    const mine = following = new AbortController();
+    const {chosen, changes} = store.state;
+    store.dispatch({type: 'start'});
+    await guarded(async () => {
+      const tell = (progress) => mine.signal.aborted || store.dispatch({type: 'progress', progress});
+      const ended = await run({experiment: chosen, set: changes}, tell, mine.signal);
+      if (mine.signal.aborted) return;
+      if (ended.status === 'failed') throw new Problem(ended.problem);
+      if (ended.status === 'cancelled') store.dispatch({type: 'cancelled'});
+      else store.dispatch({type: 'done', run: ended, changes});
+    }, mine.signal);
+  },
+
+  async cancel() {
+    const {links} = store.state.progress;
+    if (links.cancel) await guarded(() => post(links.cancel));
+  },
+
+  change: (path, to) => store.dispatch({type: 'change', path, to}),
+  replace: (changes) => store.dispatch({type: 'changes', changes}),
+};
+
+/** Show a run that the address names; one that is gone is no error, it can be run again. */
+async function reopen(id, changes) {
+  try {
+    const found = await get(`/api/runs/${encodeURIComponent(id)}`);
+    if (found.status !== 'done') return;
+    if (store.state.spec === null) store.dispatch({type: 'foreign', spec: found.spec, plant: await plantOf(found.spec)});
+    store.dispatch({type: 'done', run: found, changes});
+  } catch (error) {
+    if (!(error instanceof Problem && error.status === 404)) throw error;
+    if (store.state.spec === null) throw error;
+  }
+}
+
+const plantOf = (spec) => (typeof spec.plant === 'string' ? get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant);
+
+/** Carry something out; what goes wrong becomes a problem on the page. */
+async function guarded(work, signal) {
+  try {
+    await work();
+  } catch (error) {
+    if (signal?.aborted || error.name === 'AbortError') return;
+    const problem = error instanceof Problem ? error : new Problem({title: text.broken, detail: `${error.message} ${text.brokenRemedy}`});
+    store.dispatch({type: 'failed', problem});
+  }
+}
+
+/** The address follows the choice, the changes and the run, without a new entry in the history. */
+store.subscribe((state, before) => {
+  if (state.changes === before.changes && state.run === before.run) return;
+  const shown = state.run && state.ranWith === JSON.stringify(state.changes) ? state.run.id : null;
+  history.replaceState(null, '', write({experiment: state.foreign ? null : state.chosen, changes: state.changes, run: shown}));
+});
+
+store.subscribe((state, before) => {
+  if (state.spec !== before.spec) document.title = state.spec ? `${state.spec.title || state.spec.id} · ${text.title}` : text.title;
+});
+
+async function open() {
+  const {experiment, changes, run: known} = read(location.search);
+  if (experiment) return act.choose(experiment, {changes, run: known, push: false});
+  if (known) return guarded(() => reopen(known, {}));
+  const first = store.state.experiments?.[0];
+  return first && act.choose(first.id, {push: false});
+}
+
+document.querySelector('.skip').textContent = text.skip;
+mountTop(document.querySelector('.top'), connection);
+mountChooser(document.querySelector('.chooser'), store, act);
+mountHead(document.querySelector('.head'), store, act);
+mountVerdicts(document.querySelector('.verdicts'), store);
+mountFigures(document.querySelector('.figures'), store);
+mountSide(document.querySelector('.side'), store);
+addEventListener('popstate', open);
+
+await guarded(async () => {
+  const [{experiments}, {plants}] = await Promise.all([get('/api/experiments'), get('/api/plants')]);
+  store.dispatch({type: 'library', experiments, plants: Object.fromEntries(plants.map((plant) => [plant.id, plant]))});
+});
+await open();

@@ -1,0 +1,118 @@
+// Small parts that the panels share: headings, badges, chips, a slider with its number, numbers that keep their width.
+
+import {h, fill, number} from '../common/dom.js';
+import {ENDS, position, value as valueAt} from './slider-scale.js';
+
+/** The heading of a panel, with a link at its right end. */
+export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2', {}, title), ...right);
+
+/** A mark for a heading: while one looks back, that what stands under it is of now. */
+export function asOfNow(app) {
+  const tag = h('span', {class: 'as-of-now', hidden: true});
+  app.onTick((now) => {
+    const {looking, selection, record, spec} = app.state;
+    tag.hidden = (looking ?? selection?.[1] ?? Infinity) > now - 1.5 * record;
+    const words = tag.hidden ? '' : app.text.asOfNow(seconds(now, spec?.horizon));
+    if (tag.textContent !== words) tag.textContent = words;
+  });
+  return tag;
+}
+
+/** A button that looks like a link. */
+export const link = (words, act, more = {}) => h('button', {type: 'button', class: 'link', onclick: act, ...more}, words);
+
+/** The round badge of a channel (or square one of an output), amber while its fault is active. */
+export function badge([letters, whole], {square = false, lit = false} = {}) {
+  const index = whole.slice(0, 2);
+  const long = letters.length + index.length > 2;
+  return h('span', {class: `badge${square ? ' square' : ''}${long ? ' long' : ''}${lit ? ' lit' : ''}`, 'aria-hidden': 'true'}, h('i', {}, letters), index && h('sub', {}, index));
+}
+
+/** The colour of an observer. */
+export const chip = (colour) => h('span', {class: 'chip', style: `--c:${colour}`});
+
+/** A number with so many decimals that numbers of its scale have four digits: it keeps its width while it changes. */
+export function steady(value, scale = value, digits = 4) {
+  if (!Number.isFinite(value)) return '–';
+  if (value === 0 && scale === 0) return '0';
+  const size = Math.abs(scale) || 1;
+  if (size >= 1e5 || size < 1e-4) return number(value, digits);
+  const decimals = Math.min(8, Math.max(0, digits - 1 - Math.floor(Math.log10(size))));
+  return value.toFixed(decimals).replace('-', '−');
+}
+
+/** A time in s, with as many decimals as a session of this length wants. */
+export const seconds = (t, horizon = 100) => `${t.toFixed(horizon >= 1000 ? 0 : horizon >= 20 ? 1 : 2)}\u202fs`;
+
+/** How long something took: 0.4 s, 12 s. */
+export const took = (time) => `${time < 10 ? time.toFixed(time < 1 ? 2 : 1) : time.toFixed(0)}\u202fs`;
+
+/** A number as one types it, in few characters. */
+const typed = (value) => (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(2).replace(/\.?0*e/, 'e') : String(Number(value.toPrecision(3))));
+
+/**
+ * A slider and a field for the same number.
+ * @param {{name: string, scale: object, value: number, change: (value: number, done: boolean) => void, low?: number, high?: number}} options
+ */
+export function slider({name, scale, value, change, low = -Infinity, high = Infinity}) {
+  const range = h('input', {type: 'range', min: 0, max: ENDS, step: 5, 'aria-label': name});
+  const field = h('input', {type: 'text', inputmode: 'decimal', class: 'number', 'aria-label': name, autocomplete: 'off', spellcheck: 'false'});
+  let present = value;
+  let typing = false;
+  let waiting = null; // what came from elsewhere while one typed
+  const show = (next) => {
+    [present, typing, waiting] = [next, false, null];
+    range.value = position(scale, next);
+    range.setAttribute('aria-valuetext', number(next));
+    field.value = typed(next);
+    field.removeAttribute('aria-invalid');
+  };
+  const slide = (done) => { show(valueAt(scale, Number(range.value))); change(present, done); };
+  range.addEventListener('input', () => slide(false));
+  range.addEventListener('change', () => slide(true));
+  field.addEventListener('input', () => { typing = true; });
+  field.addEventListener('blur', () => { if (waiting !== null) show(waiting); });
+  field.addEventListener('change', () => {
+    const read = Number(field.value.trim().replace(',', '.').replace('−', '-'));
+    if (field.value.trim() === '' || !Number.isFinite(read) || read < low || read > high) return field.setAttribute('aria-invalid', 'true');
+    show(read);
+    return change(present, true);
+  });
+  show(value);
+  return {
+    range, field, show,
+    get value() { return present; },
+    /** Show what a command has set, wherever it came from; it does not take what one is typing or dragging from under the hand. */
+    follow(next) {
+      if (typing || range.matches(':active')) waiting = next;
+      else show(next);
+    },
+    disable(off) { range.disabled = off; field.disabled = off; },
+  };
+}
+
+/** Send at most one command at a time, and never more than one every `pause` ms; the newest wins. */
+export function throttled(send, pause = 200) {
+  let waiting = null;
+  let busy = false;
+  const next = async () => {
+    if (busy || waiting === null) return;
+    const mine = waiting;
+    waiting = null;
+    busy = true;
+    const began = performance.now();
+    try {
+      await send(...mine);
+    } finally {
+      setTimeout(() => { busy = false; next(); }, Math.max(0, pause - (performance.now() - began)));
+    }
+  };
+  return (...what) => { waiting = what; next(); };
+}
+
+/** A refusal of the server in place: what is wrong, and the remedy. */
+export function refusal(element, error, text) {
+  const closed = (words) => words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : text.stop}`;
+  if (!error) return fill(element);
+  return fill(element, h('span', {}, closed(text.said(error.problem ?? error.message)), ' '), error.remedy && h('span', {class: 'remedy'}, text.remedyIs(closed(text.said(error.remedy)))));
+}

@@ -1,0 +1,84 @@
+// Lists that end with a whole line: what does not fit is scrolled to, and the rim of the card says how many lines follow. All lists are fitted
+// together, since the cards of a column share its height.
+
+import {h} from '../common/dom.js';
+
+const LOST = 80; // px of room that may stay empty below the last whole line; a taller one is cut after all
+
+const kept = new Set();
+let asked = 0;
+const soon = () => { asked ||= requestAnimationFrame(() => { asked = 0; fitAll(); }); };
+const resized = new ResizeObserver(soon);
+addEventListener('resize', soon);
+
+/**
+ * Keep a scrolling list whole. `lines()` are its lines from above; what it returns says how many are out of sight below, and goes into the card.
+ * @returns {HTMLButtonElement}
+ */
+export function wholeLines(list, lines, app) {
+  const more = h('button', {type: 'button', class: 'more-lines', hidden: true, onclick: () => list.scrollBy({top: list.clientHeight - 8, behavior: 'smooth'})});
+  const one = {list, more, app, lines: () => lines().filter((line) => line.offsetHeight > 0)};
+  kept.add(one);
+  list.addEventListener('scroll', () => count(one), {passive: true});
+  new MutationObserver((changes) => { if (changes.some(matters)) soon(); }).observe(list, {childList: true, subtree: true, attributeFilter: ['hidden', 'open']});
+  app.subscribe((state) => [state.language, state.presentation], soon);
+  return more;
+}
+
+/** Numbers that change within a line change no line. */
+const matters = ({type, addedNodes, removedNodes}) => type === 'attributes' || [...addedNodes, ...removedNodes].some((node) => node.nodeType === Node.ELEMENT_NODE);
+
+/** Where a line ends, from the top of what is seen. */
+const bottom = (line, list) => line.getBoundingClientRect().bottom - list.getBoundingClientRect().top;
+
+function fitAll() {
+  for (const {list} of kept) for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one); // a capped list does not grow with its card
+  const before = [...kept].map((one) => [one, one.list.scrollTop, inUse(one)]);
+  const free = [...kept].filter(({list}) => !list.closest('.desk')); // a projector's card has one size, whatever is in it
+  for (const {list} of kept) cap(list, null);
+  const whole = new Map(free.map((one) => [one, lastWhole(one)]));
+  for (const [{list}, end] of whole) if (end) cap(list, end);
+  for (const [one, end] of whole) if (end && grows(one.list)) refit(one); // what the others left empty is theirs
+  for (const [one, top, line] of before) {
+    if (one.list.scrollTop !== top) one.list.scrollTop = top; // higher for a moment, it may have been scrolled less
+    const out = line ? bottom(line, one.list) - one.list.clientHeight : 0;
+    if (out > 0) one.list.scrollTop += out; // what was whole in sight stays so while it is used
+    count(one);
+  }
+}
+
+/** The line with the focus, if it is seen whole. */
+function inUse({list, lines}) {
+  const line = list.contains(document.activeElement) ? lines().find((each) => each.contains(document.activeElement)) : null;
+  return line && bottom(line, list) <= list.clientHeight + 1 ? line : null;
+}
+
+const grows = (list) => getComputedStyle(list.closest('.card') ?? list).flexGrow !== '0';
+
+function refit(one) {
+  cap(one.list, null);
+  const end = lastWhole(one);
+  if (end) cap(one.list, end);
+}
+
+/** How high the lines are that fit whole; null where all fit, or where too much would stay empty. */
+function lastWhole({list, lines}) {
+  const room = list.clientHeight;
+  if (list.scrollHeight <= room + 1) return null;
+  const end = Math.max(0, ...lines().map((line) => bottom(line, list) + list.scrollTop).filter((one) => one <= room + 0.5));
+  return end > 0 && room - end < LOST ? Math.ceil(end) : null;
+}
+
+/** A list that has given way already gives way no further. */
+function cap(list, height) {
+  list.style.maxHeight = height === null ? '' : `${height}px`;
+  const card = list.closest('.card');
+  if (card && !card.matches('.desk .card')) card.style.flexShrink = height === null ? '' : 0;
+}
+
+function count({list, lines, more, app}) {
+  const below = lines().filter((line) => bottom(line, list) > list.clientHeight + 2).length;
+  more.hidden = below === 0;
+  const words = below ? app.text.moreLines(below) : '';
+  if (more.textContent !== words) more.textContent = words;
+}

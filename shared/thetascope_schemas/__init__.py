@@ -1,0 +1,63 @@
+"""The contract: what a plant, a signal, a fault, an observer, an experiment and a run look like as data.
+
+Only pydantic and the standard library are used here. Server, command line and clients speak these schemas.
+"""
+
+from thetascope_schemas.experiment.base import SCHEMA_VERSION, FieldError, field_errors
+from thetascope_schemas.experiment.diagnosis import (
+    Alarm,
+    Calibration,
+    Diagnosis,
+    DiagnosisSettings,
+    Excitation,
+    InputProposal,
+    NoiseLevel,
+    Observability,
+    ObserverDiagnosis,
+    Resolution,
+)
+from thetascope_schemas.experiment.experiment import Experiment, Noise
+from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.figures import Figure, Panel, Trace
+from thetascope_schemas.experiment.observers import ObserverConfig
+from thetascope_schemas.experiment.plant import Channel, Definition, Input, KnownSignal, Output, Parameter, Plant, State
+from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.service.record import Record
+from thetascope_schemas.service.run import Problem, Progress, Run, RunSummary
+
+__all__ = [
+    "SCHEMA_VERSION",
+    "Alarm",
+    "Calibration",
+    "Channel",
+    "Definition",
+    "Diagnosis",
+    "DiagnosisSettings",
+    "Excitation",
+    "Experiment",
+    "Fault",
+    "FieldError",
+    "Figure",
+    "Input",
+    "InputProposal",
+    "KnownSignal",
+    "Noise",
+    "NoiseLevel",
+    "Observability",
+    "ObserverConfig",
+    "ObserverDiagnosis",
+    "Output",
+    "Panel",
+    "Parameter",
+    "Plant",
+    "Problem",
+    "Progress",
+    "Record",
+    "Resolution",
+    "Run",
+    "RunSummary",
+    "Signal",
+    "State",
+    "Trace",
+    "field_errors",
+]

@@ -1,0 +1,1 @@
+"""What an experiment is made of, and the base of all schemas: plant, signals, faults, observers, commands, figures, diagnosis."""

@@ -1,0 +1,290 @@
+"""An experiment: a plant, what is done to it, what is measured, and which observers watch."""
+
+import hashlib
+import json
+import math
+from collections.abc import Iterator
+from typing import Annotated
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from thetascope_schemas.experiment.base import (
+    MAX_FAULTS,
+    MAX_OBSERVERS,
+    MAX_STEPS,
+    SCHEMA_VERSION,
+    Identifier,
+    Number,
+    Positive,
+    Prose,
+    Reference,
+    Seed,
+    Strict,
+    Title,
+    canonical,
+    example,
+    refuse,
+    suggest,
+)
+from thetascope_schemas.experiment.commands import MAX_COMMANDS, TimedCommand
+from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
+from thetascope_schemas.experiment.faults import ChannelFault, Fault
+from thetascope_schemas.experiment.figures import Figure
+from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement
+from thetascope_schemas.experiment.observers import ObserverConfig
+from thetascope_schemas.experiment.plant import Plant, check_known, check_within
+from thetascope_schemas.experiment.signals import ConstantSignal, Signal
+
+ROWS = 10_000
+"""Recorded rows when an experiment does not give the spacing."""
+
+
+def _plant_kind(value: object) -> str:
+    return "library" if isinstance(value, str) else "inline"
+
+
+PlantChoice = Annotated[
+    Annotated[Identifier, Tag("library")] | Annotated[Plant, Tag("inline")], Discriminator(_plant_kind)
+]
+
+
+class Experiment(Strict):
+    """Everything that determines a run. The same spec gives the same numbers, bit for bit."""
+
+    model_config = example(
+        id="bias-step",
+        title="A sensor bias",
+        description="",
+        source="",
+        errata=[],
+        plant="contois",
+        parameters={"a4": 0.1},
+        initial={"x1": 0.09, "x2": 0.01},
+        inputs={"u": {"kind": "steps", "times": [10, 20], "values": [0.08, 0.02, 0.08]}},
+        signals={},
+        faults=[{"channel": "theta3", "shape": "step", "onset": 20, "size": 0.02}],
+        noise={"y": {"std": 0.001, "sample_time": 0.01}},
+        seed=1,
+        horizon=100,
+        step=0.001,
+        record=0.01,
+        measurement={"mode": "continuous"},
+        observers=[{"label": "adaptive", "kind": "zhao-adaptive"}],
+        diagnosis={"false_alarms": 0.01},
+        figures=[],
+    )
+    prose = Strict.prose | {"id", "errata", "figures"}
+
+    id: Identifier = "experiment"
+    title: Title = ""
+    description: Prose = ""
+    source: Prose = Field("", description="Where the experiment comes from.")
+    errata: tuple[Prose, ...] = Field((), max_length=50, description="Where the printed source cannot be right.")
+    plant: PlantChoice = Field(description="Id of a library plant, or a plant in full.")
+    parameters: dict[Reference, Number] = Field(default_factory=dict, description="Parameters that differ.")
+    initial: dict[Reference, Number] = Field(default_factory=dict, description="Initial states that differ.")
+    inputs: dict[Reference, Signal] = Field(default_factory=dict, description="Input: its course u(t).")
+    signals: dict[Reference, Signal] = Field(default_factory=dict, description="Known signal: its course φ(t).")
+    faults: tuple[Fault, ...] = Field((), max_length=MAX_FAULTS)
+    noise: dict[Reference, Noise] = Field(default_factory=dict, description="Output: its measurement noise.")
+    seed: Seed = Field(0, description="Seed of all random numbers.")
+    horizon: Positive = Field(description="End of the run in s.")
+    step: Positive = Field(0.001, description="Step of the integration in s; the period of a discrete plant.")
+    record: Positive | None = Field(
+        None, description="Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows."
+    )
+    substeps: Annotated[int, Field(ge=1, le=64)] | None = Field(
+        None, description="Steps that are taken within each step; null: one, or as many as stiff gains need."
+    )
+    measurement: ContinuousMeasurement | SampledMeasurement = Field(
+        default_factory=ContinuousMeasurement, discriminator="mode"
+    )
+    observers: tuple[ObserverConfig, ...] = Field((), max_length=MAX_OBSERVERS)
+    commands: tuple[TimedCommand, ...] = Field(
+        (), max_length=MAX_COMMANDS, description="What is changed while it runs, in order of time; faults apart."
+    )
+    diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="What is asked of the diagnosis.")
+    figures: tuple[Figure, ...] = Field((), max_length=24)
+
+    @property
+    def record_every(self) -> int:
+        """Steps between two recorded rows."""
+        if self.record is not None:
+            return round(self.record / self.step)
+        return max(1, round(self.horizon / ROWS / self.step))
+
+    @property
+    def record_interval(self) -> float:
+        """Time in s between two recorded rows: `record`, or max(step, horizon/10000) as a multiple of the step."""
+        return self.record if self.record is not None else self.record_every * self.step
+
+    def with_plant(self, plant: Plant) -> "Experiment":
+        """This experiment with `plant` in full, all names checked against it.
+
+        Raises:
+            pydantic.ValidationError: where the experiment does not fit the plant.
+        """
+        return Experiment.model_validate(
+            {name: getattr(self, name) for name in type(self).model_fields} | {"plant": plant}
+        )
+
+    def canonical(self) -> bytes:
+        """The one spelling of what determines the numbers of a run, as JSON in UTF-8 with sorted keys.
+
+        Defaults are filled in (with an inline plant, its parameters, initial states, inputs and signals too), 1 and
+        1.0, 0.0 and -0.0, and runs of blanks in text are one. Left out, because no number depends on them: id, title,
+        description, source, errata and figures of the experiment, and id, titles, descriptions, sources and units
+        within an inline plant. The id of a library plant is kept as it is: put the plant in (`with_plant`) before
+        hashing, so that the hash follows the plant's equations and not its name.
+        """
+        filled: dict[str, object] = {
+            name: getattr(self, name) for name in type(self).model_fields if name not in self.prose
+        }
+        filled["record"] = self.record_interval
+        if isinstance(self.plant, Plant):
+            plant = self.plant
+            filled["parameters"] = {item.name: item.value for item in plant.parameters} | self.parameters
+            filled["initial"] = {item.name: item.initial for item in plant.states} | self.initial
+            filled["inputs"] = {item.name: ConstantSignal(value=item.default) for item in plant.inputs} | self.inputs
+            filled["signals"] = {item.name: item.default for item in plant.signals} | self.signals
+        document = {"schema": SCHEMA_VERSION, "experiment": canonical(filled)}
+        return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
+
+    def spec_hash(self) -> str:
+        """First 32 hexadecimal digits of the SHA-256 of `canonical()`: the id of the run."""
+        return hashlib.sha256(self.canonical()).hexdigest()[:32]
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Experiment":
+        self._check_times()
+        self._check_labels()
+        self._check_commands()
+        if isinstance(self.plant, Plant):
+            self._check_plant(self.plant)
+            for index, figure in enumerate(self.figures):
+                self._check_columns(self.plant, f"figures[{index}]", figure)
+        return self
+
+    def _check_times(self) -> None:
+        if self.step > self.horizon:
+            raise refuse(
+                f"the step {self.step:g} s is longer than the horizon {self.horizon:g} s",
+                f"step ≤ {self.horizon:g}",
+                "step",
+                self.step,
+            )
+        for path, item in self._timed():
+            if (found := self.too_often(item)) is not None:
+                field, interval, problem, remedy = found
+                raise refuse(problem, remedy, f"{path}.{field}".lstrip("."), interval)
+        if self.record is not None:
+            self._check_record(self.record)
+
+    def too_often(self, item: object) -> tuple[str, float, str, str] | None:
+        """The first interval of a signal, a fault, a noise or a command of which the horizon holds too many: its field, its
+        value, the problem and the remedy. None: none does.
+        """
+        for field in ("step", "period", "hold", "sample_time"):
+            interval = getattr(item, field, None)
+            if interval is not None and (count := self.horizon / interval) > MAX_STEPS:
+                problem = f"{self.horizon:g} s in intervals of {interval:g} s are {count:.3g} of them; the limit is {MAX_STEPS:g}"
+                return field, interval, problem, f"give at least {self.horizon / MAX_STEPS:g} s, or shorten the horizon"
+        return None
+
+    def _check_record(self, record: float) -> None:
+        steps = record / self.step
+        if record > self.horizon:
+            raise refuse("no row but the first would be recorded", f"record ≤ {self.horizon:g}", "record", record)
+        if round(steps) < 1 or not math.isclose(steps, round(steps), rel_tol=1e-9):
+            near = max(1, round(steps)) * self.step
+            raise refuse(
+                f"{record:g} s is not a multiple of the step {self.step:g} s", f"for example {near:g}", "record", record
+            )
+
+    def _timed(self) -> Iterator[tuple[str, object]]:
+        """Everything that has an interval, with its path: the experiment itself, the measurement, signals, noise, faults, commands."""
+        yield "", self
+        yield "measurement", self.measurement
+        groups = [("inputs", self.inputs), ("signals", self.signals), ("noise", self.noise)]
+        if isinstance(self.plant, Plant):
+            groups.append(("plant.signals", {item.name: item.default for item in self.plant.signals}))
+        for group, named in groups:
+            for name, item in named.items():
+                yield f"{group}.{name}", item
+        for group, listed in (("faults", self.faults), ("commands", self.commands)):
+            for index, item in enumerate(listed):
+                yield f"{group}[{index}]", item
+                yield f"{group}[{index}].signal", getattr(item, "signal", None)
+
+    def _check_labels(self) -> None:
+        for field, names in (
+            ("observers[{}].label", [item.label for item in self.observers]),
+            ("figures[{}].name", [item.name for item in self.figures]),
+        ):
+            for index, name in enumerate(names):
+                if name in names[:index]:
+                    raise refuse(f"{name!r} is used twice", "give each its own", field.format(index), name)
+
+    def _check_commands(self) -> None:
+        before = 0.0
+        for index, command in enumerate(self.commands):
+            steps = command.at / self.step
+            if not math.isclose(steps, round(steps), rel_tol=1e-9, abs_tol=1e-6):
+                raise refuse(
+                    f"{command.at:g} s is not a multiple of the step {self.step:g} s",
+                    f"for example {round(steps) * self.step:g}",
+                    f"commands[{index}].at",
+                    command.at,
+                )
+            if command.at < before:
+                raise refuse(
+                    f"{command.at:g} s is earlier than the command before it, at {before:g} s",
+                    "give the commands in order of time",
+                    f"commands[{index}].at",
+                    command.at,
+                )
+            before = command.at
+
+    def _check_plant(self, plant: Plant) -> None:
+        """Every name that the experiment mentions is one of the plant's."""
+        check_known(self.parameters, plant.names("parameters"), "parameters", "a parameter of the plant")
+        for item in plant.parameters:
+            if item.name in self.parameters:
+                value, field = self.parameters[item.name], f"parameters.{item.name}"
+                check_within(value, item.bounds, field, f"parameter {item.name}")
+        check_known(self.initial, plant.names("states"), "initial", "a state of the plant")
+        check_known(self.inputs, plant.names("inputs"), "inputs", "an input of the plant")
+        check_known(self.signals, plant.names("signals"), "signals", "a known signal of the plant")
+        check_known(self.noise, plant.names("outputs"), "noise", "an output of the plant")
+        for index, fault in enumerate(self.faults):
+            if isinstance(fault, ChannelFault):
+                field, name, known, what = "channel", fault.channel, plant.names("channels"), "a fault channel"
+            else:
+                field, name, known, what = "output", fault.output, plant.names("outputs"), "an output"
+            if name not in known:
+                raise refuse(
+                    f"{name!r} is not {what} of the plant", suggest(name, known), f"faults[{index}].{field}", name
+                )
+        if plant.time.kind == "discrete" and not math.isclose(self.step, plant.time.period, rel_tol=1e-9):
+            raise refuse(
+                f"the plant is discrete with a period of {plant.time.period:g} s, and the step is {self.step:g} s",
+                f"step: {plant.time.period:g}",
+                "step",
+                self.step,
+            )
+
+    def _check_columns(self, plant: Plant, path: str, figure: Figure) -> None:
+        """Figures draw columns that a result has; of an observer's columns only the label is known here."""
+        groups = {"u": "inputs", "signal": "signals", "x": "states", "theta": "channels", "y": "outputs"}
+        own = ["t"] + [f"{prefix}.{name}" for prefix, group in groups.items() for name in plant.names(group)]
+        labels = [item.label for item in self.observers]
+        for field, column in figure.columns():
+            label, _, rest = column.partition(".")
+            if column in own or (label in labels and rest):
+                continue
+            raise refuse(
+                f"the result has no column {column!r}",
+                suggest(column, own + [f"{name}.…" for name in labels]),
+                f"{path}.{field}",
+                column,
+            )

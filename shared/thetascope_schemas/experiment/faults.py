@@ -1,0 +1,236 @@
+"""Faults over time: on a channel (inside the model, θ) or on a measurement (outside the model, on y)."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from thetascope_schemas.experiment.base import (
+    MAX_TIME,
+    Instant,
+    NonNegative,
+    Number,
+    Positive,
+    Reference,
+    Strict,
+    example,
+    refuse,
+)
+from thetascope_schemas.experiment.signals import Interpolation, Points, check_increasing, check_lengths, check_width
+
+
+class TimedFault(Strict):
+    """What all faults share: they act on [onset, end)."""
+
+    onset: Instant = Field(description="Time in s at which the fault appears.")
+    end: Instant | None = Field(None, description="Time in s at which it disappears; null: it stays.")
+
+    @model_validator(mode="after")
+    def _ends_after_onset(self) -> "TimedFault":
+        if self.end is not None and self.end <= self.onset:
+            raise refuse(
+                f"the end {self.end:g} s is not after the onset {self.onset:g} s",
+                f"give an end above {self.onset:g}, or null",
+                "end",
+                self.end,
+            )
+        return self
+
+
+class ChannelFault(TimedFault):
+    """A fault inside the model: the value θ(t) of one channel. τ = t − onset below."""
+
+    channel: Reference = Field(description="Name of the plant's fault channel.")
+
+
+class StepFault(ChannelFault):
+    """θ = size at once."""
+
+    model_config = example(channel="theta3", shape="step", onset=20, end=None, size=0.02)
+
+    shape: Literal["step"] = "step"
+    size: Number = Field(description="Size, in the channel's unit.")
+
+
+class RampFault(ChannelFault):
+    """θ rises linearly to `size` over `duration`, then stays."""
+
+    model_config = example(channel="theta1", shape="ramp", onset=40, end=None, size=0.01, duration=5)
+
+    shape: Literal["ramp"] = "ramp"
+    size: Number = Field(description="Final size, in the channel's unit.")
+    duration: Positive = Field(description="Time in s to the final size.")
+
+
+class DriftFault(ChannelFault):
+    """θ = rate·τ, without end."""
+
+    model_config = example(channel="theta1", shape="drift", onset=40, end=None, rate=0.001)
+
+    shape: Literal["drift"] = "drift"
+    rate: Number = Field(description="Rate, in the channel's unit per s.")
+
+
+class ExponentialFault(ChannelFault):
+    """Incipient fault: θ = size·(1 − exp(−τ/time_constant))."""
+
+    model_config = example(channel="theta1", shape="exponential", onset=40, end=None, size=0.01, time_constant=3)
+
+    shape: Literal["exponential"] = "exponential"
+    size: Number = Field(description="Size it tends to, in the channel's unit.")
+    time_constant: Positive = Field(description="Time constant in s.")
+
+
+class SineFault(ChannelFault):
+    """θ = size·sin(2π·frequency·τ + phase)."""
+
+    model_config = example(channel="theta1", shape="sine", onset=40, end=60, size=0.01, frequency=0.2, phase=0)
+
+    shape: Literal["sine"] = "sine"
+    size: Number = Field(description="Amplitude, in the channel's unit.")
+    frequency: NonNegative = Field(description="Frequency in Hz.")
+    phase: Number = Field(0.0, description="Phase at the onset in rad.")
+
+
+class PulseTrainFault(ChannelFault):
+    """Intermittent fault: θ = size on [k·period, k·period + width) of τ, otherwise 0."""
+
+    model_config = example(channel="theta1", shape="pulse-train", onset=40, end=60, size=0.01, period=4, width=1)
+
+    shape: Literal["pulse-train"] = "pulse-train"
+    size: Number = Field(description="Size within the pulses, in the channel's unit.")
+    period: Positive = Field(description="Period in s.")
+    width: Positive = Field(description="Length of one pulse in s, at most the period.")
+
+    @model_validator(mode="after")
+    def _pulse_fits(self) -> "PulseTrainFault":
+        check_width(self.width, self.period)
+        return self
+
+
+class RandomWalkFault(ChannelFault):
+    """θ gains a Gaussian increment of std intensity·√sample_time every sample_time; the experiment's seed drives it."""
+
+    model_config = example(channel="theta1", shape="random-walk", onset=40, end=None, intensity=0.001, sample_time=0.1)
+
+    shape: Literal["random-walk"] = "random-walk"
+    intensity: NonNegative = Field(description="Standard deviation gained per √s, in the channel's unit.")
+    sample_time: Positive = Field(0.01, description="Time in s between increments.")
+
+
+class TableFault(ChannelFault):
+    """θ read from a table over τ; the first value holds before its time and the last after it."""
+
+    model_config = example(
+        channel="theta1", shape="table", onset=40, end=None, times=[0, 5], values=[0, 0.01], interpolation="linear"
+    )
+
+    shape: Literal["table"] = "table"
+    times: Points = Field(description="Times in s after the onset, increasing.")
+    values: Points = Field(description="Values at these times, in the channel's unit.")
+    interpolation: Interpolation = Field("linear", description="Between two times: linear, or hold the earlier value.")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "TableFault":
+        check_increasing(self.times)
+        check_lengths(self.times, self.values, more=0)
+        if self.times[0] < 0:
+            raise refuse(
+                f"times[0] = {self.times[0]:g} lies before the onset",
+                "times count from the onset: start at 0 or later",
+                "times",
+                self.times[0],
+            )
+        return self
+
+
+class MeasurementFault(TimedFault):
+    """A fault outside the model, on one output as it is measured. No observer is told of it."""
+
+    output: Reference = Field(description="Name of the plant's output.")
+
+
+class StuckFault(MeasurementFault):
+    """The sensor shows `value`."""
+
+    model_config = example(output="y", shape="stuck", onset=30, end=35, value=0.1)
+
+    shape: Literal["stuck"] = "stuck"
+    value: Number = Field(description="Value shown, in the output's unit.")
+
+
+class FreezeFault(MeasurementFault):
+    """The sensor goes on showing what it showed at the onset."""
+
+    model_config = example(output="y", shape="freeze", onset=30, end=35)
+
+    shape: Literal["freeze"] = "freeze"
+
+
+class DropoutFault(MeasurementFault):
+    """Each sample is lost with a probability; a lost one leaves the last value in place."""
+
+    model_config = example(output="y", shape="dropout", onset=30, end=35, probability=0.3, sample_time=0.1)
+
+    shape: Literal["dropout"] = "dropout"
+    probability: Annotated[NonNegative, Field(le=1)] = Field(description="Probability that a sample is lost.")
+    sample_time: Positive = Field(0.01, description="Time in s between samples.")
+
+
+class OutliersFault(MeasurementFault):
+    """Each sample is displaced by ±size with a probability."""
+
+    model_config = example(output="y", shape="outliers", onset=30, end=35, probability=0.02, size=0.5, sample_time=0.1)
+
+    shape: Literal["outliers"] = "outliers"
+    probability: Annotated[NonNegative, Field(le=1)] = Field(description="Probability that a sample is an outlier.")
+    size: Number = Field(description="Displacement, in the output's unit.")
+    sample_time: Positive = Field(0.01, description="Time in s between samples.")
+
+
+class NoiseBurstFault(MeasurementFault):
+    """Additional Gaussian noise."""
+
+    model_config = example(output="y", shape="noise-burst", onset=30, end=35, std=0.05, sample_time=0.01)
+
+    shape: Literal["noise-burst"] = "noise-burst"
+    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
+    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
+
+
+class QuantisationFault(MeasurementFault):
+    """The output is rounded to whole multiples of the resolution."""
+
+    model_config = example(output="y", shape="quantisation", onset=30, end=None, resolution=0.01)
+
+    shape: Literal["quantisation"] = "quantisation"
+    resolution: Positive = Field(description="Resolution, in the output's unit.")
+
+
+class DelayFault(MeasurementFault):
+    """The output arrives late."""
+
+    model_config = example(output="y", shape="delay", onset=30, end=None, delay=0.2)
+
+    shape: Literal["delay"] = "delay"
+    delay: Annotated[Positive, Field(le=MAX_TIME)] = Field(description="Delay in s.")
+
+
+Fault = Annotated[
+    StepFault
+    | RampFault
+    | DriftFault
+    | ExponentialFault
+    | SineFault
+    | PulseTrainFault
+    | RandomWalkFault
+    | TableFault
+    | StuckFault
+    | FreezeFault
+    | DropoutFault
+    | OutliersFault
+    | NoiseBurstFault
+    | QuantisationFault
+    | DelayFault,
+    Field(discriminator="shape"),
+]
+"""Any fault, told apart by `shape`: the first eight act on a `channel`, the others on an `output`."""

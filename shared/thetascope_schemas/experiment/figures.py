@@ -1,0 +1,67 @@
+"""Figures of an experiment: which columns of the result are drawn, and how."""
+
+from collections.abc import Iterator
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from thetascope_schemas.experiment.base import Flag, Prose, Strict, Title, example
+
+Column = Annotated[str, Field(min_length=1, max_length=100)]
+
+
+class Trace(Strict):
+    """One line of a panel: a column, or the difference of two."""
+
+    model_config = example(column="x.x1", minus="adaptive.x.x1", label="error of x1", style="solid", absolute=True)
+
+    column: Column = Field(description="Column of the result.")
+    minus: Column | None = Field(None, description="Column to subtract.")
+    label: Title = Field("", description="Text in the legend; the column's name when empty.")
+    style: Literal["solid", "dash", "dot"] = "solid"
+    absolute: Flag = Field(False, description="Draw the absolute value.")
+
+
+class Panel(Strict):
+    """One pair of axes."""
+
+    model_config = example(
+        title="Sensor fault",
+        x="t",
+        x_title="t in s",
+        y_title="θ3",
+        log=False,
+        traces=[{"column": "theta.theta3", "style": "dash"}, {"column": "adaptive.theta.theta3"}],
+    )
+
+    title: Title = ""
+    x: Column = Field("t", description="Column of the horizontal axis.")
+    x_title: Title = ""
+    y_title: Title = ""
+    log: Flag = Field(False, description="Logarithmic vertical axis.")
+    traces: tuple[Trace, ...] = Field(min_length=1, max_length=24)
+
+
+class Figure(Strict):
+    """One figure of an experiment, panels below one another."""
+
+    model_config = example(
+        name="faults",
+        title="Estimated faults",
+        caption="Dashed: true",
+        panels=[{"traces": [{"column": "theta.theta3", "style": "dash"}, {"column": "adaptive.theta.theta3"}]}],
+    )
+
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")] = Field(description="Name in the address.")
+    title: Title = ""
+    caption: Prose = ""
+    panels: tuple[Panel, ...] = Field(min_length=1, max_length=12)
+
+    def columns(self) -> Iterator[tuple[str, str]]:
+        """Every column it draws, with the path of the field that names it."""
+        for index, panel in enumerate(self.panels):
+            yield f"panels[{index}].x", panel.x
+            for number, trace in enumerate(panel.traces):
+                yield f"panels[{index}].traces[{number}].column", trace.column
+                if trace.minus is not None:
+                    yield f"panels[{index}].traces[{number}].minus", trace.minus

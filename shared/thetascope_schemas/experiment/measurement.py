@@ -1,0 +1,33 @@
+"""How outputs are measured: their noise, and when observers see them."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from thetascope_schemas.experiment.base import NonNegative, Positive, Strict, example
+
+
+class Noise(Strict):
+    """Gaussian measurement noise on one output; a drawn value holds for its sample time."""
+
+    model_config = example(std=0.001, sample_time=0.01)
+
+    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
+    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
+
+
+class ContinuousMeasurement(Strict):
+    """Observers see y(t) at all times."""
+
+    model_config = example(mode="continuous")
+
+    mode: Literal["continuous"] = "continuous"
+
+
+class SampledMeasurement(Strict):
+    """Observers see y at 0, period, 2·period, …, held in between."""
+
+    model_config = example(mode="sampled", period=0.1)
+
+    mode: Literal["sampled"] = "sampled"
+    period: Positive = Field(description="Sample period in s.")

@@ -1,0 +1,70 @@
+"""How an experiment asks for an observer: its kind, its gains and where its estimates start."""
+
+from typing import Annotated
+
+from pydantic import AfterValidator, Discriminator, Field, Tag
+
+from thetascope_schemas.experiment.base import Flag, Number, Reference, Strict, example, refuse
+
+RESERVED_LABELS = frozenset({"t", "u", "x", "y", "theta", "signal"})
+"""First parts of the columns that belong to the plant."""
+
+
+def _label_free(label: str) -> str:
+    if label in RESERVED_LABELS:
+        raise refuse(
+            f"the label {label!r} is the first part of the plant's own columns",
+            f"choose another, such as {label}-observer",
+            value=label,
+        )
+    return label
+
+
+def _shape_of(value: object) -> str:
+    return "list" if isinstance(value, list | tuple) else "number"
+
+
+def _type_of(value: object) -> str:
+    return "flag" if isinstance(value, bool) else "text" if isinstance(value, str) else "number"
+
+
+Label = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,31}$"), AfterValidator(_label_free)]
+Gain = Annotated[
+    Annotated[Number, Tag("number")] | Annotated[tuple[Number, ...], Field(min_length=1, max_length=4000), Tag("list")],
+    Discriminator(_shape_of),
+]
+Option = Annotated[
+    Annotated[Flag, Tag("flag")]
+    | Annotated[str, Field(max_length=200), Tag("text")]
+    | Annotated[Number, Tag("number")],
+    Discriminator(_type_of),
+]
+
+
+Kind = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]{0,39}$")]
+
+
+class ObserverConfig(Strict):
+    """One observer of an experiment. Gains, options and their defaults are listed per kind in the catalogue."""
+
+    model_config = example(
+        label="adaptive",
+        kind="zhao-adaptive",
+        gains={"rho": 4, "lambda": 4},
+        options={},
+        initial={"x1": 0, "x2": 0, "theta1": 0},
+    )
+
+    label: Label = Field(description="Label, unique in the experiment; its columns start with it.")
+    kind: Kind = Field(description="Kind, from the catalogue.")
+    gains: dict[Reference, Gain] = Field(
+        default_factory=dict, max_length=100, description="Gains that differ from their defaults: a number or a list."
+    )
+    options: dict[Reference, Option] = Field(
+        default_factory=dict, max_length=100, description="Options that differ from their defaults."
+    )
+    initial: dict[Reference, Number] = Field(
+        default_factory=dict,
+        max_length=200,
+        description="Estimates at t = 0 by state or channel, in their units. Where none is given, a state starts from the plant's own initial value and a channel from 0.",
+    )

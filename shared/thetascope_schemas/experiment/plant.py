@@ -1,0 +1,265 @@
+"""A plant: equations as text, physical domains, and the channels by which faults enter."""
+
+from collections.abc import Iterable, Iterator
+from typing import Annotated, Literal
+
+from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+
+from thetascope_schemas.experiment.base import (
+    MAX_CHANNELS,
+    MAX_PORTS,
+    MAX_STATES,
+    UNBOUNDED,
+    Bounds,
+    ExpressionText,
+    Identifier,
+    Name,
+    Number,
+    Positive,
+    Prose,
+    Reference,
+    Strict,
+    Title,
+    Unit,
+    example,
+    ordered,
+    refuse,
+    suggest,
+)
+from thetascope_schemas.experiment.signals import ConstantSignal, Signal
+
+
+class ContinuousTime(Strict):
+    """The dynamics give derivatives."""
+
+    model_config = example(kind="continuous")
+
+    kind: Literal["continuous"] = "continuous"
+
+
+class DiscreteTime(Strict):
+    """The dynamics give the next sample's values."""
+
+    model_config = example(kind="discrete", period=0.01)
+
+    kind: Literal["discrete"] = "discrete"
+    period: Positive = Field(description="Sample period in s.")
+
+
+class State(Strict):
+    """One state variable."""
+
+    model_config = example(name="x1", unit="1/h", initial=0.09, domain=[0, None], description="growth")
+
+    name: Name = Field(description="Name in the equations.")
+    unit: Unit = ""
+    initial: Number = Field(0.0, description="Value at t = 0, in the state's unit.")
+    domain: Bounds = Field(UNBOUNDED, description="Physical range [low, high]; observers saturate their model to it.")
+    description: Prose = ""
+
+
+class Input(Strict):
+    """One known input u."""
+
+    model_config = example(name="u", unit="1/h", default=0.08, bounds=[0, 1], description="dilution rate")
+
+    name: Name = Field(description="Name in the equations.")
+    unit: Unit = ""
+    default: Number = Field(0.0, description="Value where an experiment gives no signal, in the input's unit.")
+    bounds: Bounds = Field(UNBOUNDED, description="Range that makes sense, in the input's unit.")
+    description: Prose = ""
+
+
+class Output(Strict):
+    """One measured output y."""
+
+    model_config = example(name="y", unit="1/h", expression="x1", description="measured growth")
+
+    name: Name = Field(description="Name of the output.")
+    unit: Unit = ""
+    expression: ExpressionText = Field(description="Output equation, without the sensor faults.")
+    description: Prose = ""
+
+
+class Parameter(Strict):
+    """One constant of the plant, which an experiment may override."""
+
+    model_config = example(name="a1", value=1, unit="1/h", bounds=[0, None], description="maximal growth rate")
+
+    name: Name = Field(description="Name in the equations.")
+    value: Number = Field(description="Nominal value, in the parameter's unit.")
+    unit: Unit = ""
+    bounds: Bounds = Field(UNBOUNDED, description="Permitted range, in the parameter's unit.")
+    description: Prose = ""
+
+    @model_validator(mode="after")
+    def _within_bounds(self) -> "Parameter":
+        check_within(self.value, self.bounds, "value", f"parameter {self.name}")
+        return self
+
+
+class KnownSignal(Strict):
+    """One known signal φ(t), which observers see."""
+
+    model_config = example(
+        name="phi1",
+        unit="",
+        description="excitation of channel 1",
+        default={"kind": "pulse", "period": 0.5, "width": 0.25},
+    )
+
+    name: Name = Field(description="Name in the equations.")
+    unit: Unit = ""
+    description: Prose = ""
+    default: Signal = Field(
+        default_factory=lambda: ConstantSignal(value=0.0), description="Its course where an experiment gives none."
+    )
+
+
+def _limit_kind(value: object) -> str:
+    return "name" if isinstance(value, str) else "none" if value is None else "number"
+
+
+Limit = Annotated[
+    Annotated[Number, Tag("number")] | Annotated[Reference, Tag("name")] | Annotated[None, Tag("none")],
+    Discriminator(_limit_kind),
+]
+
+
+class Definition(Strict):
+    """An intermediate quantity. The plant uses it as it is; observers saturate it to its domain."""
+
+    model_config = example(name="w", expression="x2/x1", domain=[0, "a1"])
+
+    name: Name = Field(description="Name in later definitions and in the equations.")
+    expression: ExpressionText = Field(description="Expression of states, inputs, earlier definitions, ….")
+    domain: Annotated[tuple[Limit, Limit], AfterValidator(ordered)] = Field(
+        UNBOUNDED, description="Physical range [low, high]: numbers, parameter names, or null for an open side."
+    )
+
+
+class Channel(Strict):
+    """One fault θ and the equations it enters: coefficient·θ is added to each equation named."""
+
+    model_config = example(
+        name="theta1",
+        title="actuator fault",
+        kind="actuator",
+        enters={"x1": "phi1"},
+        unit="",
+        typical=0.01,
+        bounds=[-0.1, 0.1],
+        description="",
+    )
+
+    name: Name = Field(description="Name of the fault; the equations do not mention it.")
+    title: Title = ""
+    kind: Literal["actuator", "process", "sensor"] = Field(
+        description="Actuator faults enter state equations, sensor faults output equations, process faults both."
+    )
+    enters: dict[Reference, ExpressionText] = Field(
+        min_length=1, max_length=MAX_STATES, description="State or output: the coefficient of θ in its equation."
+    )
+    unit: Unit = ""
+    typical: Positive = Field(1.0, description="Typical size of the fault, in its unit.")
+    bounds: Bounds = Field(UNBOUNDED, description="Range that makes sense, in the channel's unit.")
+    description: Prose = ""
+
+
+_ENTERED = {
+    "actuator": (("states",), "a state"),
+    "process": (("states", "outputs"), "a state or output"),  # what changes in the plant may be measured directly, too
+    "sensor": (("outputs",), "an output"),
+}
+
+
+class Plant(Strict):
+    """A plant x' = f(x,u,φ,t) + Σ coefficient·θ, y = h(x,u,φ,t) + Σ coefficient·θ (x(k+1) in discrete time)."""
+
+    model_config = example(
+        id="first-order",
+        title="First-order lag",
+        description="x' = -a x + u, measured with a bias",
+        source="",
+        time={"kind": "continuous"},
+        states=[{"name": "x", "unit": "m", "initial": 1}],
+        inputs=[{"name": "u", "unit": "m/s"}],
+        outputs=[{"name": "y", "unit": "m", "expression": "x"}],
+        parameters=[{"name": "a", "value": 0.5, "unit": "1/s", "bounds": [0, None]}],
+        signals=[],
+        definitions=[],
+        dynamics={"x": "-a*x + u"},
+        channels=[
+            {"name": "theta1", "kind": "actuator", "enters": {"x": "u"}, "typical": 0.2},
+            {"name": "theta2", "kind": "sensor", "enters": {"y": 1}, "unit": "m", "typical": 0.1},
+        ],
+    )
+    prose = Strict.prose | {"id"}
+
+    id: Identifier = Field(description="Short name: lower-case letters, digits and hyphens.")
+    title: Title = ""
+    description: Prose = ""
+    source: Prose = Field("", description="Where the plant comes from.")
+    time: ContinuousTime | DiscreteTime = Field(
+        default_factory=ContinuousTime, discriminator="kind", description="Continuous, or discrete with a period."
+    )
+    states: tuple[State, ...] = Field(min_length=1, max_length=MAX_STATES)
+    inputs: tuple[Input, ...] = Field((), max_length=MAX_PORTS)
+    outputs: tuple[Output, ...] = Field(min_length=1, max_length=MAX_PORTS)
+    parameters: tuple[Parameter, ...] = Field((), max_length=200)
+    signals: tuple[KnownSignal, ...] = Field((), max_length=MAX_CHANNELS)
+    definitions: tuple[Definition, ...] = Field((), max_length=200, description="Intermediate quantities, in order.")
+    dynamics: dict[Reference, ExpressionText] = Field(
+        max_length=MAX_STATES, description="State: its derivative, or its next value in discrete time."
+    )
+    channels: tuple[Channel, ...] = Field((), max_length=MAX_CHANNELS, description="The faults that can occur.")
+
+    def names(self, *groups: str) -> tuple[str, ...]:
+        """Names declared in the given groups (`"states"`, `"inputs"`, …), in order."""
+        return tuple(item.name for group in groups for item in getattr(self, group))
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Plant":
+        self._check_unique()
+        check_known(self.dynamics, self.names("states"), "dynamics", "a state")
+        for state in self.names("states"):
+            if state not in self.dynamics:
+                raise refuse(f"the state {state} has no equation", f"add dynamics.{state}", "dynamics", state)
+        parameters = self.names("parameters")
+        for index, definition in enumerate(self.definitions):
+            named = [limit for limit in definition.domain if isinstance(limit, str)]
+            check_known(named, parameters, f"definitions[{index}].domain", "a parameter")
+        for index, channel in enumerate(self.channels):
+            groups, what = _ENTERED[channel.kind]
+            what += f", which {channel.kind} faults enter"
+            check_known(channel.enters, self.names(*groups), f"channels[{index}].enters", what)
+        return self
+
+    def _check_unique(self) -> None:
+        """All names of a plant are different, so that text, columns and messages are never ambiguous."""
+        seen: dict[str, str] = {}
+        for field, name in self._declared():
+            if name in seen:
+                raise refuse(f"the name {name} is already used by {seen[name]}", "rename one of them", field, name)
+            seen[name] = field
+
+    def _declared(self) -> Iterator[tuple[str, str]]:
+        for group in ("states", "inputs", "outputs", "parameters", "signals", "definitions", "channels"):
+            for index, item in enumerate(getattr(self, group)):
+                yield f"{group}[{index}].name", item.name
+
+
+def check_known(names: Iterable[str], known: Iterable[str], field: str, what: str) -> None:
+    """Refuse the first of `names` that is not among `known`, with the nearest of these."""
+    declared = tuple(known)
+    for name in names:
+        if name not in declared:
+            raise refuse(f"{name!r} is not {what}", suggest(name, declared), f"{field}.{name}", name)
+
+
+def check_within(value: float, bounds: tuple[float | None, float | None], field: str, what: str) -> None:
+    """Refuse a value outside its bounds."""
+    low, high = bounds
+    if (low is not None and value < low) or (high is not None and value > high):
+        text = f"[{'−∞' if low is None else format(low, 'g')}, {'∞' if high is None else format(high, 'g')}]"
+        raise refuse(f"{what} = {value:g} lies outside {text}", f"choose a value in {text}", field, value)

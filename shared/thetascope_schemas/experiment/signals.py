@@ -1,0 +1,196 @@
+"""Time functions: inputs u(t) and known signals φ(t). At a jump a signal has its right limit."""
+
+from itertools import pairwise
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from thetascope_schemas.experiment.base import (
+    MAX_POINTS,
+    ExpressionText,
+    NonNegative,
+    Number,
+    Positive,
+    Seed,
+    Strict,
+    example,
+    refuse,
+)
+
+Points = Annotated[tuple[Number, ...], Field(min_length=1, max_length=MAX_POINTS)]
+Interpolation = Literal["hold", "linear"]
+
+
+def check_increasing(times: tuple[float, ...], field: str = "times") -> None:
+    """Refuse times that are not strictly increasing, naming the first that is not."""
+    for index, (before, after) in enumerate(pairwise(times)):
+        if not before < after:
+            raise refuse(
+                f"times[{index + 1}] = {after:g} is not after times[{index}] = {before:g}",
+                "sort the times and keep each once",
+                field,
+                after,
+            )
+
+
+def check_lengths(times: tuple[float, ...], values: tuple[float, ...], more: int) -> None:
+    """Refuse a table whose number of values is not the number of times plus `more`."""
+    if len(values) != len(times) + more:
+        raise refuse(
+            f"{len(times)} times need {len(times) + more} values, and there are {len(values)}",
+            "give one value more than times: values[0] holds before times[0]" if more else "give one value per time",
+            "values",
+            len(values),
+        )
+
+
+def check_width(width: float, period: float) -> None:
+    """Refuse a pulse that does not end within its period."""
+    if width > period:
+        raise refuse(
+            f"the width {width:g} s is longer than the period {period:g} s", f"width ≤ {period:g}", "width", width
+        )
+
+
+class ConstantSignal(Strict):
+    """The same value at all times."""
+
+    model_config = example(kind="constant", value=0.08)
+
+    kind: Literal["constant"] = "constant"
+    value: Number = Field(description="Value, in the signal's unit.")
+
+
+class StepsSignal(Strict):
+    """Piecewise constant: values[0] before times[0], values[i] from times[i-1] on."""
+
+    model_config = example(kind="steps", times=[10, 20], values=[0.08, 0.02, 0.08])
+
+    kind: Literal["steps"] = "steps"
+    times: Points = Field(description="Times of the jumps in s, increasing.")
+    values: Points = Field(description="Values, one more than times.")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "StepsSignal":
+        check_increasing(self.times)
+        check_lengths(self.times, self.values, more=1)
+        return self
+
+
+class PulseSignal(Strict):
+    """`high` on [start + k·period, start + k·period + width) for k = 0, 1, …, otherwise `low`."""
+
+    model_config = example(kind="pulse", low=0, high=1, period=0.5, width=0.25, start=0)
+
+    kind: Literal["pulse"] = "pulse"
+    low: Number = Field(0.0, description="Value outside the pulses.")
+    high: Number = Field(1.0, description="Value within the pulses (may lie below `low`).")
+    period: Positive = Field(description="Period in s.")
+    width: Positive = Field(description="Length of one pulse in s, at most the period.")
+    start: Number = Field(0.0, description="Start of the first pulse in s.")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "PulseSignal":
+        check_width(self.width, self.period)
+        return self
+
+
+class SineSignal(Strict):
+    """offset + amplitude·sin(2π·frequency·t + phase)."""
+
+    model_config = example(kind="sine", amplitude=5, frequency=1, phase=0, offset=0)
+
+    kind: Literal["sine"] = "sine"
+    amplitude: Number = Field(description="Amplitude, in the signal's unit.")
+    frequency: NonNegative = Field(description="Frequency in Hz.")
+    phase: Number = Field(0.0, description="Phase at t = 0 in rad.")
+    offset: Number = Field(0.0, description="Mean value, in the signal's unit.")
+
+
+class RampSignal(Strict):
+    """`initial` until `start`, then rising by `slope` per second, held from `end` on."""
+
+    model_config = example(kind="ramp", start=5, slope=0.1, initial=0, end=15)
+
+    kind: Literal["ramp"] = "ramp"
+    start: Number = Field(0.0, description="Start of the ramp in s.")
+    slope: Number = Field(description="Slope, in the signal's unit per s.")
+    initial: Number = Field(0.0, description="Value until the start.")
+    end: Number | None = Field(None, description="Time in s from which the value is held; null: never.")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "RampSignal":
+        if self.end is not None and self.end <= self.start:
+            raise refuse(
+                f"the end {self.end:g} s is not after the start {self.start:g} s",
+                f"end > {self.start:g}, or null",
+                "end",
+                self.end,
+            )
+        return self
+
+
+class ChirpSignal(Strict):
+    """offset + amplitude·sin(2π(f0·t + (f1−f0)·t²/(2·duration))); from `duration` on the frequency stays f1."""
+
+    model_config = example(kind="chirp", amplitude=1, f0=0.1, f1=5, duration=60, offset=0)
+
+    kind: Literal["chirp"] = "chirp"
+    amplitude: Number = Field(description="Amplitude, in the signal's unit.")
+    f0: NonNegative = Field(description="Frequency at t = 0 in Hz.")
+    f1: NonNegative = Field(description="Frequency at `duration` in Hz.")
+    duration: Positive = Field(description="Length of the sweep in s.")
+    offset: Number = Field(0.0, description="Mean value, in the signal's unit.")
+
+
+class PrbsSignal(Strict):
+    """Pseudo-random binary sequence: every `hold` seconds `low` or `high`, drawn from its own seed."""
+
+    model_config = example(kind="prbs", low=-1, high=1, hold=0.5, seed=7)
+
+    kind: Literal["prbs"] = "prbs"
+    low: Number = Field(-1.0, description="The one value.")
+    high: Number = Field(1.0, description="The other value.")
+    hold: Positive = Field(description="Time in s for which a drawn value holds.")
+    seed: Seed = Field(0, description="Seed of the sequence.")
+
+
+class TableSignal(Strict):
+    """Values at given times; the first holds before them and the last after them."""
+
+    model_config = example(kind="table", times=[0, 1, 2], values=[0, 1, 0.5], interpolation="linear")
+
+    kind: Literal["table"] = "table"
+    times: Points = Field(description="Times in s, increasing.")
+    values: Points = Field(description="Values at these times.")
+    interpolation: Interpolation = Field("linear", description="Between two times: linear, or hold the earlier value.")
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "TableSignal":
+        check_increasing(self.times)
+        check_lengths(self.times, self.values, more=0)
+        return self
+
+
+class ExpressionSignal(Strict):
+    """A smooth function of the time t, as text."""
+
+    model_config = example(kind="expression", text="sin(t) - cos(t)")
+
+    kind: Literal["expression"] = "expression"
+    text: ExpressionText = Field(description="Expression of t alone.")
+
+
+Signal = Annotated[
+    ConstantSignal
+    | StepsSignal
+    | PulseSignal
+    | SineSignal
+    | RampSignal
+    | ChirpSignal
+    | PrbsSignal
+    | TableSignal
+    | ExpressionSignal,
+    Field(discriminator="kind"),
+]
+"""Any time function, told apart by `kind`."""

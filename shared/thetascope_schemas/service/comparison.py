@@ -1,0 +1,97 @@
+"""The observers of a run compared on the same data: errors, settling, faults found and missed, cost."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from thetascope_schemas.experiment.base import Number, Reference, Strict, example
+
+_WINDOWS = [{"start": 0, "end": 20}, {"start": 20, "end": 100}]
+_STEP = {"channel": "theta3", "at": 20, "size": 0.02, "ten": 0.77, "five": 1.04}
+_FAULT = {"kind": "channel", "name": "theta3", "onset": 20, "until": None, "outcome": "found", "delay": 0.6,
+          "alternative": False}  # fmt: skip
+_ROW = {
+    "label": "adaptive",
+    "rmse": {"x.x1": [0.002, 0.0004], "theta.theta3": [0.001, 0.0011]},
+    "peak": {"x.x1": [0.02, 0.004], "theta.theta3": [0.01, 0.02]},
+    "steps": [_STEP],
+    "faults": [_FAULT],
+    "found": 1,
+    "covered": 0,
+    "missed": 0,
+    "false_alarms": 0,
+    "isolation_errors": 0,
+    "delay": 0.6,
+    "grace": 5,
+    "cost": 57.8,
+}
+
+
+class Window(Strict):
+    """A stretch of the run between two events: onsets and ends of faults, the run's beginning and end."""
+
+    model_config = example(**_WINDOWS[1])
+
+    start: Number = Field(description="Time in s of the event at which it begins.")
+    end: Number = Field(description="Time in s of the event at which it ends.")
+
+
+class StepFollowed(Strict):
+    """How soon an estimate followed one step of a fault."""
+
+    model_config = example(**_STEP)
+
+    channel: Reference
+    at: Number = Field(description="Time of the step in s.")
+    size: Number = Field(description="New value less the old, in the channel's unit.")
+    ten: Number | None = Field(description="Seconds until it stays within 10 % of the size; null: it does not.")
+    five: Number | None = Field(description="Seconds until it stays within 5 % of the size; null: it does not.")
+
+
+class FaultOutcome(Strict):
+    """What an observer's alarms made of one fault."""
+
+    model_config = example(**_FAULT)
+
+    kind: Literal["channel", "output"] = Field(description="A channel of the model, or a measurement.")
+    name: Reference = Field(description="Name of the channel or output.")
+    onset: Number = Field(description="Time in s at which it began.")
+    until: Number | None = Field(description="Time in s until which it could be found; null: the end of the run.")
+    outcome: Literal["found", "covered", "missed"] = Field(
+        description="Covered: an alarm that names it was on when it began, so none could be raised."
+    )
+    delay: Number | None = Field(description="Seconds from the onset to the alarm that found it.")
+    alternative: bool = Field(description="Found only as one of the alternatives that an alarm leaves open.")
+
+
+class ComparisonRow(Strict):
+    """One observer's part of the comparison. Counts of alarms and faults are null where no tests watched it."""
+
+    model_config = example(**_ROW)
+
+    label: str
+    rmse: dict[str, tuple[Number | None, ...]] = Field(
+        description="Root mean square error by column (x.…, theta.…), one a window; null: not all rows have a number."
+    )
+    peak: dict[str, tuple[Number | None, ...]] = Field(description="Largest error likewise.")
+    steps: tuple[StepFollowed, ...] = ()
+    faults: tuple[FaultOutcome, ...] | None = Field(None, description="What became of each fault, in order of time.")
+    found: int | None = Field(None, description="Faults that an alarm named after they began.")
+    covered: int | None = Field(None, description="Faults that an alarm named already when they began.")
+    missed: int | None = Field(None, description="Faults that no alarm named.")
+    false_alarms: int | None = Field(None, description="Alarms raised while no fault was there, nor just before.")
+    isolation_errors: int | None = Field(None, description="Alarms raised during a fault that name none that is there.")
+    delay: Number | None = Field(None, description="Median delay in s of the faults found.")
+    grace: Number = Field(description="Seconds after a fault within which an alarm is not false: θ̂ is coming back.")
+    cost: Number | None = Field(
+        None, description="Processor time in µs per simulated second, measured: another number each time."
+    )
+
+
+class Comparison(Strict):
+    """The observers of a run on the same data; backend/thetascope/diagnosis/evaluation/observer_comparison.py defines each measure."""
+
+    model_config = example(windows=_WINDOWS, observers=[_ROW])
+
+    windows: tuple[Window, ...] = ()
+    observers: tuple[ComparisonRow, ...] = ()

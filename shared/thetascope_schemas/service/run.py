@@ -1,0 +1,201 @@
+"""What the service answers: a run, its progress and summary, and problems (RFC 9457)."""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import Field, JsonValue
+
+from thetascope_schemas.experiment.base import FieldError, Number, Strict, example
+from thetascope_schemas.experiment.diagnosis import Diagnosis
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.comparison import Comparison
+
+Status = Literal["queued", "running", "done", "failed", "cancelled"]
+
+_PROBLEM = {
+    "type": "about:blank",
+    "title": "The experiment was refused",
+    "status": 422,
+    "detail": "faults[0].end: the end 5 s is not after the onset 20 s; give an end above 20, or null",
+    "instance": None,
+    "errors": [
+        {
+            "field": "faults[0].end",
+            "value": 5,
+            "problem": "the end 5 s is not after the onset 20 s",
+            "remedy": "give an end above 20, or null",
+        }
+    ],
+}
+_CHECK = {
+    "name": "persistent-excitation",
+    "verdict": "holds",
+    "text": "smallest eigenvalue of the windowed Gramian",
+    "value": 0.0026,
+    "threshold": 0.001,
+    "source": "Zhao, Li, Li 2012, eq. (36)",
+}
+_OBSERVER = {
+    "label": "adaptive",
+    "kind": "zhao-adaptive",
+    "title": "Zhao–Li–Li adaptive observer",
+    "diverged": None,
+    "rmse": {"x1": 3.1e-8, "x2": 4.4e-8},
+    "checks": [_CHECK],
+    "facts": {},
+}
+_SUMMARY = {
+    "columns": 24,
+    "rows": 10001,
+    "step": 0.001,
+    "substeps": 1,
+    "diverged": None,
+    "observers": [_OBSERVER],
+    "notes": [],
+    "seconds": {"run": 0.03},
+}
+
+
+class Problem(Strict):
+    """A refusal or failure as application/problem+json (RFC 9457)."""
+
+    model_config = example(**_PROBLEM)
+
+    type: str = Field("about:blank", description="URI reference of the kind of problem.")
+    title: str = Field(description="Short text, the same for every problem of this kind.")
+    status: int = Field(ge=400, le=599, description="HTTP status.")
+    detail: str = Field("", description="What happened here.")
+    instance: str | None = Field(None, description="URI reference of this occurrence.")
+    errors: tuple[FieldError, ...] = Field((), description="Each field at fault, its value, the problem, the remedy.")
+
+
+class Divergence(Strict):
+    """When a plant or an observer left all bounds, and the likely cause."""
+
+    model_config = example(time=2.515, cause="the plant has a finite escape time")
+
+    time: Number = Field(description="Time in s from which the values are missing.")
+    cause: str = Field(description="The likely cause.")
+
+
+class AssumptionCheck(Strict):
+    """One assumption of an observer's theorem, checked on this plant, these gains and this run."""
+
+    model_config = example(**_CHECK)
+
+    name: str
+    verdict: Literal["holds", "fails", "cannot tell"]
+    text: str = Field(description="What was checked, in a sentence.")
+    value: Number | None = Field(None, description="The number found.")
+    threshold: Number | None = Field(None, description="The number it is held against.")
+    source: str = Field("", description="Paper and equation.")
+
+
+class FinalValue(Strict):
+    """An estimate over the last tenth of the run, in the channel's unit."""
+
+    model_config = example(truth=0.02, estimate=0.0201, error=0.0001, mean_error=0.00002, std=0.0003)
+
+    truth: Number | None = Field(description="The true value at the end.")
+    estimate: Number | None = Field(description="The estimate at the end.")
+    error: Number | None = Field(description="Estimate less truth at the end.")
+    mean_error: Number | None = Field(description="Mean of estimate less truth.")
+    std: Number | None = Field(description="Standard deviation of estimate less truth.")
+
+
+class Settling(Strict):
+    """How an estimate followed one step of a fault."""
+
+    model_config = example(channel="theta3", at=20, size=0.02, within=0.1, reached=0.7, time=0.75, until=40)
+
+    channel: str
+    at: Number = Field(description="Time of the step in s.")
+    size: Number = Field(description="Size of the step.")
+    within: Number = Field(description="Width of the band around the new value, as a fraction of the size.")
+    reached: Number | None = Field(description="Time in s after the step at which the band is first reached.")
+    time: Number | None = Field(description="Time in s after the step from which the estimate stays in the band.")
+    until: Number = Field(description="Time in s up to which was looked: the next event, or the end.")
+
+
+class ObserverSummary(Strict):
+    """What came out for one observer."""
+
+    model_config = example(**_OBSERVER)
+
+    label: str
+    kind: str
+    title: str = ""
+    diverged: Divergence | None = None
+    rmse: dict[str, Number | None] = Field(
+        default_factory=dict, description="Root mean square error per state over the run, null where undefined."
+    )
+    rmse_end: dict[str, Number | None] = Field(
+        default_factory=dict, description="The same over the last tenth of the run."
+    )
+    theta: dict[str, FinalValue] = Field(default_factory=dict, description="Estimate of each channel at the end.")
+    settling: tuple[Settling, ...] = Field((), description="How soon each step of a fault was followed.")
+    checks: tuple[AssumptionCheck, ...] = ()
+    facts: dict[str, JsonValue] = Field(default_factory=dict, description="What the observer reports about itself.")
+
+
+class RunSummary(Strict):
+    """What came out of a run, without its data."""
+
+    model_config = example(**_SUMMARY)
+
+    columns: int = Field(ge=0, description="Number of columns of the data.")
+    rows: int = Field(ge=0, description="Number of recorded times.")
+    step: Number = Field(description="Step of the integration in s.")
+    substeps: int = Field(1, ge=1, description="Steps that observers take within one step.")
+    diverged: Divergence | None = Field(None, description="Divergence of the plant itself.")
+    observers: tuple[ObserverSummary, ...] = ()
+    comparison: Comparison | None = Field(None, description="The observers compared on the same data.")
+    diagnosis: Diagnosis | None = Field(None, description="Which fault, since when, how large, how sure.")
+    notes: tuple[str, ...] = ()
+    seconds: dict[str, Number] = Field(default_factory=dict, description="Wall time of each stage in s.")
+
+
+class Progress(Strict):
+    """How far a run is."""
+
+    model_config = example(
+        id="5f0c1a9e77b24d3c8a6f01234567890b",
+        status="running",
+        progress=0.4,
+        detail="",
+        problem=None,
+        links={"self": "/api/runs/5f0c1a9e77b24d3c8a6f01234567890b"},
+    )
+
+    id: str = Field(description="The run's id.")
+    status: Status
+    progress: Number = Field(ge=0, le=1, description="Share done, 0 to 1.")
+    detail: str = ""
+    problem: Problem | None = Field(None, description="Why it failed.")
+    links: dict[str, str] = Field(default_factory=dict)
+
+
+class Run(Strict):
+    """A run of an experiment. Its id is the hash of what determines its numbers (`Experiment.spec_hash`)."""
+
+    model_config = example(
+        id="5f0c1a9e77b24d3c8a6f01234567890b",
+        status="done",
+        progress=1,
+        spec={"plant": "contois", "horizon": 100, "step": 0.001},
+        summary=_SUMMARY,
+        problem=None,
+        created="2025-01-01T12:00:00Z",
+        pinned=False,
+        links={"data": "/api/runs/5f0c1a9e77b24d3c8a6f01234567890b/data"},
+    )
+
+    id: str = Field(description="Hash of the canonical spec.")
+    status: Status
+    progress: Number = Field(ge=0, le=1, description="Share done, 0 to 1.")
+    spec: Experiment
+    summary: RunSummary | None = Field(None, description="Set when done.")
+    problem: Problem | None = Field(None, description="Set when failed.")
+    created: datetime
+    pinned: bool = Field(False, description="A pinned run is kept when the store needs room.")
+    links: dict[str, str] = Field(default_factory=dict)

@@ -1,0 +1,289 @@
+"""The wire of a live session: every message between a browser and /api/sessions/{id}/stream, in one file.
+
+Text frames are JSON: commands from the client, events from the server, each told by its `type`. Binary frames are
+samples: a header of HEADER (little endian) and then, column after column, `count` float32 values.
+
+    sequence  uint32   number of the frame within the session, counted from 1
+    epoch     uint32   raised whenever the columns or the past change (an observer added, a rewind): see Columns, Rewound
+    first     uint64   row number of the first sample: row r is at time r · record
+    count     uint32   rows in this frame
+    columns   uint32   columns in this frame
+
+A slow viewer gets fewer, larger frames: `sequence` is then that of the last frame they cover (0: of none that the server
+still knows). One that is too far behind jumps (see Jump).
+
+A client that lost its connection asks for `?after=<sequence>`. If the epoch in Hello is still the one it knew, it gets what
+it missed; else, or where that is too long ago, the whole past again.
+"""
+
+from typing import Annotated, Literal
+
+from pydantic import Field, JsonValue
+
+from thetascope_schemas.experiment.base import Instant, NonNegative, Number, Positive, Reference, Strict, example
+from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.observers import Gain, Label, ObserverConfig
+from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.service.run import AssumptionCheck
+
+PROTOCOL_VERSION = 1
+HEADER = "<IIQII"
+
+# ---- close codes (application range of RFC 6455) ----------------------------------------------------------------------
+
+CLOSE_NO_SESSION = 4404  # there is no such session (any more)
+CLOSE_ORIGIN = 4403  # the page comes from another origin
+CLOSE_TOKEN = 4401  # the control token is not this session's
+CLOSE_FULL = 4429  # too many viewers
+CLOSE_SLOW = 4408  # the viewer does not read what it is sent
+CLOSE_ENDED = 4410  # the session was closed or idle for too long
+
+
+# ---- commands: client → server ------------------------------------------------------------------------------------------
+
+
+class Command(Strict):
+    """What all commands share. Every one is answered by an Ack or a Refused with its id."""
+
+    id: int = Field(ge=0, le=2**53 - 1, strict=True, description="The client's number of the command.")
+
+
+class Play(Command):
+    """Let time run."""
+
+    model_config = example(type="play", id=1)
+    type: Literal["play"] = "play"
+
+
+class Pause(Command):
+    """Stop time."""
+
+    model_config = example(type="pause", id=2)
+    type: Literal["pause"] = "pause"
+
+
+class Step(Command):
+    """Advance by so many rows and stay paused."""
+
+    model_config = example(type="step", id=3, rows=1)
+    type: Literal["step"] = "step"
+    rows: int = Field(1, ge=1, le=100_000, strict=True)
+
+
+class Speed(Command):
+    """Simulated seconds per second; null: as fast as possible."""
+
+    model_config = example(type="speed", id=4, value=10)
+    type: Literal["speed"] = "speed"
+    value: Annotated[float, Field(ge=0.1, le=1000, strict=True)] | None
+
+
+class Inject(Command):
+    """Let a fault begin now. Its onset (and end) in `fault` are counted from now."""
+
+    model_config = example(type="inject", id=5, fault={"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02})
+    type: Literal["inject"] = "inject"
+    fault: Fault
+
+
+class Clear(Command):
+    """End faults now: those of one channel, of one output, or all."""
+
+    model_config = example(type="clear", id=6, channel="theta3")
+    type: Literal["clear"] = "clear"
+    channel: Reference | None = None
+    output: Reference | None = None
+
+
+class SetGainNow(Command):
+    """Give an observer's gain another value from now on."""
+
+    model_config = example(type="set-gain", id=7, observer="adaptive", gain="rho", value=8)
+    type: Literal["set-gain"] = "set-gain"
+    observer: Label
+    gain: Reference
+    value: Gain
+
+
+class SetSignalNow(Command):
+    """Give an input or known signal another course from now on (its time is the session's)."""
+
+    model_config = example(type="set-signal", id=8, name="u", signal={"kind": "constant", "value": 0.05})
+    type: Literal["set-signal"] = "set-signal"
+    name: Reference
+    signal: Signal
+
+
+class SetNoiseNow(Command):
+    """Change the measurement noise of an output from now on."""
+
+    model_config = example(type="set-noise", id=9, output="y", std=0.002, sample_time=0.01)
+    type: Literal["set-noise"] = "set-noise"
+    output: Reference
+    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
+    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
+
+
+class AddObserverNow(Command):
+    """Let another observer watch from now on."""
+
+    model_config = example(type="add-observer", id=10, observer={"label": "ekf", "kind": "joint-ekf"})
+    type: Literal["add-observer"] = "add-observer"
+    observer: ObserverConfig
+
+
+class RemoveObserverNow(Command):
+    """Let an observer watch no longer."""
+
+    model_config = example(type="remove-observer", id=11, label="ekf")
+    type: Literal["remove-observer"] = "remove-observer"
+    label: Label
+
+
+class Reset(Command):
+    """Back to t = 0 with the experiment as it was at the start; the log is emptied."""
+
+    model_config = example(type="reset", id=12)
+    type: Literal["reset"] = "reset"
+
+
+class Seek(Command):
+    """Back to an earlier time: what was done and recorded after it is given up (fork first to keep it)."""
+
+    model_config = example(type="seek", id=13, t=20.0)
+    type: Literal["seek"] = "seek"
+    t: Instant = Field(description="Time in s, rounded to a row, up to the present one.")
+
+
+ClientMessage = Annotated[
+    Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow
+    | RemoveObserverNow | Reset | Seek,
+    Field(discriminator="type"),
+]  # fmt: skip
+
+
+# ---- events: server → client ---------------------------------------------------------------------------------------------
+
+
+class Hello(Strict):
+    """The first message on a connection: everything a page needs to draw itself."""
+
+    type: Literal["hello"] = "hello"
+    protocol: int = PROTOCOL_VERSION
+    session: str
+    role: Literal["control", "view"]
+    spec: Experiment = Field(description="The experiment with the faults and timed commands so far, its plant in full.")
+    columns: tuple[str, ...]
+    epoch: int
+    step: Number
+    record: Number = Field(description="Time in s between rows.")
+    row: int = Field(description="Rows recorded so far: the next row's number.")
+    playing: bool
+    speed: Number | None
+    parent: str | None = Field(None, description="The session that this one was forked from.")
+    log: tuple["Event", ...] = Field((), description="Everything that happened so far.")
+
+
+class Ack(Strict):
+    """A command was carried out, and takes effect from this row on."""
+
+    type: Literal["ack"] = "ack"
+    id: int
+    row: int
+    t: Number
+
+
+class Refused(Strict):
+    """A command was not carried out; nothing has changed."""
+
+    type: Literal["refused"] = "refused"
+    id: int | None = Field(description="The command's id, null where the message had none.")
+    field: str = ""
+    value: JsonValue = None
+    problem: str
+    remedy: str
+
+
+class Status(Strict):
+    """How the session stands; newer replaces older."""
+
+    type: Literal["status"] = "status"
+    row: int
+    t: Number
+    playing: bool
+    speed: Number | None
+    rate: Number | None = Field(description="Simulated seconds per second, as measured.")
+    viewers: int
+    ended: bool = Field(False, description="The horizon that a session may reach, or a plant that escaped.")
+
+
+class Event(Strict):
+    """Something that happened, for the log. It is never dropped."""
+
+    type: Literal["event"] = "event"
+    row: int
+    t: Number
+    kind: Literal["inject", "clear", "fault-begins", "fault-ends", "gain", "signal", "noise", "observer-added",
+                  "observer-removed", "alarm", "alarm-over", "diverged", "rewound", "reset", "substeps"]  # fmt: skip
+    subject: str = Field("", description="Channel, output, observer label, or signal that it is about; of \"diverged\", empty: the plant itself.")
+    observer: str = Field("", description="The observer that says so (alarms).")
+    value: JsonValue = Field(None, description="Size, gain value, estimate …")
+    text: str = Field("", description="The event in English.")
+
+
+class Columns(Strict):
+    """The columns have changed from this row on (observers added or removed); a new epoch begins."""
+
+    type: Literal["columns"] = "columns"
+    epoch: int
+    row: int
+    columns: tuple[str, ...]
+
+
+class Rewound(Strict):
+    """Rows from this one on are void; a new epoch begins. The log now ends here too."""
+
+    type: Literal["rewound"] = "rewound"
+    epoch: int
+    row: int
+    t: Number
+
+
+class Jump(Strict):
+    """Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; /data has them, thinned out if wanted."""
+
+    type: Literal["jump"] = "jump"
+    epoch: int
+    first: int
+    row: int
+
+
+class Spec(Strict):
+    """The experiment with everything done so far (after every command that changes it)."""
+
+    type: Literal["spec"] = "spec"
+    spec: Experiment
+
+
+class Assumptions(Strict):
+    """The assumption checks of one observer over the session so far."""
+
+    type: Literal["assumptions"] = "assumptions"
+    observer: Label
+    checks: tuple[AssumptionCheck, ...]
+
+
+class DiagnosisNow(Strict):
+    """What the detector says of the session so far; newer replaces older."""
+
+    model_config = example(type="diagnosis", diagnosis={"observer": "", "sentence": "no fault found since 2 s"})
+
+    type: Literal["diagnosis"] = "diagnosis"
+    diagnosis: ObserverDiagnosis
+
+
+ServerMessage = Annotated[
+    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow, Field(discriminator="type")
+]

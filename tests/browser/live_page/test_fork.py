@@ -1,0 +1,59 @@
+"""A fork beside the session that it came from: compared in one table, and one click or Back away from each other."""
+
+from page_state import APP, ready, send, state, until
+
+
+def forked(page):
+    """The default experiment at 30 s, forked at 21 s with another gain, run on to 29 s; the id of the first session."""
+    opened = page("/?experiment=zhao-2012&t=30")
+    ready(opened)
+    parent = state(opened, "session")
+    until(opened, "history.state?.session !== undefined")
+    opened.evaluate(f"{APP}.act.fork(21)")
+    until(opened, f"{APP}.state.session !== {parent!r} && {APP}.ghost?.rows > 2900 && {APP}.state.origin !== null")
+    ready(opened)
+    send(opened, "{type: 'set-gain', observer: 'adaptive', gain: 'lambda', value: 0.6}")
+    send(opened, "{type: 'add-observer', observer: {label: 'kalman', kind: 'adaptive-kalman'}}")
+    send(opened, "{type: 'step', rows: 800}")
+    until(opened, f"{APP}.samples.now > 28.9")
+    return opened, parent
+
+
+def test_a_fork_is_compared_with_its_parent(page):
+    """Rows of the first session under its name, each observer by its name, with that session's own figures over the same window."""
+    opened, _ = forked(page)
+    rows = opened.locator("#panel-comparison tbody tr:has(.who)")
+    until(opened, "document.querySelectorAll('#panel-comparison .of-origin').length === 2")
+    assert [text.split("\n")[0].split("\t")[0].strip() for text in rows.all_inner_texts()] == ["adaptive", "kalman", "adaptive"]
+    until(opened, f"""(() => {{
+      const from = Math.max(0, {APP}.state.t - {APP}.state.window), to = {APP}.state.t;
+      const of = (samples) => {{
+        const a = samples.window('x.x1', from, to).v, b = samples.window('adaptive.x.x1', from, to).v;
+        return Math.sqrt(a.reduce((sum, v, k) => sum + (v - b[k]) ** 2, 0) / a.length);
+      }};
+      const shown = (row) => Number(document.querySelector(`#panel-comparison ${{row}} td`).textContent);
+      return Math.abs(shown('tbody tr') / of({APP}.samples) - 1) < 0.1 && Math.abs(shown('.of-origin') / of({APP}.ghost) - 1) < 0.1;
+    }})()""")
+    noise = [float(opened.locator(f"#panel-comparison {row} td").nth(2).inner_text()) for row in ("tbody tr:not(.of-origin)", ".of-origin")]
+    assert noise[0] < noise[1]  # what the lower λ is for
+
+
+def test_back_and_the_legend_lead_to_the_first_session_and_to_the_fork(page):
+    """Back, the legend and the table lead to the very first session, in control; its legend leads to the fork; loading again keeps each."""
+    opened, parent = forked(page)
+    fork = state(opened, "session")
+    opened.go_back()
+    until(opened, f"{APP}.state.session === {parent!r} && {APP}.state.connection === 'live'")
+    ready(opened)
+    assert state(opened, "role") == "control" and abs(state(opened, "t") - 30) < 0.02
+    opened.click(".legend .link")
+    until(opened, f"{APP}.state.session === {fork!r} && {APP}.state.origin !== null")
+    assert state(opened, "parent")["id"] == parent and state(opened, "role") == "control"
+    opened.wait_for_timeout(700)
+    opened.reload()
+    ready(opened)
+    assert state(opened, "session") == fork and state(opened, "role") == "control"
+    until(opened, f"{APP}.state.origin !== null && document.querySelector('#panel-comparison .origin .link') !== null")
+    opened.click("#panel-comparison .origin .link")
+    until(opened, f"{APP}.state.session === {parent!r}")
+    assert opened.watch.errors == []

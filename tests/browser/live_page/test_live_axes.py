@@ -1,0 +1,181 @@
+"""What the strips of the live page show: axes, what leaves them, bands, the time that is looked back to, and the figures made of them."""
+
+import re
+from itertools import pairwise
+
+import pytest
+from page_state import APP, ready, state, until
+
+PAUSED = "/?experiment=zhao-2012&t=30"
+FOUR = "/?experiment=zhao-2012-observers&t=30"
+
+
+def settled(page, path: str, **more):
+    """The page, standing still, its axes at rest."""
+    opened = page(path, **more)
+    ready(opened)
+    opened.wait_for_timeout(1200)
+    return opened
+
+
+def beside(opened, strip: str) -> list[str]:
+    return opened.locator(f'[data-strip="{strip}"] .strip-values span').all_inner_texts()
+
+
+def test_looking_back_shows_that_time(page):
+    """Values and the line are those of the time that is looked at, and the clock stays at now, also while the pointer is on the curves."""
+    opened = settled(page, "/?experiment=zhao-2012&t=40")
+    opened.evaluate(f"{APP}.act.look(12)")
+    until(opened, "document.querySelector('[data-strip=\"theta.theta3\"] .truth').textContent.startsWith('0.0000')")
+    truth, estimate = beside(opened, "theta.theta3")
+    assert float(truth) == 0 and abs(float(estimate.replace("−", "-"))) < 0.002
+    line = opened.locator(".cursor.looked")
+    plot = opened.locator('[data-strip="theta.theta3"] canvas').bounding_box()
+    left, width = opened.evaluate(f"[{APP}.scope.place.left, {APP}.scope.place.width]")
+    assert line.bounding_box()["x"] == pytest.approx(plot["x"] + left + width * 12 / 30, abs=2)
+    assert line.inner_text() == "12.0 s" and opened.inner_text(".clock .digits") == "40.0"
+    opened.mouse.move(plot["x"] + left + width * 25 / 30, plot["y"] + 20)
+    until(opened, "document.querySelector('[data-strip=\"theta.theta3\"] .truth').textContent.startsWith('0.0200')")
+    assert opened.inner_text(".clock .digits") == "40.0"
+
+
+def test_noise_is_never_cut_and_what_leaves_is_marked(page):
+    """Past the start every sample of x̂₂ lies within its axis but for throws; those have an arrow each, at their time; one press shows all."""
+    opened = settled(page, "/?experiment=zhao-2012&t=60")
+    low, high = opened.evaluate(f"{APP}.scope.rows.get('x.x2').range.target")
+    seen = opened.evaluate(f"{APP}.range('adaptive.x.x2', 42, 60)")
+    assert low <= seen["min"] and seen["max"] <= high
+    opened.evaluate(f"{APP}.act.select(5, 35)")
+    opened.wait_for_timeout(800)
+    arrows = opened.evaluate(f"{APP}.scope.rows.get('x.x2').strip.leaving.map(({{from, to, up}}) => [from, to, up])")
+    assert arrows and all(19.5 < start <= end < 22.5 for start, end, _ in arrows)
+    show = opened.locator('[data-strip="x.x2"] .all')
+    assert show.is_visible() and show.get_attribute("aria-pressed") == "false"
+    show.click()
+    opened.wait_for_timeout(700)
+    low, high = opened.evaluate(f"{APP}.scope.rows.get('x.x2').range.target")
+    seen = opened.evaluate(f"{APP}.range('adaptive.x.x2', 5, 35)")
+    assert low <= seen["min"] and seen["max"] <= high and show.get_attribute("aria-pressed") == "true"
+    assert state(opened, "selection") == [5, 35], "the press is no zoom"
+    box = opened.locator('[data-strip="x.x2"] canvas').bounding_box()
+    opened.mouse.dblclick(box["x"] + 20, box["y"] + 20)
+    assert show.get_attribute("aria-pressed") == "false" and state(opened, "selection") == [5, 35]
+
+
+def test_an_axis_recovers_and_stays_calm(page):
+    """A throw sets the axis while it lasts; when it has left the window the axis comes back, once; noise alone moves it seldom."""
+    wide, narrow, moves = page("/").evaluate("""async () => {
+      const {Range} = await import('/live/scope/axes.js');
+      const {wanted} = await import('/live/scope/axis-view.js');
+      const {Samples} = await import('/live/state/samples.js');
+      const samples = new Samples(0.01);
+      samples.setColumns(['o.x.a']);
+      const strip = {kind: 'state', truth: null, base: null, least: 0, traces: [{column: 'o.x.a', label: 'o'}]};
+      let seed = 7;
+      const random = () => (seed = (seed * 1664525 + 1013904223) % 4294967296) / 4294967296;
+      const range = new Range();
+      let [before, moves, wide] = ['', 0, 0];
+      for (let k = 0; k < 900; k += 1) {
+        samples.push(samples.rows, 10, Float32Array.from({length: 10}, () => random() + random() + random() - 1.5 + (k > 200 && k < 270 ? 6 : 0)));
+        const t = samples.now;
+        range.aim(...wanted(strip, samples, Math.max(0, t - 30), t), k * 100);
+        range.move(k * 100);
+        wide = Math.max(wide, range.target[1] - range.target[0]);
+        if (k > 650 && String(range.target) !== before) moves += 1;
+        before = String(range.target);
+      }
+      return [wide, range.target[1] - range.target[0], moves];
+    }""")
+    assert wide > 6 and 2 < narrow < 5 and moves <= 3
+
+
+def test_marks_of_an_axis_fit_beside_it(page):
+    """Whatever the axis, its marks have at most seven characters, and one power of ten says what they leave out."""
+    found = page("/").evaluate("""async () => {
+      const {spelt} = await import('/live/scope/axis-view.js');
+      const {marks, niceStep} = await import('/live/scope/axes.js');
+      return [[0, 5e11], [-1e-7, 3e-7], [0.00739, 0.00742], [-1.5, 2], [9.99e5, 1.2e6], [-0.00004, 0.0011]].map(([low, high]) => {
+        const step = niceStep(high - low, 4);
+        const ticks = marks(low, high, step);
+        return [ticks, ...spelt(ticks, step)];
+      });
+    }""")
+    raised = dict(zip("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789", strict=True))
+    for ticks, labels, power in found:
+        unit = 10.0 ** int("".join(raised[c] for c in power.removeprefix("·10"))) if power else 1
+        assert max(map(len, labels)) <= 7 and len(set(labels)) == len(labels)
+        assert [float(label.replace("−", "-")) * unit for label in labels] == pytest.approx(ticks, abs=abs(ticks[-1]) * 1e-3)
+
+
+def test_every_band_is_drawn_and_a_name_leaves_its_own(page):
+    """With four observers all bands are there, on every θ strip; a click on a name, by keyboard too, leaves its own, and the legend says whose."""
+    opened = settled(page, FOUR)
+    labels = opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")
+    assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
+    assert opened.inner_text(".legend [data-mark=band]") == "±2σ of each" and opened.locator(".bands .key").count() == 4
+    name = opened.locator(".legend .name:text-is('ekf')")
+    name.focus()
+    opened.keyboard.press("Enter")
+    until(opened, f"{APP}.state.band === 'ekf'")
+    assert opened.evaluate(f"[...{APP}.scope.bands()]") == ["ekf"] and "±2σ of ekf" in opened.inner_text(".legend [data-mark=band]")
+    assert name.get_attribute("aria-pressed") == "true" and opened.evaluate("document.activeElement.textContent") == "ekf"
+    opened.click(".legend [data-mark=band] .link")
+    assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
+
+
+@pytest.mark.parametrize(("path", "width", "height"), [("/", 1280, 800), ("/?experiment=dc-motor", 1440, 900), ("/?experiment=dts200", 1280, 720), (FOUR, 1440, 900)])
+def test_the_legend_keeps_its_words(page, path, width, height):
+    """With many observers, too, and on at most two lines."""
+    opened = settled(page, path, width=width, height=height)
+    marks = opened.evaluate("[...document.querySelectorAll('.legend li')].map((one) => [one.innerText.trim(), one.offsetTop])")
+    words = [text for text, _ in marks]
+    assert all(words) and {"true", "fault active", "alarm"} <= set(words) and any("±2σ" in text for text in words)
+    assert len({top // 12 for _, top in marks}) <= 2
+    assert set(opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")) <= set(words)
+
+
+def test_all_strips_of_the_tanks_are_in_sight_on_a_small_screen(page):
+    """At 1280×720 eleven strips fit: none is cut, none touches its neighbour, nothing is scrolled away."""
+    opened = settled(page, "/?experiment=dts200&t=700", width=1280, height=720)
+    boxes = opened.evaluate("[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })")
+    assert len(boxes) == 11 and all(after[0] - before[1] >= 3 for before, after in pairwise(boxes))
+    assert opened.evaluate("document.querySelector('.strips').scrollHeight <= document.querySelector('.strips').clientHeight + 1")
+    labels = opened.evaluate("[...document.querySelectorAll('.strip')].map((one) => one.querySelector('.strip-label').getBoundingClientRect().bottom - one.getBoundingClientRect().bottom)")
+    assert max(labels) <= 1
+
+
+def test_a_strip_that_cannot_tell_says_why(page):
+    """Where no observer has an excitation yet, its strip says what is missing."""
+    opened = settled(page, "/?experiment=friction-motor&t=10")
+    until(opened, "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] .untold').innerText)")
+
+
+def test_marks_are_explained(page):
+    """Under the pointer an alarm says what it is, the timeline what happened; the help lists every mark, in both languages."""
+    opened = settled(page, PAUSED)
+    t = opened.evaluate(f"{APP}.state.alarms[0].t")
+    canvas = opened.locator('[data-strip="theta.theta3"] canvas')
+    box = canvas.bounding_box()
+    left, width = opened.evaluate(f"[{APP}.scope.place.left, {APP}.scope.place.width]")
+    opened.mouse.move(box["x"] + left + width * t / 30, box["y"] + 5)
+    assert "alarm was raised" in canvas.get_attribute("title")
+    opened.mouse.move(box["x"] + left + width * 0.5, box["y"] + 40)
+    assert canvas.get_attribute("title") == ""
+    rail = opened.locator(".rail").bounding_box()
+    opened.mouse.move(rail["x"] + rail["width"] * t / 100, rail["y"] + 10)
+    assert "alarm: θ₃" in opened.get_attribute(".rail", "title")
+    for language, said in (("en", "the interval"), ("zh", "区间")):
+        opened.evaluate(f"{APP}.act.language('{language}')")
+        opened.keyboard.press("?")
+        opened.wait_for_selector(".marks-list tr")
+        assert opened.locator(".marks-list tr").count() == 13 and said in opened.inner_text(".marks-list")
+        opened.keyboard.press("Escape")
+
+
+def test_a_figure_has_its_marks_and_their_legend(page):
+    """The exported scope carries alarms, threshold, tint and bands, each with its words."""
+    opened = settled(page, PAUSED)
+    svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
+    for words in ("alarm", "fault active", "±2σ of adaptive", "least excitation asked for"):
+        assert words in svg, words
+    assert "▼" in svg and len(re.findall(r"stroke-dasharray", svg)) >= 4

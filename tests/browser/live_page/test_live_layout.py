@@ -1,0 +1,137 @@
+"""The columns of the live page: what has room, what says that there is more, and that nothing moves when something opens."""
+
+from itertools import pairwise
+
+import pytest
+
+from tests.browser.live_helpers import opened, until
+
+SIX = [("high", "high-gain"), ("second", "adaptive-kalman"), ("third", "adaptive-kalman"), ("ekf", "joint-ekf"), ("ukf", "joint-ukf")]
+CARDS = """Object.fromEntries([...document.querySelectorAll('.left > .card, .right > .card, #scope')].filter((one) => one.checkVisibility())
+  .map((one) => { const {top, bottom, left, right} = one.getBoundingClientRect(); return [one.id, [top, bottom, left, right].map(Math.round).join(' ')]; }))"""
+#: Lines of a card's list: how many are seen whole, how many in part, how many are there, and what the rim says.
+LINES = """(selector) => {
+  const all = [...document.querySelectorAll(selector)].filter((one) => one.offsetHeight > 0);
+  const list = all[0].closest('.scroll').getBoundingClientRect();
+  const whole = all.filter((one) => one.getBoundingClientRect().bottom <= list.bottom + 1.5).length;
+  const cut = all.filter((one) => one.getBoundingClientRect().top < list.bottom - 2 && one.getBoundingClientRect().bottom > list.bottom + 1.5).length;
+  return [whole, cut, all.length, all[0].closest('.card').querySelector(':scope > .more-lines').innerText];
+}"""
+LISTS = {"findings": "#panel-diagnosis .scroll > .finding", "observers": "#panel-observers .observer", "comparison": "#panel-comparison tbody tr",
+         "log": "#panel-log li", "questions": "#panel-try li", "faults": "#panel-inject .faults > .fault"}  # fmt: skip
+
+
+def still(page, path: str, **more):
+    live = opened(page, path, **more)
+    live.evaluate("thetascope.store.dispatch({type: 'set', told: null})")
+    until(live, "thetascope.state.diagnosis?.calibration", 40)
+    live.wait_for_timeout(600)
+    return live
+
+
+def watched(live) -> None:
+    """Four or five more observers watch."""
+    for label, kind in SIX:
+        live.evaluate(f"thetascope.send({{type: 'add-observer', observer: {{label: '{label}', kind: '{kind}', options: {{}}}}}})")
+    until(live, "document.querySelectorAll('#panel-observers .observer').length === 6")
+    live.wait_for_timeout(500)
+
+
+@pytest.mark.parametrize(("width", "height", "whole"), [(1440, 900, 3), (1920, 1080, 3), (1280, 720, 2)])
+def test_the_findings_are_seen(page, width, height, whole):
+    """Three faults found: all three in sight where the screen is a laptop's or larger; no list ends with half a line, and each says how many follow."""
+    live = still(page, "/?experiment=zhao-2012&t=80", width=width, height=height)
+    until(live, "document.querySelectorAll('.finding').length === 3")
+    live.wait_for_timeout(300)
+    assert live.evaluate(LINES, LISTS["findings"])[0] >= whole
+    for name, selector in LISTS.items():
+        seen, cut, count, more = live.evaluate(LINES, selector)
+        assert cut == 0 and seen >= 1, name
+        assert more == ("" if seen == count else f"{count - seen} more ↓"), name
+    right = live.locator("#panel-log").bounding_box()
+    assert right["y"] + right["height"] <= height
+
+
+@pytest.mark.parametrize(("width", "height", "least"), [(1440, 900, 5), (1920, 1080, 6), (1280, 720, 3)])
+def test_six_observers_are_a_line_each(page, width, height, least):
+    """Name and lights of each in sight, the rest announced; a click on a name opens its gains; two lines of the log remain."""
+    live = still(page, "/?experiment=zhao-2012&t=20", width=width, height=height)
+    watched(live)
+    seen, cut, count, more = live.evaluate(LINES, LISTS["observers"])
+    assert count == 6 and seen >= least and cut == 0 and bool(more) == (seen < 6)
+    rows, cut = live.evaluate(LINES, LISTS["comparison"])[:2]
+    assert live.evaluate(LINES, LISTS["log"])[0] >= 2 and rows >= 1 and cut == 0
+    assert not live.is_visible("#panel-observers .gain input >> nth=0")
+    live.click("#panel-observers .unfold >> nth=0")
+    assert live.is_visible("#panel-observers .gain input >> nth=0")
+    assert live.get_attribute("#panel-observers .unfold >> nth=0", "aria-expanded") == "true"
+
+
+def test_what_opens_moves_nothing_else(page):
+    """Both folds of the diagnosis, the lights, more settings of a fault and the measurement faults: every card stays where it is."""
+    live = still(page, "/?experiment=zhao-2012&t=30")
+    before = live.evaluate(CARDS)
+    links = live.locator("#panel-diagnosis .heading-links button")
+    for place in range(2):
+        links.nth(place).click()
+        fold = live.locator("#panel-diagnosis .fold-out:visible")
+        assert fold.bounding_box()["height"] > 80 and live.evaluate(CARDS) == before
+        assert live.is_visible(".verdict") and fold.bounding_box()["y"] + fold.bounding_box()["height"] <= 900
+    live.keyboard.press("Escape")
+    assert live.locator("#panel-diagnosis .fold-out:visible").count() == 0 and live.evaluate("document.activeElement.textContent") == "how sure?"
+    live.click("#panel-observers .lights")
+    listed = live.locator("#panel-observers .checks li")
+    box = live.locator("#panel-observers .checks").bounding_box()
+    assert listed.last.is_visible() and live.evaluate(CARDS) == before and box["y"] >= 0 and box["y"] + box["height"] <= 900
+    live.keyboard.press("Escape")
+    assert not listed.last.is_visible()
+    live.click("#panel-inject .dots >> nth=0")
+    live.click("#panel-inject .heading .link")
+    live.wait_for_timeout(200)
+    assert live.evaluate(CARDS) == before
+
+
+@pytest.mark.parametrize(("width", "language"), [(1440, "en"), (1280, "en"), (1280, "zh"), (1920, "zh")])
+def test_notices_cover_nothing(page, width, language):
+    """The choice at a time, the lost connection, a word: none over the navigation, the connection, the actions, nor over one another."""
+    live = still(page, "/?experiment=zhao-2012&t=30", width=width, height=800)
+    live.evaluate(f"thetascope.act.language('{language}')")
+    over = """() => {
+      const boxes = (all) => [...document.querySelectorAll(all)].filter((one) => one.checkVisibility()).map((one) => [one.className || one.id, one.getBoundingClientRect()]);
+      const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+      const told = boxes('.choice:not([hidden]), #notice:not(:empty)');
+      const kept = boxes('.logo, .pages a, .connection, .actions button, #timeline .rail, #transport, .strip-plot');
+      return told.flatMap(([name, box], i) => [...kept, ...told.slice(i + 1)].filter(([, other]) => !apart(box, other)).map(([other]) => `${name} / ${other}`));
+    }"""
+    live.evaluate("thetascope.act.tell('A word that is said for some seconds, and long enough to need its room.')")
+    assert live.is_visible("#notice") and live.evaluate(over) == []
+    live.evaluate("thetascope.act.look(12)")
+    live.wait_for_timeout(100)
+    assert live.is_visible(".choice .run") and live.evaluate(over) == []
+    live.evaluate("thetascope.act.look(null); thetascope.store.dispatch({type: 'connection', now: 'reconnecting'})")
+    live.wait_for_selector("#notice.lost")
+    live.wait_for_timeout(100)
+    assert live.evaluate(over) == []
+
+
+def test_the_hysteresis_is_whole_on_a_phone(page):
+    """Both drawings lie within their card, the numbers of the loop and the last operator too."""
+    live = still(page, "/?experiment=zhou-tan-2012&t=2", width=390, height=844)
+    card = live.locator("#hysteresis").bounding_box()
+    boxes = [one.bounding_box() for one in live.locator("#hysteresis canvas, #hysteresis figcaption").all()]
+    assert len(boxes) == 4 and all(box["y"] + box["height"] <= card["y"] + card["height"] for box in boxes)
+    assert all(before["y"] + before["height"] <= after["y"] + 1 for before, after in pairwise(boxes))
+    assert live.evaluate("[...document.querySelectorAll('#hysteresis canvas')].every((one) => one.height === Math.round(one.clientHeight * devicePixelRatio))")
+
+
+def test_numbers_of_a_column_have_one_form(page):
+    """In the comparison every number of a column is a power of ten, or none is, with as many decimals."""
+    forms = page("/").evaluate("""async () => {
+      const {Form} = await import('/live/panels/comparison/column-format.js');
+      return [[0.00033, 0.0107], [0.00007, 0.5], [0.5, 0.76], [2e6, 3]].map((values) => {
+        const form = new Form();
+        form.take(values);
+        return values.map((value) => form.write(value));
+      });
+    }""")
+    assert forms == [["0.00033", "0.01070"], ["7.0·10⁻⁵", "5.0·10⁻¹"], ["0.50", "0.76"], ["2.0·10⁶", "3.0·10⁰"]]

@@ -1,0 +1,236 @@
+"""The scope of the live page: its curves, axes, window, zoom, readout and figures, on any screen."""
+
+import re
+
+import pytest
+from page_state import APP, ready, send, state, until
+
+PAUSED = "/?experiment=zhao-2012&t=30"
+SPAN = f"{APP}.span()"
+
+
+def coloured(page, strip: str, colour: str) -> int:
+    """How many pixels of a strip's canvas have a colour of the style sheet."""
+    return page.evaluate(
+        """([strip, name]) => {
+      const canvas = document.querySelector(`[data-strip="${strip}"] canvas`);
+      const probe = Object.assign(document.createElement('canvas'), {width: canvas.width, height: canvas.height}).getContext('2d', {willReadFrequently: true});
+      probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(name);
+      probe.fillRect(0, 0, 1, 1);
+      const want = probe.getImageData(0, 0, 1, 1).data;
+      probe.clearRect(0, 0, 1, 1);
+      probe.drawImage(canvas, 0, 0);
+      const {data} = probe.getImageData(0, 0, canvas.width, canvas.height);
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4) {
+        if (data[i + 3] > 200 && [0, 1, 2].every((c) => Math.abs(data[i + c] - want[c]) < 24)) count += 1;
+      }
+      return count;
+    }""",
+        [strip, colour],
+    )
+
+
+def test_the_first_load_shows_a_fault_being_found(page):
+    """An empty address plays by itself; within 15 s a fault begins, its estimate is within 10 % and an alarm names it."""
+    opened = page("/")
+    until(opened, f"{APP}?.state.playing")
+    until(opened, f"{APP}.state.alarms.some(({{subject}}) => subject === 'theta3')", 20)
+    until(opened, f"Math.abs({APP}.latest('adaptive.theta.theta3') - 0.02) < 0.002", 10)
+    assert coloured(opened, "theta.theta3", "--o0") > 100 and coloured(opened, "theta.theta3", "--alarm") > 10
+    assert opened.watch.errors == [] and opened.watch.foreign == []
+
+
+def test_every_kind_of_strip_is_there_with_its_values(page):
+    """Faults, states, residual and excitation each have a strip; the numbers beside it are the newest samples."""
+    opened = page(PAUSED)
+    ready(opened)
+    kinds = opened.evaluate("[...document.querySelectorAll('.strip')].map((strip) => strip.dataset.kind)")
+    assert kinds == ["theta"] * 3 + ["state"] * 2 + ["residual", "excitation"]
+    until(opened, "document.querySelector('[data-strip=\"theta.theta3\"] .strip-values').textContent !== ''")
+    shown = opened.inner_text('[data-strip="theta.theta3"] .strip-values').split()
+    wanted = opened.evaluate(f"['theta.theta3', 'adaptive.theta.theta3'].map((name) => {APP}.latest(name))")
+    assert [float(text.replace("−", "-")) for text in shown] == pytest.approx(wanted, abs=6e-4)
+
+
+def test_the_window_is_as_long_as_chosen(page):
+    """The buttons set the length of the time axis; all of the session is the last of them."""
+    opened = page(PAUSED)
+    ready(opened)
+    for words, length in (("10 s", 10), ("100 s", 100), ("all", 30), ("30 s", 30)):
+        opened.click(f".segments button:text-is('{words}')")
+        t0, t1 = opened.evaluate(SPAN)
+        assert t1 - t0 == pytest.approx(length, abs=0.1)
+
+
+def test_dragging_zooms_and_a_double_click_returns(page):
+    """A drag over any strip shows that span on all; the values are those at its right edge."""
+    opened = page(PAUSED)
+    ready(opened)
+    box = opened.locator('[data-strip="x.x1"] canvas').bounding_box()
+    opened.mouse.move(box["x"] + 150, box["y"] + 20)
+    opened.mouse.down()
+    opened.mouse.move(box["x"] + 300, box["y"] + 25, steps=4)
+    opened.mouse.up()
+    t0, t1 = opened.evaluate(SPAN)
+    assert 3 < t0 < t1 < 20
+    opened.mouse.dblclick(box["x"] + 150, box["y"] + 20)
+    assert state(opened, "selection") is None
+
+
+def test_the_pointer_reads_all_strips_at_its_time(page):
+    """Under the pointer stands the time, and beside every strip its values at that time."""
+    opened = page(PAUSED)
+    ready(opened)
+    box = opened.locator('[data-strip="theta.theta3"] canvas').bounding_box()
+    opened.mouse.move(box["x"] + box["width"] * 0.9, box["y"] + 20)
+    until(opened, f"{APP}.state.cursor !== null")
+    opened.wait_for_timeout(500)
+    cursor = state(opened, "cursor")
+    assert float(opened.inner_text(".cursor-time").removesuffix(" s")) == pytest.approx(cursor, abs=0.06)
+    shown = opened.inner_text('[data-strip="x.x1"] .strip-values').split()[0]
+    assert float(shown) == pytest.approx(opened.evaluate(f"{APP}.at('x.x1', {cursor})"), abs=6e-4)
+
+
+def test_an_axis_holds_what_is_true_and_lets_outliers_go(page):
+    """The truth always lies within the axis of its strip, also in a session that was just opened; the start of an observer does not set it."""
+    opened = page(PAUSED)
+    ready(opened)
+    opened.wait_for_timeout(1200)
+    low, high = opened.evaluate(f"[{APP}.scope.rows.get('x.x1').range.low, {APP}.scope.rows.get('x.x1').range.high]")
+    seen = opened.evaluate(f"{APP}.range('x.x1', 0, 30)")
+    assert low <= seen["min"] and seen["max"] <= high
+    estimate = opened.evaluate(f"{APP}.range('adaptive.x.x1', 0, 30)")
+    assert estimate["min"] < low, "the observer's start is off the axis, or this experiment no longer tests it"
+
+
+def test_strips_can_be_chosen(page):
+    """The menu hides and shows strips; a fault on a hidden channel brings its strip."""
+    opened = page("/?experiment=dts200&t=20")
+    ready(opened)
+    assert opened.locator('[data-strip="theta.leak3"]').count() == 0
+    send(opened, "{type: 'inject', fault: {channel: 'leak3', shape: 'step', onset: 0, size: 0.05}}")
+    opened.wait_for_selector('[data-strip="theta.leak3"]')
+    opened.click(".strips-menu summary")
+    opened.click(".strips-menu label:has-text('leak in tank 3')")
+    opened.wait_for_selector('[data-strip="theta.leak3"]', state="detached")
+
+
+def test_twelve_strips_and_more_scroll_inside_the_scope(page):
+    """With every strip of the three-tank plant shown none is squeezed, and the page itself does not grow."""
+    opened = page("/?experiment=dts200&t=20")
+    ready(opened)
+    opened.evaluate(f"{APP}.strips().forEach(({{name}}) => {APP}.act.strip(name, true))")
+    opened.wait_for_timeout(300)
+    heights = opened.evaluate("[...document.querySelectorAll('.strip')].map((strip) => strip.clientHeight)")
+    assert len(heights) >= 17 and min(heights) >= 40
+    assert opened.evaluate("document.querySelector('.strips').scrollHeight > document.querySelector('.strips').clientHeight")
+    assert opened.evaluate("document.documentElement.scrollHeight <= innerHeight")
+
+
+def test_a_strip_opens_as_a_figure_and_is_saved(page):
+    """A strip opens in Plotly with its curves; the whole scope is had as SVG; nothing is asked from elsewhere."""
+    opened = page(PAUSED)
+    ready(opened)
+    opened.hover('[data-strip="theta.theta3"]')
+    opened.click('[data-strip="theta.theta3"] .open')
+    opened.wait_for_selector(".figure-dialog .js-line", state="attached")
+    svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
+    assert svg.startswith("<svg") and len(re.findall(r"js-line", svg)) >= 12
+    assert opened.watch.errors == [] and opened.watch.foreign == []
+
+
+def test_the_sandwich_plant_shows_its_hysteresis(page):
+    """The loop and seven operators are drawn for the sandwich plant, with their zones in words, and for no other plant."""
+    opened = page("/?experiment=zhou-tan-2012&t=2")
+    ready(opened)
+    until(opened, "/[1-9].*memory/.test(document.querySelector('#hysteresis .num').textContent)")
+    zones = [int(digit) for digit in re.findall(r"\d+", opened.inner_text("#hysteresis .num"))]
+    assert sum(zones) == 7
+    other = page(PAUSED)
+    ready(other)
+    assert not other.locator("#hysteresis").is_visible()
+
+
+@pytest.mark.parametrize("width", [390, 820, 1180, 1440, 1920])
+def test_nothing_is_wider_than_the_screen(page, width):
+    """At every width the page scrolls down only, and the play button and a strip are on it."""
+    opened = page(PAUSED, width=width, height=844)
+    ready(opened)
+    assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
+    assert opened.locator(".play").is_visible() and opened.locator(".strip canvas").first.is_visible()
+
+
+def test_bins_are_the_true_minima_and_maxima(page):
+    """At every level the ring's minima and maxima are those of the rows, also after rewinding and beyond its capacity."""
+    opened = page(PAUSED)
+    ready(opened)
+    wrong, levels, capacity = opened.evaluate("""async () => {
+      const {Samples} = await import('/live/state/samples.js');
+      const samples = new Samples(0.01, 4 * 16384);
+      samples.setColumns(['a']);
+      const rows = [];
+      let seed = 1;
+      const random = () => (seed = (seed * 1664525 + 1013904223) % 4294967296) / 4294967296;
+      const push = (count) => {
+        const data = Float32Array.from({length: count}, random);
+        data.forEach((value, i) => { rows[samples.rows + i] = value; });
+        samples.push(samples.rows, count, data);
+      };
+      while (samples.rows < 70_000) push(1 + Math.floor(random() * 900));
+      samples.truncate(64_321);
+      rows.length = 64_321;
+      while (samples.rows < 66_000) push(1 + Math.floor(random() * 90));
+      let wrong = 0;
+      let levels = 0;
+      for (let power = 0; power <= 12; power += 1) {
+        const source = samples.source('a', power);
+        const each = 2 ** power;
+        const parts = each / source.rows;
+        levels += 1;
+        for (let bin = Math.ceil(samples.reach(power) / each); (bin + 1) * each <= samples.rows; bin += 7) {
+          const own = rows.slice(bin * each, (bin + 1) * each);
+          const low = Math.min(...Array.from({length: parts}, (_, j) => source.low[(bin * parts + j) & source.mask]));
+          const high = Math.max(...Array.from({length: parts}, (_, j) => source.high[(bin * parts + j) & source.mask]));
+          if (low !== Math.min(...own) || high !== Math.max(...own)) wrong += 1;
+        }
+      }
+      return [wrong, levels, samples.capacity];
+    }""")
+    assert wrong == 0 and levels == 13 and capacity == 16384
+
+
+def test_a_fault_injected_while_paused_is_seen_at_once(page):
+    """While time stands still an injected fault counts and is drawn at the edge, everywhere alike; cleared, it is gone everywhere."""
+    opened = page("/?experiment=zhao-2012&t=15")
+    ready(opened)
+    lit = "document.querySelectorAll('svg.plant .site.on').length"
+    opened.wait_for_selector("svg.plant .site")
+    assert coloured(opened, "theta.theta1", "--fault-line") == 0
+    send(opened, "{type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.012}}")
+    until(opened, f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding .badge.lit').length === 1")
+    opened.wait_for_timeout(200)
+    assert not state(opened, "playing") and coloured(opened, "theta.theta1", "--fault-line") > 30
+    assert "fault-on" in opened.get_attribute('[data-strip="theta.theta1"]', "class")
+    send(opened, "{type: 'clear', channel: 'theta1'}")
+    until(opened, f"{lit} === 0 && !{APP}.state.faults.some(({{active}}) => active) && document.querySelectorAll('.finding').length === 0")
+
+
+def test_an_axis_keeps_ahead_of_what_grows(page):
+    """A value that grows steadily stays inside its axis nearly always, and the axis moves seldom."""
+    outside, moves = page("/").evaluate("""async () => {
+      const {Range} = await import('/live/scope/axes.js');
+      const range = new Range();
+      let [outside, moves, before] = [0, 0, 0];
+      range.aim(0, 1, 0, true);
+      for (let k = 1; k <= 1200; k += 1) {
+        const now = k * 16;
+        const value = 1 + k / 100;
+        if (k % 18 === 0) range.aim(0, value, now);
+        range.move(now);
+        if (range.target[1] !== before) [moves, before] = [moves + 1, range.target[1]];
+        if (value > range.high) outside += 1;
+      }
+      return [outside, moves];
+    }""")
+    assert outside < 0.2 * 1200 and moves <= 14

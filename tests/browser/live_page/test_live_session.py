@@ -1,0 +1,242 @@
+"""The live page and its session: links, going back, forks, lost connections, watching, and what is said when it ends."""
+
+import base64
+import zlib
+
+import pytest
+from page_state import APP, last_row, ready, send, state, until
+
+PAUSED = "/?experiment=zhao-2012&t=12"
+
+
+def changed(opened) -> None:
+    """A session to which something was done, paused."""
+    send(opened, "{type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.012}}")
+    send(opened, "{type: 'step', rows: 150}")
+    send(opened, "{type: 'set-gain', observer: 'adaptive', gain: 'rho', value: 6}")
+    send(opened, "{type: 'add-observer', observer: {label: 'ekf', kind: 'joint-ekf'}}")
+    ack = send(opened, "{type: 'step', rows: 200}")
+    until(opened, f"{APP}.samples.rows >= {ack['row'] + 200} || {APP}.samples.now >= 15.4")
+    until(opened, f"{APP}.samples.has('ekf.x.x1') && {APP}.samples.rows >= {APP}.state.row")
+
+
+def test_the_address_is_short_while_nothing_was_changed(page):
+    """Playing and pausing leave ?experiment and the time in the address; opened again it stands at that time, paused."""
+    opened = page(PAUSED)
+    ready(opened)
+    until(opened, "/^\\?experiment=zhao-2012&t=\\d+/.test(location.search) && location.hash === ''")
+    assert not state(opened, "playing")
+    assert abs(last_row(opened)["now"] - 12) < 0.02
+
+
+def test_a_link_gives_the_same_numbers_in_another_browser(page, server):
+    """After a fault, a gain and a new observer the link opens at the same time with every value the same."""
+    opened = page(PAUSED)
+    ready(opened)
+    changed(opened)
+    link = opened.evaluate(f"{APP}.act.link()")
+    assert "#s=" in link and len(link) < 2000
+    until(opened, f"location.href === {link!r}")
+    other = page(link.removeprefix(server))
+    ready(other, rows=1500)
+    assert last_row(other) == last_row(opened)
+    assert [one["label"] for one in state(other, "observers")] == ["adaptive", "ekf"]
+
+
+def test_loading_the_page_again_keeps_the_session_and_its_control(page):
+    """Reload joins the very same session, still in control."""
+    opened = page(PAUSED)
+    ready(opened)
+    changed(opened)
+    session = state(opened, "session")
+    until(opened, "location.hash.startsWith('#s=')")
+    opened.wait_for_timeout(600)
+    opened.reload()
+    ready(opened)
+    assert state(opened, "session") == session and state(opened, "role") == "control"
+    send(opened, "{type: 'clear'}")
+
+
+def packed(text: str) -> str:
+    """As the fragment of an address holds it."""
+    made = zlib.compressobj(wbits=-15)
+    return base64.urlsafe_b64encode(made.compress(text.encode()) + made.flush()).decode().rstrip("=")
+
+
+@pytest.mark.parametrize("fragment", ["nZDBcoMw", packed("null"), packed("[]"), packed('{"spec": 3}'), packed('{"changed": {}}')])
+def test_a_damaged_link_says_so(page, fragment):
+    """A link that was cut off, or holds something else, is an answer with a way on, not a blank page or another session."""
+    opened = page(f"/#s={fragment}")
+    opened.wait_for_selector("#notice button")
+    assert "damaged" in opened.inner_text("#notice")
+    opened.click("#notice button")
+    ready(opened)
+
+
+def test_watching_sees_everything_and_changes_nothing(page):
+    """The view-only link shows the same samples; its buttons are off, and a command is refused by the server, too."""
+    opened = page(PAUSED)
+    ready(opened)
+    watcher = page(f"/?session={state(opened, 'session')}")
+    ready(watcher)
+    assert state(watcher, "role") == "view" and last_row(watcher) == last_row(opened)
+    assert watcher.is_disabled(".play") and watcher.is_disabled("[data-act=start]")
+    refused = watcher.evaluate("""async () => {
+      const {connect} = await import('/live/net/socket.js');
+      let hello;
+      const greeted = new Promise((done) => { hello = done; });
+      const socket = connect({session: thetascope.state.session, token: null, onMessage: (message) => message.type === 'hello' && hello(), onFrame() {}, onConnection() {}});
+      await greeted;
+      return socket.send({type: 'play'}).then(() => 'done', (error) => error.name);
+    }""")
+    assert refused == "Refused" and not state(opened, "playing")
+
+
+def test_looking_back_gives_up_nothing_until_told_to(page):
+    """A click on the timeline shows the past; Continue from here goes back; Undo brings what was given up."""
+    opened = page("/?experiment=zhao-2012&t=30")
+    ready(opened)
+    before = last_row(opened)
+    rail = opened.locator(".rail").bounding_box()
+    opened.mouse.click(rail["x"] + rail["width"] * 0.1, rail["y"] + 12)
+    opened.wait_for_selector(".choice .run")
+    assert abs(state(opened, "looking") - 10) < 0.5 and last_row(opened) == before
+    opened.click(".choice .run")
+    until(opened, f"{APP}.samples.now < 11 && {APP}.state.epoch > 0")
+    assert state(opened, "alarms") == []
+    opened.click("#notice button")
+    until(opened, f"{APP}.samples.now > 29")
+    ready(opened)
+    assert last_row(opened) == before
+    assert opened.locator("#notice button").count() == 0  # what was taken is not offered again
+
+
+def test_undo_is_not_offered_where_others_would_stay_behind(page):
+    """It begins another session, so that with a second one watching the page only says where it is."""
+    opened = page("/?experiment=zhao-2012&t=30")
+    ready(opened)
+    watcher = page(f"/?session={state(opened, 'session')}")
+    ready(watcher)
+    until(opened, f"{APP}.state.viewers === 2")
+    opened.evaluate(f"{APP}.act.seek(10)")
+    opened.wait_for_selector("#notice:has-text('Back at 10')")
+    assert opened.locator("#notice button").count() == 0
+
+
+def test_a_fork_goes_its_own_way_with_its_parent_behind(page):
+    """Fork from here opens a second session at that time; the first stays, and its curves are there to compare with."""
+    opened = page("/?experiment=zhao-2012&t=30")
+    ready(opened)
+    parent, before = state(opened, "session"), last_row(opened)
+    opened.evaluate(f"{APP}.act.look(10)")
+    opened.click(".choice .quiet")
+    until(opened, f"{APP}.state.session !== {parent!r} && {APP}.ghost?.rows > 2900")
+    ready(opened)
+    assert abs(last_row(opened)["now"] - 10) < 0.02 and state(opened, "parent")["id"] == parent
+    send(opened, "{type: 'inject', fault: {channel: 'theta2', shape: 'step', onset: 0, size: 0.02}}")
+    send(opened, "{type: 'step', rows: 500}")
+    until(opened, f"{APP}.samples.now > 14.9")
+    own, ghost = opened.evaluate(f"[{APP}.at('theta.theta2', 14), {APP}.ghost.at('theta.theta2', 14)]")
+    assert own == pytest.approx(0.02) and ghost == 0
+    watcher = page(f"/?session={parent}")
+    ready(watcher)
+    assert last_row(watcher) == before
+
+
+def test_a_lost_connection_is_survived_without_a_gap(page):
+    """While time runs the connection is lost; it comes back by itself and no row is missing or different."""
+    opened = page(PAUSED)
+    ready(opened)
+    opened.evaluate(f"{APP}.act.play()")
+    until(opened, f"{APP}.samples.now > 13")
+    opened.evaluate(f"void {APP}.subscribe((state) => state.connection, (now) => {{ window.lost ||= now === 'reconnecting'; }})")
+    opened.evaluate(f"{APP}.drop()")
+    until(opened, f"window.lost && {APP}.state.connection === 'live' && {APP}.samples.now > 15")
+    opened.evaluate(f"{APP}.act.pause()")
+    until(opened, f"!{APP}.state.playing && {APP}.samples.rows === {APP}.state.row")
+    different = opened.evaluate(f"""fetch(`/api/sessions/${{{APP}.state.session}}/data`).then((answer) => answer.json()).then(({{columns}}) => {{
+      const own = {APP}.window('adaptive.x.x1', 0, 1e9).v;
+      return [own.length, own.filter((value, i) => value !== Math.fround(columns['adaptive.x.x1'][i])).length, columns.t.length];
+    }})""")
+    assert different[1] == 0 and different[0] == different[2] > 1500
+
+
+def test_a_viewer_of_a_long_session_sees_all_of_it(page):
+    """Rows that the server does not send to someone so far behind are fetched thinned out: the curves have no hole."""
+    opened = page("/?experiment=zhao-2012&t=1500")
+    until(opened, f"{APP}?.samples.rows >= 150_000", 60)
+    watcher = page(f"/?session={state(opened, 'session')}")
+    until(watcher, f"{APP}?.samples.rows >= 150_000 && !{APP}.samples.held", 60)
+    holes = watcher.evaluate(f"{APP}.window('x.x1', 0, 1e9).v.filter((value) => value !== value).length")
+    assert holes == 0
+
+
+def test_a_session_that_ended_can_be_taken_up_again(page):
+    """When a session was ended the page says so calmly, and starts another at the same place."""
+    opened = page(PAUSED)
+    ready(opened)
+    changed(opened)
+    before = last_row(opened)
+    opened.evaluate("""(() => {
+      const {id, token} = JSON.parse(sessionStorage['thetascope.sessions']).at(-1);
+      return fetch(`/api/sessions/${id}`, {method: 'DELETE', headers: {'X-Control-Token': token}});
+    })()""")
+    until(opened, f"{APP}.state.connection === 'ended'")
+    opened.click("#notice button >> nth=0")
+    until(opened, f"{APP}.state.connection === 'live'")
+    ready(opened, rows=1500)
+    assert last_row(opened) == before
+
+
+def test_an_unknown_experiment_is_an_answer(page):
+    """A link to an experiment that is not there names the nearest, and offers a new session."""
+    opened = page("/?experiment=zhao-2021")
+    opened.wait_for_selector("#notice button")
+    assert "zhao-2012" in opened.inner_text("#notice")
+
+
+def test_an_observer_keeps_its_colour(page):
+    """Colours are given out in order, kept when others go, and given out again."""
+    opened = page(PAUSED)
+    ready(opened)
+    for label in ("one", "two"):
+        send(opened, f"{{type: 'add-observer', observer: {{label: {label!r}, kind: 'zhao-adaptive'}}}}")
+    until(opened, f"{APP}.state.observers.length === 3")
+    send(opened, "{type: 'remove-observer', label: 'one'}")
+    until(opened, f"{APP}.state.observers.length === 2")
+    send(opened, "{type: 'add-observer', observer: {label: 'three', kind: 'zhao-adaptive'}}")
+    until(opened, f"{APP}.state.observers.length === 3")
+    assert {one["label"]: one["colour"] for one in state(opened, "observers")} == {
+        "adaptive": "var(--o0)", "two": "var(--o2)", "three": "var(--o1)"}  # fmt: skip
+
+
+def test_rows_that_were_not_sent_are_fetched_in_order(page):
+    """Two gaps at once, the server refusing at first, frames coming meanwhile: afterwards every row is there and right."""
+    opened = page("/?experiment=zhao-2012&t=30")
+    ready(opened, rows=3000)
+    wrong, tries = opened.evaluate("""async () => {
+      const {Arrivals} = await import('/live/net/missed-rows.js');
+      const {Samples} = await import('/live/state/samples.js');
+      const {state, samples: whole} = thetascope;
+      const samples = new Samples(state.record);
+      samples.setColumns(whole.sent);
+      samples.epoch = 7;
+      const arrivals = new Arrivals(samples, state.session, () => {});
+      const frame = (first, count) => ({epoch: 7, first, count, columns: whole.sent.length,
+        data: Float32Array.from(whole.sent.flatMap((name) => Array.from({length: count}, (_, i) => whole.value(name, first + i))))});
+      const asked = window.fetch;
+      let tries = 0;
+      window.fetch = (address, ...more) => (String(address).includes('/data?') && (tries += 1) === 1
+        ? Promise.resolve(new Response('{}', {status: 503, headers: {'content-type': 'application/json'}})) : asked(address, ...more));
+      arrivals.frame(frame(0, 100));
+      const first = arrivals.jump({first: 100, row: 900});
+      arrivals.frame(frame(900, 100));
+      arrivals.jump({first: 1000, row: 2500});
+      arrivals.frame(frame(2500, 100));
+      await first;
+      window.fetch = asked;
+      let wrong = 0;
+      for (const name of whole.sent) for (let row = 0; row < 2600; row += 1) if (!Object.is(samples.value(name, row), whole.value(name, row))) wrong += 1;
+      return [wrong, tries];
+    }""")
+    assert wrong == 0 and tries == 3

@@ -1,0 +1,149 @@
+"""The live page as a whole: dialogs, languages, keys, phone, projector, downloads, accessibility."""
+
+import csv
+import io
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.browser.live_helpers import opened, until
+
+#: Labels and names that no language changes.
+NAMES = ("adaptive", "Thetascope", "RMSE", "Zhao, Li & Li", "min", "CSV", "MATLAB")
+SPOKEN = """() => {
+  const words = [];
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  while (walk.nextNode()) {
+    const {parentElement: at, data} = walk.currentNode;
+    if (data.trim() && at.checkVisibility() && !at.closest('noscript, .languages, option, title')) words.push(data.trim());
+  }
+  for (const one of document.querySelectorAll('[aria-label], [title], [placeholder]')) {
+    for (const name of ['aria-label', 'title', 'placeholder']) if (one.getAttribute(name)) words.push(one.getAttribute(name));
+  }
+  return words;
+}"""
+SHAPE_OF = """(path) => import(path).then((all) => { const shape = (value) => (typeof value === 'object'
+  ? Object.fromEntries(Object.entries(value).map(([key, inner]) => [key, shape(inner)])) : typeof value); return shape(Object.values(all)[0]); })"""
+
+
+def test_the_equations_are_mathematics_without_script(page):
+    """Plant and observer as MathML; the faults' terms are marked, each equation of the paper has its number."""
+    live = opened(page)
+    live.click("#panel-plant .heading .link")
+    live.wait_for_selector("dialog math")
+    found = live.evaluate("document.querySelectorAll('dialog math').length")
+    assert found >= 4 + 6 and live.locator("dialog math .fault").count() == 3
+    assert "(34a)" in live.inner_text("dialog")
+    live.keyboard.press("Escape")
+    assert not live.locator("dialog[open]").count()
+
+
+def test_both_languages_say_the_same_things(page):
+    """Every word has a translation, with the same structure, and functions stay functions."""
+    live = opened(page)
+    for module in ("live.js", "live-scope.js"):
+        texts = live.evaluate(f"import('/i18n/{module}').then((all) => Object.keys(all))")
+        assert set(texts) == {"en", "zh"}
+    english = live.evaluate(SHAPE_OF, "/i18n/live-en.js")
+    chinese = live.evaluate(SHAPE_OF, "/i18n/live-zh.js")
+    assert english == chinese
+
+
+def test_in_chinese_no_english_word_of_the_page_is_left(page):
+    """After L nothing visible is a word of the English page, and after a reload it still is Chinese."""
+    live = opened(page)
+    live.wait_for_timeout(1000)
+    english = {word for word in live.evaluate(SPOKEN) if re.search("[a-z]{3}", word)}
+    live.keyboard.press("l")
+    until(live, "document.documentElement.lang === 'zh-CN'")
+    live.wait_for_timeout(1200)
+    chinese = set(live.evaluate(SPOKEN))
+    same = english & chinese
+    assert {word for word in same if not any(name in word for name in NAMES)} == set()
+    live.reload()
+    until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
+
+
+def test_every_key_of_the_list_does_something(page):
+    """The help lists the keys; playing, presenting, colours, fault sites and links follow them."""
+    live = opened(page)
+    live.keyboard.press("?")
+    assert live.locator("dialog .keys tr").count() >= 15
+    live.keyboard.press("Escape")
+    live.wait_for_selector("dialog[open]", state="detached")
+    until(live, "thetascope.state.playing")
+    live.keyboard.press(" ")
+    until(live, "!thetascope.state.playing")
+    live.wait_for_timeout(400)
+    row = live.evaluate("thetascope.samples.rows")
+    live.keyboard.press(".")
+    until(live, f"thetascope.samples.rows > {row}")
+    live.keyboard.press("p")
+    until(live, "document.documentElement.classList.contains('presentation')")
+    live.keyboard.press("p")
+    live.keyboard.press("t")
+    until(live, "document.documentElement.dataset.theme === 'dark'")
+    live.keyboard.press("2")
+    assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta2"
+    live.keyboard.press("End")
+    assert live.evaluate("Number(document.querySelector('#fault-theta2 input.number').value)") == pytest.approx(0.045)
+
+
+def test_links_are_offered_to_copy(page, server):
+    """Share offers a link that opens the session anew and one to watch it; the second one cannot change it."""
+    live = opened(page)
+    live.click(".actions button:nth-child(1)")
+    fields = live.locator("dialog .copy-row input")
+    fields.first.wait_for()
+    anew, watch = fields.nth(0).input_value(), fields.nth(1).input_value()
+    assert "experiment=zhao-2012" in anew and "session=" in watch
+    viewer = opened(page, watch.removeprefix(server))
+    assert viewer.evaluate("thetascope.state.role") == "view"
+    assert viewer.locator("#panel-inject button.press:not(.quiet-press)").evaluate_all("(all) => all.every((one) => one.disabled)")
+    assert not viewer.locator(".control-only:visible").count()
+
+
+def test_the_session_is_taken_along(page):
+    """CSV holds every column up to now; the report and the specification come as files, too."""
+    live = opened(page)
+    live.click(".actions button:nth-child(2)")
+    with live.expect_download() as waiting:
+        live.click("dialog button:text-is('CSV')")
+    rows = list(csv.reader(io.StringIO(Path(waiting.value.path()).read_text())))
+    assert rows[0][:2] == ["t", "u.u"] and "adaptive.theta.theta3" in rows[0] and len(rows) > 1000
+    for words, suffix in (("Report", ".html"), ("Specification", ".json"), ("SVG", ".svg")):
+        with live.expect_download(timeout=60_000) as waiting:
+            live.click(f"dialog button:text-is('{words}')")
+        assert waiting.value.suggested_filename.endswith(suffix)
+
+
+def test_on_a_phone_the_panels_stand_behind_tabs(page):
+    """At 390 pixels nothing is wider than the screen, and each tab shows its panels and no others; the sentence stands above the curves, too."""
+    live = opened(page, width=390, height=844)
+    shown = {"curves": "#scope", "inject": "#panel-inject", "observers": "#panel-observers", "diagnosis": "#panel-diagnosis"}
+    for tab in shown:
+        live.click(f"#tab-{tab}")
+        visible = [name for name, selector in shown.items() if live.locator(selector).is_visible()]
+        assert visible == ([tab, "diagnosis"] if tab == "curves" else [tab])
+        assert live.locator(".verdict").is_visible() == (tab in ("curves", "diagnosis"))
+        assert live.locator("#panel-diagnosis h2").is_visible() == (tab == "diagnosis")
+        assert live.evaluate("document.documentElement.scrollWidth") <= 390
+    live.click(".more-actions")
+    assert live.locator(".actions > button").first.inner_text().strip() == "Share"
+    assert live.locator(".actions .marks button").nth(0).inner_text().strip() == "Presentation"
+
+
+@pytest.mark.parametrize("experiment", ["dts200", "quadruple-tank", "zhou-tan-2012", "shen-hu-2015", "reduced-order-mimo"])
+def test_other_plants_fill_the_same_panels(page, experiment):
+    """Eleven channels, two outputs, a sandwich, a plant without inputs: every site has its row, no error on the page."""
+    live = opened(page, f"/?experiment={experiment}")
+    sites = live.evaluate("thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length")
+    assert live.locator("svg.plant .site").count() == sites
+    assert live.locator("#panel-inject .fault:not(.noise)").count() == sites
+    outside = live.evaluate(
+        "(() => { const box = document.querySelector('svg.plant').getBoundingClientRect();"
+        " return [...document.querySelectorAll('svg.plant text, svg.plant .site')].filter((one) => { const r = one.getBoundingClientRect();"
+        " return r.left < box.left - 3 || r.right > box.right + 3; }).map((one) => one.textContent); })()"
+    )
+    assert outside == [] and live.watch.errors == []

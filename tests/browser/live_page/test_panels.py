@@ -1,0 +1,276 @@
+"""The panels around the scope: the plant as a picture, injecting, observers, diagnosis, log; each with the real session."""
+
+import re
+
+import pytest
+
+from tests.browser.live_helpers import opened, row, until
+
+SHAPES = ["step", "ramp", "drift", "exponential", "sine", "pulse-train", "random-walk", "table"]
+DISTURBANCES = ["stuck", "freeze", "dropout", "outliers", "noise-burst", "quantisation", "delay"]
+
+
+def press(page, name: str) -> None:
+    row(page, name).locator("button.press:not(.quiet-press)").click()
+
+
+def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
+    """One button a channel and one an output; choosing one puts the focus on its slider, by mouse and by keyboard."""
+    live = opened(page)
+    sites = live.locator("svg.plant .site")
+    assert sites.count() == live.evaluate("thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length")
+    live.locator("svg.plant .site").nth(1).click()
+    assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta2"
+    live.locator("svg.plant .site").nth(0).focus()
+    live.keyboard.press("Enter")
+    assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta1"
+
+
+def test_an_injected_fault_is_seen_everywhere_and_named(page):
+    """Inject lights the site, the log tells, an alarm comes, the sentence names it; Clear puts all back."""
+    live = opened(page)
+    live.evaluate("thetascope.act.speed(10)")
+    press(live, "theta1")
+    until(live, "document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
+    until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₁')")
+    until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1')", 40)
+    until(live, "/named|found in/.test(document.querySelector('.verdict').textContent)")
+    until(live, "/[+−]0\\.0\\d+ ± 0\\.\\d+/.test(document.querySelector('.finding .value').textContent)")
+    press(live, "theta1")
+    until(live, "!document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
+    assert row(live, "theta1").locator("button.press:not(.quiet-press)").inner_text() == "Inject"
+    assert live.watch.errors == [] and live.watch.foreign == []
+
+
+@pytest.mark.parametrize(("subject", "shapes"), [("theta1", SHAPES), ("y", DISTURBANCES)])
+def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes):
+    """The menu holds every shape of the contract, and each is accepted as the form fills it in, and cleared again."""
+    live = opened(page)
+    live.evaluate("thetascope.act.pause()")
+    live.click("#panel-inject .heading .link")
+    menu = row(live, subject).locator("select.shape")
+    assert menu.locator("option").evaluate_all("(all) => all.map((one) => one.value)") == shapes
+    button = row(live, subject).locator("button.press:not(.quiet-press)")
+    for shape in shapes:
+        menu.select_option(shape)
+        button.click()
+        button.and_(live.locator(".clear")).wait_for(timeout=10_000)
+        last = live.evaluate("thetascope.state.faults.at(-1)")
+        assert (last["subject"], last["shape"]) == (subject, shape)
+        live.evaluate("thetascope.act.step(2)")
+        button.click()
+        button.and_(live.locator(":not(.clear)")).wait_for(timeout=10_000)
+        live.evaluate("thetascope.act.step(1)")
+        assert row(live, subject).locator(".refused").inner_text() == ""
+
+
+def test_an_active_fault_is_changed_in_place(page):
+    """Moving the slider of an active fault offers Change; afterwards only the new size acts."""
+    live = opened(page)
+    live.evaluate("thetascope.act.pause()")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press.clear").wait_for()
+    field = row(live, "theta2").locator("input.number")
+    field.fill("0.03")
+    field.press("Tab")
+    row(live, "theta2").locator(".quiet-press").click()
+    until(live, "thetascope.state.faults.at(-1).fault.size === 0.03")
+    live.evaluate("thetascope.act.step(5)")
+    until(live, "Math.abs(thetascope.latest('theta.theta2') - 0.03) < 1e-6")
+
+
+def test_the_noise_is_moved_by_its_slider(page):
+    """The noise slider changes the spec's noise and says so in the log."""
+    live = opened(page)
+    live.locator(".fault.noise input[type=range]").focus()
+    live.keyboard.press("End")
+    until(live, "thetascope.state.spec.commands.some((one) => one.command === 'set-noise' && one.std > 0.01)")
+    until(live, "document.querySelector('#panel-log').textContent.includes('the noise of y')")
+
+
+def test_a_gain_follows_its_slider_while_time_runs(page):
+    """Arrow keys on ρ's slider arrive as set-gain; the number beside it and the session agree."""
+    live = opened(page)
+    slider = live.locator("#panel-observers .gain input[type=range]").first
+    slider.focus()
+    for _ in range(5):
+        live.keyboard.press("ArrowRight")
+    rho = until(live, "(() => { const {rho} = thetascope.state.observers[0].gains; return rho > 4 ? rho : 0; })()")
+    until(live, f"Number(document.querySelector('#panel-observers .gain input.number').value) === {rho}")
+    assert 4 < rho < 6
+
+
+def test_an_observer_is_added_coloured_and_removed(page):
+    """A joint EKF from the menu gets a card in its own colour and curves; the cross takes it away again."""
+    live = opened(page)
+    live.click("#panel-observers .heading .link")
+    live.select_option(".add-form > select", "joint-ekf")
+    live.click(".add-form button[type=submit]")
+    until(live, "thetascope.state.observers.length === 2 && thetascope.state.columns.includes('ekf.theta.theta1')", 60)
+    colours = live.locator("#panel-observers .observer .chip").evaluate_all("(all) => all.map((one) => one.style.getPropertyValue('--c'))")
+    assert colours == ["var(--o0)", "var(--o1)"]
+    live.locator("#panel-observers .observer-head .plain").nth(1).click()
+    until(live, "thetascope.state.observers.length === 1")
+    assert live.locator("#panel-observers .observer").count() == 1
+
+
+def test_a_refusal_is_shown_where_it_was_asked_for(page):
+    """A label that is taken is refused in the form, with the remedy, and nothing is added."""
+    live = opened(page)
+    live.click("#panel-observers .heading .link")
+    live.fill(".add-form input[type=text]", "adaptive")
+    live.click(".add-form button[type=submit]")
+    said = until(live, "document.querySelector('.add-form .refused').textContent")
+    assert "label" in said and "Remedy" in said
+    assert live.evaluate("thetascope.state.observers.length") == 1
+
+
+def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(page):
+    """For the two-output motor the single-output observers are greyed out, with the reason."""
+    live = opened(page, "/?experiment=dc-motor")
+    live.click("#panel-observers .heading .link")
+    until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled", 60)
+    assert "output" in live.get_attribute(".add-form option[value=zhao-adaptive]", "title")
+    assert live.eval_on_selector(".add-form > select", "(menu) => !menu.selectedOptions[0].disabled")
+
+
+def test_the_lights_are_the_checks_and_open_to_them(page):
+    """One light a check in the colour of its verdict; a click lists them with numbers and sources."""
+    live = opened(page)
+    checks = until(live, "thetascope.state.checks.adaptive?.length")
+    lights = live.locator("#panel-observers .lights .light")
+    assert lights.count() == checks
+    live.click("#panel-observers .lights")
+    listed = live.locator("#panel-observers .checks li")
+    assert listed.count() == checks and re.search(r"\d", listed.nth(2).inner_text())
+    held = live.evaluate("thetascope.state.checks.adaptive.filter((one) => one.verdict === 'holds').length")
+    assert live.locator("#panel-observers .lights .light.ok").count() == held
+
+
+def test_a_question_is_carried_out_with_one_click(page):
+    """The first thing to try lowers λ, and the card shows it."""
+    live = opened(page)
+    live.locator("#panel-try .go").first.click()
+    until(live, "thetascope.state.observers[0].gains.lambda === 0.6")
+    until(live, "[...document.querySelectorAll('#panel-observers input.number')].some((one) => one.value === '0.6')")
+
+
+def test_the_comparison_is_computed_over_the_window(page):
+    """The RMSE in the table is that of the columns themselves."""
+    live = opened(page)
+    live.evaluate("thetascope.act.pause()")
+    until(live, """(() => {
+      const {t, window: w} = thetascope.state;
+      const [a, b] = ['x.x1', 'adaptive.x.x1'].map((name) => thetascope.window(name, Math.max(0, t - w), t).v);
+      const rmse = Math.sqrt(a.reduce((sum, value, k) => sum + (value - b[k]) ** 2, 0) / a.length);
+      return Math.abs(document.querySelector('#panel-comparison tbody td').textContent / rmse - 1) < 0.051; // two digits
+    })()""")
+
+
+def test_a_click_in_the_log_shows_that_moment_and_gives_up_nothing(page):
+    """The scope looks at the moment of the event; the session stands where it stood."""
+    live = opened(page)
+    press(live, "theta3")
+    until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₃')")
+    rows = live.evaluate("thetascope.state.row")
+    live.locator("#panel-log .moment").first.click()
+    assert live.evaluate("thetascope.state.selection !== null") and live.evaluate("thetascope.state.row") >= rows
+
+
+def test_the_longest_sentence_covers_nothing(page):
+    """With a sentence of three lines the findings stand below it, each on its lines, with nothing over anything."""
+    live = opened(page)
+    until(live, "/found in/.test(document.querySelector('.verdict').textContent)", 40)
+    live.evaluate("thetascope.act.pause()")
+    live.evaluate("thetascope.send({type: 'inject', fault: {output: 'y', shape: 'stuck', onset: 0, value: 0.1}})")
+    until(live, "/y is disturbed/.test(document.querySelector('.verdict').textContent)")
+    live.wait_for_timeout(300)
+    inside = live.evaluate("(() => { const box = document.querySelector('.verdict'); return box.scrollHeight <= box.clientHeight + 1; })()")
+    below = live.evaluate("document.querySelector('.finding').getBoundingClientRect().top >= document.querySelector('.verdict').getBoundingClientRect().bottom - 1")
+    lines = live.locator(".finding .line").evaluate_all("(all) => all.map((one) => one.clientHeight)")
+    assert inside and below and max(lines) < 30
+
+
+def test_the_same_letters_stand_for_a_fault_everywhere(page):
+    """A channel that is a word has one badge: in the plant, in the list and beside its strip; sentences call it by its title."""
+    live = opened(page, "/?experiment=dc-motor")
+    badge = live.locator("#fault-load_torque .badge").inner_text().replace("\n", "")
+    assert live.locator("svg.plant .site").nth(1).locator("text").text_content() == badge
+    assert live.locator('[data-strip="theta.load_torque"] .sign').inner_text() == badge
+    press(live, "load_torque")
+    until(live, "document.querySelector('#panel-log').textContent.includes('you injected unknown load torque')")
+
+
+def test_a_second_fault_stays_however_long_the_first_one_lasted(page):
+    """Inject, wait, Clear, Inject on one row: the second has no end and shows none; a duration that was typed is kept."""
+    live = opened(page)
+    live.evaluate("thetascope.act.speed(2)")
+    press(live, "theta2")
+    until(live, "thetascope.state.t > thetascope.state.faults.at(-1).onset + 1")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    until(live, "thetascope.state.faults.at(-1).ended")
+    lasted = live.evaluate("thetascope.state.faults.at(-1).end - thetascope.state.faults.at(-1).onset")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press.clear").wait_for()
+    until(live, f"thetascope.state.t > thetascope.state.faults.at(-1).onset + {lasted} + 1")
+    last = live.evaluate("thetascope.state.faults.at(-1)")
+    assert last["active"] and last["end"] is None and row(live, "theta2").locator(".summary").inner_text() == ""
+    press(live, "theta2")
+    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    row(live, "theta2").locator(".dots").click()
+    field = row(live, "theta2").locator(".entries input").last
+    field.fill("50")
+    field.press("Enter")
+    press(live, "theta2")
+    row(live, "theta2").locator(".press.clear").wait_for()
+    press(live, "theta2")
+    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    assert "50" in row(live, "theta2").locator(".summary").inner_text()
+
+
+@pytest.mark.parametrize(("width", "height"), [(1366, 768), (1280, 720), (1440, 900)])
+def test_the_form_for_an_observer_can_be_reached_with_a_mouse(page, width, height):
+    """With three observers at a usual size of screen: the Add button lies where a click reaches it, and Escape closes the form."""
+    live = opened(page, "/?experiment=dc-motor&t=2", width=width, height=height)
+    live.click("#panel-observers .heading .link")
+    hit = live.evaluate("""(() => {
+      const button = document.querySelector('.add-form button[type=submit]');
+      const {x, y, width, height} = button.getBoundingClientRect();
+      return document.elementFromPoint(x + width / 2, y + height / 2) === button;
+    })()""")
+    assert hit
+    live.keyboard.press("Escape")
+    assert live.is_hidden(".add-form") and live.evaluate("document.activeElement.textContent") == "+ add"
+
+
+def test_settling_is_judged_as_the_backend_does(page):
+    """Every later row must be within the band: an excursion takes the time back; one in the last tenth means not settled."""
+    live = opened(page)
+    said = live.evaluate("""import('/live/panels/comparison/metrics.js').then(({settled}) => {
+      const t = Float64Array.from({length: 100}, (_, k) => 5 + k);
+      const truth = new Float32Array(100).fill(1);
+      const of = (...outside) => settled(t, truth, Float32Array.from(truth, (_, k) => (outside.includes(k) ? NaN : 1.05)), 5, 0.1);
+      return [of(), of(0, 1, 2), of(0, 50), of(95)];
+    })""")
+    assert said == [0, 3, 51, None]
+
+
+def test_the_title_counts_the_observers_that_watch(page):
+    """One is named until it is removed."""
+    live = opened(page)
+    assert "one observer" in live.inner_text("#panel-title")
+    live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
+    until(live, "/0 observers/.test(document.querySelector('#panel-title').textContent)")
+
+
+def test_what_is_of_now_says_so_while_one_looks_back(page):
+    """The Diagnosis card bears the present time while an earlier one is looked at, and no longer at now."""
+    live = opened(page, "/?experiment=zhao-2012&t=30")
+    tag = live.locator("#panel-diagnosis .as-of-now")
+    assert tag.is_hidden()
+    live.evaluate("thetascope.act.look(10)")
+    tag.wait_for()
+    assert tag.inner_text() == "now, 30.0\u202fs"
+    live.evaluate("thetascope.act.look(null)")
+    tag.wait_for(state="hidden")

@@ -1,0 +1,119 @@
+"""Inputs that restore excitation, on plants of the library."""
+
+import numpy as np
+import pytest
+from pydantic import TypeAdapter
+
+from thetascope import library
+from thetascope.assembly import prepare
+from thetascope.diagnosis.input_design.excitation import excitation
+from thetascope.diagnosis.input_design.input_proposal import Proposal, propose
+from thetascope.diagnosis.residuals.innovation_filter import Filter
+from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.engine.simulation.simulation import Simulation, row_values
+from thetascope_schemas import Experiment, InputProposal, Signal
+
+PAIR = ("load_torque", "friction_increase")
+
+
+def healthy(name: str, **changes) -> Engine:
+    """An experiment of the library without observers and faults, as the engine has it."""
+    spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": [], "faults": []} | changes
+    return prepare(Experiment.model_validate(spec)).engine
+
+
+def constant(value: float) -> dict:
+    return {"kind": "constant", "value": value}
+
+
+def proposed(e: Engine, window: float, among=None, k: int = 0) -> Proposal:
+    x = e.x0 if k == 0 else list(Simulation(e).spans(k))[-1][0].plant
+    return propose(Filter(e, e.context), e, x, k, window, 0.1, among)
+
+
+def information(e: Engine, window: float) -> np.ndarray:
+    """J over the last window of a run, as the detector sums it up."""
+    made = Filter(e, e.context)
+    rows = [r for _, r in Simulation(e).spans(e.steps + 1)]
+    index, plant = np.concatenate([r.index for r in rows]), np.concatenate([r.plant for r in rows])
+    table = made.table(index, np.concatenate([r.y for r in rows]), row_values(e, index, plant))
+    omega = made.run(made.start(), np.zeros(made.p), table, index * e.step).omega[-round(window / made.interval) :]
+    return np.einsum("kmi,kmj->ij", omega, omega)
+
+
+def told(e: Engine, window: float, among=None):
+    """Excitation of the last window of a run."""
+    channels = e.context.model["channels"]
+    picked = [i for i, c in enumerate(channels) if among is None or c["name"] in among]
+    J = information(e, window)[np.ix_(picked, picked)]
+    return excitation(J, [channels[i]["name"] for i in picked], [channels[i]["typical"] for i in picked], 0.1)
+
+
+def test_a_motor_at_constant_speed_is_given_a_voltage_that_moves():
+    """Load and friction look the same at constant speed; the voltage proposed, sent as it is, tells them apart."""
+    still = healthy("dc-motor", inputs={"voltage": constant(12)})
+    before = told(still, 2.0, PAIR)
+    assert before.text.startswith("load_torque and friction_increase cannot be told apart with this input: only their")
+    assert not any(before.identifiable.values())
+    found = proposed(still, 2.0, PAIR, k=10_000)
+    assert found.input == "voltage"
+    assert found.before < 1
+    assert found.level > 50
+    assert TypeAdapter(Signal).validate_python(found.signal).model_dump(mode="json") == found.signal
+    InputProposal.model_validate(vars(found))
+    moving = healthy("dc-motor", inputs={"voltage": found.signal})
+    after = told(moving, 2.0, PAIR)
+    assert after.level == pytest.approx(found.level, rel=0.3)
+
+
+def test_the_signal_stays_within_the_bounds_of_the_input():
+    """No proposal leaves the declared range of the voltage."""
+    found = proposed(healthy("dc-motor", inputs={"voltage": constant(22)}), 2.0, PAIR)
+    assert -24 <= found.signal["low"] < found.signal["high"] <= 24
+
+
+def test_zhao_with_equal_known_signals_has_no_input_that_helps():
+    """φ1 = φ2 = 1: only θ1 + θ2 shows, whatever u does; with the paper's φ each θ is identifiable."""
+    alike = healthy("zhao-2012", signals={"phi1": constant(1), "phi2": constant(1)})
+    seen = told(alike, 10.0)
+    assert "theta1 and theta2 cannot be told apart with this input: only their combination theta1 + theta2 shows" in seen.text
+    assert seen.identifiable == {"theta1": False, "theta2": False, "theta3": True}
+    found = proposed(alike, 2.0)
+    assert found.input is None
+    assert found.signal is None
+    assert "phi1, phi2" in found.text
+    assert "theta1 and theta2 cannot be told apart" in found.text
+    InputProposal.model_validate(vars(found))
+    paper = told(healthy("zhao-2012"), 10.0)
+    assert paper.text.startswith("all faults can be told apart")
+    assert all(paper.identifiable.values())
+
+
+def test_a_motor_at_rest_is_set_in_motion_gently():
+    """Friction does not show at rest: the smallest swing that is enough is proposed."""
+    e = healthy("friction-motor", inputs={"torque": constant(0)})
+    found = proposed(e, 2.0)
+    assert found.before == 0
+    assert found.level > found.needed
+    assert found.input == "torque"
+    values = found.signal.get("values", [found.signal.get(n, 0) for n in ("low", "high", "amplitude")])
+    assert max(map(abs, values)) <= 0.2  # a twentieth of −2 … 2, and not a quarter
+    assert "would show the fault" in found.text
+
+
+def test_what_no_input_can_tell_does_not_hide_the_rest():
+    """Three tanks at rest: an input is proposed for the other faults though leak2 and clog20 act alike for ever."""
+    names = ("pump1", "pump2", "leak2", "clog20")
+    e = healthy("dts200", inputs={"Q1": constant(30), "Q2": constant(30)})
+    found = proposed(e, 200.0, names)
+    assert found.level > 1
+    assert "leak2 and clog20 cannot be told apart" in found.text
+
+
+def test_tanks_are_asked_to_move():
+    """Quadruple tank with constant voltages: pumps, leak and sensor offset look alike; a moving voltage helps."""
+    names = ("pump1", "pump2", "leak1", "level2")
+    found = proposed(healthy("quadruple-tank", inputs={"v1": constant(3), "v2": constant(3)}), 400.0, names)
+    assert found.input in ("v1", "v2")
+    assert found.before < 1e-3
+    assert found.level > 1

@@ -1,0 +1,115 @@
+"""What can be told from the outputs in principle: plants with known answers."""
+
+from decimal import Decimal
+
+import pytest
+
+from tests.engine.plants import oscillator
+from thetascope import library
+from thetascope.assembly import check_plant
+from thetascope.engine.observability.identifiability import generic, structure
+from thetascope.engine.observability.observability_matrix import Lie, Point
+from thetascope.engine.observability.taylor import precise
+from thetascope.engine.programs.program_store import plant_program
+from thetascope_schemas import Plant
+
+
+def data(name: str) -> dict:
+    return library.plant(name).model_dump(mode="json")
+
+
+def channel(name: str, **enters: str) -> dict:
+    return {"name": name, "kind": "process", "enters": enters}
+
+
+@pytest.mark.parametrize("name", ["zhao-contois", "contois-physical", "shen-hu-2015", "reduced-order-mimo", "dc-motor",
+                                  "quadruple-tank", "friction-motor"])  # fmt: skip
+def test_faults_of_the_papers_plants_can_be_told_apart_in_principle(name: str):
+    """With inputs and known signals free, all states and faults of these plants are identifiable."""
+    found = structure(data(name))
+    assert found.decided
+    assert (found.rank, found.state_rank, found.groups) == (found.size, found.states, ())
+
+
+def test_a_leak_at_the_bottom_is_an_open_outlet():
+    """Three tanks: a leak in tank 2 and a clogged outlet act alike, so no input tells them apart."""
+    found = structure(data("dts200"))
+    assert [(g.channels, g.states, g.hidden) for g in found.groups] == [(("leak2", "clog20"), (), 1)]
+    assert found.rank == found.size - 1
+    assert "leak2 and clog20 cannot be told apart by any input" in found.text
+
+
+def test_known_signals_that_do_not_move_confound_two_faults():
+    """Zhao's plant with φ1 = φ2 constant: θ1 and θ2 enter as one, rank 4 of 5; with the φ free it is 5."""
+    plant = data("zhao-contois")
+    program = plant_program(plant).program
+    with precise():
+        lie = Lie(program, ("theta1", "theta2", "theta3"))
+        point = generic(plant, program, 1, 0.5, lie.orders)
+        one = [Decimal(1)] + [Decimal(0)] * lie.orders
+        still = Point(point.values, dict(point.inputs) | {"signal.phi1": one, "signal.phi2": one})
+        free, bound = lie.at(point), lie.at(still)
+    assert (free.rank, bound.rank) == (5, 4)
+    (null,) = bound.null
+    assert null[:2] == [0, 0]
+    assert abs(null[2] + null[3]) < Decimal("1e-50")
+    assert null[4] == 0
+
+
+@pytest.mark.parametrize(("x12", "before", "rank"), [("0.2", "0.1", 4), ("0", "0", 2)])
+def test_the_sandwich_is_observable_where_an_operator_moves(x12: str, before: str, rank: int):
+    """Zhou & Tan: of x11, x12, x21, x22 rank 4 while operators are driven, 2 while all hold (READING §4)."""
+    plant = data("zhou-tan-2012")
+    program = plant_program(plant).program
+    driven = Decimal(0 if x12 == "0" else 50)  # x11 keeps x12 rising
+    values = {s: Decimal(0) for s in program.states} | {"x.x11": driven, "x.x12": Decimal(x12), "x.x12m": Decimal(before)}
+    values |= {"p.b": Decimal("0.4107"), "theta.theta1": Decimal(0), "theta.theta2": Decimal(0), "t": Decimal(0)}
+    with precise():
+        lie = Lie(program, (), unknown=("x.x11", "x.x12", "x.x21", "x.x22"))
+        still = Point(values, {"u.u": [driven] * lie.orders})
+        assert lie.at(still).rank == rank
+
+
+def test_what_shows_in_no_output_is_named():
+    """A fault on a state that nothing depends on shows nowhere; a sensor's offset is a shift of a free state."""
+    plant = oscillator(
+        states=[{"name": "x1", "initial": 1.0}, {"name": "x2", "initial": 1.0}, {"name": "x3", "initial": 1.0}],
+        dynamics={"x1": "x2", "x2": "-x2 + u", "x3": "-x3"},
+        channels=[channel("lost", x3="1"), {"name": "bias", "kind": "sensor", "enters": {"y": "1"}}, channel("force", x2="2")],
+    )
+    found = structure(plant)
+    told = {(g.channels, g.states) for g in found.groups}
+    assert told == {(("lost",), ()), (("bias",), ("x1",)), ((), ("x3",))}
+    assert sorted(found.unidentifiable) == ["bias", "lost"]
+    assert "lost shows in no output" in found.text
+    assert "bias cannot be told from the state x1" in found.text
+    assert found.hidden == 2
+
+
+def test_only_some_channels_may_be_asked_for():
+    """Of two faults that act alike one alone is identifiable, the other being sound."""
+    assert structure(data("dts200"), ("leak2", "pump1")).groups == ()
+
+
+def test_a_plant_of_a_hundred_unknowns_is_not_decided():
+    """Where the work would be too much it says so instead of guessing."""
+    n = 60
+    names = [f"x{i}" for i in range(n)]
+    plant = oscillator(
+        states=[{"name": s, "initial": 1.0} for s in names],
+        outputs=[{"name": "y", "expression": "x0"}],
+        dynamics={s: f"-{s} + sin({names[(i + 1) % n]})*{s}*{names[(i + 7) % n]}" for i, s in enumerate(names)},
+        channels=[channel(f"c{j}", **{names[j]: names[j]}) for j in range(40)],
+    )
+    found = structure(plant)
+    assert not found.decided
+    assert found.text == "not decided: the plant is too large"
+
+
+def test_the_check_of_a_plant_tells():
+    """What no input can tell apart is a part of the report on a plant, as data and in words."""
+    plant = oscillator(channels=[channel("force", x2="1"), channel("slip", x2="2*k")])
+    told = check_plant(Plant.model_validate(plant))["observability"]
+    assert told["not_identifiable"] == ["force", "slip"]
+    assert (told["rank"], told["size"], told["state_rank"], told["states"]) == (3, 4, 2, 2)
+    assert told["text"] == told["groups"][0]["text"] == "force and slip cannot be told apart by any input"

@@ -1,0 +1,66 @@
+"""How far a session computes ahead, by what its rows have cost."""
+
+from itertools import pairwise
+
+import pytest
+
+from thetascope.live.room.playback_clock import FRAME, Pace
+from thetascope.live.room.prefetch_plan import LIGHT, SLICE, Lookahead
+
+MOST = 20_000  # rows of one frame
+
+
+def playing(speed: float) -> Pace:
+    pace = Pace(0.01)
+    pace.set_speed(speed, 0, 0.0)
+    pace.play(0, 0.0)
+    return pace
+
+
+def frames(pace: Pace, call: float, row: float, count: int = 60) -> list[tuple[int, list[tuple[int, bool]]]]:
+    """For each frame the rows that are there for it, and what was computed before: (rows, in a thread)."""
+    ahead, left, told = Lookahead(), 0, []
+    for _ in range(count):
+        pieces = []
+        while not pieces or ahead.behind(pace, left):
+            wanted = ahead.wanted(pace, left, MOST)
+            if wanted is None:
+                break
+            pieces.append(wanted)
+            left += wanted[0]
+            ahead.measured(wanted[0], call + row * wanted[0])
+        told.append((left, pieces))
+        left -= min(left, pace.rows_in(FRAME))
+    return told
+
+
+@pytest.mark.parametrize("speed", [0.1, 1, 20, 200, 1000])
+@pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
+def test_each_frame_finds_its_rows_whatever_they_cost(speed, call, row):
+    """Also where the rows of a frame take longer than is computed at once."""
+    pace = playing(speed)
+    assert all(left >= pace.rows_in(FRAME) for left, _ in frames(pace, call, row))
+
+
+@pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
+def test_the_event_loop_is_kept_for_milliseconds_only(call, row):
+    """Two frames' worth on the loop at most, and in the thread a slice, once the cost of rows is known."""
+    for _, pieces in frames(playing(200), call, row)[8:]:
+        for rows, thread in pieces:
+            assert call + rows * row <= (1.5 * SLICE + call if thread else 2 * LIGHT + call)
+
+
+def test_what_much_longer_pieces_cost_is_not_concluded_from_one(monkeypatch):
+    """After a single call nobody knows what its rows cost: the next ones grow step by step."""
+    pieces = [rows for _, pieces in frames(playing(200), 0.011, 6e-6, count=10) for rows, _ in pieces]
+    assert all(later <= 4 * max(earlier, 1000) for earlier, later in pairwise(pieces))
+
+
+def test_equal_short_calls_do_not_keep_the_pieces_short():
+    """Where every call had few rows nobody can tell the call from its rows; they grow all the same, as far as one may take."""
+    pace, ahead = playing(1), Lookahead()
+    for _ in range(40):
+        ahead.measured(110, 1e-3)
+    frame = pace.rows_in(FRAME)
+    rows, thread = ahead.wanted(pace, frame, MOST)
+    assert not thread and rows >= 4 * 110 - frame

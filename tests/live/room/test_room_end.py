@@ -1,0 +1,76 @@
+"""How sessions end, and what is left of them: with their viewers, their forks and their memory."""
+
+import weakref
+
+import numpy as np
+
+from tests.live.stage import Stage, same, staged
+from thetascope.live.session.session import Session
+from thetascope_schemas.service.session import CLOSE_ENDED
+
+
+def test_a_session_ends_at_its_limit():
+    """It pauses, says so, refuses to play on, and goes back when asked."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        await stage.go(2.0)
+        assert stage.room.shown == 120 and page.of("status")[-1]["ended"] is True
+        assert (await stage.say(page, "play"))["type"] == "refused"
+        assert (await stage.say(page, "seek", t=0.5))["type"] == "ack"
+        assert (await stage.say(page, "play"))["type"] == "ack"
+        await stage.go(0.2)
+        assert 65 <= stage.room.shown <= 75
+
+    staged(scenario, limit=120)
+
+
+def test_closing_ends_every_connection_with_its_reason():
+    """And the clock stands still."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        stage.room.close(CLOSE_ENDED, "enough")
+        assert page.viewer.closing == (CLOSE_ENDED, "enough") and page.viewer.closed.is_set()
+        assert stage.room.tick(1.0) is None
+
+    staged(scenario)
+
+
+def test_a_fork_has_the_past_and_a_future_of_its_own():
+    """From an earlier row; the first goes on untouched."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        await stage.go(2.0)
+        fork: Session = await stage.room.fork(0.8)
+        assert fork.row == 81
+        await stage.go(0.2)
+        ours = page.rows()
+        np.testing.assert_array_equal(fork.rows(0, 81), ours[:, :81])
+        np.testing.assert_array_equal(fork.advance(20).astype("<f4"), ours[:, 81:101])  # as long as nobody acts
+        same(page.rows(), stage.session.spec, page.texts[0]["columns"])
+
+    staged(scenario)
+
+
+def test_a_session_that_is_closed_gives_its_past_back():
+    """At once, while the room itself may still be held by somebody; a fork of it keeps what the two had in common."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        await stage.go(2.0)
+        fork = await stage.room.fork(1.0)
+        kept = fork.rows(0, 100).copy()
+        past = weakref.ref(stage.session.past)
+        stage.room.close(CLOSE_ENDED, "it was ended")
+        assert past() is None and stage.session.past.end == 0 and stage.session.log == []
+        np.testing.assert_array_equal(fork.rows(0, 100), kept)
+        fork.advance(10)
+        assert fork.row == 111
+
+    staged(scenario)

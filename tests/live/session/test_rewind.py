@@ -1,0 +1,88 @@
+"""Going back gives up what was done from that time on, and nothing that was done before it, whenever that acts."""
+
+import numpy as np
+import pytest
+
+from tests.live.session.test_session import advance, assert_same, do, live_rows, saved, zhao
+from thetascope import library
+from thetascope.engine.errors import SpecError
+from thetascope.live.session.session import Session
+
+ACTS = {
+    "a fault with an end ahead": ("inject", {"fault": {"channel": "theta3", "shape": "step", "onset": 0, "end": 3, "size": 0.02}}),
+    "a fault that is planned": ("inject", {"fault": {"channel": "theta3", "shape": "step", "onset": 2, "size": 0.02}}),
+    "planned faults cleared": ("clear", {}),
+}
+
+
+@pytest.mark.parametrize("act", ACTS)
+@pytest.mark.parametrize("fork", [False, True])
+def test_what_was_done_before_stays_as_it_was(act, fork):
+    """Done at 1 s, gone back from 2.5 s to 1.5 s, or forked there: the faults are those that were left at 1 s."""
+    session, pieces = Session(library.experiment("zhao-2012")), []
+    advance(session, 100, pieces)
+    kind, fields = ACTS[act]
+    do(session, kind, **fields)
+    left = session.spec.faults
+    advance(session, 150, pieces)
+    do(session, "inject", fault={"channel": "theta1", "shape": "step", "onset": 0, "size": 0.01})
+    assert session.spec.faults != left
+    if fork:
+        session = session.fork(150)
+    else:
+        do(session, "seek", t=1.5)
+    assert session.row == 150 and session.spec.faults == left
+
+
+def test_a_fault_that_was_cleared_after_that_time_goes_on():
+    """Its end comes back, and the saved run has the live numbers."""
+    session, pieces = Session(zhao()), []
+    advance(session, 50, pieces)
+    do(session, "inject", fault={"channel": "theta3", "shape": "step", "onset": 0, "end": 5, "size": 0.02})
+    advance(session, 100, pieces)
+    do(session, "clear", channel="theta3")
+    assert session.spec.faults[0].end == 1.5
+    do(session, "seek", t=1.0)
+    assert session.spec.faults[0].end == 5.5
+    advance(session, 60, pieces)
+    run = saved(session)
+    for name in session.columns:
+        mine = session.past.rows((name,), 100, 160)[0]
+        np.testing.assert_array_equal(mine, run.column(name)[100:160].astype("f4"), err_msg=name)
+
+
+def test_there_is_no_going_back_to_what_is_ahead():
+    """It is refused with the time at which the session stands, and nothing is given up."""
+    session = Session(library.experiment("zhao-2012"))
+    session.advance(100)
+    before = session.spec
+    with pytest.raises(SpecError, match="the session stands at 1 s"):
+        do(session, "seek", t=500.0)
+    assert session.spec is before and session.row == 100
+
+
+def test_an_observer_that_diverged_is_started_again_under_its_name():
+    """Removed and added again in one row, the only one, and while another watches: its columns go on, and the saved run has the same."""
+    session, pieces = Session(library.experiment("zhao-2012-as-printed")), []
+    own = session.spec.observers[0]
+    advance(session, 100, pieces)
+    assert [e.subject for e in session.log if e.kind == "diverged"] == ["adaptive"]
+    for label in ("kalman", "another"):
+        do(session, "remove-observer", label="adaptive")
+        do(session, "add-observer", observer=own.model_dump())
+        advance(session, 20, pieces)
+        assert np.isfinite(live_rows(pieces, "adaptive.x.x1")[-20:]).all()
+        do(session, "add-observer", observer={"label": label, "kind": "adaptive-kalman"})
+    assert sum(e.kind == "diverged" for e in session.log) == 1
+    assert_same(pieces, session)
+
+
+def test_what_was_told_is_not_told_again_when_rows_are_given_up():
+    """A divergence and an alarm are events once, though the rows after them are given up and found again."""
+    for experiment, rows, back in (("zhao-2012-as-printed", 100, 74), ("zhao-2012", 2300, 2250)):
+        session = Session(library.experiment(experiment))
+        session.advance(rows)
+        assert {"diverged", "alarm"} & {e.kind for e in session.take_events()}
+        session.rewind_unseen(back)
+        session.advance(rows - back)
+        assert session.take_events() == []

@@ -1,0 +1,101 @@
+"""Coroutines that are begun at once, jobs that take turns."""
+
+import asyncio
+
+import pytest
+
+from tests.live.stage import apart
+from thetascope.live.room.serial_queue import Turns
+from thetascope.live.wire.eager_send import begin
+
+
+def test_what_need_not_wait_is_done_at_once():
+    """Without a task, without another turn of the event loop."""
+    done = []
+
+    async def send() -> None:
+        done.append(1)
+
+    assert begin(send()) is None
+    assert done == [1]
+
+
+def test_what_waits_is_brought_to_its_end_by_another_task():
+    """Also over several waits, and what it raises is raised there."""
+
+    async def scenario() -> list[str]:
+        gates, done = [asyncio.Event(), asyncio.Event()], []
+
+        async def send() -> None:
+            for gate in gates:
+                await gate.wait()
+                done.append("on")
+            await asyncio.sleep(0)
+            raise ConnectionError
+
+        rest = begin(send())
+
+        async def finish() -> None:
+            await rest
+
+        task = asyncio.create_task(finish())
+        for gate in gates:
+            await asyncio.sleep(0)
+            gate.set()
+        with pytest.raises(ConnectionError):
+            await task
+        return done
+
+    assert apart(scenario()) == ["on", "on"]
+
+
+def test_cancelling_reaches_what_waits():
+    """Its clean-up runs."""
+
+    async def scenario() -> list[str]:
+        cleaned = []
+
+        async def send() -> None:
+            try:
+                await asyncio.Event().wait()
+            finally:
+                cleaned.append("cleaned")
+
+        rest = begin(send())
+
+        async def finish() -> None:
+            await rest
+
+        task = asyncio.create_task(finish())
+        await asyncio.sleep(0)
+        task.cancel()
+        await asyncio.gather(task, return_exceptions=True)
+        return cleaned
+
+    assert apart(scenario()) == ["cleaned"]
+
+
+def test_jobs_take_turns_and_urgent_ones_come_first():
+    """While one is in a thread nothing else runs; what follows a job is done before the next job."""
+    held, log = [], []
+    turns = Turns(lambda job, then: held.append((job, then)))
+
+    def job(name: str, long: bool = False, urgent: bool = False) -> None:
+        turns.do(lambda: log.append(name), lambda *_: log.append(f"after {name}"), long, urgent)
+
+    job("a", long=True)
+    job("b")
+    job("c", urgent=True)
+    assert log == []
+    work, then = held.pop()
+    then(work(), None)
+    assert log == ["a", "after a", "c", "after c", "b", "after b"]
+
+
+def test_a_job_that_fails_gives_its_exception_and_the_next_one_runs():
+    """Nobody waits for ever."""
+    answers = []
+    turns = Turns(lambda job, then: None)
+    turns.do(lambda: 1 / 0, lambda value, error: answers.append(type(error)))
+    turns.do(lambda: 7, lambda value, error: answers.append(value))
+    assert answers == [ZeroDivisionError, 7]
