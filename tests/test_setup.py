@@ -53,7 +53,7 @@ def test_what_the_project_asks_for_is_pinned():
 
 def test_an_environment_counts_as_made_only_for_the_requirements_it_was_made_for(tmp_path, monkeypatch):
     """A second set-up has nothing to do; a changed pin, another folder or a lost Python sets up again."""
-    for name in ("pyproject.toml", "setup.py", *environment.LEVELS.values()):
+    for name in ("pyproject.toml", *environment.LEVELS.values()):
         (tmp_path / name).write_text((ROOT / name).read_text())
     python, note = tmp_path / "python", tmp_path / "installed"
     for name, value in {"ROOT": tmp_path, "PYTHON": python, "NOTE": note}.items():

@@ -50,7 +50,7 @@ def installed(level: str) -> bool:
 def digest(level: str) -> str:
     """Hash of all that decides what is installed."""
     parts = [sys.version.encode(), str(ROOT).encode()]
-    parts += [(ROOT / name).read_bytes() for name in (LEVELS[level], "pyproject.toml", "setup.py")]
+    parts += [(ROOT / name).read_bytes() for name in (LEVELS[level], "pyproject.toml")]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
