@@ -9,7 +9,9 @@ NAMES = (*ENGINE, "live", "memory", "page")
 
 def main() -> None:
     arguments = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
-    arguments.add_argument("names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; the first four if none is given")
+    arguments.add_argument(
+        "names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; the first four if none is given"
+    )
     arguments.add_argument("--markdown", action="store_true", help="print the table of docs/performance.md")
     given = arguments.parse_args()
     unknown = [n for n in given.names if n not in NAMES]

@@ -85,13 +85,23 @@ def fresh(plant: str, observer: str, draw: random.Random) -> dict:
     """A plant whose text was never seen: every equation with coefficients of its own."""
     data = library.plant(plant).model_dump(mode="json") | {"id": "fresh"}
     data["dynamics"] = {s: f"{1 + 0.01 * draw.random()!r}*({text})" for s, text in data["dynamics"].items()}
-    return {"plant": data, "horizon": 1.0, "step": 0.001, "record": 0.01, "observers": [{"label": "o", "kind": observer}]}
+    return {
+        "plant": data,
+        "horizon": 1.0,
+        "step": 0.001,
+        "record": 0.01,
+        "observers": [{"label": "o", "kind": observer}],
+    }
 
 
 def texts(count: int = 9) -> Iterator[Figure]:
     draw = random.Random()
-    for plant, observer in (("zhao-contois", "zhao-adaptive"), ("contois-physical", "zhao-adaptive"),
-                            ("dc-motor", "adaptive-kalman"), ("dts200", "adaptive-kalman")):  # fmt: skip
+    for plant, observer in (
+        ("zhao-contois", "zhao-adaptive"),
+        ("contois-physical", "zhao-adaptive"),
+        ("dc-motor", "adaptive-kalman"),
+        ("dts200", "adaptive-kalman"),
+    ):
         seconds = [first_estimate(fresh(plant, observer, draw)) for _ in range(count)]
         yield Figure.of(f"new text, SymPy imported: {plant} with {observer}", seconds, f"≤ {TEXT} s", "s")
 
@@ -116,7 +126,9 @@ def from_cache(count: int = 15) -> Figure:
             seconds.append(float(took))
             if good != "True":
                 raise AssertionError("the estimate is missing, or SymPy was needed for it")
-    return Figure.of("zhao-2012 in a new process from the cache, imports apart", seconds, f"≤ {1000 * LIBRARY:g} ms", "ms")
+    return Figure.of(
+        "zhao-2012 in a new process from the cache, imports apart", seconds, f"≤ {1000 * LIBRARY:g} ms", "ms"
+    )
 
 
 def large(n: int = 30, p: int = 5, count: int = 3) -> Figure:
@@ -136,8 +148,13 @@ def large(n: int = 30, p: int = 5, count: int = 3) -> Figure:
             "dynamics": dynamics,
             "channels": [{"name": f"f{j}", "kind": "actuator", "enters": {x[j * n // p]: "1"}} for j in range(p)],
         }
-        spec = {"plant": plant, "horizon": 1.0, "step": 0.001, "record": 0.01,
-                "observers": [{"label": "o", "kind": "zhao-adaptive"}]}  # fmt: skip
+        spec = {
+            "plant": plant,
+            "horizon": 1.0,
+            "step": 0.001,
+            "record": 0.01,
+            "observers": [{"label": "o", "kind": "zhao-adaptive"}],
+        }
         seconds.append(first_estimate(spec))
     states = n * p + p * (p + 1) // 2 + n + p
     return Figure.of(f"new text of {n} states, observer of {states}", seconds, "seconds", "s")

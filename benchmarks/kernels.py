@@ -1,6 +1,6 @@
 """Compiled plant and observer against the same Runge–Kutta written by hand in C: one run, and batches. One thread.
 
-    python -m benchmarks kernels
+python -m benchmarks kernels
 """
 
 from collections.abc import Iterator
@@ -40,14 +40,24 @@ def varied(base: Experiment, i: int, runs: int) -> Experiment:
     """Run i of a batch in which seed, parameters, gains, starts and fault sizes all differ."""
     e, share = with_seed(base, i), i / runs
     estimator = e.estimators[0]
-    numbers = estimator.parameters | {"g.rho": 4 + share, "g.lambda": 3.5 + share, "m.a4": 0.1 + 0.01 * share,
-                                      "x0.x1": 0.08 * share, "x0.x2": 0.02 * share}  # fmt: skip
+    numbers = estimator.parameters | {
+        "g.rho": 4 + share,
+        "g.lambda": 3.5 + share,
+        "m.a4": 0.1 + 0.01 * share,
+        "x0.x1": 0.08 * share,
+        "x0.x2": 0.02 * share,
+    }
     signals = dict(e.signals)
     for name, onset, size in (("theta3", 20.0, 0.02), ("theta1", 40.0, 0.01), ("theta2", 70.0, 0.015)):
         fault = {"channel": name, "shape": "step", "onset": onset, "end": None, "size": size * (0.5 + share)}
         signals[f"theta.{name}"] = fault_signals.theta(name, [fault], 0)
-    return replace(e, parameters=e.parameters | {"p.a4": 0.1 + 0.01 * share}, x0=e.x0 * (1 + 0.1 * share), signals=signals,
-                   estimators=(replace(estimator, parameters=numbers),))  # fmt: skip
+    return replace(
+        e,
+        parameters=e.parameters | {"p.a4": 0.1 + 0.01 * share},
+        x0=e.x0 * (1 + 0.1 * share),
+        signals=signals,
+        estimators=(replace(estimator, parameters=numbers),),
+    )
 
 
 def batches(by_hand: ByHand, runs: int, count: int = 7) -> Iterator[Figure]:

@@ -88,9 +88,12 @@ def service(sessions: int) -> Iterator[tuple[subprocess.Popen, str]]:
     """The service, and its address."""
     with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as data:
         environment = os.environ | {
-            "THETASCOPE_DATA": data, "THETASCOPE_SESSIONS": str(sessions), "PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT),
+            "THETASCOPE_DATA": data,
+            "THETASCOPE_SESSIONS": str(sessions),
+            "PYTHONUNBUFFERED": "1",
+            "PYTHONPATH": str(ROOT),
             "THETASCOPE_PREPARE": "0",
-        }  # fmt: skip
+        }
         command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
         with pinned(command, environment) as (process, line):
             if "http://" not in line:
@@ -99,7 +102,9 @@ def service(sessions: int) -> Iterator[tuple[subprocess.Popen, str]]:
 
 
 @contextmanager
-def playing(address: str, sessions: int, viewers: int = 1, diagnosis: bool = True) -> Iterator[tuple[Watchers, list[Watcher]]]:
+def playing(
+    address: str, sessions: int, viewers: int = 1, diagnosis: bool = True
+) -> Iterator[tuple[Watchers, list[Watcher]]]:
     """So many sessions that play, with so many viewers each; they end afterwards."""
     with Client(address) as client:
         body = {"experiment": EXPERIMENT, "set": {"diagnosis.enabled": diagnosis}}
@@ -122,7 +127,9 @@ def processor_time(process: subprocess.Popen) -> float:
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
-def cost(server: tuple[subprocess.Popen, str], sessions: int, viewers: int, what: str, diagnosis: bool = True) -> Figure:
+def cost(
+    server: tuple[subprocess.Popen, str], sessions: int, viewers: int, what: str, diagnosis: bool = True
+) -> Figure:
     """Processor time a frame of the service over that of the bare server, both at work at the same time."""
     process, address = server
     found = []

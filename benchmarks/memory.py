@@ -1,7 +1,7 @@
 """Memory of the service while one session plays for long: as many rows as an hour at ten times real time brings.
 
-    python -m benchmarks memory                          200 times real time, so that it takes three minutes
-    SPEED=10 python -m benchmarks memory                 the hour itself
+python -m benchmarks memory                          200 times real time, so that it takes three minutes
+SPEED=10 python -m benchmarks memory                 the hour itself
 """
 
 import os
@@ -26,7 +26,9 @@ def figures() -> Iterator[Figure]:
         begin = resident(process)
         session = client.post("/api/sessions", {"experiment": EXPERIMENT, "speed": speed})
         watchers, found = Watchers(), []
-        viewer = watchers.connect(int(address.rpartition(":")[2]), f"{session['links']['stream']}?token={session['token']}")
+        viewer = watchers.connect(
+            int(address.rpartition(":")[2]), f"{session['links']['stream']}?token={session['token']}"
+        )
         try:
             for _ in range(PARTS):
                 end = time.monotonic() + PLAYED / speed / PARTS
@@ -39,10 +41,14 @@ def figures() -> Iterator[Figure]:
             watchers.close()
     yield Figure.of("memory of the service as it starts, MB", [begin])
     yield Figure.of("memory after a third of the time, MB", [found[1]])
-    yield Figure.of(f"memory later, of {played:.0f} s played ÷ after a third", [m / found[1] for m in found[2:]], "flat")
+    yield Figure.of(
+        f"memory later, of {played:.0f} s played ÷ after a third", [m / found[1] for m in found[2:]], "flat"
+    )
 
 
 def resident(process: subprocess.Popen) -> float:
     """Resident memory of a process, MB."""
-    line = next(line for line in Path(f"/proc/{process.pid}/status").read_text().splitlines() if line.startswith("VmRSS"))
+    line = next(
+        line for line in Path(f"/proc/{process.pid}/status").read_text().splitlines() if line.startswith("VmRSS")
+    )
     return int(line.split()[1]) / 1024

@@ -34,7 +34,10 @@ def drawn(page) -> list[float]:
     page.goto(page.url.partition("?")[0] + "?experiment=zhao-2012&t=20")
     page.wait_for_function("() => window.thetascope?.state.spec && thetascope.samples.now > 19.9")
     for label, kind in OTHERS.items():
-        page.evaluate("(observer) => thetascope.send({type: 'add-observer', observer})", {"label": label, "kind": kind, "options": {}})
+        page.evaluate(
+            "(observer) => thetascope.send({type: 'add-observer', observer})",
+            {"label": label, "kind": kind, "options": {}},
+        )
     page.evaluate("thetascope.send({type: 'step', rows: 2000})")
     page.wait_for_function("() => thetascope.samples.now > 39.9")
     page.wait_for_timeout(1500)
@@ -46,7 +49,11 @@ def figures() -> Iterator[Figure]:
     from playwright.sync_api import sync_playwright
 
     path = os.environ.get("THETASCOPE_BROWSER") or find()
-    with tempfile.TemporaryDirectory() as folder, service(Path(folder)) as (address, _), sync_playwright() as playwright:
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        service(Path(folder)) as (address, _),
+        sync_playwright() as playwright,
+    ):
         browser = playwright.chromium.launch(executable_path=path, args=["--no-sandbox"])
         page = browser.new_page(viewport={"width": 1440, "height": 900})
         page.goto(f"{address}/?experiment=zhao-2012&t=1")
@@ -59,4 +66,6 @@ def figures() -> Iterator[Figure]:
     yield Figure.of("page: script time of an update, 4 strips of 3 curves of 10 000 points", own, "≤ 2 ms", "ms")
     yield Figure.of("page: the same of the live page itself, 7 strips of 6 observers, all bands", whole, "", "ms")
     yield Figure.of("page: Plotly.react of the same / update", [time / middle for time in found["react"]])
-    yield Figure.of("page: updates drawn a second, by a browser without graphics card", [found["frames"]], "60 with one")
+    yield Figure.of(
+        "page: updates drawn a second, by a browser without graphics card", [found["frames"]], "60 with one"
+    )

@@ -34,7 +34,9 @@ def engine(**changes) -> Experiment:
 def rows(e: Experiment) -> np.ndarray:
     """Inputs of the code written by hand: u, φ1…3, θ1…3, noise, a row each HOLD steps."""
     at = (np.arange(e.steps // HOLD) + 0.5) * HOLD * e.step
-    return np.ascontiguousarray(np.stack([*(e.signals[n](at, at) for n in INPUTS), e.measurement.noise_at(at)[:, 0]], axis=1))
+    return np.ascontiguousarray(
+        np.stack([*(e.signals[n](at, at) for n in INPUTS), e.measurement.noise_at(at)[:, 0]], axis=1)
+    )
 
 
 def start(e: Experiment) -> np.ndarray:
@@ -83,14 +85,24 @@ def rates(s: Sequence[float], w: Sequence[float]) -> list[float]:
     return [
         x2 - u * x1 + t1 * p1 + t2 * p2,
         x1 * v * (2 * v - 1 - u) + 0.1 * u * (1 - v) * (1 - v),
-        RHO * (U10 - U00) + p1, RHO * (U11 - U01) + p2, RHO * (U12 - U02 - p3),
-        -0.5 * RHO * U00, -0.5 * RHO * U01, -0.5 * RHO * O2,
-        LAMBDA * G00 - b0 * b0, LAMBDA * G01 - b0 * b1, LAMBDA * G02 - b0 * b2,
-        LAMBDA * G11 - b1 * b1, LAMBDA * G12 - b1 * b2, LAMBDA * G22 - b2 * b2,
+        RHO * (U10 - U00) + p1,
+        RHO * (U11 - U01) + p2,
+        RHO * (U12 - U02 - p3),
+        -0.5 * RHO * U00,
+        -0.5 * RHO * U01,
+        -0.5 * RHO * O2,
+        LAMBDA * G00 - b0 * b0,
+        LAMBDA * G01 - b0 * b1,
+        LAMBDA * G02 - b0 * b2,
+        LAMBDA * G11 - b1 * b1,
+        LAMBDA * G12 - b1 * b2,
+        LAMBDA * G22 - b2 * b2,
         h2 - u * h1 + p1 * q1 + p2 * q2 + (RHO + m1) * r,
         c1 * z * (2 * z - 1 - u) + 0.1 * u * (1 - z) * (1 - z) + RHO * (0.5 * RHO + m2) * r,
-        b0 * r, b1 * r, b2 * r,
-    ]  # fmt: skip
+        b0 * r,
+        b1 * r,
+        b2 * r,
+    ]
 
 
 @dataclass
@@ -112,18 +124,40 @@ class ByHand:
         """All 19 states after each ``every`` steps."""
         out, s = np.empty((steps // every, 19)), state.copy()
         d, p, n = ctypes.c_double, ctypes.c_void_p, ctypes.c_long
-        self.library.simulate(p(inputs.ctypes.data), n(steps), n(HOLD), d(h), d(RHO), d(LAMBDA), n(every), p(s.ctypes.data),
-                              p(out.ctypes.data))  # fmt: skip
+        self.library.simulate(
+            p(inputs.ctypes.data),
+            n(steps),
+            n(HOLD),
+            d(h),
+            d(RHO),
+            d(LAMBDA),
+            n(every),
+            p(s.ctypes.data),
+            p(out.ctypes.data),
+        )
         return out
 
-    def batch(self, inputs: np.ndarray, h: float, every: int, state: np.ndarray, seeds: range, std: float) -> np.ndarray:
+    def batch(
+        self, inputs: np.ndarray, h: float, every: int, state: np.ndarray, seeds: range, std: float
+    ) -> np.ndarray:
         """Runs one after the other, each with noise of its own seed."""
         count = len(inputs)
         out, scratch = np.empty((len(seeds), count * HOLD // every, 19)), np.empty(count)
         inputs = inputs.copy()
         d, p, n = ctypes.c_double, ctypes.c_void_p, ctypes.c_long
         for i, seed in enumerate(seeds):
-            self.library.simulate_seed(p(inputs.ctypes.data), n(count), n(HOLD), d(h), d(RHO), d(LAMBDA), n(every),
-                                       p(state.ctypes.data), p(out[i].ctypes.data), ctypes.c_uint64(seed), d(std),
-                                       p(scratch.ctypes.data))  # fmt: skip
+            self.library.simulate_seed(
+                p(inputs.ctypes.data),
+                n(count),
+                n(HOLD),
+                d(h),
+                d(RHO),
+                d(LAMBDA),
+                n(every),
+                p(state.ctypes.data),
+                p(out[i].ctypes.data),
+                ctypes.c_uint64(seed),
+                d(std),
+                p(scratch.ctypes.data),
+            )
         return out

@@ -1,6 +1,6 @@
 """The service as it is started by its users, spoken to over HTTP: a run with its figures, and the time to be ready.
 
-    python -m benchmarks service
+python -m benchmarks service
 """
 
 import itertools

@@ -30,7 +30,11 @@ class Watcher:
 
     def _send(self, kind: int, data: bytes) -> None:
         mask = os.urandom(4)
-        length = struct.pack("!BBH", 0x80 | kind, 0xFE, len(data)) if len(data) > 125 else bytes([0x80 | kind, 0x80 | len(data)])
+        length = (
+            struct.pack("!BBH", 0x80 | kind, 0xFE, len(data))
+            if len(data) > 125
+            else bytes([0x80 | kind, 0x80 | len(data)])
+        )
         masked = bytes(byte ^ mask[i % 4] for i, byte in enumerate(data))
         self.socket.sendall(length + mask + masked)
 

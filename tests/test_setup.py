@@ -45,7 +45,11 @@ def test_what_the_project_asks_for_is_pinned():
     """Every dependency that pyproject.toml lists is in the requirements of its level."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     groups = project["dependency-groups"]
-    asked = {"run": project["project"]["dependencies"] + groups["build"], "dev": groups["dev"], "bench": groups["bench"]}
+    asked = {
+        "run": project["project"]["dependencies"] + groups["build"],
+        "dev": groups["dev"],
+        "bench": groups["bench"],
+    }
     for level, texts in asked.items():
         names = {re.match(r"[\w-]+", text)[0] for text in texts}
         assert names <= set(pins(environment.LEVELS[level])), level
@@ -76,7 +80,9 @@ def test_a_python_that_cannot_make_environments_is_told_what_to_install(tmp_path
     bare = tmp_path / "bare"  # a real environment without pip, as `python -m venv` leaves it there
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", bare], check=True)
     found = environment.importlib.util.find_spec
-    monkeypatch.setattr(environment.importlib.util, "find_spec", lambda name: None if name == "ensurepip" else found(name))
+    monkeypatch.setattr(
+        environment.importlib.util, "find_spec", lambda name: None if name == "ensurepip" else found(name)
+    )
     monkeypatch.setattr(environment.sys, "executable", str(bare / "bin" / "python"))
     monkeypatch.setattr(environment, "VENV", tmp_path / "venv")
     monkeypatch.setattr(environment, "PYTHON", tmp_path / "venv" / "bin" / "python")

@@ -12,9 +12,7 @@ from pathlib import Path
 
 VARIABLE = "THETASCOPE_BROWSER"
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-MAC = tuple(
-    Path(f"/Applications/{name}.app/Contents/MacOS/{name}") for name in ("Chromium", "Google Chrome")
-)  # fmt: skip
+MAC = tuple(Path(f"/Applications/{name}.app/Contents/MacOS/{name}") for name in ("Chromium", "Google Chrome"))
 
 
 def main() -> int:
@@ -66,9 +64,12 @@ def run(*command: str) -> None:
     """Run a command, its output on standard error; whether it worked shows in whether the browser then starts."""
     print(f"browser: {' '.join(command)}", file=sys.stderr, flush=True)
     subprocess.run(
-        command, stdin=subprocess.DEVNULL, stdout=sys.stderr, check=False,
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=sys.stderr,
+        check=False,
         env={**os.environ, "DEBIAN_FRONTEND": "noninteractive"},
-    )  # fmt: skip
+    )
 
 
 def starts(path: str) -> bool:

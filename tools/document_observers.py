@@ -21,11 +21,19 @@ FILE = Path(__file__).resolve().parents[1] / "docs" / "observers.md"
 
 #: A library experiment on whose plant each kind can be built; it is run for a moment.
 SHOWN_ON = {
-    "high-gain": "zhao-2012", "zhao-adaptive": "zhao-2012", "nonsmooth-adaptive": "shen-hu-2015",
-    "linear-adaptive": "shen-hu-2015", "reduced-order": "reduced-order-mimo", "full-order": "reduced-order-mimo",
-    "sandwich-nonsmooth": "zhou-tan-2012", "sandwich-conventional": "zhou-tan-2012", "adaptive-kalman": "zhao-2012",
-    "adaptive-kalman-discrete": "zhao-2012", "joint-ekf": "zhao-2012", "joint-ukf": "zhao-2012",
-}  # fmt: skip
+    "high-gain": "zhao-2012",
+    "zhao-adaptive": "zhao-2012",
+    "nonsmooth-adaptive": "shen-hu-2015",
+    "linear-adaptive": "shen-hu-2015",
+    "reduced-order": "reduced-order-mimo",
+    "full-order": "reduced-order-mimo",
+    "sandwich-nonsmooth": "zhou-tan-2012",
+    "sandwich-conventional": "zhou-tan-2012",
+    "adaptive-kalman": "zhao-2012",
+    "adaptive-kalman-discrete": "zhao-2012",
+    "joint-ekf": "zhao-2012",
+    "joint-ukf": "zhao-2012",
+}
 
 HEAD = """# Observers
 

@@ -17,17 +17,27 @@ function mark(lost) {
   connection.dispatchEvent(new Event('change'));
 }
 
-const pause = (seconds, signal) => new Promise((done, stop) => {
-  const timer = setTimeout(done, seconds * 1000);
-  signal?.addEventListener('abort', () => { clearTimeout(timer); stop(signal.reason); }, {once: true});
-});
+const pause = (seconds, signal) =>
+  new Promise((done, stop) => {
+    const timer = setTimeout(done, seconds * 1000);
+    signal?.addEventListener(
+      'abort',
+      () => {
+        clearTimeout(timer);
+        stop(signal.reason);
+      },
+      {once: true},
+    );
+  });
 
 /** The answer to a request, as JSON. Waits for a lost server: every request of this page may be repeated. */
 export async function request(method, url, {body, signal, headers = {}} = {}) {
   for (let wait = 0.5; ; wait = Math.min(wait * 1.5, 4)) {
     try {
       const answer = await fetch(url, {
-        method, signal, headers: body === undefined ? headers : {'Content-Type': 'application/json', ...headers},
+        method,
+        signal,
+        headers: body === undefined ? headers : {'Content-Type': 'application/json', ...headers},
         body: body === undefined ? undefined : JSON.stringify(body),
       });
       mark(false);
@@ -43,7 +53,8 @@ export async function request(method, url, {body, signal, headers = {}} = {}) {
 async function read(answer) {
   const kind = answer.headers.get('content-type') ?? '';
   if (answer.ok) return kind.includes('json') ? answer.json() : null;
-  if (!kind.includes('json')) throw new Problem({title: `${answer.status} ${answer.statusText}`, status: answer.status});
+  if (!kind.includes('json'))
+    throw new Problem({title: `${answer.status} ${answer.statusText}`, status: answer.status});
   throw new Problem(await answer.json());
 }
 

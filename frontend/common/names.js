@@ -1,15 +1,21 @@
 // Names as symbols or words, and the short badges of fault channels.
 
-const PAIRS = 'alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ '
-  + 'sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π Sigma Σ Phi Φ Psi Ψ Omega Ω';
+const PAIRS =
+  'alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ ' +
+  'sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π Sigma Σ Phi Φ Psi Ψ Omega Ω';
 
 /** Greek letters by name. */
-export const GREEK = Object.fromEntries(PAIRS.split(' ').map((word, place, all) => [word, all[place + 1]]).filter((_, place) => place % 2 === 0));
+export const GREEK = Object.fromEntries(
+  PAIRS.split(' ')
+    .map((word, place, all) => [word, all[place + 1]])
+    .filter((_, place) => place % 2 === 0),
+);
 
 /** Letter (or word) and index of a name: theta1 → ['θ', '1'], gain_loss → ['gain loss', '']. */
 export function split(name) {
   const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
-  const [base, index] = match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1])) ? [match[1], match[2]] : [name, ''];
+  const [base, index] =
+    match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1])) ? [match[1], match[2]] : [name, ''];
   return [Object.hasOwn(GREEK, base) ? GREEK[base] : base.replaceAll('_', ' '), index];
 }
 
@@ -25,12 +31,24 @@ export const symbolic = (name) => split(name)[0].length === 1 && !/^[A-Za-z]{2}/
 
 /** Names that are words, in Chinese: where a symbol would stand there is room for two to five characters. */
 const WORDS = {
-  current: '电流', speed: '转速', voltage: '电压', torque: '转矩', acceleration: '加速度', biomass: '生物量', enzyme: '酶', friction: '摩擦', load: '负载',
-  'gain loss': '增益损失', 'load torque': '负载转矩', 'friction increase': '摩擦增大', 'current bias': '电流偏差', 'speed bias': '转速偏差',
+  current: '电流',
+  speed: '转速',
+  voltage: '电压',
+  torque: '转矩',
+  acceleration: '加速度',
+  biomass: '生物量',
+  enzyme: '酶',
+  friction: '摩擦',
+  load: '负载',
+  'gain loss': '增益损失',
+  'load torque': '负载转矩',
+  'friction increase': '摩擦增大',
+  'current bias': '电流偏差',
+  'speed bias': '转速偏差',
 };
 
 /** A word of a name, in the page's language. */
-export const word = (text) => (document.documentElement.lang.startsWith('zh') ? WORDS[text] ?? text : text);
+export const word = (text) => (document.documentElement.lang.startsWith('zh') ? (WORDS[text] ?? text) : text);
 
 /** What plants call something beyond its name: a channel's title, else the beginning of the description. */
 export const titleOf = (item) => item.title || (item.description ?? '').split(/[,;(]/)[0].trim();
@@ -38,14 +56,20 @@ export const titleOf = (item) => item.title || (item.description ?? '').split(/[
 /** What the page calls a channel, an output, an input, a signal or a state wherever it names it: its symbol, or where that is a word what the plant says it is. */
 export function called(name, plant, text) {
   if (symbolic(name) || !plant) return plain(name);
-  const item = [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...plant.states].find((one) => one.name === name);
+  const item = [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...plant.states].find(
+    (one) => one.name === name,
+  );
   return (item && text.named(titleOf(item))) || plain(name);
 }
 
 /** A sentence of the server, in the page's language already, with what the page calls them for the plant's names: theta1 and leak1 → θ₁ and leak in tank 1. */
 export function spoken(words, plant, text) {
-  const names = plant ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name) : [];
-  return text.tight(String(words).replace(/[A-Za-z_]\w*/g, (word) => (names.includes(word) ? called(word, plant, text) : word)));
+  const names = plant
+    ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name)
+    : [];
+  return text.tight(
+    String(words).replace(/[A-Za-z_]\w*/g, (word) => (names.includes(word) ? called(word, plant, text) : word)),
+  );
 }
 
 /** With a capital letter at its beginning; a symbol stays as it is. */
@@ -76,7 +100,12 @@ export function badges(channels) {
 
 /** Initials of several words; of one word its first letter, and where others begin alike a consonant that they lack. */
 function shortened(word, all) {
-  if (word.includes('_')) return word.split('_').map((part) => part[0]).join('').slice(0, 3);
+  if (word.includes('_'))
+    return word
+      .split('_')
+      .map((part) => part[0])
+      .join('')
+      .slice(0, 3);
   const rivals = all.filter((other) => other !== word && other[0] === word[0] && !other.includes('_'));
   if (rivals.length === 0) return word[0];
   const consonants = [...word.slice(1)].filter((letter) => !'aeiou'.includes(letter));

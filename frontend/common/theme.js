@@ -3,7 +3,11 @@
 (() => {
   const system = matchMedia('(prefers-color-scheme: dark)');
   const kept = () => {
-    try { return localStorage.getItem('theme'); } catch { return null; }
+    try {
+      return localStorage.getItem('theme');
+    } catch {
+      return null;
+    }
   };
   const apply = () => {
     const theme = kept() ?? (system.matches ? 'dark' : 'light');
@@ -13,14 +17,18 @@
     dispatchEvent(new CustomEvent('theme', {detail: theme}));
   };
   window.theme = {
-    get now() { return document.documentElement.dataset.theme; },
+    get now() {
+      return document.documentElement.dataset.theme;
+    },
     toggle() {
       const next = this.now === 'dark' ? 'light' : 'dark';
       try {
         // Back to what the system has: follow it again from here on.
         if (next === (system.matches ? 'dark' : 'light')) localStorage.removeItem('theme');
         else localStorage.setItem('theme', next);
-      } catch { /* private windows keep nothing */ }
+      } catch {
+        /* private windows keep nothing */
+      }
       apply();
       if (this.now !== next) {
         document.documentElement.dataset.theme = next;

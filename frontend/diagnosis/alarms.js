@@ -26,7 +26,8 @@ const SAME = 1e-6; // s
 export function alarmsOf(log, diagnosis = null) {
   const alarms = [];
   for (const event of log) {
-    if (event.kind === 'alarm') alarms.push({...alarmFrom(known(event.value, diagnosis?.alarms ?? [])), t: event.t, over: null});
+    if (event.kind === 'alarm')
+      alarms.push({...alarmFrom(known(event.value, diagnosis?.alarms ?? [])), t: event.t, over: null});
     else if (event.kind === 'alarm-over') {
       const open = alarms.filter((alarm) => alarm.over === null && alarm.subject === event.subject);
       const mine = open.find((alarm) => Math.abs(alarm.t - event.value.t) < SAME) ?? open[0];
@@ -36,21 +37,51 @@ export function alarmsOf(log, diagnosis = null) {
   return alarms;
 }
 
-const known = (value, alarms) => alarms.find((one) => Math.abs(one.t - value.t) < SAME && one.kind === value.kind
-  && one.channel === value.channel && one.output === value.output) ?? value;
+const known = (value, alarms) =>
+  alarms.find(
+    (one) =>
+      Math.abs(one.t - value.t) < SAME &&
+      one.kind === value.kind &&
+      one.channel === value.channel &&
+      one.output === value.output,
+  ) ?? value;
 
 /** An alarm as the server tells it (shared/thetascope_schemas/experiment/diagnosis.py) in the page's form. @returns {Alarm} */
-export function alarmFrom({kind, channel, output, alternatives, t, cleared, onset, onset_from: from, onset_to: to, size, size_from: low, size_to: high}) {
+export function alarmFrom({
+  kind,
+  channel,
+  output,
+  alternatives,
+  t,
+  cleared,
+  onset,
+  onset_from: from,
+  onset_to: to,
+  size,
+  size_from: low,
+  size_to: high,
+}) {
   const explained = kind === 'fault';
-  return {explained, subject: explained ? channel : output.replace(/^y\./, ''), subjects: explained ? [channel, ...alternatives] : [], t, over: cleared,
-    onset, from, to, size, half: size === null ? null : (high - low) / 2};
+  return {
+    explained,
+    subject: explained ? channel : output.replace(/^y\./, ''),
+    subjects: explained ? [channel, ...alternatives] : [],
+    t,
+    over: cleared,
+    onset,
+    from,
+    to,
+    size,
+    half: size === null ? null : (high - low) / 2,
+  };
 }
 
 /** Whether an event says that the plant itself broke down: one of no subject. */
 export const plantBroke = ({kind, subject}) => kind === 'diverged' && subject === '';
 
 /** Whether an alarm names what a fault disturbs, as its first guess or as one of the alternatives. */
-export const names = (alarm, fault) => (fault.onChannel ? alarm.subjects.includes(fault.subject) : !alarm.explained && alarm.subject === fault.subject);
+export const names = (alarm, fault) =>
+  fault.onChannel ? alarm.subjects.includes(fault.subject) : !alarm.explained && alarm.subject === fault.subject;
 
 /**
  * How a fault was found: by the first alarm raised after it began that names it; `delay` null where such an alarm was on already; null where there is none.
@@ -58,7 +89,9 @@ export const names = (alarm, fault) => (fault.onChannel ? alarm.subjects.include
  */
 export function finding(fault, alarms) {
   const mine = alarms.filter((alarm) => names(alarm, fault));
-  const first = mine.find((alarm) => alarm.t >= fault.onset - SAME && (fault.end === null || Math.min(alarm.onset, alarm.t) <= fault.end));
+  const first = mine.find(
+    (alarm) => alarm.t >= fault.onset - SAME && (fault.end === null || Math.min(alarm.onset, alarm.t) <= fault.end),
+  );
   if (first) return {alarm: first, delay: Math.max(0, first.t - fault.onset)};
   const held = mine.find((alarm) => alarm.t < fault.onset && (alarm.over === null || alarm.over > fault.onset));
   return held ? {alarm: held, delay: null} : null;

@@ -20,7 +20,8 @@ export function amount({size, half}, channel) {
 const leading = (value) => value / 10 ** Math.floor(Math.log10(value));
 
 /** A size to so many digits, without a power of ten where it can be read at a glance. */
-export const small = (value, digits = 2) => (Math.abs(value) >= 1e-4 && Math.abs(value) < 1e5 ? String(Number(value.toPrecision(digits))) : number(value, digits));
+export const small = (value, digits = 2) =>
+  Math.abs(value) >= 1e-4 && Math.abs(value) < 1e5 ? String(Number(value.toPrecision(digits))) : number(value, digits);
 
 /**
  * Channels of which not even a typical fault can be told now, from when on anything is judged. One whose fault an alarm names alone is none of
@@ -33,4 +34,5 @@ export function untold({diagnosis, t, alarms}) {
 }
 
 /** What the diagnosis says of one channel: how small a fault can be and still be found. */
-export const resolutionOf = (channel, diagnosis) => diagnosis?.resolution?.find((one) => one.channel === channel) ?? null;
+export const resolutionOf = (channel, diagnosis) =>
+  diagnosis?.resolution?.find((one) => one.channel === channel) ?? null;

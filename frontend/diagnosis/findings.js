@@ -22,24 +22,53 @@ const MOST_PAST = 20;
 export function findings({faults, alarms}) {
   const active = faults.filter((fault) => fault.active);
   const on = alarms.filter((alarm) => alarm.over === null);
-  const unseen = active.filter((fault) => !alarms.some((alarm) => names(alarm, fault) && (alarm.over === null || outlasted(alarm, fault))));
-  const past = alarms.filter((alarm) => alarm.over !== null).slice(-MOST_PAST).reverse();
+  const unseen = active.filter(
+    (fault) => !alarms.some((alarm) => names(alarm, fault) && (alarm.over === null || outlasted(alarm, fault))),
+  );
+  const past = alarms
+    .filter((alarm) => alarm.over !== null)
+    .slice(-MOST_PAST)
+    .reverse();
   const once = unseen.filter((fault, place) => unseen.findIndex((one) => one.subject === fault.subject) === place);
-  return [...on.map((alarm) => found(alarm, judged(alarm, faults, active), faults, alarms)),
-    ...once.map((fault) => ({verdict: 'unseen', subject: fault.subject, subjects: [fault.subject], onChannel: fault.onChannel, alarm: null, fault, delay: null})),
-    ...past.map((alarm) => found(alarm, 'past', faults, alarms))];
+  return [
+    ...on.map((alarm) => found(alarm, judged(alarm, faults, active), faults, alarms)),
+    ...once.map((fault) => ({
+      verdict: 'unseen',
+      subject: fault.subject,
+      subjects: [fault.subject],
+      onChannel: fault.onChannel,
+      alarm: null,
+      fault,
+      delay: null,
+    })),
+    ...past.map((alarm) => found(alarm, 'past', faults, alarms)),
+  ];
 }
 
 /** Whether an alarm was on until its fault had ended: it may be told as over a moment before the rows in which the fault ends are shown. */
 const outlasted = (alarm, {end}) => end !== null && alarm.t <= end && alarm.over >= end;
 
 function found(alarm, verdict, faults, alarms) {
-  const mine = faults.filter((one) => one.onset <= alarm.t).map((fault) => finding(fault, alarms)).filter((one) => one?.alarm === alarm && one.delay !== null);
-  const made = {verdict, subject: alarm.subject, subjects: alarm.explained ? alarm.subjects : [alarm.subject], onChannel: alarm.explained, alarm, fault: null,
-    delay: mine.length ? mine.at(-1).delay : null, again: null};
+  const mine = faults
+    .filter((one) => one.onset <= alarm.t)
+    .map((fault) => finding(fault, alarms))
+    .filter((one) => one?.alarm === alarm && one.delay !== null);
+  const made = {
+    verdict,
+    subject: alarm.subject,
+    subjects: alarm.explained ? alarm.subjects : [alarm.subject],
+    onChannel: alarm.explained,
+    alarm,
+    fault: null,
+    delay: mine.length ? mine.at(-1).delay : null,
+    again: null,
+  };
   if (verdict !== 'found') return made;
   // what was found may be over, and another have come while its alarm was still on: that one was not found in so much time
-  const now = faults.filter((fault) => fault.active && names(alarm, fault)).map((fault) => ({fault, by: finding(fault, alarms)})).filter(({by}) => by?.alarm === alarm);
+  const now = faults
+    .filter((fault) => fault.active && names(alarm, fault))
+    .map((fault) => ({fault, by: finding(fault, alarms)}))
+    .filter(({by}) => by?.alarm === alarm);
   if (now.length === 0 || now.some(({by}) => by.delay !== null)) return made;
   return {...made, delay: null, again: now.at(-1).fault.onset};
 }
@@ -47,7 +76,11 @@ function found(alarm, verdict, faults, alarms) {
 /** An alarm that is on, held against the truth. */
 function judged(alarm, faults, active) {
   // an alarm may be told a moment before the rows in which its fault begins are shown
-  if (active.some((fault) => names(alarm, fault)) || faults.some((fault) => names(alarm, fault) && fault.onset <= alarm.t && fault.ended === false)) return 'found';
+  if (
+    active.some((fault) => names(alarm, fault)) ||
+    faults.some((fault) => names(alarm, fault) && fault.onset <= alarm.t && fault.ended === false)
+  )
+    return 'found';
   const then = faults.filter((fault) => fault.onset <= alarm.t && (fault.end === null || fault.end >= alarm.from));
   if (then.some((fault) => fault.active)) return 'blamed';
   return then.length ? 'over' : 'false';
@@ -76,7 +109,12 @@ export function sentence(all, {t, diagnosis, broken = null, observers = []}) {
     const first = unseen.find((one) => one.onChannel) ?? unseen[0];
     const known = first.onChannel && resolutionOf(first.subject, diagnosis);
     const hidden = known && !known.identifiable && !known.resolvable;
-    return {key: hidden ? 'hidden' : first.onChannel ? 'looking' : 'measurement', subject: first.subject, count: good.length, open: unseen.length};
+    return {
+      key: hidden ? 'hidden' : first.onChannel ? 'looking' : 'measurement',
+      subject: first.subject,
+      count: good.length,
+      open: unseen.length,
+    };
   }
   if (good.length === 1) {
     const [{subject, alarm, delay, again}] = good;
@@ -84,11 +122,21 @@ export function sentence(all, {t, diagnosis, broken = null, observers = []}) {
   }
   if (good.length) {
     const last = good.filter((one) => one.delay !== null).at(-1);
-    return last ? {key: 'allNamed', count: good.length, subject: last.subject, took: last.delay} : {key: 'several', count: good.length};
+    return last
+      ? {key: 'allNamed', count: good.length, subject: last.subject, took: last.delay}
+      : {key: 'several', count: good.length};
   }
   if (of('over').length) return {key: 'ending'};
   const lost = observers.filter((one) => one.diverged);
-  if (lost.length) return {key: 'lost', count: lost.length, label: lost.at(-1).label, at: lost.at(-1).diverged.t, all: lost.length === observers.length, only: observers.length === 1};
+  if (lost.length)
+    return {
+      key: 'lost',
+      count: lost.length,
+      label: lost.at(-1).label,
+      at: lost.at(-1).diverged.t,
+      all: lost.length === observers.length,
+      only: observers.length === 1,
+    };
   if (all.length) return {key: 'quietAgain'};
   const from = diagnosis?.calibration?.from_time;
   return from > t ? {key: 'early', from} : {key: 'quiet'};

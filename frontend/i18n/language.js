@@ -7,7 +7,9 @@ export function language() {
   let chosen = null;
   try {
     chosen = localStorage.getItem(KEY);
-  } catch { /* private windows keep nothing */ }
+  } catch {
+    /* private windows keep nothing */
+  }
   return chosen ?? (navigator.language.startsWith('zh') ? 'zh' : 'en');
 }
 
@@ -15,5 +17,7 @@ export function language() {
 export function speak(other) {
   try {
     localStorage.setItem(KEY, other);
-  } catch { /* private windows keep nothing */ }
+  } catch {
+    /* private windows keep nothing */
+  }
 }

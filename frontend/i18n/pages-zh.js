@@ -4,7 +4,8 @@ import {zh} from './live-zh.js';
 import {named, said} from './zh/server-text.js';
 
 export const chinese = {
-  named, said,
+  named,
+  said,
   shapes: zh.shapes,
   page: {live: '实时', runs: '仿真', plants: '对象', records: '记录'},
   pages: '页面',
@@ -22,7 +23,8 @@ export const chinese = {
   filter: '查找实验',
   noMatch: (words) => `没有与“${words}”相符的实验。`,
   loading: '正在加载……',
-  noExperiments: '库中没有实验。请在 backend/thetascope/library/experiments 下放一个，或用 thetascope run 运行自己的文件。',
+  noExperiments:
+    '库中没有实验。请在 backend/thetascope/library/experiments 下放一个，或用 thetascope run 运行自己的文件。',
 
   run: '运行',
   runAgain: '再次运行',
@@ -88,9 +90,14 @@ export const chinese = {
   whoFound: '谁发现了什么',
   whoFoundText: '报警由检测器给出。各观测器自身的估计以同样方式检验，以作比较。',
   detector: '检测器',
-  measures: {found: ['发现', '故障开始后被报警指出的个数'], missed: ['漏报', '没有报警指出的故障'], false_alarms: ['误报', '没有故障时的报警'],
-    isolation_errors: ['错报', '故障期间未指出实际故障的报警'], delay: ['延迟', '从故障到指出它的报警的中位时间'],
-    cost: ['µs/s', '对象每秒所用的处理器时间，µs，实测']},
+  measures: {
+    found: ['发现', '故障开始后被报警指出的个数'],
+    missed: ['漏报', '没有报警指出的故障'],
+    false_alarms: ['误报', '没有故障时的报警'],
+    isolation_errors: ['错报', '故障期间未指出实际故障的报警'],
+    delay: ['延迟', '从故障到指出它的报警的中位时间'],
+    cost: ['µs/s', '对象每秒所用的处理器时间，µs，实测'],
+  },
   outcomes: {found: '发现用时', covered: '早已指出', missed: '漏报'},
   asAlternative: '作为备选',
   tests: {glr: 'GLR', cusum: 'CUSUM', threshold: '阈值', residual: '残差'},
@@ -123,7 +130,8 @@ export const chinese = {
   valid: '可以使用。',
   canBuild: '可以构造',
   cannotBuild: '不能构造',
-  sizes: ({states, inputs, outputs, channels}) => `${states} 个状态，${inputs} 个输入，${outputs} 个输出，${channels} 个故障通道`,
+  sizes: ({states, inputs, outputs, channels}) =>
+    `${states} 个状态，${inputs} 个输入，${outputs} 个输出，${channels} 个故障通道`,
   noJson: '这不是 JSON',
 
   records: '记录',

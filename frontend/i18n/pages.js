@@ -26,7 +26,8 @@ const english = {
   filter: 'Find an experiment',
   noMatch: (text) => `No experiment matches “${text}”.`,
   loading: 'Loading …',
-  noExperiments: 'The library holds no experiments. Put one under backend/thetascope/library/experiments, or run a file of yours with thetascope run.',
+  noExperiments:
+    'The library holds no experiments. Put one under backend/thetascope/library/experiments, or run a file of yours with thetascope run.',
 
   run: 'Run',
   runAgain: 'Run again',
@@ -50,7 +51,8 @@ const english = {
   timeline: 'Faults over time',
   stays: 'to the end',
   noFaults: 'No faults.',
-  faultText: (name, shape, onset, end) => `${name}: ${shape} from ${onset} s ${end === null ? 'to the end' : `to ${end} s`}`,
+  faultText: (name, shape, onset, end) =>
+    `${name}: ${shape} from ${onset} s ${end === null ? 'to the end' : `to ${end} s`}`,
 
   notRun: 'Not run yet',
   notRunText: 'Run it to see how well the observers recover states and faults from the measurements alone.',
@@ -79,7 +81,8 @@ const english = {
   atEndHint: (truth) => `the true value is ${truth}`,
   truth: 'true',
   settled: 'within 10 % after, in s',
-  settledHint: 'Seconds from the step of the fault until the estimate stays within 10 % of it; in brackets: is there for the first time, but noise throws it out again',
+  settledHint:
+    'Seconds from the step of the fault until the estimate stays within 10 % of it; in brackets: is there for the first time, but noise throws it out again',
   never: 'never',
   diverged: (time) => `diverged at ${time} s`,
   plantDiverged: (time, cause) => `The plant itself diverged at ${time} s: ${cause}`,
@@ -92,9 +95,14 @@ const english = {
   whoFound: 'Who found what',
   whoFoundText: 'The detector raises the alarms. Each observer’s own estimates are tested alike, for comparison.',
   detector: 'detector',
-  measures: {found: ['found', 'Faults that an alarm named after they began'], missed: ['missed', 'Faults that no alarm named'], false_alarms: ['false', 'Alarms while no fault was there'],
-    isolation_errors: ['wrong', 'Alarms during a fault that name none that is there'], delay: ['delay', 'Median time from a fault to the alarm that names it'],
-    cost: ['µs/s', 'Processor time in µs for a second of the plant, measured']},
+  measures: {
+    found: ['found', 'Faults that an alarm named after they began'],
+    missed: ['missed', 'Faults that no alarm named'],
+    false_alarms: ['false', 'Alarms while no fault was there'],
+    isolation_errors: ['wrong', 'Alarms during a fault that name none that is there'],
+    delay: ['delay', 'Median time from a fault to the alarm that names it'],
+    cost: ['µs/s', 'Processor time in µs for a second of the plant, measured'],
+  },
   outcomes: {found: 'found after', covered: 'named already', missed: 'missed'},
   asAlternative: 'as an alternative',
   tests: {glr: 'GLR', cusum: 'CUSUM', threshold: 'threshold', residual: 'residual'},
@@ -130,11 +138,13 @@ const english = {
   valid: 'It can be used.',
   canBuild: 'can be built',
   cannotBuild: 'cannot be built',
-  sizes: ({states, inputs, outputs, channels}) => `${states} states, ${inputs} inputs, ${outputs} outputs, ${channels} fault channels`,
+  sizes: ({states, inputs, outputs, channels}) =>
+    `${states} states, ${inputs} inputs, ${outputs} outputs, ${channels} fault channels`,
   noJson: 'This is no JSON',
 
   records: 'Records',
-  recordsText: 'What was recorded on a real plant, as a CSV file: which actuator or sensor is failing, since when, how much, and how sure that is.',
+  recordsText:
+    'What was recorded on a real plant, as a CSV file: which actuator or sensor is failing, since when, how much, and how sure that is.',
   plant: 'Plant',
   file: 'File (CSV)',
   learn: 'Sound for the first … s',
@@ -151,7 +161,8 @@ const english = {
   faultsFound: (count) => (count === 1 ? 'One fault was found.' : `${count} faults were found.`),
   noFault: 'No fault was found.',
   noiseFound: (output, std) => `Noise of ${output}: ${std}, from the record.`,
-  judged: (rate, seeds, from) => `Thresholds for false alarms at a rate of ${rate} an hour, from ${seeds} simulated runs; judged from ${from} s on.`,
+  judged: (rate, seeds, from) =>
+    `Thresholds for false alarms at a rate of ${rate} an hour, from ${seeds} simulated runs; judged from ${from} s on.`,
   fault: 'Fault',
   size: 'Size',
   since: 'Since, s',
@@ -166,4 +177,6 @@ const inLanguage = () => (language() === 'zh' ? {...english, ...chinese} : engli
 export let text = inLanguage();
 
 /** Take the words of the language that was chosen since: for pages that are built anew instead of loaded. */
-export const retell = () => { text = inLanguage(); };
+export const retell = () => {
+  text = inLanguage();
+};

@@ -13,10 +13,12 @@ export const actions = (app, link) => ({...transport(app, link), ...sessions(app
 
 const set = (app, values) => app.store.dispatch({type: 'set', ...values});
 
-const tell = (app, text, {kind = 'note', action = null} = {}) => set(app, {told: {text, kind, action, at: performance.now()}});
+const tell = (app, text, {kind = 'note', action = null} = {}) =>
+  set(app, {told: {text, kind, action, at: performance.now()}});
 
 /** A refusal in a line: what is wrong, what to do about it. */
-export const refused = (error, text) => [error.problem ?? error.detail ?? error.message, error.remedy].filter(Boolean).map(text.said).join(text.and);
+export const refused = (error, text) =>
+  [error.problem ?? error.detail ?? error.message, error.remedy].filter(Boolean).map(text.said).join(text.and);
 
 /** A command whose refusal is told on the page; the Ack, or null. */
 async function ask(app, command) {
@@ -34,7 +36,7 @@ function transport(app, link) {
   async function goBack(command, t) {
     const {spec, experiment} = app.state;
     const now = app.samples.now;
-    if (!await send(command)) return;
+    if (!(await send(command))) return;
     const undo = () => link.begin({spec, experiment, t: now, play: false});
     tell(app, app.text.wentBack(seconds(t, 0.1)), {action: {words: app.text.undo, act: undo, alone: true}}); // those who watch would stay behind
   }
@@ -78,7 +80,10 @@ function looks(app) {
     window: (length) => set(app, {window: length, selection: null, looking: null}),
     select(t0, t1) {
       const least = 4 * app.state.record;
-      set(app, {looking: null, selection: t0 === null || t0 === undefined || t1 - t0 < least ? null : [Math.max(0, t0), t1]});
+      set(app, {
+        looking: null,
+        selection: t0 === null || t0 === undefined || t1 - t0 < least ? null : [Math.max(0, t0), t1],
+      });
     },
     /** Look back to a time of the past (null: at now again); nothing is given up. */
     look(t) {
@@ -117,7 +122,9 @@ function keep(storage, name, value) {
   try {
     if (value === null) storage.removeItem(name);
     else storage.setItem(name, value);
-  } catch { /* private windows keep nothing */ }
+  } catch {
+    /* private windows keep nothing */
+  }
 }
 
 function kept(storage, name) {

@@ -28,7 +28,9 @@ const AWAITED = 10; // s after which the first fault should come
 const BRISK = 100; // the fastest that a session begins with
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
-const TEXTS = Object.fromEntries(['en', 'zh'].map((language) => [language, {...words[language], ...scopeWords[language]}]));
+const TEXTS = Object.fromEntries(
+  ['en', 'zh'].map((language) => [language, {...words[language], ...scopeWords[language]}]),
+);
 
 const store = createStore({...initial, theme: window.theme.now, language: languageNow()}, reduce);
 const loop = createLoop();
@@ -42,9 +44,15 @@ const app = {
   ghost: null, // the parent's samples; state.origin is what is known of it
   edge: new Edge(),
   first: FIRST.experiment,
-  get state() { return store.state; },
-  get text() { return TEXTS[store.state.language]; },
-  get catalogue() { return (catalogue ??= get('/api/catalogue')); },
+  get state() {
+    return store.state;
+  },
+  get text() {
+    return TEXTS[store.state.language];
+  },
+  get catalogue() {
+    return (catalogue ??= get('/api/catalogue'));
+  },
   subscribe: store.subscribe,
   wake: loop.wake,
   onFrame: loop.onFrame,
@@ -77,13 +85,14 @@ function leave() {
 function join({id, control, experiment, plain, parent = null, fresh = false, then = () => {}}) {
   leave();
   token = control;
-  const samples = app.samples = new Samples(1);
+  const samples = (app.samples = new Samples(1));
   const arrivals = new Arrivals(samples, id, loop.wake);
   store.dispatch({type: 'begin', session: id, role: control ? 'control' : 'view', experiment, parent});
   store.dispatch({type: 'set', begunPlain: plain});
   let first = true;
   socket = connect({
-    session: id, token: control,
+    session: id,
+    token: control,
     onConnection: (now) => store.dispatch({type: 'connection', now}),
     onFrame: (frame) => arrivals.frame(frame),
     onMessage(message) {
@@ -106,10 +115,12 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
 /** What a message means for the samples, before the store hears of it. */
 function prepare(samples, arrivals, message) {
   if (message.type === 'hello') {
-    if (samples.epoch !== message.epoch || samples.record !== message.record) samples.truncate(samples.epoch === undefined ? 0 : Math.min(samples.rows, message.row));
+    if (samples.epoch !== message.epoch || samples.record !== message.record)
+      samples.truncate(samples.epoch === undefined ? 0 : Math.min(samples.rows, message.row));
     samples.record = message.record;
   } else if (message.type === 'rewound') samples.truncate(message.row);
-  if (message.type === 'hello' || message.type === 'columns') samples.setColumns(message.columns, derivedColumns(message.columns));
+  if (message.type === 'hello' || message.type === 'columns')
+    samples.setColumns(message.columns, derivedColumns(message.columns));
   if ('epoch' in message) samples.epoch = message.epoch;
   if (message.type === 'jump') arrivals.jump(message);
 }
@@ -120,14 +131,17 @@ function watchParent(id) {
   const arrivals = new Arrivals(samples, id, loop.wake);
   let known = reduce(initial, {type: 'begin', session: id, role: 'view', experiment: null});
   ghostSocket = connect({
-    session: id, token: null, onFrame: (frame) => arrivals.frame(frame),
+    session: id,
+    token: null,
+    onFrame: (frame) => arrivals.frame(frame),
     onMessage(message) {
       prepare(samples, arrivals, message);
       app.ghost = samples;
       known = reduce(known, message);
       const {observers, faults, alarms} = known;
       const {origin} = store.state;
-      if (known.spec && (origin?.observers !== observers || origin.faults !== faults || origin.alarms !== alarms)) store.dispatch({type: 'set', origin: {observers, faults, alarms}});
+      if (known.spec && (origin?.observers !== observers || origin.faults !== faults || origin.alarms !== alarms))
+        store.dispatch({type: 'set', origin: {observers, faults, alarms}});
     },
     onConnection(now) {
       if (now === 'ended' && app.ghost === null) store.dispatch({type: 'set', parent: null});
@@ -155,7 +169,14 @@ const link = {
       const parent = {id: session, t: now};
       kept.write({id: made.id, token: made.token, address: '', experiment, plain: begunPlain, parent});
       history.pushState({session: made.id}, '', location.href); // the browser's Back leads to the first one
-      join({id: made.id, control: made.token, experiment, plain: begunPlain, parent, then: () => app.act.tell(app.text.forked(now.toFixed(1)))});
+      join({
+        id: made.id,
+        control: made.token,
+        experiment,
+        plain: begunPlain,
+        parent,
+        then: () => app.act.tell(app.text.forked(now.toFixed(1))),
+      });
     } catch (error) {
       app.act.refused(error);
     }
@@ -164,20 +185,29 @@ const link = {
   async visit(id) {
     await writeAddress();
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
-    if (!await rejoin(id)) app.act.tell(app.text.sessionEnded, {kind: 'problem'});
+    if (!(await rejoin(id))) app.act.tell(app.text.sessionEnded, {kind: 'problem'});
   },
 };
 
 /** Join a session that this tab has had before, if it is still there. */
 async function rejoin(id) {
   const known = kept.of(id);
-  if (!await look(id).catch(() => null)) return false;
-  join({id, control: known?.token ?? null, experiment: known?.experiment ?? null, plain: known?.plain ?? false, parent: known?.parent ?? null});
+  if (!(await look(id).catch(() => null))) return false;
+  join({
+    id,
+    control: known?.token ?? null,
+    experiment: known?.experiment ?? null,
+    plain: known?.plain ?? false,
+    parent: known?.parent ?? null,
+  });
   return true;
 }
 
 function failed(error) {
-  const problem = {title: app.text.said(error.title ?? app.text.failed), detail: app.text.said(error.detail ?? error.message)};
+  const problem = {
+    title: app.text.said(error.title ?? app.text.failed),
+    detail: app.text.said(error.detail ?? error.message),
+  };
   store.dispatch({type: 'failed', problem});
 }
 
@@ -194,7 +224,14 @@ async function writeAddress() {
   const address = await addressOf(app);
   if (store.state.session !== state.session) return;
   history.replaceState({session: state.session}, '', `/${address}`);
-  kept.write({id: state.session, token, address, experiment: state.experiment, plain: state.begunPlain, parent: state.parent});
+  kept.write({
+    id: state.session,
+    token,
+    address,
+    experiment: state.experiment,
+    plain: state.begunPlain,
+    parent: state.parent,
+  });
 }
 
 function addressSoon() {
@@ -225,15 +262,23 @@ async function open() {
   const mine = kept.read();
   const here = location.search + location.hash;
   const own = [history.state?.session, mine?.address === here && here && mine.id].find((id) => id && kept.of(id));
-  if (own && await rejoin(own)) return undefined;
-  if (asked.session) return join({id: asked.session, control: kept.of(asked.session)?.token ?? null, experiment: null, plain: false});
+  if (own && (await rejoin(own))) return undefined;
+  if (asked.session)
+    return join({id: asked.session, control: kept.of(asked.session)?.token ?? null, experiment: null, plain: false});
   const linked = asked.t > 0 || asked.changed || asked.spec;
   const then = linked ? () => app.act.tell(app.text.fromLink(asked.t.toFixed(1))) : undefined;
   try {
     const spec = await permalink.specOf(asked, library);
     if (spec) {
       const made = await create({spec, t: asked.t, play: false});
-      return join({id: made.id, control: made.token, experiment: asked.experiment ?? null, plain: false, fresh: true, then});
+      return join({
+        id: made.id,
+        control: made.token,
+        experiment: asked.experiment ?? null,
+        plain: false,
+        fresh: true,
+        then,
+      });
     }
   } catch (error) {
     return failed(error);
@@ -247,7 +292,7 @@ async function open() {
 app.act = actions(app, link);
 const place = (id) => document.getElementById(id);
 document.documentElement.lang = store.state.language === 'zh' ? 'zh-CN' : 'en';
-const scope = app.scope = mountScope(place('scope'), app);
+const scope = (app.scope = mountScope(place('scope'), app));
 mountHysteresis(place('hysteresis'), app);
 mountTimeline(place('timeline'), app);
 mountTransport(place('transport'), app);
@@ -255,7 +300,12 @@ mountNotice(place('notice'), app);
 mountDesk(place('main'), app);
 if (presented()) app.act.present(true);
 store.subscribe((state) => [state.spec, state.epoch, state.playing, state.session], addressSoon);
-store.subscribe((state) => [state.spec?.title, state.language], ([title]) => { document.title = title ? `${app.text.named(title)} · Thetascope` : 'Thetascope'; });
+store.subscribe(
+  (state) => [state.spec?.title, state.language],
+  ([title]) => {
+    document.title = title ? `${app.text.named(title)} · Thetascope` : 'Thetascope';
+  },
+);
 addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));
 addEventListener('popstate', open);
 window.thetascope = app; // for the console, and for the tests

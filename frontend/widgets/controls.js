@@ -19,13 +19,19 @@ export function asOfNow(app) {
 }
 
 /** A button that looks like a link. */
-export const link = (words, act, more = {}) => h('button', {type: 'button', class: 'link', onclick: act, ...more}, words);
+export const link = (words, act, more = {}) =>
+  h('button', {type: 'button', class: 'link', onclick: act, ...more}, words);
 
 /** The round badge of a channel (or square one of an output), amber while its fault is active. */
 export function badge([letters, whole], {square = false, lit = false} = {}) {
   const index = whole.slice(0, 2);
   const long = letters.length + index.length > 2;
-  return h('span', {class: `badge${square ? ' square' : ''}${long ? ' long' : ''}${lit ? ' lit' : ''}`, 'aria-hidden': 'true'}, h('i', {}, letters), index && h('sub', {}, index));
+  return h(
+    'span',
+    {class: `badge${square ? ' square' : ''}${long ? ' long' : ''}${lit ? ' lit' : ''}`, 'aria-hidden': 'true'},
+    h('i', {}, letters),
+    index && h('sub', {}, index),
+  );
 }
 
 /** The colour of an observer. */
@@ -48,7 +54,10 @@ export const seconds = (t, horizon = 100) => `${t.toFixed(horizon >= 1000 ? 0 : 
 export const took = (time) => `${time < 10 ? time.toFixed(time < 1 ? 2 : 1) : time.toFixed(0)}\u202fs`;
 
 /** A number as one types it, in few characters. */
-const typed = (value) => (value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential(2).replace(/\.?0*e/, 'e') : String(Number(value.toPrecision(3))));
+const typed = (value) =>
+  value !== 0 && Math.abs(value) < 1e-3
+    ? value.toExponential(2).replace(/\.?0*e/, 'e')
+    : String(Number(value.toPrecision(3)));
 
 /**
  * A slider and a field for the same number.
@@ -56,7 +65,14 @@ const typed = (value) => (value !== 0 && Math.abs(value) < 1e-3 ? value.toExpone
  */
 export function slider({name, scale, value, change, low = -Infinity, high = Infinity}) {
   const range = h('input', {type: 'range', min: 0, max: ENDS, step: 5, 'aria-label': name});
-  const field = h('input', {type: 'text', inputmode: 'decimal', class: 'number', 'aria-label': name, autocomplete: 'off', spellcheck: 'false'});
+  const field = h('input', {
+    type: 'text',
+    inputmode: 'decimal',
+    class: 'number',
+    'aria-label': name,
+    autocomplete: 'off',
+    spellcheck: 'false',
+  });
   let present = value;
   let typing = false;
   let waiting = null; // what came from elsewhere while one typed
@@ -67,27 +83,42 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
     field.value = typed(next);
     field.removeAttribute('aria-invalid');
   };
-  const slide = (done) => { show(valueAt(scale, Number(range.value))); change(present, done); };
+  const slide = (done) => {
+    show(valueAt(scale, Number(range.value)));
+    change(present, done);
+  };
   range.addEventListener('input', () => slide(false));
   range.addEventListener('change', () => slide(true));
-  field.addEventListener('input', () => { typing = true; });
-  field.addEventListener('blur', () => { if (waiting !== null) show(waiting); });
+  field.addEventListener('input', () => {
+    typing = true;
+  });
+  field.addEventListener('blur', () => {
+    if (waiting !== null) show(waiting);
+  });
   field.addEventListener('change', () => {
     const read = Number(field.value.trim().replace(',', '.').replace('−', '-'));
-    if (field.value.trim() === '' || !Number.isFinite(read) || read < low || read > high) return field.setAttribute('aria-invalid', 'true');
+    if (field.value.trim() === '' || !Number.isFinite(read) || read < low || read > high)
+      return field.setAttribute('aria-invalid', 'true');
     show(read);
     return change(present, true);
   });
   show(value);
   return {
-    range, field, show,
-    get value() { return present; },
+    range,
+    field,
+    show,
+    get value() {
+      return present;
+    },
     /** Show what a command has set, wherever it came from; it does not take what one is typing or dragging from under the hand. */
     follow(next) {
       if (typing || range.matches(':active')) waiting = next;
       else show(next);
     },
-    disable(off) { range.disabled = off; field.disabled = off; },
+    disable(off) {
+      range.disabled = off;
+      field.disabled = off;
+    },
   };
 }
 
@@ -104,15 +135,29 @@ export function throttled(send, pause = 200) {
     try {
       await send(...mine);
     } finally {
-      setTimeout(() => { busy = false; next(); }, Math.max(0, pause - (performance.now() - began)));
+      setTimeout(
+        () => {
+          busy = false;
+          next();
+        },
+        Math.max(0, pause - (performance.now() - began)),
+      );
     }
   };
-  return (...what) => { waiting = what; next(); };
+  return (...what) => {
+    waiting = what;
+    next();
+  };
 }
 
 /** A refusal of the server in place: what is wrong, and the remedy. */
 export function refusal(element, error, text) {
-  const closed = (words) => words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : text.stop}`;
+  const closed = (words) =>
+    words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : text.stop}`;
   if (!error) return fill(element);
-  return fill(element, h('span', {}, closed(text.said(error.problem ?? error.message)), ' '), error.remedy && h('span', {class: 'remedy'}, text.remedyIs(closed(text.said(error.remedy)))));
+  return fill(
+    element,
+    h('span', {}, closed(text.said(error.problem ?? error.message)), ' '),
+    error.remedy && h('span', {class: 'remedy'}, text.remedyIs(closed(text.said(error.remedy)))),
+  );
 }

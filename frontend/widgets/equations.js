@@ -4,9 +4,37 @@ import {post} from '../common/api.js';
 import {fill, h, symbol} from '../common/dom.js';
 import {chip} from './controls.js';
 
-const ALLOWED = new Set(['math', 'mrow', 'mi', 'mn', 'mo', 'mtext', 'msub', 'msup', 'msubsup', 'mover', 'mfrac', 'msqrt', 'mspace', 'mtable', 'mtr', 'mtd']);
+const ALLOWED = new Set([
+  'math',
+  'mrow',
+  'mi',
+  'mn',
+  'mo',
+  'mtext',
+  'msub',
+  'msup',
+  'msubsup',
+  'mover',
+  'mfrac',
+  'msqrt',
+  'mspace',
+  'mtable',
+  'mtr',
+  'mtd',
+]);
 const SPACE = 'http://www.w3.org/1998/Math/MathML';
-const KEPT = new Set(['class', 'display', 'accent', 'stretchy', 'fence', 'form', 'lspace', 'rspace', 'width', 'mathvariant']);
+const KEPT = new Set([
+  'class',
+  'display',
+  'accent',
+  'stretchy',
+  'fence',
+  'form',
+  'lspace',
+  'rspace',
+  'width',
+  'mathvariant',
+]);
 
 /** MathML text as elements; only elements and attributes of mathematics are taken over. */
 export function mathml(text) {
@@ -29,29 +57,76 @@ export async function showEquations(body, app) {
   fill(body, h('p', {class: 'soft'}, text.wait));
   try {
     const answer = await post('/api/equations', {plant, observers: [...new Set(observers.map((one) => one.kind))]});
-    fill(body, plantPart(answer.plant, plant, text), observers.map((one) => observerPart(one, answer.observers[one.kind], text)));
+    fill(
+      body,
+      plantPart(answer.plant, plant, text),
+      observers.map((one) => observerPart(one, answer.observers[one.kind], text)),
+    );
   } catch (error) {
     fill(body, h('p', {class: 'alarm'}, error.message));
   }
 }
 
 function plantPart(answer, plant, text) {
-  const lines = (items) => h('div', {class: 'equations'}, items.map((item) => h('div', {class: 'equation'}, mathml(item.math),
-    h('span', {class: 'soft'}, [text.named(item.description), item.unit].filter(Boolean).join(', ')))));
-  const faults = plant.channels.map((channel) => h('li', {}, symbol(channel.name), ' ', text.named(channel.title) || channel.name, h('span', {class: 'soft'}, ` ${text.kinds[channel.kind]}`)));
-  return h('section', {}, h('h3', {}, text.named(plant.title) || plant.id), plant.source && h('p', {class: 'soft'}, plant.source),
-    lines(answer.states), answer.definitions.length > 0 && [h('h4', {}, text.with), lines(answer.definitions)],
-    h('h4', {}, text.measured), lines(answer.outputs),
+  const lines = (items) =>
+    h(
+      'div',
+      {class: 'equations'},
+      items.map((item) =>
+        h(
+          'div',
+          {class: 'equation'},
+          mathml(item.math),
+          h('span', {class: 'soft'}, [text.named(item.description), item.unit].filter(Boolean).join(', ')),
+        ),
+      ),
+    );
+  const faults = plant.channels.map((channel) =>
+    h(
+      'li',
+      {},
+      symbol(channel.name),
+      ' ',
+      text.named(channel.title) || channel.name,
+      h('span', {class: 'soft'}, ` ${text.kinds[channel.kind]}`),
+    ),
+  );
+  return h(
+    'section',
+    {},
+    h('h3', {}, text.named(plant.title) || plant.id),
+    plant.source && h('p', {class: 'soft'}, plant.source),
+    lines(answer.states),
+    answer.definitions.length > 0 && [h('h4', {}, text.with), lines(answer.definitions)],
+    h('h4', {}, text.measured),
+    lines(answer.outputs),
     faults.length > 0 && [h('h4', {}, text.faultsIn), h('ul', {class: 'where'}, faults)],
-    plant.time.kind === 'discrete' && h('p', {class: 'soft'}, text.nextSample(plant.time.period)));
+    plant.time.kind === 'discrete' && h('p', {class: 'soft'}, text.nextSample(plant.time.period)),
+  );
 }
 
 function observerPart(observer, answer, text) {
-  return h('section', {}, h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${text.named(answer.title)}`)), h('p', {class: 'soft'}, answer.source),
-    h('div', {class: 'equations'}, answer.equations.map(({number, math}) => h('div', {class: 'equation'}, mathml(math), h('span', {class: 'soft'}, number)))),
-    answer.where.length > 0 && h('ul', {class: 'where'}, answer.where.map(({math, text: words}) => {
-      const sign = mathml(math);
-      sign.removeAttribute('display');
-      return h('li', {}, sign, h('span', {}, ` ${text.named(words)}`));
-    })));
+  return h(
+    'section',
+    {},
+    h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${text.named(answer.title)}`)),
+    h('p', {class: 'soft'}, answer.source),
+    h(
+      'div',
+      {class: 'equations'},
+      answer.equations.map(({number, math}) =>
+        h('div', {class: 'equation'}, mathml(math), h('span', {class: 'soft'}, number)),
+      ),
+    ),
+    answer.where.length > 0 &&
+      h(
+        'ul',
+        {class: 'where'},
+        answer.where.map(({math, text: words}) => {
+          const sign = mathml(math);
+          sign.removeAttribute('display');
+          return h('li', {}, sign, h('span', {}, ` ${text.named(words)}`));
+        }),
+      ),
+  );
 }

@@ -19,7 +19,8 @@ export function power(value) {
   return `${mantissa}·10${raised(Number(exponent))}`.replace('-', '−');
 }
 
-export const raised = (exponent) => (exponent < 0 ? '⁻' : '') + [...String(Math.abs(exponent))].map((digit) => RAISED[digit]).join('');
+export const raised = (exponent) =>
+  (exponent < 0 ? '⁻' : '') + [...String(Math.abs(exponent))].map((digit) => RAISED[digit]).join('');
 
 /** A time for a clock or an axis whose marks are `step` apart: 78.4, 1:02:05 never; plain seconds are what the papers use. */
 export function seconds(t, step = 0.1) {

@@ -12,12 +12,15 @@ export function s(tag, properties = {}, ...children) {
     if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
     else element.setAttribute(name, value === true ? '' : value);
   }
-  element.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
+  element.append(
+    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
+  );
   return element;
 }
 
 const ICONS = {
-  share: 'M6 9.500l4-2.300M6 6.500L10 8.800M4.200 10a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM11.800 5.800a2 2 0 1 0 0-3.600 2 2 0 0 0 0 3.600zM11.800 13.800a2 2 0 1 0 0-3.600 2 2 0 0 0 0 3.600z',
+  share:
+    'M6 9.500l4-2.300M6 6.500L10 8.800M4.200 10a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM11.800 5.800a2 2 0 1 0 0-3.600 2 2 0 0 0 0 3.600zM11.800 13.800a2 2 0 1 0 0-3.600 2 2 0 0 0 0 3.600z',
   export: 'M8 2.500v7.500M5 7l3 3 3-3M3 13.500h10',
   close: 'M4 4l8 8M12 4l-8 8',
   down: 'M4.500 6.500L8 10l3.500-3.500',
@@ -31,16 +34,31 @@ const ICONS = {
 
 /** One of the page's icons, 16 × 16, drawn with the colour of the text around it. */
 export function icon(name, size = 15) {
-  return s('svg', {viewBox: '0 0 16 16', style: `width:${size / 13.5}rem;height:${size / 13.5}rem`, fill: 'none', stroke: 'currentColor', 'stroke-width': 1.5,
-    'stroke-linecap': 'round', 'stroke-linejoin': 'round', 'aria-hidden': 'true', class: 'icon'},
-  s('path', {d: ICONS[name]}), name === 'theme' && [s('circle', {cx: 8, cy: 8, r: 5.5}), s('path', {d: ICONS.theme, fill: 'currentColor'})]);
+  return s(
+    'svg',
+    {
+      viewBox: '0 0 16 16',
+      style: `width:${size / 13.5}rem;height:${size / 13.5}rem`,
+      fill: 'none',
+      stroke: 'currentColor',
+      'stroke-width': 1.5,
+      'stroke-linecap': 'round',
+      'stroke-linejoin': 'round',
+      'aria-hidden': 'true',
+      class: 'icon',
+    },
+    s('path', {d: ICONS[name]}),
+    name === 'theme' && [s('circle', {cx: 8, cy: 8, r: 5.5}), s('path', {d: ICONS.theme, fill: 'currentColor'})],
+  );
 }
 
 /** A name as mathematics within SVG text: tspans, the index lower and smaller. */
 export function letters(name, size = 13) {
   const [base, index] = split(name);
   const worded = base.length > 1 && !Object.values(GREEK).includes(base);
-  return [s('tspan', {class: worded ? 'word' : 'letter'}, word(base)),
+  return [
+    s('tspan', {class: worded ? 'word' : 'letter'}, word(base)),
     index && s('tspan', {dy: size * 0.22, 'font-size': size * 0.7, class: 'index'}, word(index)),
-    index && s('tspan', {dy: -size * 0.22, 'font-size': size}, '\u200b')].filter(Boolean);
+    index && s('tspan', {dy: -size * 0.22, 'font-size': size}, '\u200b'),
+  ].filter(Boolean);
 }

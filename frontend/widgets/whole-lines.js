@@ -7,7 +7,12 @@ const LOST = 80; // px of room that may stay empty below the last whole line; a 
 
 const kept = new Set();
 let asked = 0;
-const soon = () => { asked ||= requestAnimationFrame(() => { asked = 0; fitAll(); }); };
+const soon = () => {
+  asked ||= requestAnimationFrame(() => {
+    asked = 0;
+    fitAll();
+  });
+};
 const resized = new ResizeObserver(soon);
 addEventListener('resize', soon);
 
@@ -16,23 +21,32 @@ addEventListener('resize', soon);
  * @returns {HTMLButtonElement}
  */
 export function wholeLines(list, lines, app) {
-  const more = h('button', {type: 'button', class: 'more-lines', hidden: true, onclick: () => list.scrollBy({top: list.clientHeight - 8, behavior: 'smooth'})});
+  const more = h('button', {
+    type: 'button',
+    class: 'more-lines',
+    hidden: true,
+    onclick: () => list.scrollBy({top: list.clientHeight - 8, behavior: 'smooth'}),
+  });
   const one = {list, more, app, lines: () => lines().filter((line) => line.offsetHeight > 0)};
   kept.add(one);
   list.addEventListener('scroll', () => count(one), {passive: true});
-  new MutationObserver((changes) => { if (changes.some(matters)) soon(); }).observe(list, {childList: true, subtree: true, attributeFilter: ['hidden', 'open']});
+  new MutationObserver((changes) => {
+    if (changes.some(matters)) soon();
+  }).observe(list, {childList: true, subtree: true, attributeFilter: ['hidden', 'open']});
   app.subscribe((state) => [state.language, state.presentation], soon);
   return more;
 }
 
 /** Numbers that change within a line change no line. */
-const matters = ({type, addedNodes, removedNodes}) => type === 'attributes' || [...addedNodes, ...removedNodes].some((node) => node.nodeType === Node.ELEMENT_NODE);
+const matters = ({type, addedNodes, removedNodes}) =>
+  type === 'attributes' || [...addedNodes, ...removedNodes].some((node) => node.nodeType === Node.ELEMENT_NODE);
 
 /** Where a line ends, from the top of what is seen. */
 const bottom = (line, list) => line.getBoundingClientRect().bottom - list.getBoundingClientRect().top;
 
 function fitAll() {
-  for (const {list} of kept) for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one); // a capped list does not grow with its card
+  for (const {list} of kept)
+    for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one); // a capped list does not grow with its card
   const before = [...kept].map((one) => [one, one.list.scrollTop, inUse(one)]);
   const free = [...kept].filter(({list}) => !list.closest('.desk')); // a projector's card has one size, whatever is in it
   for (const {list} of kept) cap(list, null);
@@ -49,7 +63,9 @@ function fitAll() {
 
 /** The line with the focus, if it is seen whole. */
 function inUse({list, lines}) {
-  const line = list.contains(document.activeElement) ? lines().find((each) => each.contains(document.activeElement)) : null;
+  const line = list.contains(document.activeElement)
+    ? lines().find((each) => each.contains(document.activeElement))
+    : null;
   return line && bottom(line, list) <= list.clientHeight + 1 ? line : null;
 }
 
@@ -65,7 +81,12 @@ function refit(one) {
 function lastWhole({list, lines}) {
   const room = list.clientHeight;
   if (list.scrollHeight <= room + 1) return null;
-  const end = Math.max(0, ...lines().map((line) => bottom(line, list) + list.scrollTop).filter((one) => one <= room + 0.5));
+  const end = Math.max(
+    0,
+    ...lines()
+      .map((line) => bottom(line, list) + list.scrollTop)
+      .filter((one) => one <= room + 0.5),
+  );
   return end > 0 && room - end < LOST ? Math.ceil(end) : null;
 }
 

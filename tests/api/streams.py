@@ -68,7 +68,9 @@ class Page:
 
 
 @contextmanager
-def watching(address: str, session: dict, token: str | None = None, query: str = "", **options: object) -> Iterator[Page]:
+def watching(
+    address: str, session: dict, token: str | None = None, query: str = "", **options: object
+) -> Iterator[Page]:
     """Connect to a session; with its own token unless another one, or "" for none, is given."""
     token = session["token"] if token is None else token
     url = f"ws{address.removeprefix('http')}{session['links']['stream']}?{query}" + (f"&token={token}" if token else "")

@@ -52,6 +52,8 @@ def test_lessons_are_listed_and_given(client):
     listed = client.get("/api/lessons")["lessons"]
     assert {lesson["id"] for lesson in listed} == set(library.experiments())
     lesson = client.get("/api/lessons/zhao-2012")
-    assert lesson["questions"][0]["do"] == [{"type": "set-gain", "observer": "adaptive", "gain": "lambda", "value": 0.6}]
+    assert lesson["questions"][0]["do"] == [
+        {"type": "set-gain", "observer": "adaptive", "gain": "lambda", "value": 0.6}
+    ]
     with pytest.raises(ServiceError, match="nothing"):
         client.get("/api/lessons/nothing")

@@ -12,7 +12,9 @@ def record(client) -> dict[str, list[float]]:
     """What sensors would have recorded of the motor whose friction rises tenfold at 10 s."""
     run = client.post("/api/runs?wait=60", {"experiment": "friction-motor", "set": {"seed": 5}})
     data = client.get(f"/api/runs/{run['id']}/data?format=json")["columns"]
-    return {n: [float(f"{x:.6g}") for x in v] for n, v in data.items() if n == "t" or n.startswith(("u.", "signal.", "y."))}
+    return {
+        n: [float(f"{x:.6g}") for x in v] for n, v in data.items() if n == "t" or n.startswith(("u.", "signal.", "y."))
+    }
 
 
 def csv(columns: dict[str, list[float]]) -> str:
@@ -60,7 +62,11 @@ def test_what_an_experiment_could_show(client):
     stands still for a window its speed sensor's bias hides among others."""
     spec = library.experiment("zhao-2012").model_dump(mode="json")
     found = client.post("/api/observability", spec)
-    assert found["rank"] == found["size"] == 5 and set(found["ranks"]) == {5} and len(found["t"]) == len(found["conditions"]) > 3
+    assert (
+        found["rank"] == found["size"] == 5
+        and set(found["ranks"]) == {5}
+        and len(found["t"]) == len(found["conditions"]) > 3
+    )
     assert all(c > 1 for c in found["conditions"]) and "rank 5 of 5" in found["along"]
     hidden = client.post("/api/observability", library.experiment("dc-motor").model_dump(mode="json"))
     assert hidden["rank"] == hidden["size"] == 7 and 6 in hidden["ranks"] and "speed_bias" in hidden["along"]

@@ -69,7 +69,9 @@ def test_the_comparison_is_in_the_summary_and_by_itself_as_json_and_csv(client, 
     assert row["peak"]["theta.theta3"] == [np.abs(error).max()]
     assert 0.1 < row["cost"] < 1e5
     _, headers, content = client.request("GET", run["links"]["comparison"] + "?format=csv")
-    assert headers["content-type"].startswith("text/csv") and headers["content-disposition"].endswith('-comparison.csv"')
+    assert headers["content-type"].startswith("text/csv") and headers["content-disposition"].endswith(
+        '-comparison.csv"'
+    )
     lines = {(line["measure"], line["of"]): line for line in csv.DictReader(io.StringIO(content.decode()))}
     assert float(lines["rmse", "theta.theta3"]["value"]) == row["rmse"]["theta.theta3"][0]
     assert lines["rmse", "x.x2"]["unit"] == "1/s" and lines["rmse", "x.x2"]["until"] == "5"
@@ -127,9 +129,15 @@ def test_the_targets_of_the_paper_come_out_of_the_rest_answer(client):
 def test_problem_documents_of_parameters_name_the_parameter(client, run):
     """Formats, counts, columns, ranges."""
     for query, field in (
-        ("format=xml", "format"), ("every=0", "every"), ("points=no", "points"), ("columns=x.x3", "columns"),
-        ("from=3&to=2", "from"), ("from=nan", "from"), ("to=inf", "to"), ("to=-1", "to"),
-    ):  # fmt: skip
+        ("format=xml", "format"),
+        ("every=0", "every"),
+        ("points=no", "points"),
+        ("columns=x.x3", "columns"),
+        ("from=3&to=2", "from"),
+        ("from=nan", "from"),
+        ("to=inf", "to"),
+        ("to=-1", "to"),
+    ):
         with pytest.raises(ServiceError) as refusal:
             client.get(f"{run['links']['data']}?{query}")
         assert refusal.value.status == 422

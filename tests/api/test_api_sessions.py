@@ -17,7 +17,12 @@ def test_a_session_plays_at_once_and_says_how_it_stands(client, address):
     session = opened(client)
     with watching(address, session) as page:
         hello = page.receive()
-        assert (hello["type"], hello["role"], hello["session"], hello["playing"]) == ("hello", "control", session["id"], True)
+        assert (hello["type"], hello["role"], hello["session"], hello["playing"]) == (
+            "hello",
+            "control",
+            session["id"],
+            True,
+        )
         page.until(lambda: page.end > 150)
         begin, first = time.monotonic(), page.end
         page.until(lambda: page.end > first + 200)
@@ -193,7 +198,9 @@ def test_the_past_is_there_in_every_format(client):
     assert np.frombuffer(base64.b64decode(packed["x.x"]["bdata"]), "<f8").tolist() == plain["x.x"]
     _, headers, content = client.request("GET", path + "&format=csv")
     lines = content.decode().splitlines()
-    assert lines[0].split(",") == list(plain) and float(lines[1].split(",")[list(plain).index("x.x")]) == plain["x.x"][0]
+    assert (
+        lines[0].split(",") == list(plain) and float(lines[1].split(",")[list(plain).index("x.x")]) == plain["x.x"][0]
+    )
     assert "attachment" in headers["content-disposition"]
     assert client.request("GET", path + "&format=mat")[2].startswith(b"MATLAB 5.0")
     with pytest.raises(ServiceError):

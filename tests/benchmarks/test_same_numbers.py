@@ -31,7 +31,7 @@ def by_hand() -> ByHand:
 
 def product(e) -> np.ndarray:
     """All states after t = 0 as the product records them."""
-    (_, found), = Simulation(e).spans(e.steps + 1)
+    ((_, found),) = Simulation(e).spans(e.steps + 1)
     return np.concatenate([found.plant, found.observers[0]], axis=1)[1:]
 
 
@@ -68,8 +68,13 @@ def test_the_c_code_draws_noise_of_its_own(short, by_hand):
 def test_the_python_equations_are_the_products(short):
     """At random states and inputs, all 19 derivatives."""
     program = joined(short.plant, short.estimators[0].program)
-    order = ["x.x1", "x.x2", *(f"Upsilon.{i}.{j}" for i in range(2) for j in range(3)),
-             *(f"Gamma.{i}.{j}" for i in range(3) for j in range(i, 3)), *ESTIMATES[2:]]  # fmt: skip
+    order = [
+        "x.x1",
+        "x.x2",
+        *(f"Upsilon.{i}.{j}" for i in range(2) for j in range(3)),
+        *(f"Gamma.{i}.{j}" for i in range(3) for j in range(i, 3)),
+        *ESTIMATES[2:],
+    ]
     inputs = ["u.u", *(f"signal.phi{i}" for i in (1, 2, 3)), *(f"theta.theta{i}" for i in (1, 2, 3)), "noise.y.y"]
     rng = np.random.default_rng(5)
     for _ in range(20):

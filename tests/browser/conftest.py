@@ -16,8 +16,15 @@ import pytest
 ROOT = Path(__file__).parents[2]
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
 MAC = Path("/Applications/Google Chrome.app/Contents/MacOS/Google Chrome")
-ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
-             "--disable-component-update", "--disable-sync"]
+ARGUMENTS = [
+    "--no-sandbox",
+    "--disable-gpu",
+    "--disable-quic",
+    "--no-first-run",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+]
 REMEDY = "install Chromium or Chrome (Debian: apt-get install chromium), or run: python -m playwright install chromium"
 
 
@@ -67,8 +74,13 @@ def free_port() -> int:
 def server(tmp_path_factory) -> Iterator[str]:
     """The address of a server of its own, with an empty store; it is stopped by its process id."""
     port, folder = free_port(), tmp_path_factory.mktemp("served")
-    environment = {**os.environ, "THETASCOPE_DATA": str(folder), "THETASCOPE_PORT": str(port), "THETASCOPE_HOST": "127.0.0.1",
-                   "THETASCOPE_IDLE": "60"}
+    environment = {
+        **os.environ,
+        "THETASCOPE_DATA": str(folder),
+        "THETASCOPE_PORT": str(port),
+        "THETASCOPE_HOST": "127.0.0.1",
+        "THETASCOPE_IDLE": "60",
+    }
     code = "from thetascope.server.app import serve; from thetascope.settings import load; serve(load())"
     with (folder / "log").open("w") as log:
         process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, env=environment, stdout=log, stderr=log)
@@ -98,7 +110,10 @@ class Watch:
     def __init__(self, page, address: str):
         self.errors: list[str] = []
         self.foreign: list[str] = []
-        page.on("console", lambda message: self.errors.append(message.text) if message.type in ("error", "warning") else None)
+        page.on(
+            "console",
+            lambda message: self.errors.append(message.text) if message.type in ("error", "warning") else None,
+        )
         page.on("pageerror", lambda error: self.errors.append(str(error)))
         allowed = re.compile(rf"{re.escape(address)}/|data:|blob:")
         page.on("request", lambda request: None if allowed.match(request.url) else self.foreign.append(request.url))

@@ -13,9 +13,15 @@ DIALOGS = {"equations": "e", "share": "s", "keys": "?"}
 STATES = {
     "as it opens": ("0", "0"),
     "unfolded": (UNFOLD, UNFOLD),
-    "export": ("document.querySelector('.actions button:nth-child(2)').click()", "document.querySelector('dialog[open]').close()"),
+    "export": (
+        "document.querySelector('.actions button:nth-child(2)').click()",
+        "document.querySelector('dialog[open]').close()",
+    ),
     "experiments": ("document.querySelector('.experiment').click()", "document.querySelector('.experiment').click()"),
-    "strips": ("document.querySelector('.strips-menu').open = true", "document.querySelector('.strips-menu').open = false"),
+    "strips": (
+        "document.querySelector('.strips-menu').open = true",
+        "document.querySelector('.strips-menu').open = false",
+    ),
     "looking back": ("thetascope.act.look(1)", "thetascope.act.look(null)"),
     "zoomed, told": ("thetascope.act.select(0.2, 0.8); thetascope.act.tell('a word')", "thetascope.act.select(null)"),
     "presentation": ("thetascope.act.present(true)", "thetascope.act.present(false)"),
@@ -25,7 +31,11 @@ STATES = {
 def serious(live) -> list:
     live.wait_for_timeout(300)
     found = live.evaluate("axe.run()")["violations"]
-    return [(one["id"], [node["target"] for node in one["nodes"]]) for one in found if one["impact"] in ("serious", "critical")]
+    return [
+        (one["id"], [node["target"] for node in one["nodes"]])
+        for one in found
+        if one["impact"] in ("serious", "critical")
+    ]
 
 
 def with_faults(page, path: str, **more):
@@ -41,9 +51,13 @@ def with_faults(page, path: str, **more):
     return live
 
 
-@pytest.mark.parametrize(("path", "width", "theme", "language"), [
-    ("/", 1440, "light", "en"), ("/?experiment=zhou-tan-2012", 1440, "dark", "zh"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("path", "width", "theme", "language"),
+    [
+        ("/", 1440, "light", "en"),
+        ("/?experiment=zhou-tan-2012", 1440, "dark", "zh"),
+    ],
+)
 def test_nothing_serious_in_any_state(page, path, width, theme, language):
     """Lists unfolded, menus and dialogs open, looking back, zoomed, presented: axe finds nothing serious."""
     live = with_faults(page, path, width=width, height=900, theme=theme)

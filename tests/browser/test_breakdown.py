@@ -32,9 +32,16 @@ def test_the_only_observer_is_started_again(page, server):
     live.evaluate("thetascope.act.step(20)")
     until(live, "thetascope.samples.now > 1.19 && Number.isFinite(thetascope.latest('adaptive.x.x1'))")
     until(live, "document.querySelector('.fallen').hidden")
-    assert "you started adaptive again" in live.inner_text("#panel-log") and "watches no more" not in live.inner_text("#panel-log")
+    assert "you started adaptive again" in live.inner_text("#panel-log") and "watches no more" not in live.inner_text(
+        "#panel-log"
+    )
     observer = live.evaluate("thetascope.state.observers[0]")
-    assert (observer["label"], observer["colour"], observer["gains"]["rho"], observer["diverged"]) == ("adaptive", "var(--o0)", 2, None)
+    assert (observer["label"], observer["colour"], observer["gains"]["rho"], observer["diverged"]) == (
+        "adaptive",
+        "var(--o0)",
+        2,
+        None,
+    )
     assert not re.search("diverged", live.evaluate(VERDICT))
     link = live.evaluate("thetascope.act.link()")
     again = opened(page, link.removeprefix(server))
@@ -48,15 +55,23 @@ def test_an_observer_started_again_keeps_its_colour_among_others(page):
     live = opened(page, "/?experiment=zhao-2012-observers&t=3")
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "thetascope.state.observers.length === 3")
-    live.evaluate("thetascope.act.together([{type: 'remove-observer', label: 'ekf'}, {type: 'add-observer', observer: thetascope.state.observers.find((one) => one.label === 'ekf').config}])")
+    live.evaluate(
+        "thetascope.act.together([{type: 'remove-observer', label: 'ekf'}, {type: 'add-observer', observer: thetascope.state.observers.find((one) => one.label === 'ekf').config}])"
+    )
     until(live, "thetascope.state.observers.length === 3 && thetascope.state.observers.at(-1).label === 'ekf'")
-    assert live.evaluate("Object.fromEntries(thetascope.state.observers.map((one) => [one.label, one.place]))") == {"kalman": 1, "ukf": 3, "ekf": 2}
+    assert live.evaluate("Object.fromEntries(thetascope.state.observers.map((one) => [one.label, one.place]))") == {
+        "kalman": 1,
+        "ukf": 3,
+        "ekf": 2,
+    }
     until(live, "thetascope.state.checks.kalman?.length", 40)
     live.evaluate("thetascope.send({type: 'set-gain', observer: 'kalman', gain: 'lambda', value: 1})")
     lights = live.locator(".observer[aria-label=kalman] .lights")
     for _ in range(2):
         lights.click()
-        assert live.locator(".observer[aria-label=kalman] .checks li").count() == live.evaluate("thetascope.state.checks.kalman.length")
+        assert live.locator(".observer[aria-label=kalman] .checks li").count() == live.evaluate(
+            "thetascope.state.checks.kalman.length"
+        )
         lights.click()
         assert live.locator(".observer[aria-label=kalman] .checks li").count() == 0
 
@@ -78,7 +93,9 @@ def test_a_fault_that_comes_before_the_alarm_of_the_last_is_over_is_not_said_to_
     """Cleared and injected again at once: since when the alarm says, when the new one began, and no time to find it."""
     live = opened(page, "/?experiment=zhao-2012&t=25")
     until(live, f"/found in/.test({VERDICT})", 40)
-    live.evaluate("thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', onset: 0, size: 0.02}}])")
+    live.evaluate(
+        "thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', onset: 0, size: 0.02}}])"
+    )
     live.evaluate("thetascope.act.step(60)")
     said = until(live, f"/came before that alarm was over/.test({VERDICT}) && {VERDICT}")
     assert "since 20.0" in said and "The one of 25.0" in said and "found in" not in live.inner_text(".finding")

@@ -10,17 +10,29 @@ from thetascope.assembly import prepare
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 ENGLISH = re.compile("[a-z]{4,} [a-z]{2,}")  # two words in a row: not a symbol, not a name
-SAID = "(texts) => import('/i18n/zh/server-text.js').then(({named, said}) => texts.map((one) => [named(one), said(one)]))"
+SAID = (
+    "(texts) => import('/i18n/zh/server-text.js').then(({named, said}) => texts.map((one) => [named(one), said(one)]))"
+)
 
 
 def texts_of_the_library() -> set[str]:
     """Titles and descriptions of plants, experiments and figures, without those that are symbols alone."""
     found = set()
     for plant in library.plants().values():
-        parts = [plant, *plant.states, *plant.inputs, *plant.outputs, *plant.parameters, *plant.signals, *plant.channels]
+        parts = [
+            plant,
+            *plant.states,
+            *plant.inputs,
+            *plant.outputs,
+            *plant.parameters,
+            *plant.signals,
+            *plant.channels,
+        ]
         found |= {text for part in parts for text in (getattr(part, "title", ""), part.description)}
     for experiment in library.experiments().values():
-        found |= {experiment.title, experiment.description} | {t for one in experiment.figures for t in (one.title, one.caption)}
+        found |= {experiment.title, experiment.description} | {
+            t for one in experiment.figures for t in (one.title, one.caption)
+        }
     return {text for text in found if re.search("[a-z]{3}", text)}
 
 
@@ -28,12 +40,16 @@ def test_the_whole_library_is_translated(page):
     """Every title and description of the library has a Chinese one; what a user wrote stays as it is."""
     live = opened(page)
     texts = sorted(texts_of_the_library())
-    missing = [text for text, (named, _) in zip(texts, live.evaluate(SAID, texts), strict=True) if not CHINESE.search(named)]
+    missing = [
+        text for text, (named, _) in zip(texts, live.evaluate(SAID, texts), strict=True) if not CHINESE.search(named)
+    ]
     assert len(texts) > 100 and missing == []
     assert live.evaluate(SAID, ["my own rig"]) == [["my own rig", "my own rig"]]
 
 
-@pytest.mark.parametrize("experiment", ["zhao-2012-observers", "shen-hu-2015", "zhou-tan-2012", "reduced-order-mimo", "dts200"])
+@pytest.mark.parametrize(
+    "experiment", ["zhao-2012-observers", "shen-hu-2015", "zhou-tan-2012", "reduced-order-mimo", "dts200"]
+)
 def test_checks_are_translated(page, experiment):
     """Names and findings of every observer's checks become Chinese, with their numbers as they were."""
     spec = library.experiment(experiment)
@@ -53,12 +69,16 @@ def test_the_lights_open_to_chinese(page):
     until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
     until(live, "thetascope.state.checks.adaptive?.length", 40)
     live.click(".lights")
-    lines = live.locator(".checks li").evaluate_all("(all) => all.map((one) => [one.querySelector('b'), one.querySelector('.soft')].map((part) => part.textContent))")
+    lines = live.locator(".checks li").evaluate_all(
+        "(all) => all.map((one) => [one.querySelector('b'), one.querySelector('.soft')].map((part) => part.textContent))"
+    )
     assert len(lines) >= 5 and [text for line in lines for text in line if ENGLISH.search(text)] == []
     live.evaluate("document.activeElement.blur()")
     live.keyboard.press("e")
     live.wait_for_selector("dialog .where math")
-    assert [text for text in live.locator("dialog .where li, dialog h3").all_inner_texts() if ENGLISH.search(text)] == []
+    assert [
+        text for text in live.locator("dialog .where li, dialog h3").all_inner_texts() if ENGLISH.search(text)
+    ] == []
 
 
 def test_refusals_are_translated(page):
@@ -69,9 +89,14 @@ def test_refusals_are_translated(page):
     live.click("#panel-observers .heading .link")
     live.fill(".add-form input[type=text]", "adaptive")
     live.click(".add-form button[type=submit]")
-    assert until(live, "document.querySelector('.add-form .refused').textContent") == "已有使用该标签的观测器。 解决办法：换一个标签。"
+    assert (
+        until(live, "document.querySelector('.add-form .refused').textContent")
+        == "已有使用该标签的观测器。 解决办法：换一个标签。"
+    )
     until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled", 60)
     why = live.get_attribute(".add-form option[value=zhao-adaptive]", "title")
     assert "2 个输出" in why and not ENGLISH.search(why)
-    live.evaluate("thetascope.send({type: 'set-noise', output: 'y_speed', std: -1, sample_time: 0.01}).catch(thetascope.act.refused)")
+    live.evaluate(
+        "thetascope.send({type: 'set-noise', output: 'y_speed', std: -1, sample_time: 0.01}).catch(thetascope.act.refused)"
+    )
     assert "不小于 0" in until(live, "document.querySelector('#notice').textContent")

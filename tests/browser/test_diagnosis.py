@@ -25,7 +25,9 @@ def inject(live, fault: str) -> None:
 
 def site(live, subject: str) -> str:
     """The classes of a fault site in the plant's picture."""
-    place = live.evaluate(f"[...thetascope.state.plant.channels.filter((c) => c.kind !== 'sensor'), ...thetascope.state.plant.channels.filter((c) => c.kind === 'sensor')].findIndex((c) => c.name === '{subject}')")
+    place = live.evaluate(
+        f"[...thetascope.state.plant.channels.filter((c) => c.kind !== 'sensor'), ...thetascope.state.plant.channels.filter((c) => c.kind === 'sensor')].findIndex((c) => c.name === '{subject}')"
+    )
     return live.locator("svg.plant .site:not(.output)").nth(place).get_attribute("class")
 
 
@@ -35,7 +37,9 @@ def test_a_sensor_fault_is_told_in_a_sentence(page):
     inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
     live.evaluate("thetascope.act.play()")
     said = until(live, f"/found in/.test({VERDICT}) && {VERDICT}", 30)
-    size, half, since, delay = map(float, re.search(r"\+([\d.]+) ± ([\d.]+) since ([\d.]+).s, found in ([\d.]+).s", said).groups())
+    size, half, since, delay = map(
+        float, re.search(r"\+([\d.]+) ± ([\d.]+) since ([\d.]+).s, found in ([\d.]+).s", said).groups()
+    )
     assert said.startswith("θ₃ sensor fault") and abs(size - 0.02) <= 2 * half and half < 0.002
     assert since == pytest.approx(8, abs=0.6) and delay < 2
     until(live, "Math.abs(thetascope.latest('adaptive.theta.theta3') - 0.02) < 0.002", 20)
@@ -51,7 +55,11 @@ def test_an_actuator_fault_is_named_and_clears(page):
     inject(live, "channel: 'theta1', shape: 'step', size: 0.01")
     live.evaluate("thetascope.act.play()")
     until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1' && alarm.over === null)", 30)
-    until(live, "(() => { const {mean} = thetascope.range('adaptive.theta.theta1', thetascope.state.t - 4, thetascope.state.t); return thetascope.state.t > 14 && Math.abs(mean - 0.01) < 0.001; })()", 30)
+    until(
+        live,
+        "(() => { const {mean} = thetascope.range('adaptive.theta.theta1', thetascope.state.t - 4, thetascope.state.t); return thetascope.state.t > 14 && Math.abs(mean - 0.01) < 0.001; })()",
+        30,
+    )
     live.evaluate("thetascope.send({type: 'clear'})")
     until(live, "thetascope.state.alarms.every((alarm) => alarm.over !== null)", 40)
     until(live, "document.querySelector('.finding.past') !== null")
@@ -64,12 +72,16 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
     """With φ held still θ₁ and θ₂ enter alike: the sentence says either, both chips and both sites show it, the strips are marked."""
     live = started(page)
     for name in ("phi1", "phi2", "phi3"):
-        live.evaluate(f"thetascope.send({{type: 'set-signal', name: '{name}', signal: {{kind: 'constant', value: 1}}}})")
+        live.evaluate(
+            f"thetascope.send({{type: 'set-signal', name: '{name}', signal: {{kind: 'constant', value: 1}}}})"
+        )
     inject(live, "channel: 'theta2', shape: 'step', size: 0.015")
     live.evaluate("thetascope.act.play()")
     said = until(live, f"/does not tell them apart/.test({VERDICT}) && {VERDICT}", 40)
     assert "θ₁ or θ₂" in said
-    assert live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
+    assert (
+        live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
+    )
     assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
     assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
     until(live, "document.querySelectorAll('.untold:not([hidden])').length >= 2", 20)
@@ -148,20 +160,36 @@ def test_the_time_to_the_first_alarm_that_names_a_fault_counts(page):
       const list = findings({faults: [fault], alarms});
       return [finding(fault, alarms).delay, held.delay, held.alarm.t, finding({...fault, subject: 'c'}, alarms), list.map((one) => [one.alarm.t, one.verdict, one.delay])];
     }""")
-    assert found == [1, None, 11, None, [[10.5, "blamed", None], [11, "found", 1], [12, "found", None], [4, "past", None]]]
+    assert found == [
+        1,
+        None,
+        11,
+        None,
+        [[10.5, "blamed", None], [11, "found", 1], [12, "found", None], [4, "past", None]],
+    ]
 
 
 def test_the_diagnosis_is_said_in_chinese(page):
     """What the server says of excitation, resolution and proposals becomes Chinese with its numbers."""
     names, typical = ["theta1", "theta2", "theta3"], [1.0, 1.0, 1.0]
-    cases = [[[400, 0, 0], [0, 400, 0], [0, 0, 400]], [[0, 0, 0], [0, 400, 0], [0, 0, 400]], [[200, 200, 0], [200, 200, 0], [0, 0, 400]],
-             [[20, 0, 0], [0, 400, 0], [0, 0, 400]], [[210, 200, 0], [200, 210, 0], [0, 0, 400]], [[0, 0, 0], [0, 0, 0], [0, 0, 400]],
-             [[1, 1, 1], [1, 1, 1], [1, 1, 1]], [[20, 0, 0], [0, 20, 0], [0, 0, 20]]]  # fmt: skip
+    cases = [
+        [[400, 0, 0], [0, 400, 0], [0, 0, 400]],
+        [[0, 0, 0], [0, 400, 0], [0, 0, 400]],
+        [[200, 200, 0], [200, 200, 0], [0, 0, 400]],
+        [[20, 0, 0], [0, 400, 0], [0, 0, 400]],
+        [[210, 200, 0], [200, 210, 0], [0, 0, 400]],
+        [[0, 0, 0], [0, 0, 0], [0, 0, 400]],
+        [[1, 1, 1], [1, 1, 1], [1, 1, 1]],
+        [[20, 0, 0], [0, 20, 0], [0, 0, 20]],
+    ]
     texts = [excitation(J, names, typical, 0.1).text for J in cases]
-    texts += ["a step of voltage to 24 V would tell the faults apart: the least visible combination would stand out 20.5 times above the noise instead of 0.54",
-              "theta1: faults from 0.0006 on are found and told from the others",
-              "theta1 cannot be resolved at this noise: it takes 0.3 to be told from the other faults within a window, a typical fault is 0.01",
-              "the input as it is tells the faults apart as far as any does: none is proposed", "the plant has no fault channels"]  # fmt: skip
+    texts += [
+        "a step of voltage to 24 V would tell the faults apart: the least visible combination would stand out 20.5 times above the noise instead of 0.54",
+        "theta1: faults from 0.0006 on are found and told from the others",
+        "theta1 cannot be resolved at this noise: it takes 0.3 to be told from the other faults within a window, a typical fault is 0.01",
+        "the input as it is tells the faults apart as far as any does: none is proposed",
+        "the plant has no fault channels",
+    ]
     said = page("/").evaluate("(texts) => import('/i18n/zh/server-text.js').then(({said}) => texts.map(said))", texts)
     assert [words for words in said if re.search(r"(?<![a-z])(?!theta|voltage)[a-z]{3,}", words)] == []
     numbers = re.compile(r"\d+\.?\d*")
@@ -177,17 +205,26 @@ def test_a_run_shows_its_diagnosis(page):
     assert run.locator(".verdicts .finding.found").count() == 3
     first = run.locator(".measures tbody tr").first.inner_text().split()
     assert first[:5] == ["detector", "3", "0", "0", "0"]
-    summary = run.evaluate("fetch('/api/runs/' + new URLSearchParams(location.search).get('run')).then((a) => a.json()).then((a) => a.summary)")
+    summary = run.evaluate(
+        "fetch('/api/runs/' + new URLSearchParams(location.search).get('run')).then((a) => a.json()).then((a) => a.summary)"
+    )
     adaptive = next(one for one in summary["comparison"]["observers"] if one["label"] == "adaptive")
     row = run.locator(".measures tbody tr", has_text="adaptive").first.inner_text().split()
-    assert [int(n) for n in row[1:5]] == [adaptive[name] for name in ("found", "missed", "false_alarms", "isolation_errors")]
+    assert [int(n) for n in row[1:5]] == [
+        adaptive[name] for name in ("found", "missed", "false_alarms", "isolation_errors")
+    ]
     run.evaluate("document.querySelectorAll('.verdicts details').forEach((one) => { one.open = true; })")
     text = run.locator(".verdicts").inner_text()
-    assert "one false alarm in 100 h" in text and f"{summary['diagnosis']['detector']['calibration']['thresholds']['glr']:.3g}" in text
+    assert (
+        "one false alarm in 100 h" in text
+        and f"{summary['diagnosis']['detector']['calibration']['thresholds']['glr']:.3g}" in text
+    )
     assert run.locator(".verdicts .group").count() == len(adaptive["rmse"]) and "told apart" in text
     for width in (1180, 1440):  # three columns leave the findings little room: no digit may be cut off
         run.set_viewport_size({"width": width, "height": 900})
-        widths = run.locator(".finding .amount").evaluate_all("(all) => all.map((one) => [one.clientWidth, one.firstChild.getBoundingClientRect().width])")
+        widths = run.locator(".finding .amount").evaluate_all(
+            "(all) => all.map((one) => [one.clientWidth, one.firstChild.getBoundingClientRect().width])"
+        )
         assert all(room >= needed - 1 for room, needed in widths)
     assert run.watch.errors == [] and run.watch.foreign == []
 
@@ -197,7 +234,9 @@ def test_faults_below_the_noise_are_said_to_be_unresolvable(page):
     live = opened(page, "/?experiment=zhao-2012-variance-as-printed&t=30")
     until(live, "/cannot be resolved at this noise/.test(document.querySelector('.hint')?.textContent)", 40)
     assert live.locator(".hint").inner_text() == "θ₁ and θ₂ cannot be resolved at this noise."
-    marks = live.evaluate("[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.untold').hidden)")
+    marks = live.evaluate(
+        "[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.untold').hidden)"
+    )
     assert marks == [True, True, False]
     live.click(".hint button")
     assert live.locator("#panel-diagnosis .seen tbody tr", has_text="lost in the noise").count() == 2

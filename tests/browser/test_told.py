@@ -47,7 +47,10 @@ def test_a_lesson_waits_in_the_time_of_the_plant(page):
     live.evaluate("thetascope.act.play()")
     until(live, f"thetascope.state.alarms.some((alarm) => alarm.subject === 'theta3' && alarm.t > {onset})", 40)
     until(live, "document.querySelectorAll('.coming:not(:empty)').length === 0")
-    assert "found in" in until(live, "/found in/.test(document.querySelector('.verdict').textContent) && document.querySelector('.verdict').textContent")
+    assert "found in" in until(
+        live,
+        "/found in/.test(document.querySelector('.verdict').textContent) && document.querySelector('.verdict').textContent",
+    )
 
 
 def test_enter_on_the_size_injects(page):
@@ -59,8 +62,14 @@ def test_enter_on_the_size_injects(page):
     field = row(live, "theta2").locator("input.number")
     field.fill("0.008")
     field.press("Enter")
-    until(live, "thetascope.state.faults.some((fault) => fault.subject === 'theta2' && fault.active && fault.fault.size === 0.008)")
-    assert live.evaluate("thetascope.state.faults.filter((fault) => fault.subject === 'theta2' && !fault.ended).length") == 1
+    until(
+        live,
+        "thetascope.state.faults.some((fault) => fault.subject === 'theta2' && fault.active && fault.fault.size === 0.008)",
+    )
+    assert (
+        live.evaluate("thetascope.state.faults.filter((fault) => fault.subject === 'theta2' && !fault.ended).length")
+        == 1
+    )
     field.fill("much")
     field.press("Enter")
     live.wait_for_timeout(300)
@@ -75,7 +84,10 @@ def test_a_fault_on_a_fault_is_said_to_be_one(page):
     press.click()
     until(live, "/0\\.02 from 20\\.0/.test(document.querySelector('#fault-theta3 .stack').textContent)")
     live.evaluate("thetascope.act.step(300)")
-    until(live, "/Together with 0\\.02 since 20\\.0.*In all 0\\.04/.test(document.querySelector('#fault-theta3 .stack').textContent)")
+    until(
+        live,
+        "/Together with 0\\.02 since 20\\.0.*In all 0\\.04/.test(document.querySelector('#fault-theta3 .stack').textContent)",
+    )
     assert live.evaluate("thetascope.latest('theta.theta3')") == pytest.approx(0.04)
 
 
@@ -89,8 +101,13 @@ def test_the_log_is_in_order_and_names_the_quantity(page):
         event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5, 'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', '', null, 'the plant escapes')];
       return lines(log, thetascope.text, thetascope.state.plant, {q_theta: 'Qθ'}).map(({t, words}) => [t, words]);
     }""")
-    assert told == [[12, "the plant diverged"], [9, "you injected added friction = 2, step, to begin at 12.0 s"], [6.5, "you set Qθ of ekf to 4"],
-                    [4, "added friction begins"], [1, "you injected measured speed: dropout, probability 0.3"]]  # fmt: skip
+    assert told == [
+        [12, "the plant diverged"],
+        [9, "you injected added friction = 2, step, to begin at 12.0 s"],
+        [6.5, "you set Qθ of ekf to 4"],
+        [4, "added friction begins"],
+        [1, "you injected measured speed: dropout, probability 0.3"],
+    ]
     live.evaluate("thetascope.send({type: 'set-gain', observer: 'ekf', gain: 'q_theta', value: 3})")
     until(live, "document.querySelector('#panel-log').textContent.includes('you set Qθ')")
 
@@ -142,7 +159,9 @@ def test_gains_that_follow_from_the_noise_follow_it(page):
     """R of a Kalman observer that nobody set is that of the noise that acts."""
     live = opened(page, PAUSED)
     live.evaluate("thetascope.send({type: 'add-observer', observer: {label: 'kalman', kind: 'adaptive-kalman'}})")
-    shown = "Number(document.querySelector(`.observer[aria-label=kalman] input.number[aria-label^='kalman: R']`)?.value)"
+    shown = (
+        "Number(document.querySelector(`.observer[aria-label=kalman] input.number[aria-label^='kalman: R']`)?.value)"
+    )
     until(live, f"{shown} === 1e-8")
     live.evaluate("thetascope.send({type: 'set-noise', output: 'y', std: 0.01, sample_time: 0.01})")
     until(live, f"{shown} === 1e-6")

@@ -18,7 +18,12 @@ from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 
 def recorded(call, experiment: str, *changes: str) -> dict[str, np.ndarray]:
     """What sensors would have recorded in a run: t, inputs, known signals and outputs."""
-    assert call("run", experiment, "--set", "diagnosis.enabled=false", *changes, "--no-store", "--out", "run.csv", "--quiet")[0] == 0
+    assert (
+        call(
+            "run", experiment, "--set", "diagnosis.enabled=false", *changes, "--no-store", "--out", "run.csv", "--quiet"
+        )[0]
+        == 0
+    )
     with open("run.csv", newline="") as file:
         head, *rows = csv.reader(file)
     data = dict(zip(head, np.array(rows, dtype=float).T, strict=True))
@@ -127,8 +132,15 @@ def test_a_record_as_spreadsheets_write_it(call):
     assert "the defaults were taken" in diagnose_recording(plant, recording(plant, without), DiagnosisSettings()).note
 
 
-@pytest.mark.parametrize(("changes", "learn", "said"), [({"cell": 1e300}, 0.0, "row 51 holds a number that no sensor shows"), ({"cell": float("nan")}, 0.0, "row 51 holds no number"), ({}, 100.0, "a tenth of it at least"),
-                                                        ({}, float("nan"), "a tenth of it at least")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("changes", "learn", "said"),
+    [
+        ({"cell": 1e300}, 0.0, "row 51 holds a number that no sensor shows"),
+        ({"cell": float("nan")}, 0.0, "row 51 holds no number"),
+        ({}, 100.0, "a tenth of it at least"),
+        ({}, float("nan"), "a tenth of it at least"),
+    ],
+)
 def test_what_a_record_cannot_hold_is_refused(call, changes, learn, said):
     """Numbers that no sensor shows, and learning that leaves nothing to be judged."""
     columns = recorded(call, "friction-motor")

@@ -65,10 +65,15 @@ def test_what_cannot_be_told_apart_is_said_so():
 
 @pytest.mark.parametrize(
     ("name", "channel", "size", "onset", "end", "again"),
-    [("zhao-2012", "theta1", 0.01, 30, 50, 70), ("zhao-2012", "theta3", 0.02, 30, 50, 70),
-     ("dc-motor", "gain_loss", 0.15, 6, 12, 18), ("dc-motor", "speed_bias", 5, 6, 12, 18),
-     ("quadruple-tank", "leak1", 0.006, 600, 1200, 2000), ("dts200", "clog32", 0.3, 600, 1200, 2000)],
-)  # fmt: skip
+    [
+        ("zhao-2012", "theta1", 0.01, 30, 50, 70),
+        ("zhao-2012", "theta3", 0.02, 30, 50, 70),
+        ("dc-motor", "gain_loss", 0.15, 6, 12, 18),
+        ("dc-motor", "speed_bias", 5, 6, 12, 18),
+        ("quadruple-tank", "leak1", 0.006, 600, 1200, 2000),
+        ("dts200", "clog32", 0.3, 600, 1200, 2000),
+    ],
+)
 def test_a_fault_that_ends_and_comes_back(name, channel, size, onset, end, again):
     """One alarm each time, with the size that the fault had; the first is over soon after the fault is."""
     horizon = library.experiment(name).horizon
@@ -84,10 +89,15 @@ def test_a_fault_that_ends_and_comes_back(name, channel, size, onset, end, again
 
 @pytest.mark.parametrize(
     ("name", "one", "two"),
-    [("zhao-2012", ("theta1", 0.01), ("theta3", 0.02)), ("zhao-2012", ("theta2", 0.015), ("theta3", 0.02)),
-     ("dc-motor", ("gain_loss", 0.15), ("current_bias", 0.5)), ("dc-motor", ("load_torque", 0.08), ("speed_bias", 10)),
-     ("quadruple-tank", ("pump1", 0.1), ("level2", 0.2)), ("quadruple-tank", ("pump1", 0.1), ("pump2", 0.1))],
-)  # fmt: skip
+    [
+        ("zhao-2012", ("theta1", 0.01), ("theta3", 0.02)),
+        ("zhao-2012", ("theta2", 0.015), ("theta3", 0.02)),
+        ("dc-motor", ("gain_loss", 0.15), ("current_bias", 0.5)),
+        ("dc-motor", ("load_torque", 0.08), ("speed_bias", 10)),
+        ("quadruple-tank", ("pump1", 0.1), ("level2", 0.2)),
+        ("quadruple-tank", ("pump1", 0.1), ("pump2", 0.1)),
+    ],
+)
 def test_two_faults_at_one_instant(name, one, two):
     """Both are named, with their sizes, and no other."""
     onset = 0.3 * library.experiment(name).horizon
@@ -101,15 +111,17 @@ def test_two_faults_at_one_instant(name, one, two):
 
 @pytest.mark.parametrize(
     ("name", "fault"),
-    [("zhao-2012", {"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}),
-     ("zhao-2012", {"channel": "theta3", "shape": "exponential", "onset": 30, "size": 0.02, "time_constant": 5}),
-     ("dc-motor", {"channel": "gain_loss", "shape": "ramp", "onset": 8, "size": 0.15, "duration": 3}),
-     ("dc-motor", {"channel": "current_bias", "shape": "exponential", "onset": 8, "size": 0.6, "time_constant": 2}),
-     ("quadruple-tank", {"channel": "level1", "shape": "ramp", "onset": 1000, "size": 0.3, "duration": 300}),
-     ("quadruple-tank", {"channel": "pump2", "shape": "ramp", "onset": 1000, "size": 0.1, "duration": 300}),
-     ("dts200", {"channel": "leak1", "shape": "ramp", "onset": 1000, "size": 0.06, "duration": 200}),
-     ("dts200", {"channel": "level2", "shape": "ramp", "onset": 1000, "size": 2, "duration": 200})],
-)  # fmt: skip
+    [
+        ("zhao-2012", {"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}),
+        ("zhao-2012", {"channel": "theta3", "shape": "exponential", "onset": 30, "size": 0.02, "time_constant": 5}),
+        ("dc-motor", {"channel": "gain_loss", "shape": "ramp", "onset": 8, "size": 0.15, "duration": 3}),
+        ("dc-motor", {"channel": "current_bias", "shape": "exponential", "onset": 8, "size": 0.6, "time_constant": 2}),
+        ("quadruple-tank", {"channel": "level1", "shape": "ramp", "onset": 1000, "size": 0.3, "duration": 300}),
+        ("quadruple-tank", {"channel": "pump2", "shape": "ramp", "onset": 1000, "size": 0.1, "duration": 300}),
+        ("dts200", {"channel": "leak1", "shape": "ramp", "onset": 1000, "size": 0.06, "duration": 200}),
+        ("dts200", {"channel": "level2", "shape": "ramp", "onset": 1000, "size": 2, "duration": 200}),
+    ],
+)
 def test_a_slow_fault_is_one_finding(name, fault):
     """A fault that grows is named once, and in the end with the size that it has reached."""
     (found,) = watching(name, [fault]).alarms(1)
@@ -119,12 +131,17 @@ def test_a_slow_fault_is_one_finding(name, fault):
 
 @pytest.mark.parametrize(
     ("name", "fault"),
-    [("zhao-2012", {"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}),
-     ("dc-motor", {"channel": "current_bias", "shape": "exponential", "onset": 8, "size": 0.6, "time_constant": 2})],
-)  # fmt: skip
+    [
+        ("zhao-2012", {"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}),
+        ("dc-motor", {"channel": "current_bias", "shape": "exponential", "onset": 8, "size": 0.6, "time_constant": 2}),
+    ],
+)
 def test_the_size_of_a_slow_fault_is_as_sure_as_is_said(name, fault):
     """Its shape is estimated, too: of eight runs the 95 % interval holds the size in at least seven, and is not wide."""
-    found = [next(a for a in watching(name, [fault]).alarms(seed) if a["channel"] == fault["channel"]) for seed in range(1, 9)]
+    found = [
+        next(a for a in watching(name, [fault]).alarms(seed) if a["channel"] == fault["channel"])
+        for seed in range(1, 9)
+    ]
     assert sum(a["size_from"] <= fault["size"] <= a["size_to"] for a in found) >= 7
     assert np.median([a["size_to"] - a["size_from"] for a in found]) < 0.1 * fault["size"]
 
@@ -154,8 +171,11 @@ def test_a_fault_from_the_start():
 @settings(max_examples=6)
 def test_cutting_rows_changes_no_decision(pieces, kind):
     """Rows taken in pieces of any size: the same findings and the same filter, bit for bit."""
-    faults = {"own": None, "stuck": [{"output": "y", "shape": "stuck", "onset": 45, "end": 60, "value": 0.1}],
-              "ramp": [{"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}]}[kind]  # fmt: skip
+    faults = {
+        "own": None,
+        "stuck": [{"output": "y", "shape": "stuck", "onset": 45, "end": 60, "value": 0.1}],
+        "ramp": [{"channel": "theta1", "shape": "ramp", "onset": 30, "size": 0.02, "duration": 10}],
+    }[kind]
     made = watching("zhao-2012", faults).made
     table, t = watching("zhao-2012", faults).rows(3)
     whole, cut, at, k = made.advance(made.begin(), table, t), made.begin(), 0, 0
@@ -171,7 +191,10 @@ def test_cutting_rows_changes_no_decision(pieces, kind):
 def test_faults_that_end_together_keep_the_sizes_that_they_had(row):
     """All three faults of zhao-2012 end at once: each is over within ten seconds, with the size that it had; nothing stays unexplained."""
     end = row * 0.01
-    faults = [step(c, onset, size, end=end) for c, onset, size in (("theta3", 20, 0.02), ("theta1", 40, 0.01), ("theta2", 70, 0.015))]
+    faults = [
+        step(c, onset, size, end=end)
+        for c, onset, size in (("theta3", 20, 0.02), ("theta1", 40, 0.01), ("theta2", 70, 0.015))
+    ]
     alarms = watching("zhao-2012", faults, horizon=end + 10, diagnosis={"span": 100}).alarms(1)
     assert not [a for a in alarms if a["cleared"] is None]
     for channel, size in (("theta3", 0.02), ("theta1", 0.01), ("theta2", 0.015)):
@@ -181,7 +204,11 @@ def test_faults_that_end_together_keep_the_sizes_that_they_had(row):
 @pytest.mark.parametrize(("frequency", "record", "refused"), [(2.0, 0.3, True), (0.05, 0.3, False), (2.0, 0.01, False)])
 def test_inputs_that_rows_do_not_show_are_refused_with_the_remedy(frequency, record, refused):
     """A sine of three fifths of a period a row tells nothing of what went on; a slow one, or shorter rows, do."""
-    data = spec_data(horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[])
+    data = spec_data(
+        horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[]
+    )
     told = prepare(Experiment.model_validate(data)).run().diagnosis["detector"]
-    remedy = f"u changes too much between two rows, {record:g} s apart, of which only the first is seen: record more often"
+    remedy = (
+        f"u changes too much between two rows, {record:g} s apart, of which only the first is seen: record more often"
+    )
     assert told["note"] == (remedy if refused else "")

@@ -46,11 +46,16 @@ def test_a_fault_without_excitation_is_named():
 def test_how_far_the_least_visible_stands_out():
     """√λmin in typical faults: 12 where 10 are asked is enough, 3 is not."""
     enough = excitation(np.diag([1.44e4, 1e6]), ["a", "b"], [0.1, 0.1], 0.1)
-    assert enough.text == "all faults can be told apart: the least visible combination stands out 12 times above the noise"
+    assert (
+        enough.text == "all faults can be told apart: the least visible combination stands out 12 times above the noise"
+    )
     assert enough.level == pytest.approx(144)
     assert not enough.groups
     little = excitation(np.diag([900, 1e6]), ["a", "b"], [0.1, 0.1], 0.1)
-    assert little.text == "a shows too little now: a typical fault stands out 3 times above the noise, 10 times are asked for"
+    assert (
+        little.text
+        == "a shows too little now: a typical fault stands out 3 times above the noise, 10 times are asked for"
+    )
     assert little.identifiable == {"a": False, "b": True}
 
 
@@ -60,8 +65,10 @@ def test_several_groups_are_kept_apart():
     J = block(PAIR, 1e6 * (np.outer(a, a) + np.outer(b, b)), np.diag([1e6]))
     found = excitation(J, list("abcdef"), [0.01, 0.015, 1, 1, 1, 1], 0.1)
     assert found.groups == (("a", "b"), ("c", "d", "e"))
-    assert found.text == ("a and b cannot be told apart with this input: only their combination a − 0.7 b shows; "
-                          "c, d and e cannot be told apart with this input: only 2 combinations of them show")  # fmt: skip
+    assert found.text == (
+        "a and b cannot be told apart with this input: only their combination a − 0.7 b shows; "
+        "c, d and e cannot be told apart with this input: only 2 combinations of them show"
+    )
     assert found.identifiable["f"]
 
 

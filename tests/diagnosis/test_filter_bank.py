@@ -16,7 +16,12 @@ class Rows:
 
     def __init__(self, name: str, decisions: int = 120):
         made = watching(name).made
-        self.filter, self.stride, self.supposing, self.backwards = made.filter, made.stride, made.supposing, made.backwards
+        self.filter, self.stride, self.supposing, self.backwards = (
+            made.filter,
+            made.stride,
+            made.supposing,
+            made.backwards,
+        )
         table, t = watching(name).rows()
         rows, self.p, self.m = decisions * self.stride, self.filter.p, self.filter.m
         before, here = slice(0, SETTLED * self.stride), slice(SETTLED * self.stride, SETTLED * self.stride + rows)
@@ -24,9 +29,17 @@ class Rows:
         self.begin = self.filter.unanswered(settled)
         self.table, self.t, self.d = table[here], t[here], np.arange(rows) / self.stride
 
-    def run(self, onset: int, events: list[Event] | None = None, course: Event | None = None, known: np.ndarray | None = None):
+    def run(
+        self,
+        onset: int,
+        events: list[Event] | None = None,
+        course: Event | None = None,
+        known: np.ndarray | None = None,
+    ):
         """J, s, the energy by output and the last state from ``onset`` on; Ω answers the events, or one course in all channels."""
-        given = np.zeros((len(self.d), self.p)) if known is None else np.broadcast_to(known, (len(self.d), self.p)).copy()
+        given = (
+            np.zeros((len(self.d), self.p)) if known is None else np.broadcast_to(known, (len(self.d), self.p)).copy()
+        )
         profile = np.repeat(((course or Event(0, onset)).course(self.d))[:, None], self.p, axis=1)
         for e in events or []:
             given[:, e.channel] += e.size * e.course(self.d)
@@ -78,7 +91,9 @@ def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
 def test_a_rise_goes_on_from_where_it_ended(rows):
     """What follows the end of a rise, from V and the course there, against the filter run along all of it."""
     begin, end = 20, 60
-    handed = rows.backwards.handed(rows.begin, rows.filter.held(np.zeros((len(rows.d), rows.p)), rows.table), rows.t, np.ones(rows.m))
+    handed = rows.backwards.handed(
+        rows.begin, rows.filter.held(np.zeros((len(rows.d), rows.p)), rows.table), rows.t, np.ones(rows.m)
+    )
     ahead = rows.backwards.ahead(handed, np.ones(rows.m), rows.stride)
     seen = rows.run(begin, course=Event(0, begin, float(end - begin)))[3]
     V = rows.filter.answers(seen.states[end * rows.stride - 1])
@@ -93,7 +108,10 @@ def test_suppositions_are_runs_of_the_filter(rows):
     """Nine suppositions of all shapes side by side: sums and states of each as the filter has them alone."""
     typical = [0.05 * (c.get("typical") or 1.0) for c in rows.filter.context.model["channels"]]
     shapes = [{}, {"rise": np.inf}, {"rise": 25.0}, {"rise": 9.0, "bent": True}]
-    events = [Event(k % rows.p, 10.0 + 7 * k, size=typical[k % rows.p] / (20 if k % 4 == 1 else 1), **shapes[k % 4]) for k in range(9)]
+    events = [
+        Event(k % rows.p, 10.0 + 7 * k, size=typical[k % rows.p] / (20 if k % 4 == 1 else 1), **shapes[k % 4])
+        for k in range(9)
+    ]
     numbers = np.empty((9, rows.p, 7))
     for k, e in enumerate(events):
         numbers[k] = [e.onset, *Event(0, 0).form, 0.0]
@@ -102,7 +120,9 @@ def test_suppositions_are_runs_of_the_filter(rows):
     onset = np.array([e.onset for e in events])
     courses = Courses(numbers, np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
     told = rows.supposing.told(np.zeros((len(rows.d), rows.p)), rows.table, rows.d)
-    found = rows.supposing.run(np.repeat(rows.begin[None], 9, axis=0), told, rows.t, courses, np.ones(rows.m), np.array([len(rows.d)]))
+    found = rows.supposing.run(
+        np.repeat(rows.begin[None], 9, axis=0), told, rows.t, courses, np.ones(rows.m), np.array([len(rows.d)])
+    )
     for k, e in enumerate(events):
         J, s, q, seen = rows.run(int(e.onset), [e])
         close(found.J[k, -1], J)

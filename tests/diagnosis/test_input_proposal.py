@@ -76,7 +76,10 @@ def test_zhao_with_equal_known_signals_has_no_input_that_helps():
     """φ1 = φ2 = 1: only θ1 + θ2 shows, whatever u does; with the paper's φ each θ is identifiable."""
     alike = healthy("zhao-2012", signals={"phi1": constant(1), "phi2": constant(1)})
     seen = told(alike, 10.0)
-    assert "theta1 and theta2 cannot be told apart with this input: only their combination theta1 + theta2 shows" in seen.text
+    assert (
+        "theta1 and theta2 cannot be told apart with this input: only their combination theta1 + theta2 shows"
+        in seen.text
+    )
     assert seen.identifiable == {"theta1": False, "theta2": False, "theta3": True}
     found = proposed(alike, 2.0)
     assert found.input is None

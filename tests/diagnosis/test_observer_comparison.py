@@ -56,7 +56,9 @@ def truth(faults, channel: str) -> np.ndarray:
     return value
 
 
-def run(faults, alarms: dict | None = None, offsets: dict | None = None, estimated=CHANNELS, settle: float | None = None):
+def run(
+    faults, alarms: dict | None = None, offsets: dict | None = None, estimated=CHANNELS, settle: float | None = None
+):
     """A result whose observers are off by a constant (label → offset) in every estimate."""
     offsets = offsets or {"one": 0.5}
     columns = {"t": T, "x.x": np.sin(T)} | {f"theta.{c}": truth(faults, c) for c in CHANNELS}
@@ -152,8 +154,15 @@ def test_there_are_never_too_many_windows():
 def test_a_fault_is_found_by_the_first_alarm_that_names_it():
     """The delay counts from the onset; later alarms change nothing; the median is over the faults found, one is missed."""
     faults = [Fault("a", 10, 20), Fault("b", 50), Fault("a", 70, 80), Fault("a", 90)]
-    row = judged(faults, alarm(82, "b"), alarm(79, "a"), alarm(52, "b"), alarm(11.5, "a", cleared=22), alarm(15, "a", cleared=22),
-                 alarm(80.5, "a", cleared=85))  # fmt: skip
+    row = judged(
+        faults,
+        alarm(82, "b"),
+        alarm(79, "a"),
+        alarm(52, "b"),
+        alarm(11.5, "a", cleared=22),
+        alarm(15, "a", cleared=22),
+        alarm(80.5, "a", cleared=85),
+    )
     assert [v.delay for v in row.verdicts] == [1.5, 2.0, 9.0, None]
     assert (row.count(FOUND), row.delay) == (3, 2.0)
 
@@ -216,7 +225,9 @@ def test_what_cancels_is_no_fault():
 
 def test_a_fault_beneath_another_in_its_channel_is_there_again_when_that_ends():
     """a stays from 20 s on, more of it between 40 and 50 s: an alarm at 80 s is right."""
-    row = judged([Fault("a", 20), Fault("a", 40, 50)], alarm(21, "a", cleared=39), alarm(41, "a", cleared=60), alarm(80, "a"))
+    row = judged(
+        [Fault("a", 20), Fault("a", 40, 50)], alarm(21, "a", cleared=39), alarm(41, "a", cleared=60), alarm(80, "a")
+    )
     assert outcomes(row) == [("a", FOUND), ("a", FOUND)]
     assert (row.false_alarms, row.isolation_errors) == (0, 0)
 
@@ -257,7 +268,9 @@ def test_where_no_tests_watched_nothing_is_counted():
 
 
 TIMES = st.integers(0, 99).map(float)
-FAULTS = st.lists(st.builds(Fault, st.sampled_from(CHANNELS), TIMES) | st.builds(Stuck, st.just("y"), TIMES), max_size=4)
+FAULTS = st.lists(
+    st.builds(Fault, st.sampled_from(CHANNELS), TIMES) | st.builds(Stuck, st.just("y"), TIMES), max_size=4
+)
 ALARMS = st.lists(st.builds(alarm, TIMES, st.sampled_from(["", *CHANNELS])), max_size=5, unique_by=lambda a: a.t)
 
 

@@ -27,10 +27,14 @@ def believing(made, table, t, size: float):
     assert now.at == AT and not now.found
     level = now.known.level.copy()
     level[0] = size
-    fault = Found(AT - 50, 0, (), AT - 50.0, AT - 50.0, AT - 50.0, 2 * size, 0.1 * size, 50.0, stood=(size, 0.01 * size))
+    fault = Found(
+        AT - 50, 0, (), AT - 50.0, AT - 50.0, AT - 50.0, 2 * size, 0.1 * size, 50.0, stood=(size, 0.01 * size)
+    )
     silent = Found(AT, None, (), AT, AT, AT, np.nan, np.nan, 10.0, output=0)
     known = replace(now.known.plus((), AT), level=level)
-    return replace(watched, standing=replace(now, known=known, found=(fault, silent), active=(0, 1), heed=np.zeros(1), start=AT))
+    return replace(
+        watched, standing=replace(now, known=known, found=(fault, silent), active=(0, 1), heed=np.zeros(1), start=AT)
+    )
 
 
 def test_an_output_is_heeded_again_where_a_fault_is_not_believed_any_more(sound):
@@ -49,7 +53,9 @@ def test_an_output_that_is_wrong_stays_unheeded(sound):
     made, table, t = sound
     watched = believing(made, table, t, 0.0)
     wild = table.copy()
-    wild[AT * made.stride :, made.filter.names.index(f"measured.{made.filter.outputs[0]}")] += 0.05 * np.random.default_rng(1).standard_normal(len(t) - AT * made.stride)
+    wild[AT * made.stride :, made.filter.names.index(f"measured.{made.filter.outputs[0]}")] += (
+        0.05 * np.random.default_rng(1).standard_normal(len(t) - AT * made.stride)
+    )
     rows = slice(AT * made.stride, (AT + 300) * made.stride)
     now = made.advance(watched, wild[rows], t[rows]).standing
     assert now.heed.tolist() == [0.0] and 1 in now.active

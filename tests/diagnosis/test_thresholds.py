@@ -44,7 +44,9 @@ def test_what_the_first_guess_does_is_left_out():
     """Runs that are loud for their first hundred decisions: judging begins after these, and soon."""
     rng = np.random.default_rng(3)
     loud = np.where(np.arange(1000) < 100, 8.0, 1.0)[:, None, None]
-    runs = [Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(30)]
+    runs = [
+        Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(30)
+    ]
     assert 100 <= calibrate(runs, 0.1, 1.0, 2, NO_BOUNDS).begin <= 160
 
 
@@ -71,6 +73,8 @@ def test_a_filter_that_is_not_yet_sure_is_believed_less():
     """Runs of which the first hundred decisions are a third louder, too little to be left out: windows that begin there count less."""
     rng = np.random.default_rng(6)
     loud = np.where(np.arange(1000) < 100, 1.5**0.5, 1.0)[:, None, None]
-    runs = [Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(60)]
+    runs = [
+        Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(60)
+    ]
     noise = calibrate(runs, 0.1, 1.0, 2, NO_BOUNDS, ready=100).noise
     assert noise.ready == 100 and noise.first[0] == pytest.approx(1.5, rel=0.15)

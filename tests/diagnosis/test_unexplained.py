@@ -6,12 +6,23 @@ import pytest
 from tests.diagnosis.watching import names, step, watching
 from thetascope.diagnosis.detection.window_tests import Sums
 
-ZHAO = {"stuck": {"value": 0.1}, "freeze": {}, "dropout": {"probability": 0.9, "sample_time": 0.1},
-        "outliers": {"probability": 0.05, "size": 0.02, "sample_time": 0.01}, "noise-burst": {"std": 0.005, "sample_time": 0.01},
-        "quantisation": {"resolution": 0.01}}  # fmt: skip
-MOTOR = {"stuck": {"value": 150}, "freeze": {}, "dropout": {"probability": 0.9, "sample_time": 0.02},
-         "outliers": {"probability": 0.03, "size": 20, "sample_time": 0.005}, "noise-burst": {"std": 3, "sample_time": 0.005},
-         "quantisation": {"resolution": 5}, "delay": {"delay": 0.1}}  # fmt: skip
+ZHAO = {
+    "stuck": {"value": 0.1},
+    "freeze": {},
+    "dropout": {"probability": 0.9, "sample_time": 0.1},
+    "outliers": {"probability": 0.05, "size": 0.02, "sample_time": 0.01},
+    "noise-burst": {"std": 0.005, "sample_time": 0.01},
+    "quantisation": {"resolution": 0.01},
+}
+MOTOR = {
+    "stuck": {"value": 150},
+    "freeze": {},
+    "dropout": {"probability": 0.9, "sample_time": 0.02},
+    "outliers": {"probability": 0.03, "size": 20, "sample_time": 0.005},
+    "noise-burst": {"std": 3, "sample_time": 0.005},
+    "quantisation": {"resolution": 5},
+    "delay": {"delay": 0.1},
+}
 
 
 @pytest.mark.parametrize("shape", ZHAO)
@@ -33,12 +44,19 @@ def test_the_right_output_of_two_is_named(shape):
         assert 15.8 <= alarms[-1]["cleared"] < 17  # what is rounded may look right before it is
 
 
-OTHERS = [("dc-motor", "y_current", "noise-burst", {"std": 0.5, "sample_time": 0.005}, 12), ("dc-motor", "y_current", "freeze", {}, 12),
-          ("dc-motor", "y_current", "stuck", {"value": 2.0}, 12), ("dc-motor", "y_current", "delay", {"delay": 0.1}, 12),
-          ("dc-motor", "y_current", "outliers", {"probability": 0.03, "size": 3, "sample_time": 0.005}, 12),
-          ("quadruple-tank", "y1", "freeze", {}, 800), ("quadruple-tank", "y1", "stuck", {"value": 5.0}, 800),
-          ("quadruple-tank", "y1", "noise-burst", {"std": 0.3, "sample_time": 1.0}, 800), ("dts200", "y2", "freeze", {}, 800),
-          ("dts200", "y2", "stuck", {"value": 20.0}, 800), ("dts200", "y2", "noise-burst", {"std": 0.3, "sample_time": 1.0}, 800)]  # fmt: skip
+OTHERS = [
+    ("dc-motor", "y_current", "noise-burst", {"std": 0.5, "sample_time": 0.005}, 12),
+    ("dc-motor", "y_current", "freeze", {}, 12),
+    ("dc-motor", "y_current", "stuck", {"value": 2.0}, 12),
+    ("dc-motor", "y_current", "delay", {"delay": 0.1}, 12),
+    ("dc-motor", "y_current", "outliers", {"probability": 0.03, "size": 3, "sample_time": 0.005}, 12),
+    ("quadruple-tank", "y1", "freeze", {}, 800),
+    ("quadruple-tank", "y1", "stuck", {"value": 5.0}, 800),
+    ("quadruple-tank", "y1", "noise-burst", {"std": 0.3, "sample_time": 1.0}, 800),
+    ("dts200", "y2", "freeze", {}, 800),
+    ("dts200", "y2", "stuck", {"value": 20.0}, 800),
+    ("dts200", "y2", "noise-burst", {"std": 0.3, "sample_time": 1.0}, 800),
+]
 
 
 @pytest.mark.parametrize(("name", "output", "shape", "more", "onset"), OTHERS)

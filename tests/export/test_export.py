@@ -125,10 +125,15 @@ def test_a_range_without_rows_gives_an_empty_table_in_every_format():
 
 def test_a_comparison_as_csv_has_one_measure_a_line():
     """Errors with their windows and units, a line a count, `nan` for what there is none of; numbers read back the same."""
-    plant = Plant.model_validate({
-        "id": "p", "states": [{"name": "x1", "unit": "m"}], "outputs": [{"name": "y", "expression": "x1"}], "dynamics": {"x1": "0"},
-        "channels": [{"name": "theta3", "kind": "sensor", "enters": {"y": 1}, "unit": "m/s"}],
-    })  # fmt: skip
+    plant = Plant.model_validate(
+        {
+            "id": "p",
+            "states": [{"name": "x1", "unit": "m"}],
+            "outputs": [{"name": "y", "expression": "x1"}],
+            "dynamics": {"x1": "0"},
+            "channels": [{"name": "theta3", "kind": "sensor", "enters": {"y": 1}, "unit": "m/s"}],
+        }
+    )
     example = Comparison.model_json_schema()["examples"][0]
     example["observers"][0] |= {"false_alarms": None, "rmse": {"x.x1": [0.1 + 0.2, None]}, "peak": {}}
     content = comparison_csv(Comparison.model_validate(example), plant).decode()

@@ -14,18 +14,29 @@ RATES = {"adaptive": 1.2, "slow": 0.3}
 
 @pytest.fixture(scope="session")
 def plant() -> Plant:
-    return Plant.model_validate({
-        "id": "bioreactor", "title": "Bioreactor", "description": "Growth, with three faults.", "source": "a paper",
-        "states": [{"name": "x1", "unit": "1/h", "initial": 0.09, "description": "specific growth rate"},
-                   {"name": "x2", "unit": "1/h2", "initial": 0.01}],
-        "inputs": [{"name": "u", "unit": "1/h", "default": 0.08}],
-        "outputs": [{"name": "y", "unit": "1/h", "expression": "x1"}],
-        "parameters": [{"name": "a1", "value": 1}], "signals": [{"name": "phi1", "default": PULSE}],
-        "definitions": [{"name": "w", "expression": "x2/x1", "domain": [0, "a1"]}],
-        "dynamics": {"x1": "x2 - u*x1", "x2": "x1*w*(2*w - 1 - u) + 0.1*u*(1 - w)**2"},
-        "channels": [{"name": "theta1", "title": "Feed leak", "kind": "actuator", "enters": {"x1": "phi1"}, "unit": "1/h2"},
-                     {"name": "theta2", "title": "Wash-out", "kind": "process", "enters": {"x2": "-phi1"}},
-                     {"name": "theta3", "title": "Sensor bias", "kind": "sensor", "enters": {"y": 1}, "unit": "1/h"}]})
+    return Plant.model_validate(
+        {
+            "id": "bioreactor",
+            "title": "Bioreactor",
+            "description": "Growth, with three faults.",
+            "source": "a paper",
+            "states": [
+                {"name": "x1", "unit": "1/h", "initial": 0.09, "description": "specific growth rate"},
+                {"name": "x2", "unit": "1/h2", "initial": 0.01},
+            ],
+            "inputs": [{"name": "u", "unit": "1/h", "default": 0.08}],
+            "outputs": [{"name": "y", "unit": "1/h", "expression": "x1"}],
+            "parameters": [{"name": "a1", "value": 1}],
+            "signals": [{"name": "phi1", "default": PULSE}],
+            "definitions": [{"name": "w", "expression": "x2/x1", "domain": [0, "a1"]}],
+            "dynamics": {"x1": "x2 - u*x1", "x2": "x1*w*(2*w - 1 - u) + 0.1*u*(1 - w)**2"},
+            "channels": [
+                {"name": "theta1", "title": "Feed leak", "kind": "actuator", "enters": {"x1": "phi1"}, "unit": "1/h2"},
+                {"name": "theta2", "title": "Wash-out", "kind": "process", "enters": {"x2": "-phi1"}},
+                {"name": "theta3", "title": "Sensor bias", "kind": "sensor", "enters": {"y": 1}, "unit": "1/h"},
+            ],
+        }
+    )
 
 
 @pytest.fixture(scope="session")
@@ -34,10 +45,22 @@ def experiment(plant):
 
     def build(**changes) -> Experiment:
         fields = {
-            "id": "three-faults", "title": "Three faults", "source": "a paper", "plant": plant, "errata": ["A sign is wrong."],
-            "faults": [{"channel": name, "shape": "step", "onset": at, "size": size} for name, (at, size) in FAULTS.items()],
-            "noise": {"y": {"std": 0.001}}, "seed": 7, "horizon": 100.0, "step": 0.001,
-            "observers": [{"label": label, "kind": "zhao-adaptive", "gains": {"rho": 4, "lambda": 4.0}} for label in RATES]}
+            "id": "three-faults",
+            "title": "Three faults",
+            "source": "a paper",
+            "plant": plant,
+            "errata": ["A sign is wrong."],
+            "faults": [
+                {"channel": name, "shape": "step", "onset": at, "size": size} for name, (at, size) in FAULTS.items()
+            ],
+            "noise": {"y": {"std": 0.001}},
+            "seed": 7,
+            "horizon": 100.0,
+            "step": 0.001,
+            "observers": [
+                {"label": label, "kind": "zhao-adaptive", "gains": {"rho": 4, "lambda": 4.0}} for label in RATES
+            ],
+        }
         return Experiment.model_validate(fields | changes)
 
     return build
@@ -45,8 +68,13 @@ def experiment(plant):
 
 def _columns(rows: int, labels: list[str], lost: dict[str, float]) -> dict[str, np.ndarray]:
     t = np.linspace(0, 100, rows)
-    columns = {"t": t, "u.u": np.where((t >= 10) & (t < 20), 0.02, 0.08), "signal.phi1": (t % 0.5 < 0.25) * 1.0,
-               "x.x1": 0.1 + 0.02 * np.sin(t / 9), "x.x2": 0.01 + 0.002 * np.cos(t / 5)}
+    columns = {
+        "t": t,
+        "u.u": np.where((t >= 10) & (t < 20), 0.02, 0.08),
+        "signal.phi1": (t % 0.5 < 0.25) * 1.0,
+        "x.x1": 0.1 + 0.02 * np.sin(t / 9),
+        "x.x2": 0.01 + 0.002 * np.cos(t / 5),
+    }
     columns |= {f"theta.{name}": np.where(t >= at, size, 0.0) for name, (at, size) in FAULTS.items()}
     columns["y.y"] = columns["x.x1"] + columns["theta.theta3"]
     for place, label in enumerate(labels):
@@ -67,10 +95,23 @@ def result():
     def build(spec: Experiment, rows: int = 10_001, lost: dict[str, float] | None = None) -> Result:
         lost = lost or {}
         columns = _columns(rows, [o.label for o in spec.observers], lost)
-        checks = (Check("persistent excitation", "holds", "smallest eigenvalue of the Gramian", 0.0026, 0.002, "eq. (36)"),
-                  Check("Lipschitz", "cannot tell", "f is not globally Lipschitz", None, None, "assumption 2"))
-        reports = tuple(ObserverReport(o.label, o.kind, "Adaptive observer", checks, Diverged(lost[o.label], "a finite escape")
-                                       if o.label in lost else None, {"k0": [2.0, 1.0]}) for o in spec.observers)
-        return Result(tuple(columns), np.ascontiguousarray(list(columns.values())), reports, None, 0.001, 1, (), {"run": 0.03})
+        checks = (
+            Check("persistent excitation", "holds", "smallest eigenvalue of the Gramian", 0.0026, 0.002, "eq. (36)"),
+            Check("Lipschitz", "cannot tell", "f is not globally Lipschitz", None, None, "assumption 2"),
+        )
+        reports = tuple(
+            ObserverReport(
+                o.label,
+                o.kind,
+                "Adaptive observer",
+                checks,
+                Diverged(lost[o.label], "a finite escape") if o.label in lost else None,
+                {"k0": [2.0, 1.0]},
+            )
+            for o in spec.observers
+        )
+        return Result(
+            tuple(columns), np.ascontiguousarray(list(columns.values())), reports, None, 0.001, 1, (), {"run": 0.03}
+        )
 
     return build

@@ -11,8 +11,10 @@ from tests.figures.test_thin import decoded
 from thetascope.figures import UnknownFigure, figure, figure_names, style
 
 GENERAL = ["faults", "states", "outputs", "residuals", "errors", "inputs", "excitation"]
-PANELS = [{"title": "growth", "traces": [{"column": "x.x1"}, {"column": "adaptive.x.x1"}]},
-          {"log": True, "traces": [{"column": "x.x1", "minus": "slow.x.x1", "absolute": True}]}]
+PANELS = [
+    {"title": "growth", "traces": [{"column": "x.x1"}, {"column": "adaptive.x.x1"}]},
+    {"log": True, "traces": [{"column": "x.x1", "minus": "slow.x.x1", "absolute": True}]},
+]
 LOOP = {"name": "loop", "panels": [{"x": "x.x1", "traces": [{"column": "x.x2"}, {"column": "adaptive.x.x2"}]}]}
 
 
@@ -35,7 +37,12 @@ def test_own_figures_come_first_then_the_general_ones(run):
 def test_only_figures_with_something_to_draw_are_offered(experiment, result):
     """Without observers there are no residuals, errors or excitation to show."""
     spec = experiment(observers=[])
-    assert [entry["name"] for entry in figure_names(spec, result(spec).names)] == ["faults", "states", "outputs", "inputs"]
+    assert [entry["name"] for entry in figure_names(spec, result(spec).names)] == [
+        "faults",
+        "states",
+        "outputs",
+        "inputs",
+    ]
 
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
@@ -76,12 +83,20 @@ def test_colour_means_observer(run, plant):
 
 def test_amber_marks_a_fault_while_it_acts(experiment, result, plant):
     """The strip of a channel is tinted from onset to end; a fault of a measurement tints its output."""
-    spec = experiment(faults=[{"channel": "theta1", "shape": "step", "onset": 40, "end": 60, "size": 0.01},
-                              {"output": "y", "shape": "stuck", "onset": 80, "value": 0}])
+    spec = experiment(
+        faults=[
+            {"channel": "theta1", "shape": "step", "onset": 40, "end": 60, "size": 0.01},
+            {"output": "y", "shape": "stuck", "onset": 80, "value": 0},
+        ]
+    )
     outcome = result(spec)
 
     def tinted(name):
-        return [(s["x0"], s["x1"], s["yref"]) for s in figure(outcome, spec, plant, name)["layout"]["shapes"] if s["type"] == "rect"]
+        return [
+            (s["x0"], s["x1"], s["yref"])
+            for s in figure(outcome, spec, plant, name)["layout"]["shapes"]
+            if s["type"] == "rect"
+        ]
 
     assert tinted("faults") == [(40, 60, "y domain")]
     assert tinted("outputs") == [(80, 100, "y domain")]
@@ -140,4 +155,6 @@ def test_panels_with_their_own_abscissa_have_their_own_axis(experiment, result, 
 def test_plotly_is_not_imported():
     """Drawing costs no import of plotly."""
     code = "import sys, thetascope.figures; print([m for m in sys.modules if m.split('.')[0] in ('plotly', 'sympy')])"
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    assert (
+        subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
+    )

@@ -50,9 +50,13 @@ def test_a_step_is_judged_until_the_next_event():
 
 def test_the_end_of_a_step_is_a_step_too(experiment):
     """A step that ends makes two changes; ramps and measurement faults make none."""
-    spec = experiment(faults=[{"channel": "theta1", "shape": "step", "onset": 10, "end": 30, "size": 1},
-                              {"channel": "theta2", "shape": "ramp", "onset": 5, "size": 1, "duration": 3},
-                              {"output": "y", "shape": "freeze", "onset": 50}])
+    spec = experiment(
+        faults=[
+            {"channel": "theta1", "shape": "step", "onset": 10, "end": 30, "size": 1},
+            {"channel": "theta2", "shape": "ramp", "onset": 5, "size": 1, "duration": 3},
+            {"output": "y", "shape": "freeze", "onset": 50},
+        ]
+    )
     assert metrics.step_changes(spec.faults, 100.0) == [("theta1", 10), ("theta1", 30)]
     assert metrics.event_times(spec.faults) == [5, 10, 30, 50]
 
@@ -62,7 +66,10 @@ def test_diverged_observers_have_numbers_only_where_there_are_any(experiment, re
     spec = experiment()
     summary = metrics.summary(result(spec, lost={"slow": 50.0}), spec.faults)
     assert summary["slow"]["theta"]["theta1"]["estimate"] is None
-    assert summary["slow"]["rmse"]["x1"] > 0 and summary["slow"]["diverged"] == {"time": 50.0, "cause": "a finite escape"}
+    assert summary["slow"]["rmse"]["x1"] > 0 and summary["slow"]["diverged"] == {
+        "time": 50.0,
+        "cause": "a finite escape",
+    }
     assert summary["slow"]["settling"][-1]["time"] is None
     json.dumps(summary, allow_nan=False)
 

@@ -39,7 +39,9 @@ class Page(HTMLParser):
 @pytest.fixture
 def html(experiment, result, plant):
     spec = experiment()
-    return report(result(spec), spec, plant, {"id": "abc123", "created": "2025-01-01", "versions": {"thetascope": "0.1"}})
+    return report(
+        result(spec), spec, plant, {"id": "abc123", "created": "2025-01-01", "versions": {"thetascope": "0.1"}}
+    )
 
 
 def test_report_is_one_file_that_fetches_nothing(html):
@@ -53,8 +55,19 @@ def test_report_is_one_file_that_fetches_nothing(html):
 def test_report_says_what_was_run_and_how_to_repeat_it(html):
     """Equations, errata, gains, seed, run, versions, command and the whole spec are in it."""
     text = " ".join(Page(html).text)
-    for part in ("Three faults", "A sign is wrong.", "Feed leak", "seed", "abc123", "thetascope 0.1",
-                 "thetascope run three-faults.json --out report.html", "holds", "cannot tell", "0.0026", "eq. (36)"):
+    for part in (
+        "Three faults",
+        "A sign is wrong.",
+        "Feed leak",
+        "seed",
+        "abc123",
+        "thetascope 0.1",
+        "thetascope run three-faults.json --out report.html",
+        "holds",
+        "cannot tell",
+        "0.0026",
+        "eq. (36)",
+    ):
         assert part in text
     spec = next(part for part in Page(html).text if part.lstrip().startswith("{"))
     assert json.loads(spec)["seed"] == 7
@@ -76,15 +89,28 @@ def test_divergence_is_said_first(experiment, result, plant):
 
 def test_markup_in_user_text_stays_text(experiment, result, plant):
     """Hostile titles, texts, captions and units add no element, no attribute and no script."""
-    hostile_plant = plant.model_validate(plant.model_dump() | {
-        "title": HOSTILE, "description": HOSTILE,
-        "states": [s.model_dump() | {"description": HOSTILE, "unit": "<b onclick=x()>"} for s in plant.states],
-        "channels": [c.model_dump() | {"title": HOSTILE, "unit": "<img src=x>"} for c in plant.channels]})
+    hostile_plant = plant.model_validate(
+        plant.model_dump()
+        | {
+            "title": HOSTILE,
+            "description": HOSTILE,
+            "states": [s.model_dump() | {"description": HOSTILE, "unit": "<b onclick=x()>"} for s in plant.states],
+            "channels": [c.model_dump() | {"title": HOSTILE, "unit": "<img src=x>"} for c in plant.channels],
+        }
+    )
     panel = {"title": HOSTILE, "y_title": HOSTILE, "x_title": HOSTILE, "traces": [{"column": "x.x1", "label": HOSTILE}]}
     clean = experiment()
-    spec = experiment(title=HOSTILE, description=HOSTILE, source=HOSTILE, errata=[HOSTILE], plant=hostile_plant,
-                      figures=[{"name": "f", "title": HOSTILE, "caption": HOSTILE, "panels": [panel]}])
-    page = Page(report(result(spec), spec, hostile_plant, {"id": HOSTILE, "command": HOSTILE, "versions": {HOSTILE: HOSTILE}}))
+    spec = experiment(
+        title=HOSTILE,
+        description=HOSTILE,
+        source=HOSTILE,
+        errata=[HOSTILE],
+        plant=hostile_plant,
+        figures=[{"name": "f", "title": HOSTILE, "caption": HOSTILE, "panels": [panel]}],
+    )
+    page = Page(
+        report(result(spec), spec, hostile_plant, {"id": HOSTILE, "command": HOSTILE, "versions": {HOSTILE: HOSTILE}})
+    )
     reference = Page(report(result(clean), clean, plant, {}))
     assert page.tags.count("script") == reference.tags.count("script") == 3
     assert set(page.tags) <= set(reference.tags) | {"ul", "li"}
@@ -102,7 +128,9 @@ def test_figures_in_the_page_are_valid_json(html):
 def sections(html: str) -> dict[str, str]:
     """Visible text of the page by the heading of its sections."""
     parts = re.split(r"<h2>(.*?)</h2>", html)
-    return {title: " ".join(" ".join(Page(body).text).split()) for title, body in zip(parts[1::2], parts[2::2], strict=True)}
+    return {
+        title: " ".join(" ".join(Page(body).text).split()) for title, body in zip(parts[1::2], parts[2::2], strict=True)
+    }
 
 
 def table_rows(html: str, first: str) -> list[list[str]]:
@@ -135,7 +163,14 @@ def test_every_assumption_has_its_line_and_the_verdicts_are_counted(experiment, 
     assert sections(html)["Observers and their assumptions"].count("1 holds, 1 fails, 1 cannot be told") == 2
     lines = table_rows(html, "assumption")
     plain = [[re.sub("<.*?>", "", cell) for cell in line] for line in lines]
-    assert plain[1] == ["persistent excitation", "holds", "smallest eigenvalue of the Gramian", "eq. (36)", "0.0026", "0.002"]
+    assert plain[1] == [
+        "persistent excitation",
+        "holds",
+        "smallest eigenvalue of the Gramian",
+        "eq. (36)",
+        "0.0026",
+        "0.002",
+    ]
     assert plain[2][1:] == ["cannot tell", "f is not globally Lipschitz", "assumption 2", "–", "–"]
     assert plain[3][4:] == ["0.5", "1·10−9"]
 
@@ -167,23 +202,49 @@ def test_the_report_compares_what_the_alarms_of_the_observers_found(experiment, 
     assert cells["median delay (s)"] == ("0.600", "5.000")
     assert "class=best" in quick[head.index("median delay (s)")] and "class=best" not in "".join(slow[1:6])
     assert [re.sub("<.*?>", "", "|".join(line[1:])) for line in table_rows(html, "fault in")[1:]] == [
-        "20|0.600|5.000", "40|missed|missed", "70|missed|missed"]
+        "20|0.600|5.000",
+        "40|missed|missed",
+        "70|missed|missed",
+    ]
 
 
 def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, plant):
     """Sentence, alarm with onset and size, thresholds and where they come from, what cannot be seen, and noise."""
     spec = experiment()
     noise = [{"output": "y", "declared": 0.001, "estimated": 0.00098}]
-    excitation = {"window": 10, "level": 4.2, "needed": 100, "direction": {"theta1": 0.71, "theta2": -0.71, "theta3": 0.0},
-                  "text": "θ1 and θ2 cannot be told apart.", "proposal": "Let u be a square wave of period 4 s."}
+    excitation = {
+        "window": 10,
+        "level": 4.2,
+        "needed": 100,
+        "direction": {"theta1": 0.71, "theta2": -0.71, "theta3": 0.0},
+        "text": "θ1 and θ2 cannot be told apart.",
+        "proposal": "Let u be a square wave of period 4 s.",
+    }
     found = {"sentence": "A sensor bias since 20.0 s.", "noise": noise, "excitation": excitation}
-    html = report(diagnosed(result(spec), adaptive=found, slow={"alarms": [], "note": "It estimates no faults."}), spec, plant, {})
+    html = report(
+        diagnosed(result(spec), adaptive=found, slow={"alarms": [], "note": "It estimates no faults."}), spec, plant, {}
+    )
     text = sections(html)["Diagnosis"]
     assert "all can be told from the outputs in principle" in text and "rank " in text and "condition " in text
-    for part in ("A sensor bias since 20.0 s.", "20.6", "(19.9 to 20.1)", "0.02 1/h (0.0197 to 0.0203)", "41 over 29.5", "still on",
-                 "glr 29.5, residual 33, set for 0.01 false alarms per hour", "32 simulated runs", "0.8 hours", "before 6 s",
-                 "0.0011", "would be needed", "0.71", "cannot be told apart", "square wave of period 4 s", "0.00098",
-                 "It estimates no faults."):
+    for part in (
+        "A sensor bias since 20.0 s.",
+        "20.6",
+        "(19.9 to 20.1)",
+        "0.02 1/h (0.0197 to 0.0203)",
+        "41 over 29.5",
+        "still on",
+        "glr 29.5, residual 33, set for 0.01 false alarms per hour",
+        "32 simulated runs",
+        "0.8 hours",
+        "before 6 s",
+        "0.0011",
+        "would be needed",
+        "0.71",
+        "cannot be told apart",
+        "square wave of period 4 s",
+        "0.00098",
+        "It estimates no faults.",
+    ):
         assert part in text, part
     assert html.index("<h2>Diagnosis") < html.index("<figure>")
     assert "<h2>Diagnosis" not in report(result(spec), spec, plant, {})
@@ -193,8 +254,13 @@ def test_markup_in_a_diagnosis_stays_text(experiment, result, plant):
     """Sentences, notes and proposals add no element and no attribute."""
     spec = experiment()
     excitation = {"window": 1, "level": None, "needed": 1, "direction": {}, "text": HOSTILE, "proposal": HOSTILE}
-    hostile = {"sentence": HOSTILE, "note": HOSTILE, "excitation": excitation, "alarms": [ALARM | {"test": HOSTILE}],
-               "noise": [{"output": "<b onclick=x()>", "declared": None, "estimated": None}]}
+    hostile = {
+        "sentence": HOSTILE,
+        "note": HOSTILE,
+        "excitation": excitation,
+        "alarms": [ALARM | {"test": HOSTILE}],
+        "noise": [{"output": "<b onclick=x()>", "declared": None, "estimated": None}],
+    }
     page = Page(report(diagnosed(result(spec), adaptive=hostile), spec, plant, {}))
     assert page.tags.count("script") == 3 and "img" not in page.tags and "svg" not in page.tags
     assert not [a for a in page.attributes if a[1].startswith("on")]

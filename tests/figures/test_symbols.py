@@ -9,10 +9,19 @@ from hypothesis import strategies as st
 from thetascope.figures.html_symbols import HAT, escape, expression, mathematical, symbol, wrap
 
 
-@pytest.mark.parametrize(("name", "html"), [
-    ("theta1", "<i>θ</i><sub>1</sub>"), ("x21", "<i>x</i><sub>21</sub>"), ("theta", "<i>θ</i>"), ("level", "<i>level</i>"),
-    ("h_max", "<i>h</i><sub>max</sub>"), ("phi_2", "<i>φ</i><sub>2</sub>"), ("Tm2", "<i>Tm2</i>"),
-    ("gain_loss", "<i>gain loss</i>")])
+@pytest.mark.parametrize(
+    ("name", "html"),
+    [
+        ("theta1", "<i>θ</i><sub>1</sub>"),
+        ("x21", "<i>x</i><sub>21</sub>"),
+        ("theta", "<i>θ</i>"),
+        ("level", "<i>level</i>"),
+        ("h_max", "<i>h</i><sub>max</sub>"),
+        ("phi_2", "<i>φ</i><sub>2</sub>"),
+        ("Tm2", "<i>Tm2</i>"),
+        ("gain_loss", "<i>gain loss</i>"),
+    ],
+)
 def test_names_become_symbols(name, html):
     """Greek names and indices are set as a paper sets them; words stay words."""
     assert symbol(name) == html
@@ -23,18 +32,35 @@ def test_hat_stands_over_the_letter():
     assert symbol("theta1", HAT) == "<i>θ\u0302</i><sub>1</sub>"
 
 
-@pytest.mark.parametrize(("text", "html"), [
-    ("x2 - u*x1", "<i>x</i><sub>2</sub> − <i>u</i>\u2009<i>x</i><sub>1</sub>"),
-    ("-2*x**2", "−2\u2009<i>x</i><sup>2</sup>"), ("sin(t)", "sin(<i>t</i>)"), ("w^2/a", "<i>w</i><sup>2</sup>/<i>a</i>"), ("2*3", "2\u2009·\u20093"),
-    ("load*u", "<i>load</i>\u2009·\u2009<i>u</i>"), ("1e-3*u", "1e-3\u2009<i>u</i>"), ("min(a,-b)", "min(<i>a</i>, −<i>b</i>)")])
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("x2 - u*x1", "<i>x</i><sub>2</sub> − <i>u</i>\u2009<i>x</i><sub>1</sub>"),
+        ("-2*x**2", "−2\u2009<i>x</i><sup>2</sup>"),
+        ("sin(t)", "sin(<i>t</i>)"),
+        ("w^2/a", "<i>w</i><sup>2</sup>/<i>a</i>"),
+        ("2*3", "2\u2009·\u20093"),
+        ("load*u", "<i>load</i>\u2009·\u2009<i>u</i>"),
+        ("1e-3*u", "1e-3\u2009<i>u</i>"),
+        ("min(a,-b)", "min(<i>a</i>, −<i>b</i>)"),
+    ],
+)
 def test_expressions_read_like_a_paper(text, html):
     """Products stand close, powers are raised, signs are spaced as binary or unary."""
     assert expression(text) == html
 
 
-@pytest.mark.parametrize(("text", "html"), [
-    ("x̂1 − x1", "<i>x̂</i><sub>1</sub> − <i>x</i><sub>1</sub>"), ("error of theta1", "error of <i>θ</i><sub>1</sub>"),
-    ("|θ3|", "|<i>θ</i><sub>3</sub>|"), ("level3 in cm", "level3 in cm"), ("&lt;b1&gt;", "&lt;b1&gt;"), ("betas", "betas")])
+@pytest.mark.parametrize(
+    ("text", "html"),
+    [
+        ("x̂1 − x1", "<i>x̂</i><sub>1</sub> − <i>x</i><sub>1</sub>"),
+        ("error of theta1", "error of <i>θ</i><sub>1</sub>"),
+        ("|θ3|", "|<i>θ</i><sub>3</sub>|"),
+        ("level3 in cm", "level3 in cm"),
+        ("&lt;b1&gt;", "&lt;b1&gt;"),
+        ("betas", "betas"),
+    ],
+)
 def test_titles_set_their_symbols(text, html):
     """In the titles of axes and traces, names with an index and Greek names are set; words and entities are left alone."""
     assert mathematical(text) == html

@@ -39,7 +39,7 @@ def test_each_bucket_keeps_its_extremes(y):
     assert (np.diff(rows) > 0).all()
     width = -(-y.size // 30)
     for start in range(0, y.size, width):
-        bucket = y[start:start + width]
+        bucket = y[start : start + width]
         kept = y[rows[(rows >= start) & (rows < start + width)]]
         assert kept.min() == bucket.min() and kept.max() == bucket.max()
 
@@ -72,8 +72,15 @@ def test_peaks_of_an_error_hide_changes_of_sign():
     np.testing.assert_allclose(error[rows][:-1], np.exp(-t[rows][:-1]), rtol=0.35)
 
 
-@pytest.mark.parametrize(("values", "kind"), [
-    (np.linspace(0, 100, 50), "f4"), (1e5 + 1e-3 * np.arange(50), "f8"), (np.zeros(5), "f8"), (np.array([1e300, 0.0]), "f8")])
+@pytest.mark.parametrize(
+    ("values", "kind"),
+    [
+        (np.linspace(0, 100, 50), "f4"),
+        (1e5 + 1e-3 * np.arange(50), "f8"),
+        (np.zeros(5), "f8"),
+        (np.array([1e300, 0.0]), "f8"),
+    ],
+)
 def test_typed_arrays_keep_what_can_be_seen(values, kind):
     """float32 only where its rounding is below a ten-thousandth of the drawn range."""
     packed = decimation.typed(values)

@@ -84,16 +84,31 @@ class Stage:
     """A session on the first-order plant, rows of 10 ms; `go` lets time pass in frames. While it is `busy` rooms compute ahead when two more
     frames have gone out: time for commands to come between."""
 
-    def __init__(self, limit: int = 100_000, backlog: int = 1 << 20, viewers: int = 3, past: int = 1 << 24, busy: bool = False,
-                 **changes: object) -> None:  # fmt: skip
+    def __init__(
+        self,
+        limit: int = 100_000,
+        backlog: int = 1 << 20,
+        viewers: int = 3,
+        past: int = 1 << 24,
+        busy: bool = False,
+        **changes: object,
+    ) -> None:
         self.now = 0.0
         self.at: float | None = None
         self.session = Session(spec(**({"record": 0.01} | changes)), limit)
         self.session.advance(1)
         house = House(
-            clock=lambda: self.now, background=self._background, workshop=self._background, wake=self._wake, feed=self._feed, watch=self._watch,
-            may_check=lambda: True, viewers=viewers, backlog=backlog, past=lambda: past,
-        )  # fmt: skip
+            clock=lambda: self.now,
+            background=self._background,
+            workshop=self._background,
+            wake=self._wake,
+            feed=self._feed,
+            watch=self._watch,
+            may_check=lambda: True,
+            viewers=viewers,
+            backlog=backlog,
+            past=lambda: past,
+        )
         self.room = Room("room", "token", self.session, house)
         self._busy, self.hungry = busy, False
         self._tasks: list[asyncio.Task] = []

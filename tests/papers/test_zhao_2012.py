@@ -39,8 +39,10 @@ def test_estimates_settle_on_the_faults(quiet, window):
         assert np.sqrt(np.mean(error**2)) < 1e-7
 
 
-@pytest.mark.parametrize(("theta", "onset", "until", "size", "seconds"),
-                         [("theta3", 20, 40, 0.02, 0.75), ("theta1", 40, 70, 0.01, 2.35), ("theta2", 70, 100, 0.015, 1.84)])  # fmt: skip
+@pytest.mark.parametrize(
+    ("theta", "onset", "until", "size", "seconds"),
+    [("theta3", 20, 40, 0.02, 0.75), ("theta1", 40, 70, 0.01, 2.35), ("theta2", 70, 100, 0.015, 1.84)],
+)
 def test_time_to_settle_within_ten_percent(quiet, theta, onset, until, size, seconds):
     """θ̂ stays within 10 % of the new value after 0.75 s (θ3), 2.35 s (θ1) and 1.84 s (θ2), ± 0.05 s."""
     t, estimate = quiet.column("t"), quiet.column(f"adaptive.theta.{theta}")
@@ -51,8 +53,12 @@ def test_time_to_settle_within_ten_percent(quiet, theta, onset, until, size, sec
 def test_the_parameter_error_decays_at_1_19_a_second(quiet):
     """|θ̃| falls by e^(−1.19 t) after the fault of θ1 at 40 s."""
     t = quiet.column("t")
-    error = np.sqrt(sum((quiet.column(f"adaptive.theta.{c}") - quiet.column(f"theta.{c}")) ** 2
-                        for c in ("theta1", "theta2", "theta3")))  # fmt: skip
+    error = np.sqrt(
+        sum(
+            (quiet.column(f"adaptive.theta.{c}") - quiet.column(f"theta.{c}")) ** 2
+            for c in ("theta1", "theta2", "theta3")
+        )
+    )
     rows = (t > 43) & (t < 50)
     assert -np.polyfit(t[rows], np.log(error[rows]), 1)[0] == pytest.approx(1.19, abs=0.03)
 
@@ -78,6 +84,7 @@ def test_any_start_in_the_unit_box_converges(start):
 
 def test_the_literal_variance_drowns_two_faults():
     """Noise of variance 0.001 (std 0.0316) spreads θ̂1 by more than its fault; std 0.001 does not."""
+
     def spread(id: str) -> float:
         result = run(id)
         return float(result.column("adaptive.theta.theta1")[inside(result, 90, 100)].std())
@@ -95,4 +102,3 @@ def test_noise_of_std_0_001_leaves_the_means_right():
         place = base.estimators[0].program.states.index(f"thetah.{theta}")
         means = batch.observers[0][:, late, place].mean(axis=1)
         assert abs(means.mean() - true) < 4 * means.std() / 8 and np.abs(means - true).max() < 0.003
-

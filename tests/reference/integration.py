@@ -138,9 +138,13 @@ def merge(times: Iterable[float]) -> np.ndarray:
 
 
 def dop853(
-    rhs: Rhs, z0: np.ndarray, scenario: Scenario, rtol: float = 1e-11, atol: float = 1e-13,
+    rhs: Rhs,
+    z0: np.ndarray,
+    scenario: Scenario,
+    rtol: float = 1e-11,
+    atol: float = 1e-13,
     at_edge: Callable | None = None,
-) -> np.ndarray:  # fmt: skip
+) -> np.ndarray:
     """Integrate over the scenario with DOP853, restarted at every edge; rows on scenario.grid, shape (rows, len(z0)).
 
     at_edge(t, z, inside) is called at the start of each segment (to sample y). Raises RuntimeError when SciPy gives up.
@@ -187,9 +191,15 @@ def rk4(rhs: Rhs, z0: np.ndarray, scenario: Scenario, h: float = 1e-3, at_edge: 
 
 
 def simulate(
-    plant: Callable, output: Callable, x0: np.ndarray, scenario: Scenario,
-    observer: Callable | None = None, o0: Sequence[float] = (), solver: Callable = dop853, **options,
-) -> dict[str, np.ndarray]:  # fmt: skip
+    plant: Callable,
+    output: Callable,
+    x0: np.ndarray,
+    scenario: Scenario,
+    observer: Callable | None = None,
+    o0: Sequence[float] = (),
+    solver: Callable = dop853,
+    **options,
+) -> dict[str, np.ndarray]:
     """Plant and, if given, observer integrated jointly.
 
     plant(t, x, u, s, theta) -> x'; output(t, x, u, s, theta) -> y, shape (m,); observer(t, o, u, s, y) -> o', which

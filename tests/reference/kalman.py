@@ -201,9 +201,16 @@ def _joint_rows(rows: list, n: int) -> dict[str, np.ndarray]:
 
 
 def joint_ukf(
-    model: Model, scenario: Scenario, y: np.ndarray, gains: Gains, substeps: int = 1,
-    alpha: float = 1.0, beta: float = 2.0, kappa: float = 0.0, redraw: bool = True,
-) -> dict:  # fmt: skip
+    model: Model,
+    scenario: Scenario,
+    y: np.ndarray,
+    gains: Gains,
+    substeps: int = 1,
+    alpha: float = 1.0,
+    beta: float = 2.0,
+    kappa: float = 0.0,
+    redraw: bool = True,
+) -> dict:
     """Unscented Kalman filter of z = (x, theta) (Wan, van der Merwe 2000), additive noise, Cholesky square roots.
 
     redraw: sigma points for the update are drawn from the predicted mean and covariance, Q included; otherwise the

@@ -34,9 +34,11 @@ class Parameters:
 
 
 def dc_motor(
-    channels: Sequence[str], q: Parameters = Parameters(), outputs: Sequence[str] = ("current", "speed"),
+    channels: Sequence[str],
+    q: Parameters = Parameters(),
+    outputs: Sequence[str] = ("current", "speed"),
     x0: Sequence[float] = (0.0, 0.0),
-) -> Model:  # fmt: skip
+) -> Model:
     """The model with the chosen fault channels; y lists `outputs` in their order."""
     order = ("current", "speed")
     C = np.eye(2)[[order.index(name) for name in outputs]]
@@ -57,6 +59,14 @@ def dc_motor(
         return np.array([[-q.R / q.L, -q.ke / q.L], [q.kt / q.J, -slope / q.J]])
 
     return Model(
-        2, len(channels), len(outputs), f, Phi, lambda t, x, u, s: C @ x, lambda t, x, u, s: Psi,
-        A, lambda t, x, u, s, theta: C, tuple(x0),
-    )  # fmt: skip
+        2,
+        len(channels),
+        len(outputs),
+        f,
+        Phi,
+        lambda t, x, u, s: C @ x,
+        lambda t, x, u, s: Psi,
+        A,
+        lambda t, x, u, s, theta: C,
+        tuple(x0),
+    )

@@ -109,13 +109,15 @@ def _k(t: float) -> float:
 
 def _carts_f(t: float, x: np.ndarray, u: np.ndarray) -> np.ndarray:
     x1, x2, x3, x4, x5 = x
-    return np.array([
-        x2,
-        -_k(t) * (x1 - x4) - D * x2 - Q * x2**2 + x3,
-        -2 * x3 + (1 + 0.2 * np.cos(x2)) * u[0],
-        x5,
-        _k(t) * (x1 - x4) - x5 - np.sin(x4) + (1 + 0.2 * np.sin(t)) * u[1],
-    ])  # fmt: skip
+    return np.array(
+        [
+            x2,
+            -_k(t) * (x1 - x4) - D * x2 - Q * x2**2 + x3,
+            -2 * x3 + (1 + 0.2 * np.cos(x2)) * u[0],
+            x5,
+            _k(t) * (x1 - x4) - x5 - np.sin(x4) + (1 + 0.2 * np.sin(t)) * u[1],
+        ]
+    )
 
 
 def _carts_drift(t: float, z: np.ndarray, u: np.ndarray) -> np.ndarray:
@@ -199,18 +201,29 @@ def full(plant: Plant, L: Sequence[Sequence[float]], xhat0: Sequence[float]) -> 
 
 
 def run(
-    plant: Plant, scenario: Scenario, gains: Sequence[Sequence[float]], xhat0: Sequence[float], solver: Callable,
-    kind: str = "reduced", **options,
-) -> dict[str, np.ndarray]:  # fmt: skip
+    plant: Plant,
+    scenario: Scenario,
+    gains: Sequence[Sequence[float]],
+    xhat0: Sequence[float],
+    solver: Callable,
+    kind: str = "reduced",
+    **options,
+) -> dict[str, np.ndarray]:
     """Plant and observer ('reduced' with H per block, or 'full' with L per block); adds zhat and xhat (rows, n).
 
     xhat0 is the initial estimate in x; the reduced observer replaces its measured part by y(0).
     """
     rhs, o0 = (reduced if kind == "reduced" else full)(plant, gains, xhat0)
     out = simulate(
-        lambda t, x, u, s, theta: plant.f(t, x, u), lambda t, x, u, s, theta: plant.h(t, x),
-        plant.x0, scenario, rhs, o0, solver, **options,
-    )  # fmt: skip
+        lambda t, x, u, s, theta: plant.f(t, x, u),
+        lambda t, x, u, s, theta: plant.h(t, x),
+        plant.x0,
+        scenario,
+        rhs,
+        o0,
+        solver,
+        **options,
+    )
     if kind == "reduced":
         out["zhat"] = np.array([reduced_zhat(plant, gains, o, y) for o, y in zip(out["o"], out["y"], strict=True)])
     else:

@@ -118,8 +118,13 @@ def run(plant: Plant, scenario: Scenario, gains: Gains, solver: Callable, **opti
     out = simulate(
         lambda t, x, u, w, theta: A @ x + plant.gamma(x, t) + b * (w @ theta),
         lambda t, x, u, w, theta: x[:1],
-        plant.x0, scenario, rhs, o0, solver, **options,
-    )  # fmt: skip
+        plant.x0,
+        scenario,
+        rhs,
+        o0,
+        solver,
+        **options,
+    )
     out.update(xhat=out["o"][:, : plant.n], thetahat=out["o"][:, plant.n :])
     return out
 

@@ -41,9 +41,17 @@ def _assemble(channels: Sequence[str], terms: dict, n: int, m: int, f, h, A0, C,
         return A0(x, u) + sum(slopes, np.zeros((n, n)))
 
     return Model(
-        n, p, m, lambda t, x, u, s: f(x, u), Phi, lambda t, x, u, s: h(x), lambda t, x, u, s: Psi,
-        A, lambda t, x, u, s, theta: C, tuple(x0),
-    )  # fmt: skip
+        n,
+        p,
+        m,
+        lambda t, x, u, s: f(x, u),
+        Phi,
+        lambda t, x, u, s: h(x),
+        lambda t, x, u, s: Psi,
+        A,
+        lambda t, x, u, s, theta: C,
+        tuple(x0),
+    )
 
 
 # --- DTS200 -----------------------------------------------------------------------------------------------------------
@@ -80,8 +88,10 @@ def _dts200_terms() -> dict:
         terms[f"pump{i + 1}"] = (lambda x, u, e=unit[i], i=i: u[i] / AREA * e, None, None)
     for path in _PATHS:
         terms[f"clog{path}"] = (
-            lambda x, u, path=path: -_path(path, x)[0], lambda x, u, path=path: -_path(path, x)[1], None,
-        )  # fmt: skip
+            lambda x, u, path=path: -_path(path, x)[0],
+            lambda x, u, path=path: -_path(path, x)[1],
+            None,
+        )
     return terms
 
 
@@ -157,6 +167,12 @@ def quadruple(channels: Sequence[str], x0: Sequence[float] = (12.4, 12.7, 1.8, 1
 def quadruple_steady(v: Sequence[float] = (3.0, 3.0)) -> np.ndarray:
     """Levels (4,) in equilibrium at the pump voltages v."""
     q1, q2 = PUMP * np.asarray(v)
-    flows = np.array([GAMMA[0] * q1 + (1 - GAMMA[1]) * q2, GAMMA[1] * q2 + (1 - GAMMA[0]) * q1,
-                      (1 - GAMMA[1]) * q2, (1 - GAMMA[0]) * q1])  # fmt: skip
+    flows = np.array(
+        [
+            GAMMA[0] * q1 + (1 - GAMMA[1]) * q2,
+            GAMMA[1] * q2 + (1 - GAMMA[0]) * q1,
+            (1 - GAMMA[1]) * q2,
+            (1 - GAMMA[0]) * q1,
+        ]
+    )
     return (flows / HOLE) ** 2 / (2 * G)

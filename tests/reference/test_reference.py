@@ -34,9 +34,14 @@ def test_sampled_measurement_holds_y_between_samples():
     scenario = Scenario(1.0, 0.25, sample=0.25)
     for solver in (integration.dop853, integration.rk4):
         out = integration.simulate(
-            lambda t, x, u, s, th: np.ones(1), lambda t, x, u, s, th: x, [0.0], scenario,
-            lambda t, o, u, s, y: y, [0.0], solver,
-        )  # fmt: skip
+            lambda t, x, u, s, th: np.ones(1),
+            lambda t, x, u, s, th: x,
+            [0.0],
+            scenario,
+            lambda t, o, u, s, y: y,
+            [0.0],
+            solver,
+        )
         np.testing.assert_allclose(out["o"][:, 0], [0, 0, 0.0625, 0.1875, 0.375], atol=1e-12)
 
 

@@ -65,9 +65,16 @@ def test_unscented_update_is_exact_for_a_quadratic_output(alpha):
     """For y = x^2 and x ~ N(m, P), beta = 2 gives mean m^2 + P, variance 4 m^2 P + 2 P^2, covariance 2 m P."""
     none = np.zeros((1, 0))
     model = kalman.Model(
-        1, 0, 1, lambda t, x, u, s: 0 * x, lambda t, x, u, s: none, lambda t, x, u, s: x**2, lambda t, x, u, s: none,
-        lambda t, x, u, s, theta: np.zeros((1, 1)), lambda t, x, u, s, theta: 2 * x[None],
-    )  # fmt: skip
+        1,
+        0,
+        1,
+        lambda t, x, u, s: 0 * x,
+        lambda t, x, u, s: none,
+        lambda t, x, u, s: x**2,
+        lambda t, x, u, s: none,
+        lambda t, x, u, s, theta: np.zeros((1, 1)),
+        lambda t, x, u, s, theta: 2 * x[None],
+    )
     m, P, R, y = 1.2, 0.3, 0.05, 2.0
     gains = kalman.Gains(
         np.zeros((1, 1)), np.array([[R]]), np.array([[P]]), np.zeros((0, 0)), 1.0, np.array([m]), np.zeros(0)

@@ -84,9 +84,15 @@ def contois(a1: float = 1.0, a2: float = 1.0, a3: float = 1.0, a4: float = 0.1, 
         return np.array([[s[0], s[1], 0.0], [slope * s[0], slope * s[1], 0.0]])
 
     return Plant(
-        2, 3, f, lambda x, u, s: phi(x[1] / x[0], s), lambda u, s: np.array([0.0, 0.0, s[2]]), (0.09, 0.01),
-        f_saturated, lambda x, u, s: phi(saturated(x)[1], s),
-    )  # fmt: skip
+        2,
+        3,
+        f,
+        lambda x, u, s: phi(x[1] / x[0], s),
+        lambda u, s: np.array([0.0, 0.0, s[2]]),
+        (0.09, 0.01),
+        f_saturated,
+        lambda x, u, s: phi(saturated(x)[1], s),
+    )
 
 
 def from_physical(xbar: np.ndarray, a1: float = 1.0, a2: float = 1.0) -> np.ndarray:
@@ -206,8 +212,13 @@ def run(plant: Plant, scenario: Scenario, gains: Gains, solver: Callable, kind: 
     out = simulate(
         lambda t, x, u, s, theta: A0 @ x + plant.f(x, u) + plant.Phi(x, u, s) @ theta,
         lambda t, x, u, s, theta: np.array([x[0] + plant.Psi(u, s) @ theta]),
-        plant.x0, scenario, observer, o0, solver, **options,
-    )  # fmt: skip
+        plant.x0,
+        scenario,
+        observer,
+        o0,
+        solver,
+        **options,
+    )
     if kind == "adaptive":
         names = ("xhat", "thetahat", "Upsilon", "Gamma")
         out.update(zip(names, split(out["o"], plant.n, plant.p), strict=True))

@@ -71,9 +71,14 @@ def advance(plant: Plant, x: np.ndarray, z: np.ndarray, u: float) -> np.ndarray:
 
 
 def nonsmooth(
-    plant: Plant, u: np.ndarray, K: np.ndarray, xhat0: np.ndarray, x0: np.ndarray | None = None,
-    y_noise: np.ndarray | None = None, before_hat: float | None = None,
-) -> dict[str, np.ndarray]:  # fmt: skip
+    plant: Plant,
+    u: np.ndarray,
+    K: np.ndarray,
+    xhat0: np.ndarray,
+    x0: np.ndarray | None = None,
+    y_noise: np.ndarray | None = None,
+    before_hat: float | None = None,
+) -> dict[str, np.ndarray]:
     """Plant (12) and observer (13) for k = 0 .. len(u), operators from z(-1) = 0, the plant with delta x(0) = 0.
 
     before_hat is x_hat_12(-1), which the paper does not give; None: delta x_hat_12(0) = 0, operators hold at k = 0.

@@ -16,10 +16,14 @@ PLANT = {
 def spec_data(**changes: object) -> dict:
     """A second of the plant under a sine, with an actuator fault and an observer, as JSON data."""
     return {
-        "plant": PLANT, "horizon": 1, "inputs": {"u": {"kind": "sine", "amplitude": 1, "frequency": 2}},
+        "plant": PLANT,
+        "horizon": 1,
+        "inputs": {"u": {"kind": "sine", "amplitude": 1, "frequency": 2}},
         "faults": [{"channel": "gain", "shape": "step", "onset": 0.5, "size": 0.2}],
-        "noise": {"y": {"std": 0.001}}, "observers": [{"label": "kalman", "kind": "adaptive-kalman"}], **changes,
-    }  # fmt: skip
+        "noise": {"y": {"std": 0.001}},
+        "observers": [{"label": "kalman", "kind": "adaptive-kalman"}],
+        **changes,
+    }
 
 
 def spec(**changes: object) -> Experiment:

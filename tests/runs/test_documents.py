@@ -26,11 +26,25 @@ def test_json_text_gives_the_data_that_it_holds(data):
 @pytest.mark.parametrize(
     ("text", "value"),
     [
-        ("1e-3", 0.001), ("1E5", 1e5), (".5", 0.5), ("-3", -3), ("012", 12), ("0x1f", "0x1f"), ("1:30", "1:30"),
-        ("yes", "yes"), ("off", "off"), ("true", True), ("~", None), ("null", None), ("2024-01-01", "2024-01-01"),
-        ('"1"', "1"), ("9" * 30, float("9" * 30)), ("<<", "<<"), ("=", "="),
+        ("1e-3", 0.001),
+        ("1E5", 1e5),
+        (".5", 0.5),
+        ("-3", -3),
+        ("012", 12),
+        ("0x1f", "0x1f"),
+        ("1:30", "1:30"),
+        ("yes", "yes"),
+        ("off", "off"),
+        ("true", True),
+        ("~", None),
+        ("null", None),
+        ("2024-01-01", "2024-01-01"),
+        ('"1"', "1"),
+        ("9" * 30, float("9" * 30)),
+        ("<<", "<<"),
+        ("=", "="),
     ],
-)  # fmt: skip
+)
 def test_scalars_are_those_of_json_and_not_the_surprises_of_yaml(text, value):
     """`no` is a word, 1e-3 a number, 1:30 not ninety."""
     assert parse(f"a: {text}").data == {"a": value}
@@ -90,9 +104,11 @@ def test_files_that_are_too_large_no_text_or_of_another_kind_are_refused(tmp_pat
     (tmp_path / "latin.yaml").write_bytes(b"a: \xe9")
     (tmp_path / "plant.txt").write_text("a: 1")
     for name, words in (
-        ("large.yaml", "larger than 500 bytes"), ("latin.yaml", "UTF-8"), ("plant.txt", r"neither YAML nor JSON"),
+        ("large.yaml", "larger than 500 bytes"),
+        ("latin.yaml", "UTF-8"),
+        ("plant.txt", r"neither YAML nor JSON"),
         ("none.yaml", "No such file"),
-    ):  # fmt: skip
+    ):
         with pytest.raises(DocumentError, match=words):
             read(tmp_path / name, 500)
 

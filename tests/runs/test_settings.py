@@ -10,10 +10,16 @@ from thetascope.settings import SettingsError, load
 def test_every_field_is_read_from_its_variable_and_arguments_win():
     """Sizes take suffixes; an empty variable counts as unset."""
     found = load(
-        {"THETASCOPE_DATA": "/srv/data", "THETASCOPE_PORT": "9000", "THETASCOPE_MAX_BODY": "64k",
-         "THETASCOPE_STORE_LIMIT": "3G", "THETASCOPE_WAIT": "0.5", "THETASCOPE_HOST": ""},
+        {
+            "THETASCOPE_DATA": "/srv/data",
+            "THETASCOPE_PORT": "9000",
+            "THETASCOPE_MAX_BODY": "64k",
+            "THETASCOPE_STORE_LIMIT": "3G",
+            "THETASCOPE_WAIT": "0.5",
+            "THETASCOPE_HOST": "",
+        },
         port=9001,
-    )  # fmt: skip
+    )
     assert found.database == Path("/srv/data/runs.sqlite")
     assert (found.port, found.max_body, found.store_limit, found.wait) == (9001, 65536, 3 * 1024**3, 0.5)
     assert found.host == "127.0.0.1"

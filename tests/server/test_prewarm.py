@@ -13,7 +13,9 @@ def test_what_was_prepared_is_not_prepared_again(tmp_path, monkeypatch):
     """Each experiment is opened, one that fails passed over; then there is nothing to begin until engine or library change."""
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
     failing = spec(observers=[{"label": "a", "kind": "kalman", "gains": {"r": -1}}])
-    monkeypatch.setattr(library, "experiments", lambda: {"failing": failing, "good": spec(noise={"y": {"std": 0.0123}})})
+    monkeypatch.setattr(
+        library, "experiments", lambda: {"failing": failing, "good": spec(noise={"y": {"std": 0.0123}})}
+    )
     monkeypatch.setattr(prewarm, "_LATER", 0.0)
     monkeypatch.setattr(prewarm.os, "nice", lambda by: None)
     monkeypatch.setattr(prewarm.signal, "signal", lambda *_: None)

@@ -25,7 +25,9 @@ def every_schema(parent: type[Strict] = Strict) -> list[type[Strict]]:
 ABSTRACT = {"TimedFault", "ChannelFault", "MeasurementFault", "Timed", "Command"}
 # what a server says on a session's stream: it is written by the program alone and shown on no form
 SAID = {"Hello", "Ack", "Refused", "Status", "Event", "Columns", "Rewound", "Jump", "Spec", "Assumptions"}
-SCHEMAS = [s for s in every_schema() if s.__module__.startswith("thetascope_schemas") and s.__name__ not in ABSTRACT | SAID]
+SCHEMAS = [
+    s for s in every_schema() if s.__module__.startswith("thetascope_schemas") and s.__name__ not in ABSTRACT | SAID
+]
 
 
 @pytest.mark.parametrize("schema", SCHEMAS, ids=lambda schema: schema.__name__)
@@ -52,8 +54,12 @@ def test_every_schema_refuses_unknown_fields(schema: type[Strict]) -> None:
 
 def test_examples_cover_every_kind_of_signal_and_fault() -> None:
     """The nine signals and fifteen fault shapes of the design are told apart by one word."""
-    signals = {s.model_fields["kind"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.signals"}
-    faults = {s.model_fields["shape"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.faults"}
+    signals = {
+        s.model_fields["kind"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.signals"
+    }
+    faults = {
+        s.model_fields["shape"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.faults"
+    }
     assert signals == {"constant", "steps", "pulse", "sine", "ramp", "chirp", "prbs", "table", "expression"}
     inside = "step ramp drift exponential sine pulse-train random-walk table"
     outside = "stuck freeze dropout outliers noise-burst quantisation delay"
@@ -61,7 +67,12 @@ def test_examples_cover_every_kind_of_signal_and_fault() -> None:
     for adapter, tag, names in ((TypeAdapter(Signal), "kind", signals), (TypeAdapter(Fault), "shape", faults)):
         for schema in SCHEMAS:
             field = schema.model_fields.get(tag)
-            if field and field.default in names and schema.__module__ in ("thetascope_schemas.experiment.signals", "thetascope_schemas.experiment.faults"):
+            if (
+                field
+                and field.default in names
+                and schema.__module__
+                in ("thetascope_schemas.experiment.signals", "thetascope_schemas.experiment.faults")
+            ):
                 example = schema.model_json_schema()["examples"][0]
                 assert type(adapter.validate_python(example)) is schema
 

@@ -41,8 +41,10 @@ def test_beyond_the_limit_the_least_recently_used_unpinned_result_goes_and_its_s
     store.put(made_record("newest"))
     store.put_result("newest", "e", made_result())
     assert [id for id in ("pinned", "oldest", "middle", "newest") if store.has_result(id, "e")] == [
-        "pinned", "middle", "newest",
-    ]  # fmt: skip
+        "pinned",
+        "middle",
+        "newest",
+    ]
     assert store.get("oldest").spec == '{"seed": 1}'
     assert store.usage()["bytes"] <= 3 * (SIZE + 1000)
 

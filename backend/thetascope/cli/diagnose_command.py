@@ -56,14 +56,26 @@ def text(found: ObserverDiagnosis) -> str:
     """What was found, as a table; then what it rests on."""
     parts = [found.sentence, ""]
     if found.alarms:
-        rows = [[number(a.t, 5), a.channel or f"not explained ({a.output})", ", ".join(a.alternatives) or "–", number(a.onset, 5),
-                 f"{a.onset_from:.5g} to {a.onset_to:.5g}", number(a.size), "–" if a.size is None else
-                 f"{a.size_from:.4g} to {a.size_to:.4g}", number(a.cleared, 5)] for a in found.alarms]  # fmt: skip
+        rows = [
+            [
+                number(a.t, 5),
+                a.channel or f"not explained ({a.output})",
+                ", ".join(a.alternatives) or "–",
+                number(a.onset, 5),
+                f"{a.onset_from:.5g} to {a.onset_to:.5g}",
+                number(a.size),
+                "–" if a.size is None else f"{a.size_from:.4g} to {a.size_to:.4g}",
+                number(a.cleared, 5),
+            ]
+            for a in found.alarms
+        ]
         parts += [table(["ALARM AT", "FAULT", "OR AS WELL", "SINCE", "", "SIZE", "", "OVER AT"], rows), ""]
     parts += [f"noise of {n.output}: {number(n.estimated, 3)} (from the record)" for n in found.noise]
     if found.calibration is not None:
         c = found.calibration
-        parts.append(f"thresholds for {c.false_alarms:g} false alarms an hour, from {c.seeds} simulated runs; judged from {c.from_time:.4g} s on")
+        parts.append(
+            f"thresholds for {c.false_alarms:g} false alarms an hour, from {c.seeds} simulated runs; judged from {c.from_time:.4g} s on"
+        )
     if found.note:
         parts.append(found.note)
     if found.excitation is not None and found.excitation.text:

@@ -44,8 +44,14 @@ def parser() -> argparse.ArgumentParser:
     run.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", dest="changes", help=changes)
     outputs = f"write the result; the ending tells the format: {' '.join(FORMATS)}"
     run.add_argument("--out", action="append", default=[], type=_output, metavar="FILE", help=outputs)
-    run.add_argument("--comparison", action="append", default=[], type=_comparison, metavar="FILE",
-                     help="write the comparison of the observers: .csv or .json")  # fmt: skip
+    run.add_argument(
+        "--comparison",
+        action="append",
+        default=[],
+        type=_comparison,
+        metavar="FILE",
+        help="write the comparison of the observers: .csv or .json",
+    )
     run.add_argument("--quiet", action="store_true", help="print nothing but errors")
     run.add_argument("--no-store", action="store_true", help="neither look the run up in the store nor keep it there")
     run.set_defaults(command=_run)
@@ -62,14 +68,20 @@ def parser() -> argparse.ArgumentParser:
 
 
 _TRIAL = "How often are alarms false, faults found and named, and how soon? One experiment with many seeds."
-_DIAGNOSE = "Which faults does a record show, since when, how large, and how sure is that? The noise is found in the record."
+_DIAGNOSE = (
+    "Which faults does a record show, since when, how large, and how sure is that? The noise is found in the record."
+)
 
 
 def _judging(commands, changes: str) -> None:
     """The commands about the diagnosis."""
-    trial = commands.add_parser("trial", help="run an experiment with many seeds and judge the diagnosis", description=_TRIAL)
+    trial = commands.add_parser(
+        "trial", help="run an experiment with many seeds and judge the diagnosis", description=_TRIAL
+    )
     trial.add_argument("experiment", metavar="EXPERIMENT|FILE", help="library id, or a YAML or JSON file")
-    trial.add_argument("--seeds", type=_count, default=100, metavar="N", help="runs with the faults, and as many without (100)")
+    trial.add_argument(
+        "--seeds", type=_count, default=100, metavar="N", help="runs with the faults, and as many without (100)"
+    )
     trial.add_argument("--lock", type=float, metavar="S", help="also judge a 3σ band that is fixed at this time")
     trial.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", dest="changes", help=changes)
     trial.add_argument("--quiet", action="store_true", help="show no progress")
@@ -78,9 +90,13 @@ def _judging(commands, changes: str) -> None:
     diagnose = commands.add_parser("diagnose", help="look for faults in recorded data", description=_DIAGNOSE)
     diagnose.add_argument("plant", metavar="PLANT|PLANTFILE", help="id of a library plant, or a YAML or JSON file")
     diagnose.add_argument("data", metavar="DATA.csv", type=Path, help="columns t, inputs, known signals and outputs")
-    diagnose.add_argument("--learn", type=float, default=0.0, metavar="S", help="the first S seconds are known to be sound")
+    diagnose.add_argument(
+        "--learn", type=float, default=0.0, metavar="S", help="the first S seconds are known to be sound"
+    )
     diagnose.add_argument("--false-alarms", type=float, metavar="RATE", help="an hour that are put up with (0.01)")
-    diagnose.add_argument("--doubt", type=float, metavar="SHARE", help="how far the plant's equations may be off (0.01)")
+    diagnose.add_argument(
+        "--doubt", type=float, metavar="SHARE", help="how far the plant's equations may be off (0.01)"
+    )
     diagnose.add_argument("--json", type=Path, metavar="FILE", help="write the findings as JSON")
     diagnose.set_defaults(command=_diagnose)
 

@@ -31,6 +31,7 @@ _STATES = 3  # in the table of several observers
 _JUDGED = ("FOUND", "DELAY", "MISSED", "FALSE", "WRONG")
 _LEGEND = "(faults found, their median delay, faults missed; alarms without a fault, alarms that name a wrong one)"
 
+
 def run_command(options: argparse.Namespace) -> int:
     """Run an experiment, write the files asked for, print how the observers did."""
     settings = load()
@@ -97,9 +98,11 @@ def compute(job: Job, spec: Experiment, settings: Settings, progress: Progress) 
             raise from_engine(error) from None
         except Cancelled:
             raise invalid(
-                "horizon", spec.horizon, f"the run took longer than {settings.max_seconds:g} s and was stopped",
+                "horizon",
+                spec.horizon,
+                f"the run took longer than {settings.max_seconds:g} s and was stopped",
                 "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_SECONDS",
-            ) from None  # fmt: skip
+            ) from None
 
 
 def open_store(settings: Settings) -> RunStore | None:
@@ -178,10 +181,14 @@ def side_by_side(comparison: Comparison, measures: dict[str, dict]) -> list[str]
     judged = any(row.faults is not None for row in rows)
     head = ["OBSERVER", *(_JUDGED if judged else ()), *(f"RMSE {state}" for state in states), "COST"]
     lines = [
-        [row.label, *(_judged(row) if judged else ()),
-         *(number(rmse[row.label].get(state), 3) for state in states), number(row.cost, 3)]
+        [
+            row.label,
+            *(_judged(row) if judged else ()),
+            *(number(rmse[row.label].get(state), 3) for state in states),
+            number(row.cost, 3),
+        ]
         for row in rows
-    ]  # fmt: skip
+    ]
     legend = "(cost in µs per simulated second, measured)"
     return [table(head, lines), f"{_LEGEND}\n{legend}" if judged else legend, ""]
 

@@ -32,7 +32,9 @@ def text(found: Trial) -> str:
     """The table and what its columns mean."""
     rows = [_row(t, found) for t in found.tallies]
     faults = "".join(f", {channel} at {onset:g} s" for channel, onset in found.faults)
-    legend = _LEGEND.format(n=found.seeds, all=found.seeds * len(found.faults), faults=f" ({faults[2:]})" if faults else "")
+    legend = _LEGEND.format(
+        n=found.seeds, all=found.seeds * len(found.faults), faults=f" ({faults[2:]})" if faults else ""
+    )
     return f"{table(_HEAD, rows)}\n{legend}"
 
 
@@ -41,4 +43,11 @@ def _row(tally: Tally, found: Trial) -> tuple[str, ...]:
         return f"{count} ({100 * count / found.seeds:.3g} %)"
 
     delay = "–" if tally.delay is None else number(tally.delay)
-    return (tally.name, share(tally.without), share(tally.before), str(sum(tally.found.values())), str(tally.wrong), delay)
+    return (
+        tally.name,
+        share(tally.without),
+        share(tally.before),
+        str(sum(tally.found.values())),
+        str(tally.wrong),
+        delay,
+    )

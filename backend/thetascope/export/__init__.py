@@ -9,4 +9,13 @@ from thetascope.export.selection import Table, select
 #: Format name → media type of what it writes.
 MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "json": "application/json", "mat": "application/x-matlab-data"}
 
-__all__ = ["MEDIA_TYPES", "Table", "comparison_csv", "csv_chunks", "json_bytes", "matlab_bytes", "matlab_names", "select"]
+__all__ = [
+    "MEDIA_TYPES",
+    "Table",
+    "comparison_csv",
+    "csv_chunks",
+    "json_bytes",
+    "matlab_bytes",
+    "matlab_names",
+    "select",
+]

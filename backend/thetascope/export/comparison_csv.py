@@ -24,7 +24,9 @@ def comparison_csv(comparison: Comparison, plant: Plant) -> bytes:
     writer.writerow(HEAD)
     units = {f"x.{s.name}": s.unit for s in plant.states} | {f"theta.{c.name}": c.unit for c in plant.channels}
     for row in comparison.observers:
-        writer.writerows((row.label, *(_written(cell) for cell in line)) for line in _lines(row, comparison.windows, units))
+        writer.writerows(
+            (row.label, *(_written(cell) for cell in line)) for line in _lines(row, comparison.windows, units)
+        )
     return text.getvalue().encode()
 
 

@@ -1,7 +1,7 @@
 """Figures of a run as Plotly's JSON. plotly.py is never imported; the report is in the package report.
 
-    figure_names(spec, result.names)                    what there is to see
-    figure(result, spec, plant, "faults", "dark")       one figure: {"data": [...], "layout": {...}}
+figure_names(spec, result.names)                    what there is to see
+figure(result, spec, plant, "faults", "dark")       one figure: {"data": [...], "layout": {...}}
 """
 
 from collections.abc import Sequence

@@ -35,7 +35,7 @@ class Scene:
         """
         for label in self.labels:
             if column.startswith(label + "."):
-                rest = column[len(label) + 1:]
+                rest = column[len(label) + 1 :]
                 kind, _, name = rest.partition(".")
                 return (label, kind, name) if name and kind in KINDS else (label, "", rest)
         kind, _, name = column.partition(".")
@@ -77,8 +77,11 @@ class Scene:
     def intervals(self, kind: str, name: str) -> list[tuple[float, float]]:
         """When a fault acts on that channel (kind "theta") or on that measurement (kind "y"), clipped to the run."""
         field, end = ("channel" if kind == "theta" else "output"), float(self.t[-1])
-        return [(fault.onset, min(end if fault.end is None else fault.end, end)) for fault in self.spec.faults
-                if getattr(fault, field, None) == name and fault.onset < end]
+        return [
+            (fault.onset, min(end if fault.end is None else fault.end, end))
+            for fault in self.spec.faults
+            if getattr(fault, field, None) == name and fault.onset < end
+        ]
 
     def changes(self) -> list[float]:
         """Times inside the run at which any fault begins or ends."""
@@ -86,11 +89,29 @@ class Scene:
         return sorted(at for at in times if 0 < at < self.t[-1])
 
     def truth(self, kind: str, name: str, final: bool = True) -> Line:
-        return Line(self.values(f"{kind}.{name}"), f"{symbol(name)} truth", self.theme.ink, "truth", "dash", 1.2, final,
-                    framing=True, layer=1)
+        return Line(
+            self.values(f"{kind}.{name}"),
+            f"{symbol(name)} truth",
+            self.theme.ink,
+            "truth",
+            "dash",
+            1.2,
+            final,
+            framing=True,
+            layer=1,
+        )
 
     def estimates(self, kind: str, name: str, final: bool = True) -> list[Line]:
         """The line of every observer that estimates it, in the order of the spec."""
-        return [Line(self.values(column), f"{symbol(name, HAT)} {escape(label)}", self.colour(label), self.legend(label),
-                     final=final, layer=-place)
-                for place, label in enumerate(self.labels) if (column := f"{label}.{kind}.{name}") in self.columns]
+        return [
+            Line(
+                self.values(column),
+                f"{symbol(name, HAT)} {escape(label)}",
+                self.colour(label),
+                self.legend(label),
+                final=final,
+                layer=-place,
+            )
+            for place, label in enumerate(self.labels)
+            if (column := f"{label}.{kind}.{name}") in self.columns
+        ]

@@ -14,8 +14,12 @@ EXCITATION = ("pe", "lambda_min", "excitation")
 
 def _excitation_columns(columns: Sequence[str], labels: Sequence[str]) -> list[tuple[str, str]]:
     """(label, diagnostic) of every column that measures excitation."""
-    return [(label, column[len(label) + 1:]) for column in columns for label in labels
-            if column.startswith(label + ".") and column[len(label) + 1:].split(".")[0] in EXCITATION]
+    return [
+        (label, column[len(label) + 1 :])
+        for column in columns
+        for label in labels
+        if column.startswith(label + ".") and column[len(label) + 1 :].split(".")[0] in EXCITATION
+    ]
 
 
 def available(spec, columns: Sequence[str]) -> list[tuple[str, str]]:
@@ -24,9 +28,15 @@ def available(spec, columns: Sequence[str]) -> list[tuple[str, str]]:
     labels = [observer.label for observer in spec.observers]
     observed = bool(labels)
     estimated = any(column.startswith(f"{label}.theta.") for column in columns for label in labels)
-    offered = [("faults", "theta" in kinds and (estimated or bool(spec.faults))), ("states", "x" in kinds), ("outputs", "y" in kinds),
-               ("residuals", observed and "y" in kinds), ("errors", observed), ("inputs", bool(kinds & {"u", "signal"})),
-               ("excitation", bool(_excitation_columns(columns, labels)))]
+    offered = [
+        ("faults", "theta" in kinds and (estimated or bool(spec.faults))),
+        ("states", "x" in kinds),
+        ("outputs", "y" in kinds),
+        ("residuals", observed and "y" in kinds),
+        ("errors", observed),
+        ("inputs", bool(kinds & {"u", "signal"})),
+        ("excitation", bool(_excitation_columns(columns, labels))),
+    ]
     return [(name, TITLES[name]) for name, possible in offered if possible]
 
 
@@ -38,17 +48,35 @@ def _compare(scene: Scene, kind: str) -> list[Strip]:
         edges = {at for interval in shade for at in interval}
         marks = [at for at in scene.changes() if at not in edges]
         lines = [*scene.estimates(kind, item.name), scene.truth(kind, item.name)]
-        strips.append(Strip(scene.time, symbol(item.name), scene.caption(kind, item.name), lines, shade=shade, marks=marks))
+        strips.append(
+            Strip(scene.time, symbol(item.name), scene.caption(kind, item.name), lines, shade=shade, marks=marks)
+        )
     return strips
 
 
 def _outputs(scene: Scene) -> list[Strip]:
     strips = []
     for item in scene.plant.outputs:
-        measured = Line(scene.values(f"y.{item.name}"), f"{symbol(item.name)} measured", scene.theme.soft, "measured",
-                        width=1.0, final=True, framing=True, layer=-len(scene.labels))
-        strips.append(Strip(scene.time, symbol(item.name), scene.caption("y", item.name), [measured, *scene.estimates("y", item.name)],
-                            shade=scene.intervals("y", item.name), marks=scene.changes()))
+        measured = Line(
+            scene.values(f"y.{item.name}"),
+            f"{symbol(item.name)} measured",
+            scene.theme.soft,
+            "measured",
+            width=1.0,
+            final=True,
+            framing=True,
+            layer=-len(scene.labels),
+        )
+        strips.append(
+            Strip(
+                scene.time,
+                symbol(item.name),
+                scene.caption("y", item.name),
+                [measured, *scene.estimates("y", item.name)],
+                shade=scene.intervals("y", item.name),
+                marks=scene.changes(),
+            )
+        )
     return strips
 
 
@@ -56,11 +84,21 @@ def _residuals(scene: Scene) -> list[Strip]:
     strips = []
     for item in scene.plant.outputs:
         y, sign = scene.values(f"y.{item.name}"), f"{symbol(item.name)} − {symbol(item.name, HAT)}"
-        lines = [Line(_difference(y, line.y), f"{sign} {line.legend}", line.colour, line.legend, layer=line.layer)
-                 for line in scene.estimates("y", item.name)]
+        lines = [
+            Line(_difference(y, line.y), f"{sign} {line.legend}", line.colour, line.legend, layer=line.layer)
+            for line in scene.estimates("y", item.name)
+        ]
         if lines:
-            strips.append(Strip(scene.time, sign, scene.caption("y", item.name, "residual"), lines, marks=scene.changes(),
-                                shade=scene.intervals("y", item.name)))
+            strips.append(
+                Strip(
+                    scene.time,
+                    sign,
+                    scene.caption("y", item.name, "residual"),
+                    lines,
+                    marks=scene.changes(),
+                    shade=scene.intervals("y", item.name),
+                )
+            )
     return strips
 
 
@@ -75,11 +113,28 @@ def _errors(scene: Scene) -> list[Strip]:
     for kind, items in (("theta", scene.plant.channels), ("x", scene.plant.states)):
         for item in items:
             truth, sign = scene.values(f"{kind}.{item.name}"), f"|{symbol(item.name, TILDE)}|"
-            lines = [Line(np.abs(_difference(line.y, truth)), f"{sign} {line.legend}", line.colour, line.legend, layer=line.layer)
-                     for line in scene.estimates(kind, item.name)]
+            lines = [
+                Line(
+                    np.abs(_difference(line.y, truth)),
+                    f"{sign} {line.legend}",
+                    line.colour,
+                    line.legend,
+                    layer=line.layer,
+                )
+                for line in scene.estimates(kind, item.name)
+            ]
             if lines:
-                strips.append(Strip(scene.time, sign, scene.caption(kind, item.name), lines, log=True, marks=scene.changes(),
-                                    shade=scene.intervals(kind, item.name)))
+                strips.append(
+                    Strip(
+                        scene.time,
+                        sign,
+                        scene.caption(kind, item.name),
+                        lines,
+                        log=True,
+                        marks=scene.changes(),
+                        shade=scene.intervals(kind, item.name),
+                    )
+                )
     return strips
 
 
@@ -98,13 +153,29 @@ def _excitation(scene: Scene) -> list[Strip]:
     limits: dict[str, float] = {}
     for label, name in _excitation_columns(scene.result.names, scene.labels):
         strips.setdefault(name, []).append(
-            Line(scene.values(f"{label}.{name}"), f"{escape(name)} {escape(label)}", scene.colour(label), scene.legend(label),
-                 layer=-scene.labels.index(label)))
+            Line(
+                scene.values(f"{label}.{name}"),
+                f"{escape(name)} {escape(label)}",
+                scene.colour(label),
+                scene.legend(label),
+                layer=-scene.labels.index(label),
+            )
+        )
         for check in (check for r in scene.result.observers if r.label == label for check in r.checks):
             if "excitation" in check.name.lower() and check.threshold and check.threshold > 0:
                 limits[name] = max(check.threshold, limits.get(name, 0.0))
-    return [Strip(scene.time, "<i>λ</i><sub>min</sub>" if name in EXCITATION else wrap(name, 12), "excitation", lines,
-                  log=_wide(lines), marks=scene.changes(), limit=limits.get(name)) for name, lines in strips.items()]
+    return [
+        Strip(
+            scene.time,
+            "<i>λ</i><sub>min</sub>" if name in EXCITATION else wrap(name, 12),
+            "excitation",
+            lines,
+            log=_wide(lines),
+            marks=scene.changes(),
+            limit=limits.get(name),
+        )
+        for name, lines in strips.items()
+    ]
 
 
 def _wide(lines: Sequence[Line]) -> bool:
@@ -114,8 +185,12 @@ def _wide(lines: Sequence[Line]) -> bool:
 
 
 TITLES = {
-    "faults": "Faults and their estimates", "states": "States and their estimates", "outputs": "Outputs",
-    "residuals": "Output residuals", "errors": "Estimation errors", "inputs": "Inputs and known signals",
+    "faults": "Faults and their estimates",
+    "states": "States and their estimates",
+    "outputs": "Outputs",
+    "residuals": "Output residuals",
+    "errors": "Estimation errors",
+    "inputs": "Inputs and known signals",
     "excitation": "Excitation",
 }
 _CAPTIONS = {
@@ -128,8 +203,13 @@ _CAPTIONS = {
     "excitation": "Smallest eigenvalue of the excitation Gramian; below the dashed limit faults cannot be told apart.",
 }
 _BUILD: dict[str, Callable[[Scene], list[Strip]]] = {
-    "faults": lambda scene: _compare(scene, "theta"), "states": lambda scene: _compare(scene, "x"), "outputs": _outputs,
-    "residuals": _residuals, "errors": _errors, "inputs": _inputs, "excitation": _excitation,
+    "faults": lambda scene: _compare(scene, "theta"),
+    "states": lambda scene: _compare(scene, "x"),
+    "outputs": _outputs,
+    "residuals": _residuals,
+    "errors": _errors,
+    "inputs": _inputs,
+    "excitation": _excitation,
 }
 
 

@@ -8,20 +8,80 @@ import html
 import re
 
 GREEK = {
-    "alpha": "α", "beta": "β", "gamma": "γ", "delta": "δ", "epsilon": "ε", "zeta": "ζ", "eta": "η", "theta": "θ",
-    "iota": "ι", "kappa": "κ", "lambda": "λ", "mu": "μ", "nu": "ν", "xi": "ξ", "pi": "π", "rho": "ρ", "sigma": "σ",
-    "tau": "τ", "upsilon": "υ", "phi": "φ", "chi": "χ", "psi": "ψ", "omega": "ω", "Gamma": "Γ", "Delta": "Δ",
-    "Theta": "Θ", "Lambda": "Λ", "Xi": "Ξ", "Pi": "Π", "Sigma": "Σ", "Upsilon": "Υ", "Phi": "Φ", "Psi": "Ψ",
+    "alpha": "α",
+    "beta": "β",
+    "gamma": "γ",
+    "delta": "δ",
+    "epsilon": "ε",
+    "zeta": "ζ",
+    "eta": "η",
+    "theta": "θ",
+    "iota": "ι",
+    "kappa": "κ",
+    "lambda": "λ",
+    "mu": "μ",
+    "nu": "ν",
+    "xi": "ξ",
+    "pi": "π",
+    "rho": "ρ",
+    "sigma": "σ",
+    "tau": "τ",
+    "upsilon": "υ",
+    "phi": "φ",
+    "chi": "χ",
+    "psi": "ψ",
+    "omega": "ω",
+    "Gamma": "Γ",
+    "Delta": "Δ",
+    "Theta": "Θ",
+    "Lambda": "Λ",
+    "Xi": "Ξ",
+    "Pi": "Π",
+    "Sigma": "Σ",
+    "Upsilon": "Υ",
+    "Phi": "Φ",
+    "Psi": "Ψ",
     "Omega": "Ω",
-}  # fmt: skip
+}
 HAT, TILDE = "\u0302", "\u0303"
 _INDEXED = re.compile(r"([A-Za-z]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?)\Z")
 _UNDERSCORED = re.compile(r"([A-Za-z]|" + "|".join(GREEK) + r")_([A-Za-z0-9]+)\Z")
 _TOKEN = re.compile(
     r"(?P<name>[^\W\d]\w*)|(?P<power>\s*(?:\*\*|\^)\s*(?P<exponent>\d+(?:\.\d+)?|[^\W\d]\w*(?!\s*\()))|(?P<times>\s*\*\s*)"
-    r"|(?P<number>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)|(?P<other>.)", re.DOTALL)
-_UPRIGHT = {"sin", "cos", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "exp", "log", "ln", "sqrt",
-            "sign", "sgn", "abs", "Abs", "min", "max", "Min", "Max", "floor", "clip", "where", "if", "else", "and", "or"}
+    r"|(?P<number>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)|(?P<other>.)",
+    re.DOTALL,
+)
+_UPRIGHT = {
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "atan2",
+    "sinh",
+    "cosh",
+    "tanh",
+    "exp",
+    "log",
+    "ln",
+    "sqrt",
+    "sign",
+    "sgn",
+    "abs",
+    "Abs",
+    "min",
+    "max",
+    "Min",
+    "Max",
+    "floor",
+    "clip",
+    "where",
+    "if",
+    "else",
+    "and",
+    "or",
+}
 
 
 def escape(text: object) -> str:
@@ -45,7 +105,9 @@ def symbol(name: str, accent: str = "") -> str:
     return f"<i>{escape(letter.replace('_', ' '))}{accent}</i>{subscript}"
 
 
-_SYMBOL = re.compile(r"(?<![\w.&;])(?:([A-Za-zα-ωΑ-Ω][\u0302\u0303\u0307]?)(\d{1,2})|(" + "|".join(GREEK) + r")_?(\d{0,2}))(?![\w.;])")
+_SYMBOL = re.compile(
+    r"(?<![\w.&;])(?:([A-Za-zα-ωΑ-Ω][\u0302\u0303\u0307]?)(\d{1,2})|(" + "|".join(GREEK) + r")_?(\d{0,2}))(?![\w.;])"
+)
 
 
 def mathematical(html_text: str) -> str:
@@ -77,7 +139,9 @@ def expression(text: str) -> str:
 
 def _close(token: str) -> bool:
     """Whether a factor may stand beside another without a dot: a number, a bracket, or a name of one letter."""
-    return token in "()" or token[:1].isdigit() or len(GREEK.get(token, token)) == 1 or _INDEXED.match(token) is not None
+    return (
+        token in "()" or token[:1].isdigit() or len(GREEK.get(token, token)) == 1 or _INDEXED.match(token) is not None
+    )
 
 
 def wrap(text: str, width: int = 14, lines: int = 3) -> str:
@@ -89,5 +153,5 @@ def wrap(text: str, width: int = 14, lines: int = 3) -> str:
         else:
             rows.append(word if len(word) <= width + 3 else word[:width] + "…")
     if len(rows) > lines:
-        rows = [*rows[:lines - 1], rows[lines - 1].rstrip(",;") + " …"]
+        rows = [*rows[: lines - 1], rows[lines - 1].rstrip(",;") + " …"]
     return "<br>".join(escape(row) for row in rows)

@@ -23,8 +23,12 @@ def narrow(layout: dict, strips: Sequence, theme: style.Theme, entries: Iterable
     heights = [old * (layout[axis]["domain"][1] - layout[axis]["domain"][0]) for axis in axes]
     gap = GAP if shared else GAP + BOTTOM
     total, top = sum(heights) + gap * (len(heights) - 1), TOP + LEGEND_LINE * _legend_lines(entries)
-    patch: dict = {"height": round(total + top + BOTTOM), "margin": {"l": LEFT, "r": RIGHT, "t": top, "b": BOTTOM},
-                   "dragmode": False, "annotations": []}  # a finger on the figure scrolls the page
+    patch: dict = {
+        "height": round(total + top + BOTTOM),
+        "margin": {"l": LEFT, "r": RIGHT, "t": top, "b": BOTTOM},
+        "dragmode": False,
+        "annotations": [],
+    }  # a finger on the figure scrolls the page
     above = total
     for axis, strip, height in zip(axes, strips, heights, strict=True):
         patch[f"{axis}.domain"] = [(above - height) / total, above / total]
@@ -49,14 +53,29 @@ def _line_above(strip, theme: style.Theme, y: float) -> list[dict]:
     """Symbol and first words on the left, the last values on the right, on one line above the strip."""
     place = {"xref": "paper", "yref": "paper", "y": y, "yanchor": "bottom", "yshift": 1, "showarrow": False}
     words = strip.caption.replace("<br>", " ") if len(strip.caption) < 40 else strip.caption.split("<br>")[0]
-    text = f"<span style=\"font-family:serif;font-size:15px;color:{theme.ink}\">{strip.symbol}</span>  {words}"
-    name = place | {"name": "symbol", "text": text, "x": 0, "xanchor": "left", "xshift": -2, "borderpad": 0,
-                    "font": {"family": style.UI, "size": 11, "color": theme.soft}}
+    text = f'<span style="font-family:serif;font-size:15px;color:{theme.ink}">{strip.symbol}</span>  {words}'
+    name = place | {
+        "name": "symbol",
+        "text": text,
+        "x": 0,
+        "xanchor": "left",
+        "xshift": -2,
+        "borderpad": 0,
+        "font": {"family": style.UI, "size": 11, "color": theme.soft},
+    }
     finals = sorted((line for line in strip.lines if line.final), key=lambda line: not line.framing)
     if not 0 < len(finals) <= NUMBERS:
         return [name]
     form = style.decimals([line.y[-1] for line in finals])
-    numbers = "  ".join(f"<span style=\"color:{line.colour}\">{style.aligned(line.y[-1], form)}</span>" for line in finals)
-    right = {"name": "final", "text": numbers, "x": 1, "xanchor": "right", "yshift": 2,
-             "font": {"family": style.NUMBERS, "size": 10, "color": theme.ink}}
+    numbers = "  ".join(
+        f'<span style="color:{line.colour}">{style.aligned(line.y[-1], form)}</span>' for line in finals
+    )
+    right = {
+        "name": "final",
+        "text": numbers,
+        "x": 1,
+        "xanchor": "right",
+        "yshift": 2,
+        "font": {"family": style.NUMBERS, "size": 10, "color": theme.ink},
+    }
     return [name, place | right]

@@ -27,8 +27,10 @@ def build(scene: Scene, declared) -> dict:
     if not panels:
         raise KeyError(declared.name)
     axes: dict[tuple[str, str], Abscissa] = {}
-    strips = [_strip(scene, panel, axes.setdefault((panel.x, panel.x_title), _abscissa(scene, panel)), len(panels))
-              for panel in panels]
+    strips = [
+        _strip(scene, panel, axes.setdefault((panel.x, panel.x_title), _abscissa(scene, panel)), len(panels))
+        for panel in panels
+    ]
     return stack(declared.title or declared.name, declared.caption, strips, scene.theme)
 
 
@@ -41,10 +43,15 @@ def _traces(panel, columns) -> list:
 
 def _abscissa(scene: Scene, panel) -> Abscissa:
     if panel.x == "t":
-        return Abscissa(scene.t, mathematical(escape(panel.x_title)) or scene.time.title) if panel.x_title else scene.time
+        return (
+            Abscissa(scene.t, mathematical(escape(panel.x_title)) or scene.time.title) if panel.x_title else scene.time
+        )
     unit = scene.unit(*scene.split(panel.x)[1:])
-    return Abscissa(scene.values(panel.x), mathematical(escape(panel.x_title)) or scene.symbol(panel.x) + (f" ({escape(unit)})" if unit else ""),
-                    is_time=False)
+    return Abscissa(
+        scene.values(panel.x),
+        mathematical(escape(panel.x_title)) or scene.symbol(panel.x) + (f" ({escape(unit)})" if unit else ""),
+        is_time=False,
+    )
 
 
 def _strip(scene: Scene, panel, x: Abscissa, count: int) -> Strip:
@@ -96,17 +103,36 @@ def _line(scene: Scene, log: bool, traces: Sequence, place: int) -> Line:
     if label is None:
         truth = kind in ("x", "theta") and any(scene.split(other.column)[0] for other in traces)
         dash = "dash" if truth and trace.style == "solid" else trace.style
-        text = mathematical(escape(trace.label)) or ("truth" if truth else "measured" if kind == "y" else _name(scene, trace))
+        text = mathematical(escape(trace.label)) or (
+            "truth" if truth else "measured" if kind == "y" else _name(scene, trace)
+        )
         colour = scene.theme.soft if kind == "y" else scene.theme.ink
-        return Line(y, _name(scene, trace) + f" {text}" * truth, colour, text, dash, final=plain, framing=kind != "y",
-                    layer=1 if truth else -99 if kind == "y" else 0)
-    dashed = any(scene.split(other.column)[0] is None and not other.minus for other in traces)  # the truth stands beside it
+        return Line(
+            y,
+            _name(scene, trace) + f" {text}" * truth,
+            colour,
+            text,
+            dash,
+            final=plain,
+            framing=kind != "y",
+            layer=1 if truth else -99 if kind == "y" else 0,
+        )
+    dashed = any(
+        scene.split(other.column)[0] is None and not other.minus for other in traces
+    )  # the truth stands beside it
     dash = "solid" if dashed and trace.style == "dash" else trace.style
     same = [other for other in traces if label in (scene.split(other.column)[0], scene.split(other.minus or "t")[0])]
     colour = mix(scene.colour(label), scene.theme.ink, min(0.35 * same.index(trace), 0.7))
     legend = scene.legend(label) if len(same) == 1 else f"{_name(scene, trace)} {scene.legend(label)}"
-    return Line(y, f"{_name(scene, trace)} {escape(label)}", colour, mathematical(escape(trace.label)) or legend, dash, final=plain,
-                layer=-scene.labels.index(label))
+    return Line(
+        y,
+        f"{_name(scene, trace)} {escape(label)}",
+        colour,
+        mathematical(escape(trace.label)) or legend,
+        dash,
+        final=plain,
+        layer=-scene.labels.index(label),
+    )
 
 
 def _name(scene: Scene, trace) -> str:

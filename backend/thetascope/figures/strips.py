@@ -64,7 +64,12 @@ def stack(title: str, caption: str, strips: Sequence[Strip], theme: style.Theme)
     shared = all(strip.x is strips[0].x for strip in strips)
     heights, gap = [_height(strip, len(strips)) for strip in strips], GAP if shared else GAP + BOTTOM
     total = sum(heights) + gap * (len(heights) - 1)
-    margin = {"l": LEFT, "r": RIGHT if any(line.final for s in strips for line in s.lines) else 22, "t": TOP, "b": BOTTOM}
+    margin = {
+        "l": LEFT,
+        "r": RIGHT if any(line.final for s in strips for line in s.lines) else 22,
+        "t": TOP,
+        "b": BOTTOM,
+    }
     layout = style.base_layout(theme, total + TOP + BOTTOM, margin)
     layout |= {"meta": {"title": title, "caption": caption}, "annotations": [], "shapes": []}
     data, seen, top = [], {}, total
@@ -79,7 +84,9 @@ def stack(title: str, caption: str, strips: Sequence[Strip], theme: style.Theme)
         layout["shapes"] += _shading(strip, theme, x, y)
         first = {line.legend: line for line in reversed(strip.lines) if line.legend not in seen}
         seen |= first
-        for rank, (line, (xs, ys)) in sorted(enumerate(zip(strip.lines, points, strict=True)), key=lambda e: e[1][0].layer):
+        for rank, (line, (xs, ys)) in sorted(
+            enumerate(zip(strip.lines, points, strict=True)), key=lambda e: e[1][0].layer
+        ):
             data.append(_trace(line, xs, ys, x, y, line is first.get(line.legend)) | {"legendrank": 100 * place + rank})
         top -= height + gap
     if shared and strips[0].x.is_time:
@@ -111,8 +118,15 @@ def _points(strip: Strip, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _trace(line: Line, x: np.ndarray, y: np.ndarray, x_axis: str, y_axis: str, first: bool) -> dict:
     return {
-        "type": "scatter", "mode": "lines", "x": decimation.typed(x), "y": decimation.typed(y), "xaxis": x_axis, "yaxis": y_axis,
-        "name": line.legend or line.name, "legendgroup": line.legend, "showlegend": bool(line.legend) and first,
+        "type": "scatter",
+        "mode": "lines",
+        "x": decimation.typed(x),
+        "y": decimation.typed(y),
+        "xaxis": x_axis,
+        "yaxis": y_axis,
+        "name": line.legend or line.name,
+        "legendgroup": line.legend,
+        "showlegend": bool(line.legend) and first,
         "line": {"color": line.colour, "width": line.width, "dash": style.DASHES[line.dash]},
         "hovertemplate": line.name.replace("%{", "%&#123;") + "  %{y:.4~g}<extra></extra>",
     }
@@ -168,21 +182,46 @@ def _x_axis(x: Abscissa, theme: style.Theme, anchor: str) -> dict:
     axis = style.axis(theme, anchor=anchor, title=title, nticks=11, hoverformat=".6~g")
     axis["mirror"] = "all"
     if x.is_time:
-        axis |= {"range": [float(x.values[0]), float(x.values[-1])], "unifiedhovertitle": {"text": "%{x:.6~g} s"},
-                 "showspikes": True, "spikemode": "across", "spikethickness": 1, "spikedash": "solid",
-                 "spikecolor": theme.soft, "spikesnap": "cursor"}
+        axis |= {
+            "range": [float(x.values[0]), float(x.values[-1])],
+            "unifiedhovertitle": {"text": "%{x:.6~g} s"},
+            "showspikes": True,
+            "spikemode": "across",
+            "spikethickness": 1,
+            "spikedash": "solid",
+            "spikecolor": theme.soft,
+            "spikesnap": "cursor",
+        }
     return axis
 
 
 def _labels(strip: Strip, theme: style.Theme, domain: tuple[float, float]) -> list[dict]:
     """The symbol and, under it, the caption, left of the strip; a narrow page moves them by their names."""
     middle = (domain[0] + domain[1]) / 2
-    place = {"xref": "paper", "yref": "paper", "x": 0, "y": middle, "xanchor": "left", "xshift": 6 - LEFT, "align": "left",
-             "showarrow": False}
-    symbol = place | {"name": "symbol", "text": strip.symbol, "yanchor": "bottom", "yshift": -3,
-                      "font": {"family": style.MATH, "size": 17, "color": theme.ink}}
-    caption = place | {"name": "caption", "text": strip.caption, "yanchor": "top", "yshift": -4,
-                       "font": {"family": style.UI, "size": 10.5, "color": theme.soft}}
+    place = {
+        "xref": "paper",
+        "yref": "paper",
+        "x": 0,
+        "y": middle,
+        "xanchor": "left",
+        "xshift": 6 - LEFT,
+        "align": "left",
+        "showarrow": False,
+    }
+    symbol = place | {
+        "name": "symbol",
+        "text": strip.symbol,
+        "yanchor": "bottom",
+        "yshift": -3,
+        "font": {"family": style.MATH, "size": 17, "color": theme.ink},
+    }
+    caption = place | {
+        "name": "caption",
+        "text": strip.caption,
+        "yanchor": "top",
+        "yshift": -4,
+        "font": {"family": style.UI, "size": 10.5, "color": theme.soft},
+    }
     return [symbol, caption] if strip.caption else [symbol]
 
 
@@ -192,22 +231,49 @@ def _finals(strip: Strip, theme: style.Theme, domain: tuple[float, float]) -> li
     lines.sort(key=lambda line: not line.framing)  # the truth first
     values = [float(line.y[-1]) for line in lines]
     form, middle = style.decimals(values), (domain[0] + domain[1]) / 2
-    return [{"name": "final", "xref": "paper", "yref": "paper", "x": 1, "y": middle, "xanchor": "left", "yanchor": "middle",
-             "xshift": 7, "yshift": 7.5 * (len(lines) - 1) - 15 * place, "showarrow": False,
-             "text": style.aligned(value, form),
-             "font": {"family": style.NUMBERS, "size": 11, "color": line.colour}}
-            for place, (line, value) in enumerate(zip(lines, values, strict=True))]
+    return [
+        {
+            "name": "final",
+            "xref": "paper",
+            "yref": "paper",
+            "x": 1,
+            "y": middle,
+            "xanchor": "left",
+            "yanchor": "middle",
+            "xshift": 7,
+            "yshift": 7.5 * (len(lines) - 1) - 15 * place,
+            "showarrow": False,
+            "text": style.aligned(value, form),
+            "font": {"family": style.NUMBERS, "size": 11, "color": line.colour},
+        }
+        for place, (line, value) in enumerate(zip(lines, values, strict=True))
+    ]
 
 
 def _shading(strip: Strip, theme: style.Theme, x: str, y: str) -> list[dict]:
     """Amber behind the strip while its own fault acts; a dotted hairline where another fault begins or ends; the limit."""
     whole = {"yref": f"{y} domain", "y0": 0, "y1": 1, "xref": x, "layer": "below"}
-    shapes = [whole | {"type": "rect", "x0": start, "x1": end, "fillcolor": theme.fault, "line": {"width": 0}}
-              for start, end in strip.shade]
-    shapes += [whole | {"type": "line", "x0": at, "x1": at, "line": {"color": theme.fault_line, "width": 1, "dash": "1px,3px"}}
-               for at in strip.marks]
+    shapes = [
+        whole | {"type": "rect", "x0": start, "x1": end, "fillcolor": theme.fault, "line": {"width": 0}}
+        for start, end in strip.shade
+    ]
+    shapes += [
+        whole | {"type": "line", "x0": at, "x1": at, "line": {"color": theme.fault_line, "width": 1, "dash": "1px,3px"}}
+        for at in strip.marks
+    ]
     if strip.limit is not None:
         line = {"color": theme.alarm, "width": 1, "dash": "3px,4px"}
-        shapes.append({"type": "line", "layer": "below", "xref": f"{x} domain", "x0": 0, "x1": 1, "yref": y,
-                       "y0": strip.limit, "y1": strip.limit, "line": line})
+        shapes.append(
+            {
+                "type": "line",
+                "layer": "below",
+                "xref": f"{x} domain",
+                "x0": 0,
+                "x1": 1,
+                "yref": y,
+                "y0": strip.limit,
+                "y1": strip.limit,
+                "line": line,
+            }
+        )
     return shapes

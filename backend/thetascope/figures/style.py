@@ -30,10 +30,28 @@ class Theme:
 
 
 THEMES = {
-    "light": Theme("#ffffff", "#1b1f24", "#626b76", "#e3e0d8", "#eeece6", "rgba(230,159,0,0.15)", "#b87900", "#c2410c",
-                   ("#0072b2", "#d55e00", "#009e73", "#b0508f", "#3aa0dc", "#8a7a00")),
-    "dark": Theme("#151a20", "#e9e7e2", "#96a0ab", "#262d35", "#1d232a", "rgba(230,159,0,0.13)", "#e0a63a", "#fb7a3c",
-                  ("#56b4e9", "#f08a4b", "#2fc08f", "#d98cbf", "#3f8fd0", "#e3d648")),
+    "light": Theme(
+        "#ffffff",
+        "#1b1f24",
+        "#626b76",
+        "#e3e0d8",
+        "#eeece6",
+        "rgba(230,159,0,0.15)",
+        "#b87900",
+        "#c2410c",
+        ("#0072b2", "#d55e00", "#009e73", "#b0508f", "#3aa0dc", "#8a7a00"),
+    ),
+    "dark": Theme(
+        "#151a20",
+        "#e9e7e2",
+        "#96a0ab",
+        "#262d35",
+        "#1d232a",
+        "rgba(230,159,0,0.13)",
+        "#e0a63a",
+        "#fb7a3c",
+        ("#56b4e9", "#f08a4b", "#2fc08f", "#d98cbf", "#3f8fd0", "#e3d648"),
+    ),
 }
 DASHES = {"solid": "solid", "dash": "5px,3px", "dot": "1.5px,3px"}
 
@@ -52,30 +70,59 @@ def observer_colour(theme: Theme, place: int) -> str:
 
 def mix(colour: str, other: str, share: float) -> str:
     """`colour` moved towards `other` (both #rrggbb) by `share` 0…1: a second quantity of the same observer."""
-    a, b = (tuple(int(c[i:i + 2], 16) for i in (1, 3, 5)) for c in (colour, other))
+    a, b = (tuple(int(c[i : i + 2], 16) for i in (1, 3, 5)) for c in (colour, other))
     return "#" + "".join(f"{round(x + (y - x) * share):02x}" for x, y in zip(a, b, strict=True))
 
 
 def base_layout(theme: Theme, height: int, margin: dict) -> dict:
     """What every figure's layout has in common."""
     return {
-        "height": height, "margin": margin, "autosize": True,
-        "paper_bgcolor": theme.card, "plot_bgcolor": theme.card,
+        "height": height,
+        "margin": margin,
+        "autosize": True,
+        "paper_bgcolor": theme.card,
+        "plot_bgcolor": theme.card,
         "font": {"family": UI, "size": 12, "color": theme.soft},
-        "hovermode": "closest", "hoverdistance": 40, "dragmode": "zoom",
-        "hoverlabel": {"bgcolor": theme.card, "bordercolor": theme.line,
-                       "font": {"family": UI, "size": 12, "color": theme.ink}},
-        "legend": {"orientation": "h", "x": 0, "xanchor": "left", "y": 1, "yanchor": "top", "yref": "container",
-                   "bgcolor": "rgba(0,0,0,0)", "font": {"size": 12, "color": theme.ink}, "itemwidth": 30, "tracegroupgap": 0},
+        "hovermode": "closest",
+        "hoverdistance": 40,
+        "dragmode": "zoom",
+        "hoverlabel": {
+            "bgcolor": theme.card,
+            "bordercolor": theme.line,
+            "font": {"family": UI, "size": 12, "color": theme.ink},
+        },
+        "legend": {
+            "orientation": "h",
+            "x": 0,
+            "xanchor": "left",
+            "y": 1,
+            "yanchor": "top",
+            "yref": "container",
+            "bgcolor": "rgba(0,0,0,0)",
+            "font": {"size": 12, "color": theme.ink},
+            "itemwidth": 30,
+            "tracegroupgap": 0,
+        },
         "modebar": {"bgcolor": "rgba(0,0,0,0)", "color": theme.soft, "activecolor": theme.ink},
     }
 
 
 def axis(theme: Theme, **more) -> dict:
     """One axis: a hairline frame, quiet numbers, powers of ten written as such."""
-    return {"showline": True, "linecolor": theme.line, "linewidth": 1, "mirror": True, "zeroline": False, "ticks": "",
-            "gridcolor": theme.grid, "gridwidth": 1, "exponentformat": "power", "minexponent": 4,
-            "tickfont": {"family": NUMBERS, "size": 10, "color": theme.soft}, **more}
+    return {
+        "showline": True,
+        "linecolor": theme.line,
+        "linewidth": 1,
+        "mirror": True,
+        "zeroline": False,
+        "ticks": "",
+        "gridcolor": theme.grid,
+        "gridwidth": 1,
+        "exponentformat": "power",
+        "minexponent": 4,
+        "tickfont": {"family": NUMBERS, "size": 10, "color": theme.soft},
+        **more,
+    }
 
 
 def decimals(values: Sequence[float]) -> str:

@@ -72,5 +72,9 @@ def _one(what: str, id: str):
     if id in names:
         return _read(f"{what}s", id)
     near = get_close_matches(str(id), names, n=3, cutoff=0.4)
-    raise SpecError(what, id, f"the library has no {what} of that id",
-                    f"did you mean {' or '.join(near)}?" if near else f"choose from {', '.join(names)}")  # fmt: skip
+    raise SpecError(
+        what,
+        id,
+        f"the library has no {what} of that id",
+        f"did you mean {' or '.join(near)}?" if near else f"choose from {', '.join(names)}",
+    )

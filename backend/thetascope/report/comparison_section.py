@@ -14,8 +14,13 @@ _FEW = 8  # windows: with more of them, peaks would make the table too wide to r
 
 def comparison(scene: Scene, compared: Comparison, summary: Mapping[str, dict]) -> str:
     """All tables: at a glance, each fault, errors by window, estimates at the end, settling."""
-    parts = [_glance(scene, compared), _faults(scene, compared.rows), _windows(scene, compared), _final(scene, summary),
-             _settling(scene, compared.rows, summary)]
+    parts = [
+        _glance(scene, compared),
+        _faults(scene, compared.rows),
+        _windows(scene, compared),
+        _final(scene, summary),
+        _settling(scene, compared.rows, summary),
+    ]
     return "".join(parts)
 
 
@@ -25,7 +30,9 @@ def marked(values: Sequence[float | None], texts: Sequence[str]) -> list[str]:
     return [f"<b class=best>{text}</b>" if place in winners else text for place, text in enumerate(texts)]
 
 
-def _columns(rows: Sequence[Row], columns: Sequence[tuple[str, Sequence[float | None], Sequence[str]]], scene: Scene) -> str:
+def _columns(
+    rows: Sequence[Row], columns: Sequence[tuple[str, Sequence[float | None], Sequence[str]]], scene: Scene
+) -> str:
     """A table with a line an observer, of columns (head, values to be compared, texts)."""
     cells = [marked(values, texts) for _, values, texts in columns]
     lines = [[chip(scene, row.label), *line] for row, line in zip(rows, zip(*cells, strict=True), strict=True)]
@@ -36,13 +43,20 @@ def _glance(scene: Scene, compared: Comparison) -> str:
     rows, columns = compared.rows, []
     if any(row.verdicts is not None for row in rows):
         known = [row.count(FOUND) for row in rows]
-        texts = ["–" if row.verdicts is None else f"{row.count(FOUND)} of {len(row.verdicts) - row.count(COVERED)}" for row in rows]
+        texts = [
+            "–" if row.verdicts is None else f"{row.count(FOUND)} of {len(row.verdicts) - row.count(COVERED)}"
+            for row in rows
+        ]
         columns.append(("faults found", [None if n is None else -n for n in known], texts))
         if any(row.count(COVERED) for row in rows):
-            columns.append(("named before they began", [None] * len(rows), [_count(row.count(COVERED)) for row in rows]))
-        for head, counts in (("faults missed", [row.count(MISSED) for row in rows]),
-                             ("alarms without a fault", [row.false_alarms for row in rows]),
-                             ("alarms naming a wrong fault", [row.isolation_errors for row in rows])):
+            columns.append(
+                ("named before they began", [None] * len(rows), [_count(row.count(COVERED)) for row in rows])
+            )
+        for head, counts in (
+            ("faults missed", [row.count(MISSED) for row in rows]),
+            ("alarms without a fault", [row.false_alarms for row in rows]),
+            ("alarms naming a wrong fault", [row.isolation_errors for row in rows]),
+        ):
             columns.append((head, counts, [_count(n) for n in counts]))
         delays = [row.delay for row in rows]
         columns.append(("median delay (s)", delays, [_seconds(d) for d in delays]))
@@ -59,11 +73,16 @@ def _legend(rows: Sequence[Row]) -> str:
     text = "The best value, and what is within 1 % of it, is bold. " if len(rows) > 1 else ""
     if any(row.verdicts is not None for row in rows):
         grace = ", ".join(dict.fromkeys(number(row.grace, 3) for row in rows if row.verdicts is not None))
-        text += (f"An alarm within {grace} s after a fault is not counted as one without a fault: the estimates are coming "
-                 "back. ")
+        text += (
+            f"An alarm within {grace} s after a fault is not counted as one without a fault: the estimates are coming "
+            "back. "
+        )
     if len(rows) > 1:
         text += "Smallest error: how often an observer has the smallest RMSE of a quantity in a window. "
-    return text + "Computing time is the processor's, for a second of the simulation; it was measured and differs each time."
+    return (
+        text
+        + "Computing time is the processor's, for a second of the simulation; it was measured and differs each time."
+    )
 
 
 def _wins(rows: Sequence[Row]) -> tuple[Counter, int]:
@@ -100,11 +119,16 @@ def _faults(scene: Scene, rows: Sequence[Row]) -> str:
     lines = []
     for verdicts in zip(*(row.verdicts for row in rows), strict=True):
         fault = verdicts[0]
-        texts = [(_seconds(v.delay) if v.outcome == FOUND else _OUTCOMES[v.outcome])
-                 + (" <span class=soft>or another</span>" if v.alternative else "") for v in verdicts]
+        texts = [
+            (_seconds(v.delay) if v.outcome == FOUND else _OUTCOMES[v.outcome])
+            + (" <span class=soft>or another</span>" if v.alternative else "")
+            for v in verdicts
+        ]
         lines.append([symbol(fault.name), number(fault.onset, 6), *marked([v.delay for v in verdicts], texts)])
-    return (table(["fault in", "began at (s)", *(chip(scene, row.label) for row in rows)], lines, len(rows) + 1)
-            + "<p class=soft>Seconds until an alarm named it; <i>or another</i>: the alarm left more than one fault open.</p>")
+    return (
+        table(["fault in", "began at (s)", *(chip(scene, row.label) for row in rows)], lines, len(rows) + 1)
+        + "<p class=soft>Seconds until an alarm named it; <i>or another</i>: the alarm left more than one fault open.</p>"
+    )
 
 
 def _windows(scene: Scene, compared: Comparison) -> str:
@@ -118,27 +142,47 @@ def _windows(scene: Scene, compared: Comparison) -> str:
             rmse = [row.rmse[name][place] for row in mine]
             tops = [row.peak[name][place] for row in mine]
             texts = marked(rmse, [number(v, 3) for v in rmse])
-            columns.append([f"{text}<br><span class=soft>{top}</span>" if peaks else text for text, top in
-                            zip(texts, marked(tops, [number(v, 3) for v in tops]), strict=True)])
+            columns.append(
+                [
+                    f"{text}<br><span class=soft>{top}</span>" if peaks else text
+                    for text, top in zip(texts, marked(tops, [number(v, 3) for v in tops]), strict=True)
+                ]
+            )
         kind, _, bare = name.partition(".")
         title = symbol(bare) + bracketed(scene.unit(kind, bare))
-        lines += [[title, chip(scene, row.label), *cells] for row, cells in zip(mine, zip(*columns, strict=True), strict=True)]
+        lines += [
+            [title, chip(scene, row.label), *cells] for row, cells in zip(mine, zip(*columns, strict=True), strict=True)
+        ]
     if not lines:
         return ""
     head = [f"{number(w.start, 6)} to {number(w.end, 6)} s" for w in spans]
     below = "; below it the largest error" if peaks else ""
-    return (table(["error of", "observer", *head], lines, len(spans))
-            + f"<p class=soft>Root mean square error between events{below}. A dash: the observer has no number in some row.</p>")
+    return (
+        table(["error of", "observer", *head], lines, len(spans))
+        + f"<p class=soft>Root mean square error between events{below}. A dash: the observer has no number in some row.</p>"
+    )
 
 
 def _final(scene: Scene, summary: Mapping[str, dict]) -> str:
-    final = [[chip(scene, label), hat(name) + bracketed(scene.unit("theta", name)), number(v["truth"]), number(v["estimate"]),
-              number(v["error"]), number(v["mean_error"]), number(v["std"])]
-             for label, entry in summary.items() for name, v in entry["theta"].items()]
+    final = [
+        [
+            chip(scene, label),
+            hat(name) + bracketed(scene.unit("theta", name)),
+            number(v["truth"]),
+            number(v["estimate"]),
+            number(v["error"]),
+            number(v["mean_error"]),
+            number(v["std"]),
+        ]
+        for label, entry in summary.items()
+        for name, v in entry["theta"].items()
+    ]
     if not final:
         return ""
-    return (table(["observer", "at the end", "true", "estimate", "error", "mean error", "scatter"], final, 5)
-            + "<p class=soft>Mean error and scatter (standard deviation) are over the last tenth of the run.</p>")
+    return (
+        table(["observer", "at the end", "true", "estimate", "error", "mean error", "scatter"], final, 5)
+        + "<p class=soft>Mean error and scatter (standard deviation) are over the last tenth of the run.</p>"
+    )
 
 
 def _settling(scene: Scene, rows: Sequence[Row], summary: Mapping[str, dict]) -> str:
@@ -151,9 +195,26 @@ def _settling(scene: Scene, rows: Sequence[Row], summary: Mapping[str, dict]) ->
         texts = zip(marked(ten, [_settled(v) for v in ten]), marked(five, [_settled(v) for v in five]), strict=True)
         for (row, step), (stays, stays_five) in zip(mine, texts, strict=True):
             reached = next(s["reached"] for s in summary[row.label]["settling"] if (s["channel"], s["at"]) == key)
-            lines.append([symbol(step.channel), chip(scene, row.label), number(step.at, 6), number(step.size),
-                          "never" if reached is None else f"{reached:.3f}", stays, stays_five])
-    head = ["step of", "observer", "at (s)", "size", "within 10 % after (s)", "stays so after (s)", "stays within 5 % after (s)"]
+            lines.append(
+                [
+                    symbol(step.channel),
+                    chip(scene, row.label),
+                    number(step.at, 6),
+                    number(step.size),
+                    "never" if reached is None else f"{reached:.3f}",
+                    stays,
+                    stays_five,
+                ]
+            )
+    head = [
+        "step of",
+        "observer",
+        "at (s)",
+        "size",
+        "within 10 % after (s)",
+        "stays so after (s)",
+        "stays within 5 % after (s)",
+    ]
     return table(head, lines, 5) if lines else ""
 
 

@@ -33,7 +33,9 @@ def plotly_script() -> Path:
     spec = find_spec("plotly")
     path = Path(spec.origin).parent / "package_data" / "plotly.min.js" if spec and spec.origin else None
     if path is None or not path.is_file():
-        raise PlotlyMissing("plotly.min.js was not found in the installed plotly package; install the pinned plotly wheel")
+        raise PlotlyMissing(
+            "plotly.min.js was not found in the installed plotly package; install the pinned plotly wheel"
+        )
     return path
 
 
@@ -78,23 +80,31 @@ def report(result, spec, plant, run_meta: Mapping[str, object]) -> str:
     found = findings(result)
     compared = compare(result, spec.faults, found)
     drawings = [_section(None, _figure(place, drawn["layout"]["meta"])) for place, drawn in enumerate(figures)]
-    parts = [_head(spec), _outcome(scene), _section("Errata of the source", _list(spec.errata)) if spec.errata else "",
-             _section("Plant", _plant(plant, spec)), _section("Faults and noise", prose.timeline(scene)),
-             _section("Diagnosis", diagnosis(scene, found) + visible(observability(spec, plant))) if found else "", *drawings,
-             _section("Comparison", comparison(scene, compared, summary)) if summary else "",
-             _section("Observers and their assumptions", observers(scene)) if summary else "",
-             _section("Reproduce", _reproduce(result, spec, run_meta))]
+    parts = [
+        _head(spec),
+        _outcome(scene),
+        _section("Errata of the source", _list(spec.errata)) if spec.errata else "",
+        _section("Plant", _plant(plant, spec)),
+        _section("Faults and noise", prose.timeline(scene)),
+        _section("Diagnosis", diagnosis(scene, found) + visible(observability(spec, plant))) if found else "",
+        *drawings,
+        _section("Comparison", comparison(scene, compared, summary)) if summary else "",
+        _section("Observers and their assumptions", observers(scene)) if summary else "",
+        _section("Reproduce", _reproduce(result, spec, run_meta)),
+    ]
     return _page(escape(spec.title or spec.id), "\n".join(filter(None, parts)), figures)
 
 
 def _page(title: str, body: str, figures: list[dict]) -> str:
-    return (f"<!doctype html>\n<html lang=en><head><meta charset=utf-8><title>{title} · Thetascope</title>\n"
-            "<meta name=viewport content='width=device-width,initial-scale=1'>\n"
-            "<meta http-equiv=Content-Security-Policy content=\"default-src 'none'; script-src 'unsafe-inline'; "
-            "style-src 'unsafe-inline'; img-src data: blob:; font-src data:\">\n"
-            f"<style>{_asset('report.css')}</style></head>\n<body><main>\n{body}\n</main>\n"
-            f"<script type=application/json id=figures>{embedded_json(figures)}</script>\n"
-            f"<script>{_script()}</script>\n<script>{_asset('report.js')}</script>\n</body></html>\n")
+    return (
+        f"<!doctype html>\n<html lang=en><head><meta charset=utf-8><title>{title} · Thetascope</title>\n"
+        "<meta name=viewport content='width=device-width,initial-scale=1'>\n"
+        "<meta http-equiv=Content-Security-Policy content=\"default-src 'none'; script-src 'unsafe-inline'; "
+        "style-src 'unsafe-inline'; img-src data: blob:; font-src data:\">\n"
+        f"<style>{_asset('report.css')}</style></head>\n<body><main>\n{body}\n</main>\n"
+        f"<script type=application/json id=figures>{embedded_json(figures)}</script>\n"
+        f"<script>{_script()}</script>\n<script>{_asset('report.js')}</script>\n</body></html>\n"
+    )
 
 
 def _section(title: str | None, body: str) -> str:
@@ -115,10 +125,15 @@ def _outcome(scene: Scene) -> str:
     """What went wrong, first: divergence of the plant or of observers, and the run's notes."""
     result, lines = scene.result, []
     if result.diverged:
-        lines.append(f"<p class=alarm>The plant itself diverged at {prose.number(result.diverged.time)} s: "
-                     f"{escape(result.diverged.cause)}</p>")
-    lines += [f"<p class=alarm>{escape(r.label)} diverged at {prose.number(r.diverged.time)} s: {escape(r.diverged.cause)}</p>"
-              for r in result.observers if r.diverged]
+        lines.append(
+            f"<p class=alarm>The plant itself diverged at {prose.number(result.diverged.time)} s: "
+            f"{escape(result.diverged.cause)}</p>"
+        )
+    lines += [
+        f"<p class=alarm>{escape(r.label)} diverged at {prose.number(r.diverged.time)} s: {escape(r.diverged.cause)}</p>"
+        for r in result.observers
+        if r.diverged
+    ]
     lines += [f"<p class=scope-note>{escape(note)}</p>" for note in result.notes]
     return _section("Notes", "".join(lines)) if lines else ""
 
@@ -132,20 +147,34 @@ def _plant(plant, spec) -> str:
 def _figure(place: int, meta: dict) -> str:
     caption = f"<figcaption>{escape(meta['caption'])}</figcaption>" if meta["caption"] else ""
     label = escape(f"{meta['title']}. {meta['caption']}")
-    return (f"<figure><h3>{escape(meta['title'])}</h3>{caption}"
-            f"<div class=plot id=plot-{place} role=img aria-label=\"{label}\"></div></figure>")
+    return (
+        f"<figure><h3>{escape(meta['title'])}</h3>{caption}"
+        f'<div class=plot id=plot-{place} role=img aria-label="{label}"></div></figure>'
+    )
 
 
 def _reproduce(result, spec, run_meta: Mapping[str, object]) -> str:
     command = run_meta.get("command") or f"thetascope run {shlex.quote(spec.id + '.json')} --out report.html"
     text = json.dumps(spec.model_dump(mode="json"), ensure_ascii=False, indent=1)
     known = dict(run_meta.get("versions") or versions())
-    rows = [["run", f"<code>{escape(run_meta.get('id', '–'))}</code>"], ["made", escape(run_meta.get("created", "–"))],
-            ["seed", escape(spec.seed)],
-            ["step", f"{prose.number(result.step)} s, observers {result.substeps} per step, horizon {prose.number(spec.horizon, 6)} s"],
-            ["versions", escape(", ".join(f"{name} {version}" for name, version in known.items()))]]
-    saved = "" if run_meta.get("command") else f"<p>Save the specification below as <code>{escape(spec.id)}.json</code>, then:</p>"
+    rows = [
+        ["run", f"<code>{escape(run_meta.get('id', '–'))}</code>"],
+        ["made", escape(run_meta.get("created", "–"))],
+        ["seed", escape(spec.seed)],
+        [
+            "step",
+            f"{prose.number(result.step)} s, observers {result.substeps} per step, horizon {prose.number(spec.horizon, 6)} s",
+        ],
+        ["versions", escape(", ".join(f"{name} {version}" for name, version in known.items()))],
+    ]
+    saved = (
+        ""
+        if run_meta.get("command")
+        else f"<p>Save the specification below as <code>{escape(spec.id)}.json</code>, then:</p>"
+    )
     body = "".join(f"<tr><th scope=row>{name}</th><td>{value}</td></tr>" for name, value in rows)
-    return (f"<table class=plain><tbody>{body}</tbody></table>{saved}<pre>{escape(command)}</pre>"
-            f"<p class=soft>The same specification gives the same numbers, bit for bit.</p>"
-            f"<details><summary>The specification as JSON</summary><pre>{escape(text)}</pre></details>")
+    return (
+        f"<table class=plain><tbody>{body}</tbody></table>{saved}<pre>{escape(command)}</pre>"
+        f"<p class=soft>The same specification gives the same numbers, bit for bit.</p>"
+        f"<details><summary>The specification as JSON</summary><pre>{escape(text)}</pre></details>"
+    )

@@ -36,16 +36,27 @@ def _observer(scene: Scene, report, config) -> str:
 def counts(found) -> str:
     """How many assumptions hold, fail and cannot be told: "5 hold, 1 fails"."""
     number_of = Counter(check.verdict for check in found)
-    parts = [f"{number_of[verdict]} {one if number_of[verdict] == 1 else many}"
-             for verdict, one, many in _COUNTED if number_of[verdict]]
+    parts = [
+        f"{number_of[verdict]} {one if number_of[verdict] == 1 else many}"
+        for verdict, one, many in _COUNTED
+        if number_of[verdict]
+    ]
     return ", ".join(parts) or "its theorem has none that could be checked"
 
 
 def checks(found) -> str:
     """A line an assumption: name, verdict, sentence, the number found, the number it is held against, the source."""
-    rows = [[f"<b>{escape(c.name.replace('-', ' '))}</b>",
-             f"<span class='verdict {_CLASSES.get(c.verdict, 'unknown')}'>{escape(c.verdict)}</span>", escape(c.text),
-             f"<span class=soft>{escape(c.source)}</span>", number(c.value), number(c.threshold)] for c in found]
+    rows = [
+        [
+            f"<b>{escape(c.name.replace('-', ' '))}</b>",
+            f"<span class='verdict {_CLASSES.get(c.verdict, 'unknown')}'>{escape(c.verdict)}</span>",
+            escape(c.text),
+            f"<span class=soft>{escape(c.source)}</span>",
+            number(c.value),
+            number(c.threshold),
+        ]
+        for c in found
+    ]
     return table(["assumption", "here", "what was checked", "source", "found", "against"], rows, 2) if rows else ""
 
 

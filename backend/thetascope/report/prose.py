@@ -30,8 +30,10 @@ def table(head: Iterable[str], rows: Iterable[Iterable[str]], numeric: int) -> s
         return f"<{tag}{' class=n' if place >= first else ''}>{text}</{tag}>"
 
     top = "".join(cell("th", place, text) for place, text in enumerate(head))
-    body = "".join(f"<tr><th scope=row>{row[0]}</th>" + "".join(cell("td", k, c) for k, c in enumerate(row[1:], 1)) + "</tr>"
-                   for row in rows)
+    body = "".join(
+        f"<tr><th scope=row>{row[0]}</th>" + "".join(cell("td", k, c) for k, c in enumerate(row[1:], 1)) + "</tr>"
+        for row in rows
+    )
     return f"<div class=wide><table><thead><tr>{top}</tr></thead><tbody>{body}</tbody></table></div>"
 
 
@@ -41,14 +43,24 @@ def equations(plant) -> str:
     lines = []
     for state in plant.states:
         left = symbol(state.name) + ("<sup>+</sup>" if discrete else "′")
-        lines.append((left, expression(plant.dynamics[state.name]) + _faults(plant, state.name, ("actuator", "process")), ""))
+        lines.append(
+            (left, expression(plant.dynamics[state.name]) + _faults(plant, state.name, ("actuator", "process")), "")
+        )
     for item in plant.definitions:
         lines.append((symbol(item.name), expression(item.expression), _range(item.domain)))
     for item in plant.outputs:
-        lines.append((symbol(item.name), expression(item.expression) + _faults(plant, item.name, ("sensor",)), escape(item.unit)))
-    rows = "".join(f"<dt>{left}</dt><dd>= {right}{f'<span class=note>{note}</span>' if note else ''}</dd>"
-                   for left, right, note in lines)
-    step = f"<p class=soft>Discrete time, period {number(plant.time.period)} s; ⁺ is the next sample.</p>" if discrete else ""
+        lines.append(
+            (symbol(item.name), expression(item.expression) + _faults(plant, item.name, ("sensor",)), escape(item.unit))
+        )
+    rows = "".join(
+        f"<dt>{left}</dt><dd>= {right}{f'<span class=note>{note}</span>' if note else ''}</dd>"
+        for left, right, note in lines
+    )
+    step = (
+        f"<p class=soft>Discrete time, period {number(plant.time.period)} s; ⁺ is the next sample.</p>"
+        if discrete
+        else ""
+    )
     return f"<dl class=eq>{rows}</dl>{step}"
 
 
@@ -56,8 +68,10 @@ def _range(domain: tuple) -> str:
     low, high = domain
     if low is None and high is None:
         return ""
-    low, high = (open_ if limit is None else symbol(limit) if isinstance(limit, str) else number(limit)
-                 for limit, open_ in ((low, "−∞"), (high, "∞")))
+    low, high = (
+        open_ if limit is None else symbol(limit) if isinstance(limit, str) else number(limit)
+        for limit, open_ in ((low, "−∞"), (high, "∞"))
+    )
     return f"within [{low}, {high}] for observers"
 
 
@@ -66,7 +80,11 @@ def _faults(plant, equation: str, kinds: tuple[str, ...]) -> str:
     for channel in plant.channels:
         if channel.kind in kinds and equation in channel.enters:
             coefficient = channel.enters[equation].strip()
-            factor = "" if coefficient == "1" else expression(coefficient if _simple(coefficient) else f"({coefficient})") + "\u2009"
+            factor = (
+                ""
+                if coefficient == "1"
+                else expression(coefficient if _simple(coefficient) else f"({coefficient})") + "\u2009"
+            )
             text += f"<span class=th> + {factor}{symbol(channel.name)}</span>"
     return text
 
@@ -77,11 +95,20 @@ def _simple(text: str) -> bool:
 
 def quantities(plant, spec) -> str:
     """Parameters in effect, initial state, and what each fault channel means."""
-    parameters = [f"{symbol(p.name)} = {number(spec.parameters.get(p.name, p.value), 6)}{unit(p.unit)}" for p in plant.parameters]
-    initial = [f"{symbol(s.name)}(0) = {number(spec.initial.get(s.name, s.initial), 6)}{unit(s.unit)}" for s in plant.states]
-    rows = [f"<p><span class=soft>{word}:</span> {', '.join(items)}</p>"
-            for word, items in (("Parameters", parameters), ("Start", initial)) if items]
-    channels = [[symbol(c.name), escape(c.title or c.description), escape(c.kind), escape(c.unit)] for c in plant.channels]
+    parameters = [
+        f"{symbol(p.name)} = {number(spec.parameters.get(p.name, p.value), 6)}{unit(p.unit)}" for p in plant.parameters
+    ]
+    initial = [
+        f"{symbol(s.name)}(0) = {number(spec.initial.get(s.name, s.initial), 6)}{unit(s.unit)}" for s in plant.states
+    ]
+    rows = [
+        f"<p><span class=soft>{word}:</span> {', '.join(items)}</p>"
+        for word, items in (("Parameters", parameters), ("Start", initial))
+        if items
+    ]
+    channels = [
+        [symbol(c.name), escape(c.title or c.description), escape(c.kind), escape(c.unit)] for c in plant.channels
+    ]
     return "".join(rows) + (table(["fault", "meaning", "kind", "unit"], channels, 0) if channels else "")
 
 
@@ -96,13 +123,25 @@ def timeline(scene: Scene) -> str:
         name = getattr(fault, "channel", None) or fault.output
         kind = "theta" if getattr(fault, "channel", None) else "y"
         known = {"channel", "output", "shape", "onset", "end"}
-        details = ", ".join(f"{escape(key.replace('_', ' '))} {_brief(getattr(fault, key))}"
-                            for key in type(fault).model_fields if key not in known)
+        details = ", ".join(
+            f"{escape(key.replace('_', ' '))} {_brief(getattr(fault, key))}"
+            for key in type(fault).model_fields
+            if key not in known
+        )
         end = "" if fault.end is None else number(fault.end, 6)
-        rows.append([symbol(name), escape(fault.shape), details + unit(scene.unit(kind, name)) * ("size" in details),
-                     number(fault.onset, 6), end or "stays"])
-    noise = [f"{symbol(name)}: std {number(item.std)}, held for {number(item.sample_time)} s"
-             for name, item in scene.spec.noise.items()]
+        rows.append(
+            [
+                symbol(name),
+                escape(fault.shape),
+                details + unit(scene.unit(kind, name)) * ("size" in details),
+                number(fault.onset, 6),
+                end or "stays",
+            ]
+        )
+    noise = [
+        f"{symbol(name)}: std {number(item.std)}, held for {number(item.sample_time)} s"
+        for name, item in scene.spec.noise.items()
+    ]
     text = table(["fault on", "shape", "", "from (s)", "until (s)"], rows, 2) if rows else "<p>No faults.</p>"
     return text + f"<p class=soft>Measurement noise: {'; '.join(noise) if noise else 'none'}.</p>"
 

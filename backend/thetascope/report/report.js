@@ -1,8 +1,13 @@
 // Draws the figures whose JSON stands in the page, one after another; nothing is fetched and nothing leaves. The width is
 // given outright: Plotly's own resizing measures the height too, and loses the margins on the way.
 const figures = JSON.parse(document.getElementById('figures').textContent);
-const options = {responsive: false, displaylogo: false, showSendToCloud: false, plotlyServerURL: '',
-  modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d']};
+const options = {
+  responsive: false,
+  displaylogo: false,
+  showSendToCloud: false,
+  plotlyServerURL: '',
+  modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
+};
 const boxes = figures.map((_, place) => document.getElementById(`plot-${place}`));
 const paper = 660; // pixels that fit on a page in print
 const resizing = {pending: false, busy: false};

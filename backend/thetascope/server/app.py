@@ -95,9 +95,16 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
 
     Database(settings.database).close()
     config = uvicorn.Config(
-        create_app(settings), host=settings.host, port=settings.port, log_level="warning", server_header=False,
-        ws="websockets-sansio", ws_per_message_deflate=False, ws_max_size=4 * settings.max_message, timeout_graceful_shutdown=5,
-    )  # fmt: skip
+        create_app(settings),
+        host=settings.host,
+        port=settings.port,
+        log_level="warning",
+        server_header=False,
+        ws="websockets-sansio",
+        ws_per_message_deflate=False,
+        ws_max_size=4 * settings.max_message,
+        timeout_graceful_shutdown=5,
+    )
 
     class Server(uvicorn.Server):
         async def startup(self, sockets: list[socket] | None = None) -> None:

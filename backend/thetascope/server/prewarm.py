@@ -27,7 +27,9 @@ def begin() -> subprocess.Popen | None:
     if cache.read(_DONE, _key()) is not None:
         return None
     try:
-        return subprocess.Popen([sys.executable, "-m", "thetascope.server.prewarm"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+        return subprocess.Popen(
+            [sys.executable, "-m", "thetascope.server.prewarm"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+        )
     except OSError as error:
         log.warning("the library is not prepared ahead: %s", error)
         return None

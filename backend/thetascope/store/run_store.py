@@ -43,9 +43,16 @@ class RunStore:
     def put(self, record: Record) -> None:
         """Insert or update a run; the time of creation and the pin of an existing one stay."""
         values = (
-            record.id, record.spec, record.title, record.status, _dump(record.error), _dump(record.summary),
-            record.engine, record.created, record.pinned,
-        )  # fmt: skip
+            record.id,
+            record.spec,
+            record.title,
+            record.status,
+            _dump(record.error),
+            _dump(record.summary),
+            record.engine,
+            record.created,
+            record.pinned,
+        )
         with self._database.writing() as connection:
             connection.execute(
                 """INSERT INTO runs (id, spec, title, status, error, summary, engine, created, pinned)

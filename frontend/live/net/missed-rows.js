@@ -22,7 +22,8 @@ export class Arrivals {
 
   put(frame) {
     const {samples} = this;
-    if (frame.epoch === samples.epoch && frame.columns === samples.sent.length) samples.push(frame.first, frame.count, frame.data);
+    if (frame.epoch === samples.epoch && frame.columns === samples.sent.length)
+      samples.push(frame.first, frame.count, frame.data);
   }
 
   /** Rows first … row − 1 will not be sent: {first, row}. */
@@ -42,12 +43,23 @@ export class Arrivals {
   async fetch({first, row}) {
     const {samples, session} = this;
     for (const pause of TRIES) {
-      await new Promise((go) => { setTimeout(go, pause); });
+      await new Promise((go) => {
+        setTimeout(go, pause);
+      });
       const names = samples.sent;
       try {
-        await fetchMissed({session, names, record: samples.record, first, last: row, push: (...rows) => samples.sent === names && samples.push(...rows)});
+        await fetchMissed({
+          session,
+          names,
+          record: samples.record,
+          first,
+          last: row,
+          push: (...rows) => samples.sent === names && samples.push(...rows),
+        });
         if (samples.sent === names) return; // else an observer came or went, and its columns are to be asked for, too
-      } catch { /* the server is busy or the session over: once more */ }
+      } catch {
+        /* the server is busy or the session over: once more */
+      }
     }
   }
 }
@@ -65,7 +77,8 @@ async function fetchMissed({session, names, record, first, last, push}) {
     const count = Math.min(PIECE, last - from);
     const data = new Float32Array(names.length * count);
     values.forEach((column, place) => {
-      for (let i = 0; i < count; i += 1) data[place * count + i] = column[Math.min(rows - 1, Math.floor((from + i - start) / every))];
+      for (let i = 0; i < count; i += 1)
+        data[place * count + i] = column[Math.min(rows - 1, Math.floor((from + i - start) / every))];
     });
     push(from, count, data);
   }

@@ -18,8 +18,11 @@ export async function look(id) {
   }
 }
 
-const controlled = (method, id, what, token, body) => request(method, `/api/sessions/${encodeURIComponent(id)}${what}`,
-  {body, headers: token ? {'X-Control-Token': token} : {}});
+const controlled = (method, id, what, token, body) =>
+  request(method, `/api/sessions/${encodeURIComponent(id)}${what}`, {
+    body,
+    headers: token ? {'X-Control-Token': token} : {},
+  });
 
 export const fork = (id, token, t) => controlled('POST', id, '/fork', token, t === undefined ? {} : {t});
 export const save = (id, token) => controlled('POST', id, '/save', token, {});
@@ -32,7 +35,10 @@ export function library(id) {
   if (!asked.has(id)) {
     const whole = (async () => {
       const spec = await get(`/api/experiments/${encodeURIComponent(id)}`);
-      return {...spec, plant: typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant};
+      return {
+        ...spec,
+        plant: typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant,
+      };
     })();
     whole.catch(() => asked.delete(id));
     asked.set(id, whole);
@@ -56,7 +62,12 @@ export const kept = {
   forkOf: (id) => kept.all().findLast((one) => one.parent?.id === id) ?? null,
   write(value) {
     try {
-      sessionStorage.setItem(KEPT, JSON.stringify([...kept.all().filter(({id}) => id !== value.id), value].slice(-MOST)));
-    } catch { /* private windows keep nothing */ }
+      sessionStorage.setItem(
+        KEPT,
+        JSON.stringify([...kept.all().filter(({id}) => id !== value.id), value].slice(-MOST)),
+      );
+    } catch {
+      /* private windows keep nothing */
+    }
   },
 };

@@ -17,8 +17,12 @@ export class Refused extends Error {
 export function decode(buffer) {
   const view = new DataView(buffer);
   return {
-    sequence: view.getUint32(0, true), epoch: view.getUint32(4, true), first: Number(view.getBigUint64(8, true)),
-    count: view.getUint32(16, true), columns: view.getUint32(20, true), data: new Float32Array(buffer, HEADER),
+    sequence: view.getUint32(0, true),
+    epoch: view.getUint32(4, true),
+    first: Number(view.getBigUint64(8, true)),
+    count: view.getUint32(16, true),
+    columns: view.getUint32(20, true),
+    data: new Float32Array(buffer, HEADER),
   };
 }
 
@@ -35,7 +39,15 @@ export const connect = (options) => new Connection(options);
 
 class Connection {
   constructor(options) {
-    Object.assign(this, options, {waiting: new Map(), sequence: 0, next: 1, tries: 0, stopped: false, timer: 0, heard: 0});
+    Object.assign(this, options, {
+      waiting: new Map(),
+      sequence: 0,
+      next: 1,
+      tries: 0,
+      stopped: false,
+      timer: 0,
+      heard: 0,
+    });
     this.hurry = this.hurry.bind(this);
     addEventListener('online', this.hurry);
     this.watch = setInterval(() => this.listen(), 2000);
@@ -43,7 +55,10 @@ class Connection {
   }
 
   open() {
-    const address = new URL(`/api/sessions/${encodeURIComponent(this.session)}/stream`, location.origin.replace(/^http/, 'ws'));
+    const address = new URL(
+      `/api/sessions/${encodeURIComponent(this.session)}/stream`,
+      location.origin.replace(/^http/, 'ws'),
+    );
     if (this.token) address.searchParams.set('token', this.token);
     address.searchParams.set('after', this.sequence);
     this.socket = new WebSocket(address);
@@ -77,7 +92,8 @@ class Connection {
   }
 
   closed(code) {
-    for (const {fail} of this.waiting.values()) fail(new Refused({problem: 'the connection was lost before the answer came', remedy: 'try again'}));
+    for (const {fail} of this.waiting.values())
+      fail(new Refused({problem: 'the connection was lost before the answer came', remedy: 'try again'}));
     this.waiting.clear();
     if (this.stopped) return;
     if (CLOSED[code]) {
@@ -101,13 +117,20 @@ class Connection {
 
   /** A browser that went offline may hold a dead connection open for minutes. */
   listen() {
-    if (this.socket.readyState === WebSocket.OPEN && navigator.onLine === false && performance.now() - this.heard > SILENCE) this.socket.close();
+    if (
+      this.socket.readyState === WebSocket.OPEN &&
+      navigator.onLine === false &&
+      performance.now() - this.heard > SILENCE
+    )
+      this.socket.close();
   }
 
   /** Send a command (without its id); the answer is the Ack. */
   send(command) {
     if (this.socket.readyState !== WebSocket.OPEN) {
-      return Promise.reject(new Refused({problem: 'there is no connection at the moment', remedy: 'wait until it is back'}));
+      return Promise.reject(
+        new Refused({problem: 'there is no connection at the moment', remedy: 'wait until it is back'}),
+      );
     }
     const id = this.next;
     this.next += 1;
@@ -116,7 +139,9 @@ class Connection {
   }
 
   /** Lose the connection as a fault of the network would (tests do). */
-  drop() { this.socket.close(4000); }
+  drop() {
+    this.socket.close(4000);
+  }
 
   stop() {
     this.stopped = true;

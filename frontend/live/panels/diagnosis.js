@@ -18,9 +18,18 @@ export function mount(element, app) {
   const tag = asOfNow(app);
   let links = {};
   const build = () => {
-    links = Object.fromEntries(Object.keys(folds).map((name) => [name, link(app.text[name], () => open(name), {'aria-expanded': 'false'})]));
+    links = Object.fromEntries(
+      Object.keys(folds).map((name) => [name, link(app.text[name], () => open(name), {'aria-expanded': 'false'})]),
+    );
     list.setAttribute('aria-label', app.text.findings);
-    fill(element, heading(app.text.diagnosis, tag, h('span', {class: 'heading-links'}, Object.values(links))), verdict, Object.values(folds).map((fold) => fold.element), list, more);
+    fill(
+      element,
+      heading(app.text.diagnosis, tag, h('span', {class: 'heading-links'}, Object.values(links))),
+      verdict,
+      Object.values(folds).map((fold) => fold.element),
+      list,
+      more,
+    );
     open(null);
     update();
   };
@@ -31,7 +40,10 @@ export function mount(element, app) {
       links[one].setAttribute('aria-expanded', String(!fold.hidden));
       if (!fold.hidden) show();
     }
-    element.classList.toggle('unfolded', Object.values(folds).some((fold) => !fold.element.hidden));
+    element.classList.toggle(
+      'unfolded',
+      Object.values(folds).some((fold) => !fold.element.hidden),
+    );
     place();
   };
   const place = () => {
@@ -55,15 +67,47 @@ export function mount(element, app) {
     if (verdict.textContent !== words) verdict.textContent = words;
     const weak = state.broken === null ? weakness(state, app.text) : '';
     const lost = state.broken === null ? state.observers.filter((one) => one.diverged) : [];
-    fill(list, found.map((one) => line(one, app)),
-      found.length > 0 && lost.map((one) => h('p', {class: 'hint'}, h('span', {class: 'light bad'}), h('span', {}, app.text.lostAt(one.label, seconds(one.diverged.t, state.spec.horizon))))),
-      weak && h('p', {class: 'hint'}, h('span', {class: 'light open'}), h('button', {type: 'button', class: 'plain-words', onclick: () => open('canSee')}, weak)),
-      found.length === 0 && state.broken === null && state.plant.channels.length > 0 && h('p', {class: 'soft'}, state.plant.inputs.length ? app.text.invite : app.text.inviteOutputs));
+    fill(
+      list,
+      found.map((one) => line(one, app)),
+      found.length > 0 &&
+        lost.map((one) =>
+          h(
+            'p',
+            {class: 'hint'},
+            h('span', {class: 'light bad'}),
+            h('span', {}, app.text.lostAt(one.label, seconds(one.diverged.t, state.spec.horizon))),
+          ),
+        ),
+      weak &&
+        h(
+          'p',
+          {class: 'hint'},
+          h('span', {class: 'light open'}),
+          h('button', {type: 'button', class: 'plain-words', onclick: () => open('canSee')}, weak),
+        ),
+      found.length === 0 &&
+        state.broken === null &&
+        state.plant.channels.length > 0 &&
+        h('p', {class: 'soft'}, state.plant.inputs.length ? app.text.invite : app.text.inviteOutputs),
+    );
     for (const fold of Object.values(folds)) if (!fold.element.hidden) fold.show();
     place();
   };
   app.subscribe((state) => [state.language, state.session], build);
-  app.subscribe((state) => [state.plant, state.alarms, state.faults, state.diagnosis, state.role, state.observers, state.broken, early(state)], update);
+  app.subscribe(
+    (state) => [
+      state.plant,
+      state.alarms,
+      state.faults,
+      state.diagnosis,
+      state.role,
+      state.observers,
+      state.broken,
+      early(state),
+    ],
+    update,
+  );
 }
 
 /** Whether it is too soon to judge: the sentence changes when that is over. */
@@ -74,7 +118,10 @@ function weakness(state, text) {
   const lost = untold(state);
   const {excitation} = state.diagnosis ?? {};
   if (!excitation || lost.length === 0) return '';
-  if (lost.every((one) => one.smallest !== null)) return capital(text.unresolved(lost.map((one) => called(one.channel, state.plant, text))));
+  if (lost.every((one) => one.smallest !== null))
+    return capital(text.unresolved(lost.map((one) => called(one.channel, state.plant, text))));
   const whole = lost.length === state.diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable).length;
-  return whole ? capital(spoken(text.said(excitation.text), state.plant, text)) + text.stop : capital(lost.map((one) => spoken(text.said(one.text), state.plant, text)).join(text.and)) + text.stop;
+  return whole
+    ? capital(spoken(text.said(excitation.text), state.plant, text)) + text.stop
+    : capital(lost.map((one) => spoken(text.said(one.text), state.plant, text)).join(text.and)) + text.stop;
 }

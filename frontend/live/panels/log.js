@@ -25,14 +25,41 @@ export function mount(element, app) {
     if (!made.has(one.event)) made.set(one.event, line(one));
     return made.get(one.event);
   };
-  const line = ({t, words, alarm, own}) => h('li', {class: alarm ? 'alarm' : own ? 'own' : null},
-    h('button', {type: 'button', class: 'moment', title: app.text.showMoment, onclick: () => look(t)}, h('span', {class: 'time'}, t.toFixed(app.state.spec?.horizon >= 1000 ? 0 : 1)), h('span', {}, words)),
-    h('button', {type: 'button', class: 'plain back control-only', title: app.text.backHere, 'aria-label': `${app.text.backHere}, ${t.toFixed(1)} s`, onclick: () => app.act.seek(t)}, icon('back', 13)));
+  const line = ({t, words, alarm, own}) =>
+    h(
+      'li',
+      {class: alarm ? 'alarm' : own ? 'own' : null},
+      h(
+        'button',
+        {type: 'button', class: 'moment', title: app.text.showMoment, onclick: () => look(t)},
+        h('span', {class: 'time'}, t.toFixed(app.state.spec?.horizon >= 1000 ? 0 : 1)),
+        h('span', {}, words),
+      ),
+      h(
+        'button',
+        {
+          type: 'button',
+          class: 'plain back control-only',
+          title: app.text.backHere,
+          'aria-label': `${app.text.backHere}, ${t.toFixed(1)} s`,
+          onclick: () => app.act.seek(t),
+        },
+        icon('back', 13),
+      ),
+    );
   const look = (t) => {
     const span = app.state.window ?? 30;
     app.act.select(Math.max(0, t - span / 5), Math.max(0, t - span / 5) + span);
   };
-  app.catalogue.then(({observers}) => { signs = Object.fromEntries(observers.flatMap(({gains}) => gains.map(({name, symbol}) => [name, symbol]).filter(([, symbol]) => symbol))); build(); }, () => {});
+  app.catalogue.then(
+    ({observers}) => {
+      signs = Object.fromEntries(
+        observers.flatMap(({gains}) => gains.map(({name, symbol}) => [name, symbol]).filter(([, symbol]) => symbol)),
+      );
+      build();
+    },
+    () => {},
+  );
   app.subscribe((state) => [state.language, state.session], build);
   app.subscribe((state) => state.log, update);
 }

@@ -20,18 +20,41 @@ export function mount(element, app) {
     element.hidden = experiment === null;
     if (!experiment) return;
     if (!lessons.has(experiment)) {
-      lessons.set(experiment, get(`/api/lessons/${encodeURIComponent(experiment)}`).catch(() => ({questions: []})));
+      lessons.set(
+        experiment,
+        get(`/api/lessons/${encodeURIComponent(experiment)}`).catch(() => ({questions: []})),
+      );
     }
     const {questions} = await lessons.get(experiment);
     if (experiment !== app.state.experiment) return;
     element.hidden = questions.length === 0;
     shown = questions;
     list.setAttribute('aria-label', app.text.tryThis);
-    fill(list, questions.map((step) => question(step, language)));
+    fill(
+      list,
+      questions.map((step) => question(step, language)),
+    );
     fill(element, heading(app.text.tryThis), list, more);
   };
-  const question = ({question: words, do: commands}, language) => h('li', {}, h('span', {}, set(words[language] ?? words.en)),
-    commands.length > 0 && h('button', {type: 'button', class: 'plain go control-only', title: app.text.doIt, 'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`, onclick: () => carryOut(commands)}, icon('go', 13)), h('p', {class: 'coming', role: 'status'}));
+  const question = ({question: words, do: commands}, language) =>
+    h(
+      'li',
+      {},
+      h('span', {}, set(words[language] ?? words.en)),
+      commands.length > 0 &&
+        h(
+          'button',
+          {
+            type: 'button',
+            class: 'plain go control-only',
+            title: app.text.doIt,
+            'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`,
+            onclick: () => carryOut(commands),
+          },
+          icon('go', 13),
+        ),
+      h('p', {class: 'coming', role: 'status'}),
+    );
   const carryOut = async (commands) => {
     try {
       await app.act.together(commands);
@@ -46,13 +69,30 @@ export function mount(element, app) {
     const {text} = app;
     for (const [place, {do: commands}] of shown.entries()) {
       const later = commands.filter(({fault}) => fault?.onset > 0);
-      const coming = later.length === 0 ? null : faults.findLast(({subject, shape, onset, active, ended}) => !active && !ended && later.some(({fault}) => (fault.channel ?? fault.output) === subject && fault.shape === shape)
-        && log.some(({kind, subject: of, value, t}) => kind === 'inject' && of === subject && Math.abs(t + value.onset - onset) < SAME));
+      const coming =
+        later.length === 0
+          ? null
+          : faults.findLast(
+              ({subject, shape, onset, active, ended}) =>
+                !active &&
+                !ended &&
+                later.some(({fault}) => (fault.channel ?? fault.output) === subject && fault.shape === shape) &&
+                log.some(
+                  ({kind, subject: of, value, t}) =>
+                    kind === 'inject' && of === subject && Math.abs(t + value.onset - onset) < SAME,
+                ),
+            );
       const line = element.querySelectorAll('.coming')[place];
-      if (line) line.textContent = coming ? text.tight(text.coming({name: called(coming.subject, plant, text), t: seconds(coming.onset, spec.horizon)})) : '';
+      if (line)
+        line.textContent = coming
+          ? text.tight(text.coming({name: called(coming.subject, plant, text), t: seconds(coming.onset, spec.horizon)}))
+          : '';
     }
   };
-  app.subscribe((state) => [state.experiment, state.language], () => draw().then(wait));
+  app.subscribe(
+    (state) => [state.experiment, state.language],
+    () => draw().then(wait),
+  );
   app.subscribe((state) => [state.faults, state.log.length], wait);
 }
 
@@ -63,7 +103,11 @@ function set(words) {
   for (const match of words.matchAll(SYMBOL)) {
     parts.push(words.slice(at, match.index));
     at = match.index + match[0].length;
-    parts.push(match[0] === 'λmin' ? [h('i', {}, 'λ'), h('sub', {}, 'min')] : [match[1].length > 1 ? hatted(match[1][0]) : h('i', {}, match[1]), match[2] && h('sub', {}, match[2])]);
+    parts.push(
+      match[0] === 'λmin'
+        ? [h('i', {}, 'λ'), h('sub', {}, 'min')]
+        : [match[1].length > 1 ? hatted(match[1][0]) : h('i', {}, match[1]), match[2] && h('sub', {}, match[2])],
+    );
   }
   return [...parts, words.slice(at)];
 }

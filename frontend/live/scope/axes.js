@@ -19,7 +19,8 @@ export function niceStep(span, count) {
 /** Multiples of a step between two values. */
 export function marks(low, high, step) {
   const found = [];
-  for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i += 1) found.push(i === 0 ? 0 : Number((i * step).toPrecision(12)));
+  for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i += 1)
+    found.push(i === 0 ? 0 : Number((i * step).toPrecision(12)));
   return found;
 }
 
@@ -52,7 +53,13 @@ export class Range {
     const ahead = ROOM * (wanted[1] - wanted[0]); // what has outgrown the axis goes on growing
     const edge = EDGE * (to - from);
     if (low < from + edge || high > to - edge) {
-      this.glide([low < from + edge ? wanted[0] - Math.ceil(ahead / step) * step : from, high > to - edge ? wanted[1] + Math.ceil(ahead / step) * step : to], now);
+      this.glide(
+        [
+          low < from + edge ? wanted[0] - Math.ceil(ahead / step) * step : from,
+          high > to - edge ? wanted[1] + Math.ceil(ahead / step) * step : to,
+        ],
+        now,
+      );
     }
     const used = (wanted[1] - wanted[0]) / (this.target[1] - this.target[0]);
     if (used > MUCH) this.wide = 0;

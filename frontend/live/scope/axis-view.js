@@ -21,7 +21,9 @@ function rowsOf(samples, t0, t1) {
 export function wanted(strip, samples, t0, t1, whole = false) {
   const [first, last] = rowsOf(samples, t0, t1);
   let range = strip.base;
-  const take = (found) => { if (found) range = range ? [Math.min(range[0], found[0]), Math.max(range[1], found[1])] : found; };
+  const take = (found) => {
+    if (found) range = range ? [Math.min(range[0], found[0]), Math.max(range[1], found[1])] : found;
+  };
   if (last > first) {
     const traces = strip.traces.map(({column}) => bins(samples, column, first, last)).filter(Boolean);
     if (strip.truth) take(quantiles(bins(samples, strip.truth, first, last), 0));
@@ -29,7 +31,8 @@ export function wanted(strip, samples, t0, t1, whole = false) {
     if (range && !whole) {
       const within = (share) => [range[0] - share * (range[1] - range[0]), range[1] + share * (range[1] - range[0])];
       const [fence, edge] = [within(BEYOND), within(BAND)];
-      for (const {low, high} of traces) for (const value of [...low, ...high]) if (value >= fence[0] && value <= fence[1]) take([value, value]);
+      for (const {low, high} of traces)
+        for (const value of [...low, ...high]) if (value >= fence[0] && value <= fence[1]) take([value, value]);
       for (const trace of strip.traces) if (trace.low) take(clipped(bandOf(samples, trace, first, last), edge));
     }
   }
@@ -61,13 +64,16 @@ export function leaving(strip, samples, t0, t1, [low, high]) {
   strip.traces.forEach(({column, place}, trace) => {
     const seen = bins(samples, column, first, last);
     if (!seen) return;
-    for (const [values, up] of [[seen.high, true], [seen.low, false]]) {
+    for (const [values, up] of [
+      [seen.high, true],
+      [seen.low, false],
+    ]) {
       let open = null;
       values.forEach((value, i) => {
         if (up ? !(value > high) : !(value < low)) return;
         const t = (seen.from + i + 0.5) * seen.each * samples.record;
         if (open && t - open.to < near) open.to = t;
-        else found.push(open = {from: t, to: t, up, place, trace});
+        else found.push((open = {from: t, to: t, up, place, trace}));
       });
     }
   });
@@ -81,15 +87,18 @@ export function setTicks(strip, range, height) {
   let count = strip.log ? height / 30 : Math.max(2, height / (height < 80 ? 17 : 23));
   let step = strip.log ? Math.max(1, Math.round(niceStep(span, count))) : niceStep(span, count);
   const inside = () => marks(range.low + 0.05 * span, range.high - 0.05 * span, step).length;
-  while (!strip.log && inside() < 2 && count < 10) step = niceStep(span, count += 1); // one alone says nothing of the scale
+  while (!strip.log && inside() < 2 && count < 10) step = niceStep(span, (count += 1)); // one alone says nothing of the scale
   strip.ticks = marks(range.low, range.high, step);
-  [strip.labels, strip.power] = strip.log ? [strip.ticks.map((value) => `10${raised(Math.round(value))}`), ''] : spelt(strip.ticks, step);
+  [strip.labels, strip.power] = strip.log
+    ? [strip.ticks.map((value) => `10${raised(Math.round(value))}`), '']
+    : spelt(strip.ticks, step);
 }
 
 /** Marks in plain figures where they fit, else with one power of ten for all of them. */
 export function spelt(ticks, step) {
   const most = Math.max(...ticks.map(Math.abs));
-  const write = (unit, places) => ticks.map((value) => (value === 0 ? '0' : (value / unit).toFixed(places).replace('-', '−')));
+  const write = (unit, places) =>
+    ticks.map((value) => (value === 0 ? '0' : (value / unit).toFixed(places).replace('-', '−')));
   const plain = write(1, placesOf(step));
   if (!(most > 0) || (most < 1e6 && plain.every((label) => label.length <= DIGITS))) return [plain, ''];
   const exponent = Math.floor(Math.log10(most) + 1e-9);
@@ -102,6 +111,7 @@ const placesOf = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
 /** How the numbers beside a strip are written: all in one form, which goes by the axis. */
 export function written({low, high}) {
   const places = Math.ceil(-Math.log10(high - low) + 2.05);
-  if (places > 6 || Math.max(Math.abs(low), Math.abs(high)) >= 1e6) return (value) => (Number.isFinite(value) ? power(value) : '–');
+  if (places > 6 || Math.max(Math.abs(low), Math.abs(high)) >= 1e6)
+    return (value) => (Number.isFinite(value) ? power(value) : '–');
   return (value) => fixed(value, Math.max(0, places));
 }

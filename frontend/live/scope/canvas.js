@@ -12,9 +12,20 @@ export function palette() {
   const read = (name) => style.getPropertyValue(name).trim();
   const size = parseFloat(style.fontSize) / 13.5;
   return {
-    ink: read('--ink'), soft: read('--soft'), line: read('--line'), grid: read('--grid'), card: read('--card'), tint: read('--fault-soft'),
-    fault: read('--fault-line'), amber: read('--fault'), accent: read('--accent'), alarm: read('--alarm'), ok: read('--ok'), observers: [0, 1, 2, 3, 4, 5].map((place) => read(`--o${place}`)),
-    number: `${10.5 * size}px ${read('--num')}`, size,
+    ink: read('--ink'),
+    soft: read('--soft'),
+    line: read('--line'),
+    grid: read('--grid'),
+    card: read('--card'),
+    tint: read('--fault-soft'),
+    fault: read('--fault-line'),
+    amber: read('--fault'),
+    accent: read('--accent'),
+    alarm: read('--alarm'),
+    ok: read('--ok'),
+    observers: [0, 1, 2, 3, 4, 5].map((place) => read(`--o${place}`)),
+    number: `${10.5 * size}px ${read('--num')}`,
+    size,
   };
 }
 
@@ -55,7 +66,12 @@ function drawTint(ctx, strip, {left, right, height}, view, scale, colours) {
   ctx.fillStyle = colours.tint;
   ctx.beginPath();
   for (const fault of view.faults) {
-    if (fault.subject !== strip.subject || fault.onChannel !== (strip.kind === 'theta') || fault.onset > view.t1 + view.row) continue;
+    if (
+      fault.subject !== strip.subject ||
+      fault.onChannel !== (strip.kind === 'theta') ||
+      fault.onset > view.t1 + view.row
+    )
+      continue;
     const edge = scale.x(Math.min(view.now, view.t1));
     const from = Math.max(left, fault.active ? Math.min(scale.x(fault.onset), edge - SLIVER) : scale.x(fault.onset));
     const to = Math.min(right, scale.x(Math.min(fault.end ?? Infinity, view.now)));
@@ -107,24 +123,27 @@ function line(ctx, from, to, y) {
 
 function drawTraces(ctx, strip, {left, width, height}, view, range, colours, faint) {
   const {samples} = view;
-  const dx = ((samples.record / (view.t1 - view.t0)) * width);
+  const dx = (samples.record / (view.t1 - view.t0)) * width;
   const x0 = left - (view.t0 / samples.record) * dx;
   const dy = -height / (range.high - range.low);
   const y0 = height - range.low * dy;
   const first = Math.max(0, Math.floor(view.t0 / samples.record) - 1);
   const last = Math.min(samples.rows, Math.ceil(view.t1 / samples.record) + 2);
   if (last <= first) return;
-  const power = samples.power(first, last, (last - first) * dx / 1.25);
+  const power = samples.power(first, last, ((last - first) * dx) / 1.25);
   const limits = [-40, height + 40];
   const draw = (column, piece) => {
     const source = samples.source(column, power);
     if (source) strokeTrace(ctx, piece, source, first, last, power, x0, dx, y0, dy, ...limits);
   };
-  if (!faint && view.bands) drawBands(ctx, strip, view, samples, [first, last, power, x0, dx, y0, dy, ...limits], colours);
+  if (!faint && view.bands)
+    drawBands(ctx, strip, view, samples, [first, last, power, x0, dx, y0, dy, ...limits], colours);
   ctx.globalAlpha = faint ? 0.38 : 1;
   ctx.lineWidth = (faint ? 1 : 1.35) * colours.size;
-  for (let i = strip.traces.length - 1; i >= 0; i -= 1) { // the first observer on top
-    ctx.strokeStyle = strip.log && strip.traces.length === 1 ? colours.ok : colours.observers[strip.traces[i].place % 6];
+  for (let i = strip.traces.length - 1; i >= 0; i -= 1) {
+    // the first observer on top
+    ctx.strokeStyle =
+      strip.log && strip.traces.length === 1 ? colours.ok : colours.observers[strip.traces[i].place % 6];
     draw(strip.traces[i].column, faint ? WHOLE : PIECE); // where pieces of a faint curve meet it would be less so
   }
   if (strip.truth) {
@@ -173,7 +192,8 @@ function drawMarks(ctx, strip, {left, width, height}, view, scale, colours) {
   }
   ctx.globalAlpha = 1;
   drawLeaving(ctx, strip, {left, right, height}, scale, colours);
-  for (const {fallen, place} of strip.traces) if (fallen !== null && fallen >= view.t0 && fallen <= view.t1) cross(ctx, scale.x(fallen), colours, place);
+  for (const {fallen, place} of strip.traces)
+    if (fallen !== null && fallen >= view.t0 && fallen <= view.t1) cross(ctx, scale.x(fallen), colours, place);
   drawAlarms(ctx, strip, {left, right, height}, view, scale, colours);
 }
 
@@ -202,7 +222,10 @@ function drawAlarms(ctx, strip, {left, right, height}, view, scale, colours) {
   if (strip.kind !== 'theta' && strip.kind !== 'residual') return;
   const size = 5 * colours.size;
   for (const alarm of view.alarms) {
-    const named = strip.kind === 'theta' ? alarm.subjects.includes(strip.subject) : !alarm.explained && alarm.subject === strip.subject;
+    const named =
+      strip.kind === 'theta'
+        ? alarm.subjects.includes(strip.subject)
+        : !alarm.explained && alarm.subject === strip.subject;
     const end = Math.min(alarm.over ?? Infinity, view.now);
     if (!named || alarm.from > view.t1 || end < view.t0) continue;
     const second = alarm.subject !== strip.subject; // it would explain the data as well

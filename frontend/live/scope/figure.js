@@ -8,13 +8,28 @@ const STRIP = 230; // px of height for each strip in a picture of all
 
 function shown(app, name) {
   const all = app.strips();
-  return name === null || name === undefined ? all.filter((strip) => strip.shown) : all.filter((strip) => strip.name === name);
+  return name === null || name === undefined
+    ? all.filter((strip) => strip.shown)
+    : all.filter((strip) => strip.name === name);
 }
 
 function make(app, strips, {span = app.span(), whole = false} = {}) {
   const {state, samples, text} = app;
-  const inSight = strips.map((strip) => ({...strip, range: whole ? wanted(strip, samples, ...span, true) : rangeOf(app, strip.name)}));
-  return figureOf({samples, strips: inSight, faults: state.faults, alarms: state.alarms, bands: app.scope.bands(), text, t0: span[0], t1: span[1], title: strips.length > 1 ? text.named(state.spec.title) || state.spec.id : null});
+  const inSight = strips.map((strip) => ({
+    ...strip,
+    range: whole ? wanted(strip, samples, ...span, true) : rangeOf(app, strip.name),
+  }));
+  return figureOf({
+    samples,
+    strips: inSight,
+    faults: state.faults,
+    alarms: state.alarms,
+    bands: app.scope.bands(),
+    text,
+    t0: span[0],
+    t1: span[1],
+    title: strips.length > 1 ? text.named(state.spec.title) || state.spec.id : null,
+  });
 }
 
 /** What the strip's own axis shows at present. */
@@ -26,7 +41,11 @@ function rangeOf(app, name) {
 /** A picture as a Blob: {strip: name or null for all that are shown, format: 'png' or 'svg'}. */
 export function picture(app, {strip = null, format = 'png'} = {}) {
   const strips = shown(app, strip);
-  return image(make(app, strips), {format, width: 1100, height: strips.length > 1 ? 90 + (STRIP * strips.length) / 1.6 : 420});
+  return image(make(app, strips), {
+    format,
+    width: 1100,
+    height: strips.length > 1 ? 90 + (STRIP * strips.length) / 1.6 : 420,
+  });
 }
 
 /** Open a strip as a figure over the page. */
@@ -41,11 +60,27 @@ export async function openFigure(app, name) {
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   };
   const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
-  const dialog = h('dialog', {class: 'figure-dialog', 'aria-label': text.named(strip.title) || strip.name, onclose: () => {
-    if (plot.data) window.Plotly.purge(plot);
-    dialog.remove();
-  }}, h('div', {class: 'heading'}, h('h2', {}, text.named(strip.title) || strip.name), h('span', {class: 'grow'}), button(text.savePng, () => keep('png')), button(text.saveSvg, () => keep('svg')),
-    button(text.close, () => dialog.close())), plot);
+  const dialog = h(
+    'dialog',
+    {
+      class: 'figure-dialog',
+      'aria-label': text.named(strip.title) || strip.name,
+      onclose: () => {
+        if (plot.data) window.Plotly.purge(plot);
+        dialog.remove();
+      },
+    },
+    h(
+      'div',
+      {class: 'heading'},
+      h('h2', {}, text.named(strip.title) || strip.name),
+      h('span', {class: 'grow'}),
+      button(text.savePng, () => keep('png')),
+      button(text.saveSvg, () => keep('svg')),
+      button(text.close, () => dialog.close()),
+    ),
+    plot,
+  );
   document.body.append(dialog);
   dialog.showModal();
   try {

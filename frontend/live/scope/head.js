@@ -13,27 +13,59 @@ export function mountHead(root, app, scope) {
   const menu = h('details', {class: 'menu strips-menu'});
   fill(root, legend, zoom, windows, menu);
 
-  app.subscribe((state) => [state.observers, state.parent?.id, state.language, state.columns, state.band, state.presentation, state.session], () => {
-    const focused = legend.contains(document.activeElement) && document.activeElement.closest('li').dataset.label;
-    fill(legend, legendOf(app, scope));
-    fitLegend(legend);
-    if (focused) legend.querySelector(`[data-label="${CSS.escape(focused)}"] button`)?.focus();
-  });
+  app.subscribe(
+    (state) => [
+      state.observers,
+      state.parent?.id,
+      state.language,
+      state.columns,
+      state.band,
+      state.presentation,
+      state.session,
+    ],
+    () => {
+      const focused = legend.contains(document.activeElement) && document.activeElement.closest('li').dataset.label;
+      fill(legend, legendOf(app, scope));
+      fitLegend(legend);
+      if (focused) legend.querySelector(`[data-label="${CSS.escape(focused)}"] button`)?.focus();
+    },
+  );
   new ResizeObserver(() => fitLegend(legend)).observe(root);
-  app.subscribe((state) => [state.window, state.selection, state.language, state.windows, state.looking], ([window, selection, , lengths, looking]) => {
-    const {text} = app;
-    windows.setAttribute('aria-label', text.window);
-    windows.title = `${text.windowHint}. ${text.zoomHint}`;
-    fill(windows, [...lengths, null].map((length) => h('button', {type: 'button', 'aria-pressed': String(length === window && (!selection || looking !== null)),
-      onclick: () => app.act.window(length)}, length === null ? text.all : text.windowOf(length))));
-    zoom.hidden = !selection || looking !== null;
-    if (selection) {
-      const step = (selection[1] - selection[0]) / 50;
-      fill(zoom, text.zoomed(seconds(selection[0], step), seconds(selection[1], step)),
-        h('button', {type: 'button', class: 'link', onclick: () => app.act.select(null)}, text.follow));
-    }
-  });
-  app.subscribe((state) => [state.plant, state.columns, state.strips, state.language, state.faults, state.observers], () => fillMenu(menu, app));
+  app.subscribe(
+    (state) => [state.window, state.selection, state.language, state.windows, state.looking],
+    ([window, selection, , lengths, looking]) => {
+      const {text} = app;
+      windows.setAttribute('aria-label', text.window);
+      windows.title = `${text.windowHint}. ${text.zoomHint}`;
+      fill(
+        windows,
+        [...lengths, null].map((length) =>
+          h(
+            'button',
+            {
+              type: 'button',
+              'aria-pressed': String(length === window && (!selection || looking !== null)),
+              onclick: () => app.act.window(length),
+            },
+            length === null ? text.all : text.windowOf(length),
+          ),
+        ),
+      );
+      zoom.hidden = !selection || looking !== null;
+      if (selection) {
+        const step = (selection[1] - selection[0]) / 50;
+        fill(
+          zoom,
+          text.zoomed(seconds(selection[0], step), seconds(selection[1], step)),
+          h('button', {type: 'button', class: 'link', onclick: () => app.act.select(null)}, text.follow),
+        );
+      }
+    },
+  );
+  app.subscribe(
+    (state) => [state.plant, state.columns, state.strips, state.language, state.faults, state.observers],
+    () => fillMenu(menu, app),
+  );
   menu.addEventListener('keydown', (event) => {
     if (event.key !== 'Escape' || !menu.open) return;
     event.preventDefault();
@@ -47,7 +79,9 @@ export function mountHead(root, app, scope) {
 
 /** A projector's legend stands on one line: where there is no room, marks that mean the same everywhere go, the plainest first. Else it is set closer, and wraps. */
 function fitLegend(legend) {
-  const plain = [...legend.children].filter((item) => !item.classList.contains('own')).sort((a, b) => SPOKEN.indexOf(a.dataset.mark) - SPOKEN.indexOf(b.dataset.mark));
+  const plain = [...legend.children]
+    .filter((item) => !item.classList.contains('own'))
+    .sort((a, b) => SPOKEN.indexOf(a.dataset.mark) - SPOKEN.indexOf(b.dataset.mark));
   for (const item of plain) item.classList.remove('mute');
   const oneLine = () => legend.offsetHeight < 1.7 * (plain[0]?.offsetHeight ?? 0);
   legend.classList.remove('tight');
@@ -64,52 +98,126 @@ function fitLegend(legend) {
 function legendOf(app, scope) {
   const {state, text} = app;
   const forked = kept.forkOf(state.session);
-  const item = (mark, words, extra = {}) => h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
+  const item = (mark, words, extra = {}) =>
+    h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
   const key = (name, style = null) => h('span', {class: `key ${name}`, style, 'aria-hidden': 'true'});
-  const banded = state.observers.filter(({label}) => state.columns.some((column) => column.startsWith(`${label}.sigma.`)));
+  const banded = state.observers.filter(({label}) =>
+    state.columns.some((column) => column.startsWith(`${label}.sigma.`)),
+  );
   return [
     item(key('dash'), text.truth),
     ...state.observers.map((observer) => nameOf(observer, banded, app, scope, key('solid', `--c:${observer.colour}`))),
     banded.length > 0 && bandOf(banded, app, key),
-    item(key('tinted'), text.faultActive), item(key('triangle'), text.alarm),
-    state.parent && item(key('ghost'), [link(text.parentCurves, () => app.act.visit(state.parent.id), {title: text.toParent})], {class: 'own'}),
-    forked && item(key('ghost'), [link(text.forkFrom(seconds(forked.parent.t, 0.1)), () => app.act.visit(forked.id), {title: text.toFork})], {class: 'own'}),
+    item(key('tinted'), text.faultActive),
+    item(key('triangle'), text.alarm),
+    state.parent &&
+      item(key('ghost'), [link(text.parentCurves, () => app.act.visit(state.parent.id), {title: text.toParent})], {
+        class: 'own',
+      }),
+    forked &&
+      item(
+        key('ghost'),
+        [link(text.forkFrom(seconds(forked.parent.t, 0.1)), () => app.act.visit(forked.id), {title: text.toFork})],
+        {class: 'own'},
+      ),
   ];
 }
 
 /** An observer's name; where several have a band, a button that leaves only its own. */
 function nameOf({label}, banded, app, scope, mark) {
-  const {state: {band}, text} = app;
-  if (banded.length < 2 || !banded.some((one) => one.label === label)) return h('li', {class: 'own', title: label}, mark, h('span', {}, label));
-  return h('li', {class: 'own', 'data-label': label, onpointerenter: (event) => event.pointerType === 'mouse' && scope.point(label), onpointerleave: () => scope.point(null)}, mark,
-    h('button', {type: 'button', class: 'name', title: text.bandOnly(label), 'aria-pressed': String(band === label),
-      onclick: () => { scope.point(null); app.act.band(band === label ? null : label); }}, label));
+  const {
+    state: {band},
+    text,
+  } = app;
+  if (banded.length < 2 || !banded.some((one) => one.label === label))
+    return h('li', {class: 'own', title: label}, mark, h('span', {}, label));
+  return h(
+    'li',
+    {
+      class: 'own',
+      'data-label': label,
+      onpointerenter: (event) => event.pointerType === 'mouse' && scope.point(label),
+      onpointerleave: () => scope.point(null),
+    },
+    mark,
+    h(
+      'button',
+      {
+        type: 'button',
+        class: 'name',
+        title: text.bandOnly(label),
+        'aria-pressed': String(band === label),
+        onclick: () => {
+          scope.point(null);
+          app.act.band(band === label ? null : label);
+        },
+      },
+      label,
+    ),
+  );
 }
 
 /** Whose bands are drawn: of all of them the colours, of the chosen one its name, and the way back to all. */
 function bandOf(banded, app, key) {
-  const {state: {band}, text} = app;
+  const {
+    state: {band},
+    text,
+  } = app;
   const chosen = banded.length > 1 ? banded.find(({label}) => label === band) : null;
   const shown = chosen ? [chosen] : banded;
-  return h('li', {'data-mark': 'band', title: chosen ? null : text.bandHint}, h('span', {class: 'bands', 'aria-hidden': 'true'}, shown.map(({colour}) => key('band', `--c:${colour}`))),
+  return h(
+    'li',
+    {'data-mark': 'band', title: chosen ? null : text.bandHint},
+    h(
+      'span',
+      {class: 'bands', 'aria-hidden': 'true'},
+      shown.map(({colour}) => key('band', `--c:${colour}`)),
+    ),
     h('span', {}, chosen ? text.bandOf(chosen.label) : banded.length > 1 ? text.bandOfAll : text.band),
-    chosen && h('button', {type: 'button', class: 'link', onclick: () => app.act.band(null)}, text.allBands));
+    chosen && h('button', {type: 'button', class: 'link', onclick: () => app.act.band(null)}, text.allBands),
+  );
 }
 
 const SPOKEN = ['band', 'triangle', 'tinted', 'dash']; // which marks lose their words first
-const GROUPS = [['theta', 'channels'], ['state', 'states'], ['residual', 'residuals'], ['excitation', 'other']];
+const GROUPS = [
+  ['theta', 'channels'],
+  ['state', 'states'],
+  ['residual', 'residuals'],
+  ['excitation', 'other'],
+];
 
 function fillMenu(menu, app) {
   const {text} = app;
   const all = app.strips();
-  const box = (strip) => h('label', {}, h('input', {type: 'checkbox', checked: strip.shown, onchange: (event) => app.act.strip(strip.name, event.target.checked)}),
-    strip.kind === 'excitation' ? text.excitation : symbolic(strip.symbol) ? symbol(strip.symbol) : text.named(strip.title),
-    h('small', {}, strip.kind === 'residual' ? text.residual : symbolic(strip.symbol) ? text.named(strip.title) : ''));
+  const box = (strip) =>
+    h(
+      'label',
+      {},
+      h('input', {
+        type: 'checkbox',
+        checked: strip.shown,
+        onchange: (event) => app.act.strip(strip.name, event.target.checked),
+      }),
+      strip.kind === 'excitation'
+        ? text.excitation
+        : symbolic(strip.symbol)
+          ? symbol(strip.symbol)
+          : text.named(strip.title),
+      h('small', {}, strip.kind === 'residual' ? text.residual : symbolic(strip.symbol) ? text.named(strip.title) : ''),
+    );
   const groups = GROUPS.map(([kind, name]) => {
     const own = all.filter((strip) => strip.kind === kind);
     return own.length ? h('fieldset', {}, h('legend', {}, text[name]), own.map(box)) : null;
   });
   const changed = Object.keys(app.state.strips).length > 0;
-  fill(menu, h('summary', {title: text.stripsHint}, text.strips), h('div', {class: 'menu-body'}, groups,
-    changed && h('button', {type: 'button', class: 'link', onclick: () => app.act.strip(null)}, text.stripsUsual)));
+  fill(
+    menu,
+    h('summary', {title: text.stripsHint}, text.strips),
+    h(
+      'div',
+      {class: 'menu-body'},
+      groups,
+      changed && h('button', {type: 'button', class: 'link', onclick: () => app.act.strip(null)}, text.stripsUsual),
+    ),
+  );
 }

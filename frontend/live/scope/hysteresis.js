@@ -29,25 +29,52 @@ export function mountHysteresis(root, app) {
   const loop = h('canvas', {role: 'img'});
   const slots = h('canvas', {role: 'img'});
   const values = h('span', {class: 'num'});
-  const picture = {app, loop, slots, ctx: loop.getContext('2d'), slotCtx: slots.getContext('2d'), x: new Range(), y: new Range(), colours: palette(),
-    found: null, at: 0, still: ''};
-  app.subscribe((state) => [state.plant, state.language, state.columns], () => {
-    const {text, state} = app;
-    picture.found = operatorsOf(state.plant);
-    root.hidden = picture.found === null;
-    if (root.hidden) return;
-    picture.observer = state.observers.find(({label}) => state.columns.includes(`${label}.v`) && state.columns.includes(`${label}.zone.1`)) ?? null;
-    loop.setAttribute('aria-label', text.hysteresis);
-    slots.setAttribute('aria-label', text.zones);
-    fill(root, h('h2', {}, text.hysteresis, values),
-      h('div', {class: 'loop'}, h('figure', {}, loop, h('figcaption', {}, h('i', {}, 'v'), ` ${text.over} `, symbol(picture.found.input))),
-        h('figure', {}, slots, h('figcaption', {}, text.slots))));
-    measure(picture);
-  });
-  app.subscribe((state) => [state.theme, state.presentation], () => {
-    picture.colours = palette();
-    measure(picture);
-  });
+  const picture = {
+    app,
+    loop,
+    slots,
+    ctx: loop.getContext('2d'),
+    slotCtx: slots.getContext('2d'),
+    x: new Range(),
+    y: new Range(),
+    colours: palette(),
+    found: null,
+    at: 0,
+    still: '',
+  };
+  app.subscribe(
+    (state) => [state.plant, state.language, state.columns],
+    () => {
+      const {text, state} = app;
+      picture.found = operatorsOf(state.plant);
+      root.hidden = picture.found === null;
+      if (root.hidden) return;
+      picture.observer =
+        state.observers.find(
+          ({label}) => state.columns.includes(`${label}.v`) && state.columns.includes(`${label}.zone.1`),
+        ) ?? null;
+      loop.setAttribute('aria-label', text.hysteresis);
+      slots.setAttribute('aria-label', text.zones);
+      fill(
+        root,
+        h('h2', {}, text.hysteresis, values),
+        h(
+          'div',
+          {class: 'loop'},
+          h('figure', {}, loop, h('figcaption', {}, h('i', {}, 'v'), ` ${text.over} `, symbol(picture.found.input))),
+          h('figure', {}, slots, h('figcaption', {}, text.slots)),
+        ),
+      );
+      measure(picture);
+    },
+  );
+  app.subscribe(
+    (state) => [state.theme, state.presentation],
+    () => {
+      picture.colours = palette();
+      measure(picture);
+    },
+  );
   new ResizeObserver(() => measure(picture)).observe(root);
   app.onFrame((now) => draw(picture, now));
   app.onTick(() => {
@@ -57,7 +84,10 @@ export function mountHysteresis(root, app) {
 
 function measure(picture) {
   const ratio = Math.min(3, devicePixelRatio || 1);
-  for (const [canvas, ctx] of [[picture.loop, picture.ctx], [picture.slots, picture.slotCtx]]) {
+  for (const [canvas, ctx] of [
+    [picture.loop, picture.ctx],
+    [picture.slots, picture.slotCtx],
+  ]) {
     canvas.width = Math.round(canvas.clientWidth * ratio);
     canvas.height = Math.round(canvas.clientHeight * ratio);
     ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
@@ -72,7 +102,13 @@ function zoneWords({app, found, observer}) {
   const zones = found.operators.map((_, i) => app.latest(`${observer.label}.zone.${i + 1}`));
   const count = (zone) => zones.filter((one) => one === zone).length;
   const {text} = app;
-  return [[1, text.rising], [-1, text.falling], [0, text.memory]].map(([zone, word]) => `${word} ${count(zone)}`).join(' · ');
+  return [
+    [1, text.rising],
+    [-1, text.falling],
+    [0, text.memory],
+  ]
+    .map(([zone, word]) => `${word} ${count(zone)}`)
+    .join(' · ');
 }
 
 function draw(picture, now) {
@@ -146,11 +182,22 @@ function drawLoop(picture, true_, own) {
 function drawAxes({ctx, loop, x, y, colours}, area, px, py) {
   const mark = (value, step) => (value === 0 ? '0' : fixed(value, Math.max(0, Math.ceil(-Math.log10(step)))));
   ctx.clearRect(0, 0, loop.clientWidth, loop.clientHeight);
-  Object.assign(ctx, {font: colours.number, fillStyle: colours.soft, strokeStyle: colours.grid, lineWidth: 1, textAlign: 'center', textBaseline: 'bottom'});
+  Object.assign(ctx, {
+    font: colours.number,
+    fillStyle: colours.soft,
+    strokeStyle: colours.grid,
+    lineWidth: 1,
+    textAlign: 'center',
+    textBaseline: 'bottom',
+  });
   const stepX = niceStep(x.high - x.low, 3);
   for (const value of marks(x.low, x.high, stepX)) {
     straight(ctx, px(value), 0, px(value), area.h);
-    ctx.fillText(mark(value, stepX), Math.max(area.left + 12, Math.min(area.left + area.w - 14, px(value))), loop.clientHeight);
+    ctx.fillText(
+      mark(value, stepX),
+      Math.max(area.left + 12, Math.min(area.left + area.w - 14, px(value))),
+      loop.clientHeight,
+    );
   }
   Object.assign(ctx, {textAlign: 'right', textBaseline: 'middle'});
   const stepY = niceStep(y.high - y.low, 4);

@@ -5,7 +5,13 @@ import {plain, symbolic} from '../../common/names.js';
 import {palette} from './canvas.js';
 
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
-const OPTIONS = {displaylogo: false, responsive: true, showSendToCloud: false, plotlyServerURL: '', modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage']};
+const OPTIONS = {
+  displaylogo: false,
+  responsive: true,
+  showSendToCloud: false,
+  plotlyServerURL: '',
+  modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d', 'toImage'],
+};
 
 const TINT = 'rgba(230,159,0,.15)'; // where a fault acts
 
@@ -14,11 +20,15 @@ let library = null;
 /** window.Plotly, from this server. */
 export function load() {
   library ??= new Promise((done, stop) => {
-    const script = h('script', {src: '/assets/plotly.min.js', onload: () => done(window.Plotly), onerror: () => {
-      library = null;
-      script.remove();
-      stop(new Error('/assets/plotly.min.js'));
-    }});
+    const script = h('script', {
+      src: '/assets/plotly.min.js',
+      onload: () => done(window.Plotly),
+      onerror: () => {
+        library = null;
+        script.remove();
+        stop(new Error('/assets/plotly.min.js'));
+      },
+    });
     document.head.append(script);
   });
   return library;
@@ -49,20 +59,40 @@ export function points(samples, name, t0, t1) {
 /** Strips between two times as a Plotly figure, one above the other on one time axis. */
 export function figureOf({samples, strips, faults, alarms, bands, text, t0, t1, title}) {
   const colours = palette();
-  const figure = {data: [], layout: layoutOf({colours, title, t0, t1, axis: `y${strips.length > 1 ? strips.length : ''}`})};
+  const figure = {
+    data: [],
+    layout: layoutOf({colours, title, t0, t1, axis: `y${strips.length > 1 ? strips.length : ''}`}),
+  };
   const total = strips.reduce((sum, {weight}) => sum + weight, 0);
   const named = new Set();
   let top = 1;
   strips.forEach((strip, i) => {
     const axis = `y${i ? i + 1 : ''}`;
     const high = (strip.weight / total) * (1 - 0.03 * (strips.length - 1));
-    figure.layout[`yaxis${i ? i + 1 : ''}`] = {domain: [Math.max(0, top - high), top], title: {text: nameOf(strip, text), standoff: 6}, gridcolor: colours.grid,
-      linecolor: colours.line, zerolinecolor: colours.line, mirror: true, ...(strip.range ? {range: strip.range} : {}),
-      ...(strip.log ? {tickprefix: '10<sup>', ticksuffix: '</sup>', dtick: 1} : {})};
+    figure.layout[`yaxis${i ? i + 1 : ''}`] = {
+      domain: [Math.max(0, top - high), top],
+      title: {text: nameOf(strip, text), standoff: 6},
+      gridcolor: colours.grid,
+      linecolor: colours.line,
+      zerolinecolor: colours.line,
+      mirror: true,
+      ...(strip.range ? {range: strip.range} : {}),
+      ...(strip.log ? {tickprefix: '10<sup>', ticksuffix: '</sup>', dtick: 1} : {}),
+    };
     top -= high + 0.03;
     figure.data.push(...curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}));
     if (strip.kind === 'theta') figure.layout.shapes.push(...tintsOf(strip, axis, faults, t0, t1, samples.now));
-    if (strip.threshold !== null) figure.layout.shapes.push({type: 'line', xref: 'x', yref: axis, x0: t0, x1: t1, y0: strip.threshold, y1: strip.threshold, line: {color: colours.alarm, width: 1, dash: 'dot'}});
+    if (strip.threshold !== null)
+      figure.layout.shapes.push({
+        type: 'line',
+        xref: 'x',
+        yref: axis,
+        x0: t0,
+        x1: t1,
+        y0: strip.threshold,
+        y1: strip.threshold,
+        line: {color: colours.alarm, width: 1, dash: 'dot'},
+      });
     figure.layout.annotations.push(...flagsOf(strip, axis, alarms, t0, t1, colours));
   });
   figure.data.push(...keysOf(figure, strips, text, colours));
@@ -71,29 +101,76 @@ export function figureOf({samples, strips, faults, alarms, bands, text, t0, t1, 
 
 /** What the marks of a figure mean, as entries of its legend: curves without points. */
 function keysOf({layout}, strips, text, colours) {
-  const entry = (name, look) => ({type: 'scatter', mode: 'markers', x: [null], y: [null], name, hoverinfo: 'skip', showlegend: true, ...look});
+  const entry = (name, look) => ({
+    type: 'scatter',
+    mode: 'markers',
+    x: [null],
+    y: [null],
+    name,
+    hoverinfo: 'skip',
+    showlegend: true,
+    ...look,
+  });
   return [
-    layout.shapes.some(({type}) => type === 'rect') && entry(text.faultActive, {marker: {symbol: 'square', size: 11, color: TINT}}),
-    layout.annotations.length > 0 && entry(text.alarm, {marker: {symbol: 'triangle-down', size: 10, color: colours.alarm}}),
-    strips.some(({threshold}) => threshold !== null) && entry(text.threshold, {mode: 'lines', line: {color: colours.alarm, width: 1, dash: 'dot'}}),
+    layout.shapes.some(({type}) => type === 'rect') &&
+      entry(text.faultActive, {marker: {symbol: 'square', size: 11, color: TINT}}),
+    layout.annotations.length > 0 &&
+      entry(text.alarm, {marker: {symbol: 'triangle-down', size: 10, color: colours.alarm}}),
+    strips.some(({threshold}) => threshold !== null) &&
+      entry(text.threshold, {mode: 'lines', line: {color: colours.alarm, width: 1, dash: 'dot'}}),
   ].filter(Boolean);
 }
 
 /** Alarms on the strip that they name, as flags at its upper edge. */
 function flagsOf(strip, axis, alarms, t0, t1, colours) {
-  const named = ({explained, subject, subjects}) => (strip.kind === 'theta' ? subjects.includes(strip.subject) : strip.kind === 'residual' && !explained && subject === strip.subject);
-  return alarms.filter((alarm) => named(alarm) && alarm.t >= t0 && alarm.t <= t1).map(({t, subject}) => ({
-    x: t, y: 1, xref: 'x', yref: `${axis} domain`, xanchor: 'center', yanchor: 'middle', text: subject === strip.subject ? '▼' : '▽', showarrow: false, font: {color: colours.alarm, size: 11 * colours.size},
-  }));
+  const named = ({explained, subject, subjects}) =>
+    strip.kind === 'theta'
+      ? subjects.includes(strip.subject)
+      : strip.kind === 'residual' && !explained && subject === strip.subject;
+  return alarms
+    .filter((alarm) => named(alarm) && alarm.t >= t0 && alarm.t <= t1)
+    .map(({t, subject}) => ({
+      x: t,
+      y: 1,
+      xref: 'x',
+      yref: `${axis} domain`,
+      xanchor: 'center',
+      yanchor: 'middle',
+      text: subject === strip.subject ? '▼' : '▽',
+      showarrow: false,
+      font: {color: colours.alarm, size: 11 * colours.size},
+    }));
 }
 
 function layoutOf({colours, title, t0, t1, axis}) {
   return {
-    paper_bgcolor: colours.card, plot_bgcolor: colours.card, margin: {l: 84, r: 16, t: title ? 74 : 40, b: 42}, hovermode: 'x unified', shapes: [], annotations: [],
+    paper_bgcolor: colours.card,
+    plot_bgcolor: colours.card,
+    margin: {l: 84, r: 16, t: title ? 74 : 40, b: 42},
+    hovermode: 'x unified',
+    shapes: [],
+    annotations: [],
     font: {family: 'system-ui, "Noto Sans", "DejaVu Sans", sans-serif', size: 12 * colours.size, color: colours.ink},
     legend: {orientation: 'h', y: 1.005, yanchor: 'bottom', x: 0, xanchor: 'left'},
-    title: title ? {text: escaped(title), x: 0.01, y: 1, yref: 'container', yanchor: 'top', pad: {t: 14}, font: {size: 14 * colours.size}} : undefined,
-    xaxis: {title: {text: 't / s'}, range: [t0, t1], gridcolor: colours.grid, linecolor: colours.line, zeroline: false, anchor: axis},
+    title: title
+      ? {
+          text: escaped(title),
+          x: 0.01,
+          y: 1,
+          yref: 'container',
+          yanchor: 'top',
+          pad: {t: 14},
+          font: {size: 14 * colours.size},
+        }
+      : undefined,
+    xaxis: {
+      title: {text: 't / s'},
+      range: [t0, t1],
+      gridcolor: colours.grid,
+      linecolor: colours.line,
+      zeroline: false,
+      anchor: axis,
+    },
   };
 }
 
@@ -106,24 +183,49 @@ function curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}) {
     const name = text.bandOf(trace.label);
     const showlegend = !named.has(name);
     named.add(name);
-    return [{...edge, ...points(samples, trace.low, t0, t1), legendgroup: name}, {...edge, ...points(samples, trace.high, t0, t1), name: escaped(name), legendgroup: name, showlegend,
-      fill: 'tonexty', fillcolor: `${colours.observers[trace.place % 6]}${shown.length > 2 ? '1c' : '2b'}`}];
+    return [
+      {...edge, ...points(samples, trace.low, t0, t1), legendgroup: name},
+      {
+        ...edge,
+        ...points(samples, trace.high, t0, t1),
+        name: escaped(name),
+        legendgroup: name,
+        showlegend,
+        fill: 'tonexty',
+        fillcolor: `${colours.observers[trace.place % 6]}${shown.length > 2 ? '1c' : '2b'}`,
+      },
+    ];
   });
   const curve = (column, name, line) => {
     const showlegend = !named.has(name);
     named.add(name);
     return {...base, ...points(samples, column, t0, t1), name: escaped(name), legendgroup: name, showlegend, line};
   };
-  return [...areas, ...strip.traces.map((trace) => curve(trace.column, trace.label, {color: colours.observers[trace.place % 6], width: 1.4})),
-    ...(strip.truth ? [curve(strip.truth, text.truth, {color: colours.ink, width: 1.2, dash: 'dash'})] : [])];
+  return [
+    ...areas,
+    ...strip.traces.map((trace) =>
+      curve(trace.column, trace.label, {color: colours.observers[trace.place % 6], width: 1.4}),
+    ),
+    ...(strip.truth ? [curve(strip.truth, text.truth, {color: colours.ink, width: 1.2, dash: 'dash'})] : []),
+  ];
 }
 
 /** The times at which a fault acts, as areas behind the curves. */
 function tintsOf(strip, axis, faults, t0, t1, now) {
-  return faults.filter(({subject, onset}) => subject === strip.subject && onset <= t1).map(({onset, end}) => ({
-    type: 'rect', xref: 'x', yref: `${axis} domain`, x0: Math.max(t0, onset), x1: Math.min(t1, end ?? now), y0: 0, y1: 1,
-    fillcolor: TINT, line: {width: 0}, layer: 'below',
-  }));
+  return faults
+    .filter(({subject, onset}) => subject === strip.subject && onset <= t1)
+    .map(({onset, end}) => ({
+      type: 'rect',
+      xref: 'x',
+      yref: `${axis} domain`,
+      x0: Math.max(t0, onset),
+      x1: Math.min(t1, end ?? now),
+      y0: 0,
+      y1: 1,
+      fillcolor: TINT,
+      line: {width: 0},
+      layer: 'below',
+    }));
 }
 
 /** Text that Plotly is not to read as its own markup. */
@@ -145,7 +247,13 @@ export async function show(element, figure) {
 /** A figure as a Blob: format 'png' or 'svg'. */
 export async function image(figure, {format, width, height}) {
   const Plotly = await load();
-  const address = await Plotly.toImage(figure, {format, width, height, scale: format === 'png' ? 2 : 1, imageDataOnly: true});
+  const address = await Plotly.toImage(figure, {
+    format,
+    width,
+    height,
+    scale: format === 'png' ? 2 : 1,
+    imageDataOnly: true,
+  });
   if (format === 'svg') return new Blob([address], {type: 'image/svg+xml'});
   return new Blob([Uint8Array.from(atob(address), (letter) => letter.charCodeAt(0))], {type: 'image/png'});
 }

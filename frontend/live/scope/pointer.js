@@ -21,7 +21,10 @@ class Pointer {
     plots.addEventListener('pointercancel', () => this.end());
     plots.addEventListener('pointerleave', () => this.drag === null && this.hide());
     plots.addEventListener('dblclick', (event) => this.back(event));
-    app.subscribe((state) => [state.looking, state.selection, state.record], () => this.showLooking());
+    app.subscribe(
+      (state) => [state.looking, state.selection, state.record],
+      () => this.showLooking(),
+    );
   }
 
   /** A double click on an axis shows all of its strip, one on the curves ends the zoom. */
@@ -54,11 +57,17 @@ class Pointer {
     if (!this.line.hidden && this.drag === null) this.show(this.over);
   }
 
-  x(event) { return event.clientX - this.plots.getBoundingClientRect().left - this.left; }
+  x(event) {
+    return event.clientX - this.plots.getBoundingClientRect().left - this.left;
+  }
 
-  clamped(x) { return Math.min(this.width, Math.max(0, x)); }
+  clamped(x) {
+    return Math.min(this.width, Math.max(0, x));
+  }
 
-  timeAt(x, [t0, t1] = this.scope.span()) { return t0 + (this.clamped(x) / this.width) * (t1 - t0); }
+  timeAt(x, [t0, t1] = this.scope.span()) {
+    return t0 + (this.clamped(x) / this.width) * (t1 - t0);
+  }
 
   show(x) {
     const inside = x >= -2 && x <= this.width + 2;
@@ -78,7 +87,14 @@ class Pointer {
 
   press(event) {
     const x = this.x(event);
-    if (event.button !== 0 || x < 0 || x > this.width || event.pointerType === 'touch' || event.target.closest('button')) return;
+    if (
+      event.button !== 0 ||
+      x < 0 ||
+      x > this.width ||
+      event.pointerType === 'touch' ||
+      event.target.closest('button')
+    )
+      return;
     this.drag = {from: x, span: this.scope.span(), far: false}; // the window as it was: it may move on meanwhile
     this.plots.setPointerCapture(event.pointerId);
   }

@@ -18,17 +18,52 @@ const LINE = 14.3; // px of one number beside a strip
 
 export function mountScope(root, app) {
   const scope = new Scope(root, app);
-  app.subscribe((state) => [state.plant, state.columns, state.observers, state.faults, state.checks, state.strips, state.noise, state.language, state.presentation],
-    () => scope.build());
-  app.subscribe((state) => [state.plant, state.selection, state.window, state.session], () => scope.refit());
-  app.subscribe((state) => state.language, () => { scope.title.textContent = app.text.scope; });
-  app.subscribe((state) => [state.theme, state.presentation], () => scope.restyle());
-  app.subscribe((state) => [state.connection, state.alarms, state.log.length, state.band], () => {
-    scope.still = '';
-    app.wake();
-  });
-  app.subscribe((state) => untold(state).map((one) => `${one.channel} ${one.smallest === null}`).join(), () => scope.showUntold());
-  app.subscribe((state) => [state.cursor, state.looking], () => app.wake()); // the numbers follow while time stands still, too
+  app.subscribe(
+    (state) => [
+      state.plant,
+      state.columns,
+      state.observers,
+      state.faults,
+      state.checks,
+      state.strips,
+      state.noise,
+      state.language,
+      state.presentation,
+    ],
+    () => scope.build(),
+  );
+  app.subscribe(
+    (state) => [state.plant, state.selection, state.window, state.session],
+    () => scope.refit(),
+  );
+  app.subscribe(
+    (state) => state.language,
+    () => {
+      scope.title.textContent = app.text.scope;
+    },
+  );
+  app.subscribe(
+    (state) => [state.theme, state.presentation],
+    () => scope.restyle(),
+  );
+  app.subscribe(
+    (state) => [state.connection, state.alarms, state.log.length, state.band],
+    () => {
+      scope.still = '';
+      app.wake();
+    },
+  );
+  app.subscribe(
+    (state) =>
+      untold(state)
+        .map((one) => `${one.channel} ${one.smallest === null}`)
+        .join(),
+    () => scope.showUntold(),
+  );
+  app.subscribe(
+    (state) => [state.cursor, state.looking],
+    () => app.wake(),
+  ); // the numbers follow while time stands still, too
   app.onFrame((now) => scope.draw(now));
   app.onTick(() => scope.showValues());
   return scope;
@@ -79,23 +114,43 @@ class Scope {
     const [letters, index] = split(strip.symbol);
     const wordy = strip.kind === 'excitation' ? false : letters.length > 1 || index.length > 3;
     const unit = strip.unit ? ` ${strip.unit}` : '';
-    const open = tool('open', 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4', () => openFigure(this.app, strip.name));
+    const open = tool('open', 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4', () =>
+      openFigure(this.app, strip.name),
+    );
     open.title = text.openFigure;
     open.setAttribute('aria-label', `${text.openFigure}: ${words}`);
     row.all ??= tool('all', 'M8 2v12M5 4.500L8 2l3 2.500M5 11.500L8 14l3-2.500', () => this.showAll(row));
     row.all.dataset.name = words;
     this.labelAll(row);
     row.plot.append(row.all);
-    fill(row.label, h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)), open, h('small', {title: words + unit}, words));
+    fill(
+      row.label,
+      h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)),
+      open,
+      h('small', {title: words + unit}, words),
+    );
     row.element.style.setProperty('--weight', strip.weight);
     row.element.dataset.kind = strip.kind;
     row.element.dataset.strip = strip.name;
-    row.element.classList.toggle('fault-on', strip.kind === 'theta' && this.app.state.faults.some(({subject, active}) => active && subject === strip.subject));
+    row.element.classList.toggle(
+      'fault-on',
+      strip.kind === 'theta' && this.app.state.faults.some(({subject, active}) => active && subject === strip.subject),
+    );
     row.canvas.dataset.name = [symbolic(strip.symbol) && plain(strip.symbol), words].filter(Boolean).join(' ');
     row.canvas.setAttribute('aria-label', row.canvas.dataset.name);
-    const own = strip.traces.map((trace) => h('span', {style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`, 'data-label': trace.label}));
+    const own = strip.traces.map((trace) =>
+      h('span', {
+        style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`,
+        'data-label': trace.label,
+      }),
+    );
     row.values.style.setProperty('--lines', Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2));
-    fill(row.values, strip.truth && h('span', {class: 'truth'}), own, strip.log && own.length === 1 && h('span', {class: 'judged', style: '--c:var(--ok)', 'data-label': ''}));
+    fill(
+      row.values,
+      strip.truth && h('span', {class: 'truth'}),
+      own,
+      strip.log && own.length === 1 && h('span', {class: 'judged', style: '--c:var(--ok)', 'data-label': ''}),
+    );
   }
 
   /** Say which faults the input of the last window does not tell. */
@@ -126,7 +181,9 @@ class Scope {
   /** Fit the canvases to their places. */
   measure() {
     const ratio = Math.min(3, devicePixelRatio || 1);
-    const crowded = [...this.rows.values()].some(({element, values}) => values.childElementCount * LINE * this.colours.size > element.clientHeight);
+    const crowded = [...this.rows.values()].some(
+      ({element, values}) => values.childElementCount * LINE * this.colours.size > element.clientHeight,
+    );
     this.list.classList.toggle('many', crowded); // numbers in two columns; the heights stay
     for (const row of this.rows.values()) fit(row, row.canvas, ratio, GUTTER * this.colours.size);
     const [first] = this.rows.values();
@@ -155,7 +212,12 @@ class Scope {
   draw(now) {
     const {app} = this;
     const {state, samples, ghost} = app;
-    const moving = app.edge.move(now, samples.now, state.rate || state.speed || 1, state.playing && state.connection === 'live');
+    const moving = app.edge.move(
+      now,
+      samples.now,
+      state.rate || state.speed || 1,
+      state.playing && state.connection === 'live',
+    );
     if (this.rows.size === 0 || !this.place) return moving;
     const [t0, t1] = this.span();
     const shown = `${samples.version} ${ghost?.version} ${t0} ${t1}`;
@@ -163,7 +225,18 @@ class Scope {
     if (shown === this.still && !gliding && !moving) return false;
     this.still = shown;
     const step = niceStep(t1 - t0, Math.max(2, this.place.width / (78 * this.colours.size)));
-    const view = {t0, t1, step, samples, ghost, now: samples.now, row: samples.record, faults: state.faults, alarms: state.alarms, bands: this.bands()};
+    const view = {
+      t0,
+      t1,
+      step,
+      samples,
+      ghost,
+      now: samples.now,
+      row: samples.record,
+      faults: state.faults,
+      alarms: state.alarms,
+      bands: this.bands(),
+    };
     for (const row of this.rows.values()) {
       if (row.place.height > 0) drawStrip(row.ctx, row.strip, row.place, view, row.range, this.colours);
     }
@@ -233,8 +306,15 @@ class Scope {
   /** What stands where there are no curves (yet). */
   showEmpty() {
     const {state, samples, text} = this.app;
-    const words = ['ended', 'failed', 'full'].includes(state.connection) ? '' : !state.plant ? text.loading
-      : this.rows.size === 0 ? text.noStrips : samples.rows < 2 && !state.playing ? text.nothingYet : '';
+    const words = ['ended', 'failed', 'full'].includes(state.connection)
+      ? ''
+      : !state.plant
+        ? text.loading
+        : this.rows.size === 0
+          ? text.noStrips
+          : samples.rows < 2 && !state.playing
+            ? text.nothingYet
+            : '';
     this.empty.hidden = words === '';
     if (this.empty.textContent !== words) this.empty.textContent = words;
   }
@@ -253,7 +333,11 @@ class Scope {
     const row = this.rows.get('excitation');
     if (!row) return;
     const told = row.strip.traces.some(({column}) => Number.isFinite(samples.latest(column)));
-    const why = told ? null : row.strip.traces.flatMap(({label}) => state.checks[label] ?? []).find(({name, value}) => /excit/i.test(name) && value === null);
+    const why = told
+      ? null
+      : row.strip.traces
+          .flatMap(({label}) => state.checks[label] ?? [])
+          .find(({name, value}) => /excit/i.test(name) && value === null);
     row.untold.hidden = !why;
     const words = why ? text.said(why.text) : '';
     if (row.untold.textContent !== words) row.untold.textContent = words;
@@ -263,15 +347,40 @@ class Scope {
 /** What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant. */
 function signOf({kind, symbol: name}, plant) {
   if (kind === 'excitation') return h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min'));
-  if (kind === 'residual') return h('span', {class: 'math', style: split(name)[1].length > 5 && 'white-space:normal;font-size:1rem'}, symbol(name), ' − ', symbol(name, true));
+  if (kind === 'residual')
+    return h(
+      'span',
+      {class: 'math', style: split(name)[1].length > 5 && 'white-space:normal;font-size:1rem'},
+      symbol(name),
+      ' − ',
+      symbol(name, true),
+    );
   if (kind !== 'theta') return symbol(name);
   const [letters, index] = badges(plant.channels).get(name);
   return h('span', {class: 'math'}, h('i', {}, letters), index && h('sub', {}, index));
 }
 
 /** A small button of a strip. */
-const tool = (name, d, act) => h('button', {type: 'button', class: name, onclick: act}, h('svg', {viewBox: '0 0 16 16', width: 13, height: 13, fill: 'none', stroke: 'currentColor',
-  'stroke-width': 1.5, 'stroke-linecap': 'round', 'stroke-linejoin': 'round', 'aria-hidden': 'true'}, h('path', {d})));
+const tool = (name, d, act) =>
+  h(
+    'button',
+    {type: 'button', class: name, onclick: act},
+    h(
+      'svg',
+      {
+        viewBox: '0 0 16 16',
+        width: 13,
+        height: 13,
+        fill: 'none',
+        stroke: 'currentColor',
+        'stroke-width': 1.5,
+        'stroke-linecap': 'round',
+        'stroke-linejoin': 'round',
+        'aria-hidden': 'true',
+      },
+      h('path', {d}),
+    ),
+  );
 
 function createRow() {
   const label = h('div', {class: 'strip-label'});
@@ -279,8 +388,17 @@ function createRow() {
   const values = h('div', {class: 'strip-values', 'aria-hidden': 'true'});
   const mark = h('span', {class: 'untold', hidden: true});
   const plot = h('div', {class: 'strip-plot'}, canvas, mark);
-  return {label, canvas, values, plot, untold: mark, ctx: canvas.getContext('2d'), range: new Range(), element: h('div', {class: 'strip'}, label, plot, values),
-    place: {left: 0, width: 0, height: 0, full: 0}};
+  return {
+    label,
+    canvas,
+    values,
+    plot,
+    untold: mark,
+    ctx: canvas.getContext('2d'),
+    range: new Range(),
+    element: h('div', {class: 'strip'}, label, plot, values),
+    place: {left: 0, width: 0, height: 0, full: 0},
+  };
 }
 
 function fit(owner, canvas, ratio, gutter) {

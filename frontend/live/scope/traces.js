@@ -39,14 +39,14 @@ function strokeBins(ctx, piece, {low, high, mask, pair}, first, last, power, x0,
     const x = x0 + Math.min(bin * each + each / 2, last - 1) * dx;
     const y1 = Math.min(bottom, Math.max(top, y0 + least * dy));
     const y2 = Math.min(bottom, Math.max(top, y0 + most * dy));
-    if (!down) ctx.moveTo(x, before = y1);
-    if (y1 - y2 < 0.7) ctx.lineTo(x, before = (y1 + y2) / 2);
+    if (!down) ctx.moveTo(x, (before = y1));
+    if (y1 - y2 < 0.7) ctx.lineTo(x, (before = (y1 + y2) / 2));
     else if (Math.abs(before - y1) <= Math.abs(before - y2)) {
       if (down) ctx.lineTo(x, y1);
-      ctx.lineTo(x, before = y2);
+      ctx.lineTo(x, (before = y2));
     } else {
       if (down) ctx.lineTo(x, y2);
-      ctx.lineTo(x, before = y1);
+      ctx.lineTo(x, (before = y1));
     }
     down = true;
     if ((bin & piece) !== piece) continue;

@@ -11,7 +11,9 @@ export function showValues(rows, app) {
   const {state, samples, text} = app;
   const row = Math.min(samples.rows - 1, Math.round(moment(state, samples.now) / samples.record));
   for (const {strip, values, range, canvas} of rows) {
-    const spell = strip.log ? excitation : written(range.target ? {low: range.target[0], high: range.target[1]} : range);
+    const spell = strip.log
+      ? excitation
+      : written(range.target ? {low: range.target[0], high: range.target[1]} : range);
     const shown = [...(strip.truth ? [{column: strip.truth, label: text.truth, fallen: null}] : []), ...strip.traces];
     const words = shown.map(({column, fallen, label}, i) => {
       const value = samples.value(column, row);
@@ -21,12 +23,15 @@ export function showValues(rows, app) {
       if (strip.log) cell?.classList.toggle('warning', said === text.diverged);
       return `${label} ${said}`;
     });
-    if (strip.log && shown.length === 1) words.push(judge(values.children[1], samples.value(shown[0].column, row), strip, text));
+    if (strip.log && shown.length === 1)
+      words.push(judge(values.children[1], samples.value(shown[0].column, row), strip, text));
     if (!state.playing) canvas.setAttribute('aria-label', text.describe(canvas.dataset.name, words.join(', ')));
   }
 }
 
-const put = (cell, words) => { if (cell && cell.textContent !== words) cell.textContent = words; };
+const put = (cell, words) => {
+  if (cell && cell.textContent !== words) cell.textContent = words;
+};
 
 const excitation = (value) => (value === value ? power(10 ** value) : '–');
 

@@ -12,12 +12,18 @@ const same = (a, b) => JSON.stringify(sorted(a)) === JSON.stringify(sorted(b));
 function sorted(value) {
   if (Array.isArray(value)) return value.map(sorted);
   if (value === null || typeof value !== 'object') return value;
-  return Object.fromEntries(Object.keys(value).sort().map((key) => [key, sorted(value[key])]));
+  return Object.fromEntries(
+    Object.keys(value)
+      .sort()
+      .map((key) => [key, sorted(value[key])]),
+  );
 }
 
 /** The fields of a spec that the library's experiment does not have so. `base` has its plant in full. */
 export function changed(spec, base) {
-  return Object.fromEntries(Object.entries(spec).filter(([key, value]) => !PROSE.includes(key) && !same(value, base[key])));
+  return Object.fromEntries(
+    Object.entries(spec).filter(([key, value]) => !PROSE.includes(key) && !same(value, base[key])),
+  );
 }
 
 /** The address of a spec at a time. `base`: the library's experiment it began with, plant in full, or null. */
@@ -25,7 +31,8 @@ export async function write({spec, t, experiment, base}) {
   const time = Number(t.toPrecision(12));
   if (base) {
     const differs = changed(spec, base);
-    if (Object.keys(differs).length === 0) return `?experiment=${encodeURIComponent(experiment)}${time > 0 ? `&t=${time}` : ''}`;
+    if (Object.keys(differs).length === 0)
+      return `?experiment=${encodeURIComponent(experiment)}${time > 0 ? `&t=${time}` : ''}`;
     return `#s=${await pack({experiment, changed: differs, t: time})}`;
   }
   return `#s=${await pack({spec, t: time})}`;
@@ -39,7 +46,11 @@ export async function read(from) {
   const query = new URLSearchParams(from.search);
   const fragment = new URLSearchParams(from.hash.slice(1)).get('s');
   const t = Number(query.get('t') ?? 0);
-  const asked = {session: query.get('session'), experiment: query.get('experiment'), t: Number.isFinite(t) && t > 0 ? t : 0};
+  const asked = {
+    session: query.get('session'),
+    experiment: query.get('experiment'),
+    t: Number.isFinite(t) && t > 0 ? t : 0,
+  };
   if (!fragment) return asked;
   const found = await unpack(fragment);
   if (!isSession(found)) throw new Error('what the link holds is no session');
@@ -49,14 +60,18 @@ export async function read(from) {
 /** Whether what a fragment held says which experiment, and how it differs. */
 function isSession(found) {
   const object = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
-  return object(found) && (object(found.spec) || (object(found.changed) && typeof found.experiment === 'string')) && Number.isFinite(found.t ?? 0);
+  return (
+    object(found) &&
+    (object(found.spec) || (object(found.changed) && typeof found.experiment === 'string')) &&
+    Number.isFinite(found.t ?? 0)
+  );
 }
 
 /** The spec that an address with a fragment means; `load(id)` gives a library experiment with its plant in full. */
 export async function specOf(asked, load) {
   if (asked.spec) return asked.spec;
   if (!asked.changed) return null;
-  return {...await load(asked.experiment), ...asked.changed};
+  return {...(await load(asked.experiment)), ...asked.changed};
 }
 
 async function pipe(bytes, through) {

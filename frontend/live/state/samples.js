@@ -138,23 +138,34 @@ export class Samples {
     for (const column of this.columns.values()) column.values = grown(column.values, this.capacity);
   }
 
-  has(name) { return this.columns.has(name); }
+  has(name) {
+    return this.columns.has(name);
+  }
 
   /** First row that is kept at full rate. */
-  get oldest() { return Math.max(this.floor, this.rows - this.capacity); }
+  get oldest() {
+    return Math.max(this.floor, this.rows - this.capacity);
+  }
 
   /** The first bucket of a level that is kept. */
-  firstBucket(level) { return Math.max(this.floors[level], ((this.rows - 1) >> (BITS * (level + 1))) - BUCKETS + 1); }
+  firstBucket(level) {
+    return Math.max(this.floors[level], ((this.rows - 1) >> (BITS * (level + 1))) - BUCKETS + 1);
+  }
 
   /** Time of the newest row, s. */
-  get now() { return this.rows === 0 ? 0 : (this.rows - 1) * this.record; }
+  get now() {
+    return this.rows === 0 ? 0 : (this.rows - 1) * this.record;
+  }
 
-  latest(name) { return this.value(name, this.rows - 1); }
+  latest(name) {
+    return this.value(name, this.rows - 1);
+  }
 
   /** Value of a row, NaN where there is none (any more). */
   value(name, row) {
     const column = this.columns.get(name);
-    if (!column || row < this.oldest || row >= this.rows || row < 0) return column && row >= 0 && row < this.rows ? this.coarse(column, row) : NaN;
+    if (!column || row < this.oldest || row >= this.rows || row < 0)
+      return column && row >= 0 && row < this.rows ? this.coarse(column, row) : NaN;
     return column.values[row & (this.capacity - 1)];
   }
 
@@ -170,7 +181,9 @@ export class Samples {
     return NaN;
   }
 
-  at(name, t) { return this.value(name, Math.round(t / this.record)); }
+  at(name, t) {
+    return this.value(name, Math.round(t / this.record));
+  }
 
   /** Copies of what is kept at full rate between two times: {t, v}. */
   window(name, t0, t1) {

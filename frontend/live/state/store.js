@@ -69,17 +69,62 @@
 
 /** @type {State} */
 export const initial = Object.freeze({
-  connection: 'starting', session: null, role: 'control', experiment: null, spec: null, plant: null, columns: [], epoch: 0,
-  step: 0, record: 0, row: 0, t: 0, playing: false, speed: 1, rate: null, viewers: 1, ended: false,
-  log: [], alarms: [], diagnosis: null, checks: {}, observers: [], faults: [], noise: {}, broken: null, places: {}, parent: null, origin: null,
-  window: 30, windows: [10, 30, 100], begunPlain: false, selection: null, cursor: null, looking: null, band: null, strips: {}, site: null, presentation: false, desk: 'inject', theme: 'light', language: 'en',
-  problem: null, told: null,
+  connection: 'starting',
+  session: null,
+  role: 'control',
+  experiment: null,
+  spec: null,
+  plant: null,
+  columns: [],
+  epoch: 0,
+  step: 0,
+  record: 0,
+  row: 0,
+  t: 0,
+  playing: false,
+  speed: 1,
+  rate: null,
+  viewers: 1,
+  ended: false,
+  log: [],
+  alarms: [],
+  diagnosis: null,
+  checks: {},
+  observers: [],
+  faults: [],
+  noise: {},
+  broken: null,
+  places: {},
+  parent: null,
+  origin: null,
+  window: 30,
+  windows: [10, 30, 100],
+  begunPlain: false,
+  selection: null,
+  cursor: null,
+  looking: null,
+  band: null,
+  strips: {},
+  site: null,
+  presentation: false,
+  desk: 'inject',
+  theme: 'light',
+  language: 'en',
+  problem: null,
+  told: null,
 });
 
 /** Equal, or alike one level down: a select may build an array or an object. */
 export function alike(a, b) {
   if (Object.is(a, b)) return true;
-  if (typeof a !== 'object' || typeof b !== 'object' || a === null || b === null || Array.isArray(a) !== Array.isArray(b)) return false;
+  if (
+    typeof a !== 'object' ||
+    typeof b !== 'object' ||
+    a === null ||
+    b === null ||
+    Array.isArray(a) !== Array.isArray(b)
+  )
+    return false;
   const keys = Object.keys(a);
   return keys.length === Object.keys(b).length && keys.every((key) => Object.is(a[key], b[key]));
 }
@@ -92,7 +137,9 @@ export function createStore(begin, reduce) {
   let state = begin;
   const watchers = new Set();
   return {
-    get state() { return state; },
+    get state() {
+      return state;
+    },
 
     /** Tell `fn(value, before)` now and whenever `select(state)` has changed. Returns a function that ends it. */
     subscribe(select, fn) {

@@ -43,9 +43,17 @@ export function derivedColumns(columns) {
       derived.push({name: `${label}.low.${name}`, of, make: (value, sigma) => value - BAND * sigma});
       derived.push({name: `${label}.high.${name}`, of, make: (value, sigma) => value + BAND * sigma});
     } else if (kind === 'y' && known.has(`y.${name}`)) {
-      derived.push({name: `${label}.residual.${name}`, of: [`y.${name}`, column], make: (measured, estimate) => measured - estimate});
+      derived.push({
+        name: `${label}.residual.${name}`,
+        of: [`y.${name}`, column],
+        make: (measured, estimate) => measured - estimate,
+      });
     } else if (kind === 'pe' && rest.length === 0) {
-      derived.push({name: `${label}.excitation`, of: [column], make: (value) => (value > 1e-12 ? Math.log10(value) : value === value ? -12 : NaN)});
+      derived.push({
+        name: `${label}.excitation`,
+        of: [column],
+        make: (value) => (value > 1e-12 ? Math.log10(value) : value === value ? -12 : NaN),
+      });
     }
   }
   return derived;
@@ -55,11 +63,20 @@ export function derivedColumns(columns) {
 export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, noise, presentation}) {
   if (!plant) return [];
   const known = new Set(columns);
-  const traces = (make) => observers.map((observer) => ({label: observer.label, colour: observer.colour, place: observer.place,
-    fallen: observer.diverged?.t ?? null, ...make(observer)}))
-    .filter(({column}) => known.has(column) || column.includes('.residual.') || column.endsWith('.excitation'));
+  const traces = (make) =>
+    observers
+      .map((observer) => ({
+        label: observer.label,
+        colour: observer.colour,
+        place: observer.place,
+        fallen: observer.diverged?.t ?? null,
+        ...make(observer),
+      }))
+      .filter(({column}) => known.has(column) || column.includes('.residual.') || column.endsWith('.excitation'));
   const all = [
-    ...channelStrips(plant, known, faults, traces), ...stateStrips(plant, traces), ...residualStrips(plant, noise, known, observers, traces),
+    ...channelStrips(plant, known, faults, traces),
+    ...stateStrips(plant, traces),
+    ...residualStrips(plant, noise, known, observers, traces),
     ...excitationStrip(known, observers, checks, traces),
   ];
   const few = presentation ? fewer(all) : () => true;
@@ -80,21 +97,47 @@ function channelStrips(plant, known, faults, traces) {
     const {name, typical} = channel;
     const size = Math.abs(typical ?? 1);
     return {
-      name: `theta.${name}`, kind: 'theta', symbol: name, subject: name, title: channel.title || name, unit: channel.unit, truth: `theta.${name}`,
-      traces: traces(({label}) => ({column: `${label}.theta.${name}`, ...(known.has(`${label}.sigma.${name}`)
-        ? {low: `${label}.low.${name}`, high: `${label}.high.${name}`} : {})})),
-      base: typical < 0 ? [-1.5 * size, 0.7 * size] : [-0.7 * size, 1.5 * size], least: size, log: false, threshold: null, weight: 1.25, stirred: stirred.has(name),
+      name: `theta.${name}`,
+      kind: 'theta',
+      symbol: name,
+      subject: name,
+      title: channel.title || name,
+      unit: channel.unit,
+      truth: `theta.${name}`,
+      traces: traces(({label}) => ({
+        column: `${label}.theta.${name}`,
+        ...(known.has(`${label}.sigma.${name}`) ? {low: `${label}.low.${name}`, high: `${label}.high.${name}`} : {}),
+      })),
+      base: typical < 0 ? [-1.5 * size, 0.7 * size] : [-0.7 * size, 1.5 * size],
+      least: size,
+      log: false,
+      threshold: null,
+      weight: 1.25,
+      stirred: stirred.has(name),
     };
   });
   const order = made.filter((strip) => strip.traces.length || strip.stirred);
-  const first = new Set([...order.filter((strip) => strip.stirred), ...order.filter((strip) => !strip.stirred)].slice(0, MOST_CHANNELS));
+  const first = new Set(
+    [...order.filter((strip) => strip.stirred), ...order.filter((strip) => !strip.stirred)].slice(0, MOST_CHANNELS),
+  );
   return made.map((strip) => ({...strip, usual: first.has(strip) || strip.stirred}));
 }
 
 function stateStrips(plant, traces) {
   const made = plant.states.map(({name, unit, description}) => ({
-    name: `x.${name}`, kind: 'state', symbol: name, subject: name, title: short(description), unit, truth: `x.${name}`,
-    traces: traces(({label}) => ({column: `${label}.x.${name}`})), base: null, least: 0, log: false, threshold: null, weight: 1,
+    name: `x.${name}`,
+    kind: 'state',
+    symbol: name,
+    subject: name,
+    title: short(description),
+    unit,
+    truth: `x.${name}`,
+    traces: traces(({label}) => ({column: `${label}.x.${name}`})),
+    base: null,
+    least: 0,
+    log: false,
+    threshold: null,
+    weight: 1,
   }));
   const most = Math.max(0, ...made.map((strip) => strip.traces.length));
   const first = new Set(made.filter((strip) => strip.traces.length === most).slice(0, MOST_STATES));
@@ -106,9 +149,22 @@ function residualStrips(plant, present, known, observers, traces) {
   return plant.outputs.map(({name, unit, description}, place) => {
     const noise = 3 * (present[name]?.std ?? 0);
     return {
-      name: `residual.${name}`, kind: 'residual', symbol: name, subject: name, title: short(description), unit, truth: null,
-      traces: traces(({label}) => ({column: `${label}.residual.${name}`})).filter(({label}) => known.has(`${label}.y.${name}`)),
-      base: [-noise, noise], least: 0, log: false, threshold: null, weight: 0.8, usual: place < 2,
+      name: `residual.${name}`,
+      kind: 'residual',
+      symbol: name,
+      subject: name,
+      title: short(description),
+      unit,
+      truth: null,
+      traces: traces(({label}) => ({column: `${label}.residual.${name}`})).filter(({label}) =>
+        known.has(`${label}.y.${name}`),
+      ),
+      base: [-noise, noise],
+      least: 0,
+      log: false,
+      threshold: null,
+      weight: 0.8,
+      usual: place < 2,
     };
   });
 }
@@ -120,11 +176,24 @@ function excitationStrip(known, observers, checks, traces) {
   const {gains} = observers.find((one) => one.label === label);
   const check = (checks[label] ?? []).find(({name, threshold}) => /excit/i.test(name) && threshold !== null);
   const delta = check?.threshold ?? gains.delta ?? null;
-  return [{
-    name: 'excitation', kind: 'excitation', symbol: 'lambda_min', subject: '', title: '', unit: '', truth: null, traces: exciting,
-    base: delta > 0 ? [Math.log10(delta) - 0.6, Math.log10(delta) + 0.6] : null, least: 1, log: true,
-    threshold: delta > 0 ? Math.log10(delta) : null, weight: 0.8, usual: true,
-  }];
+  return [
+    {
+      name: 'excitation',
+      kind: 'excitation',
+      symbol: 'lambda_min',
+      subject: '',
+      title: '',
+      unit: '',
+      truth: null,
+      traces: exciting,
+      base: delta > 0 ? [Math.log10(delta) - 0.6, Math.log10(delta) + 0.6] : null,
+      least: 1,
+      log: true,
+      threshold: delta > 0 ? Math.log10(delta) : null,
+      weight: 0.8,
+      usual: true,
+    },
+  ];
 }
 
 /** The beginning of a description, short enough for a label. */

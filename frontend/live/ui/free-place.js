@@ -25,16 +25,25 @@ export function stand(element, {breaks = false, taken = false, narrow = () => {}
 }
 
 function put(element, middle, top) {
-  Object.assign(element.style, {left: `${middle - element.offsetWidth / 2}px`, top: `${top}px`, bottom: 'auto', transform: 'none'});
+  Object.assign(element.style, {
+    left: `${middle - element.offsetWidth / 2}px`,
+    top: `${top}px`,
+    bottom: 'auto',
+    transform: 'none',
+  });
 }
 
 /** Whether something stands in the header already. */
-export const standsInHeader = (selector) => (document.querySelector(selector)?.getBoundingClientRect().top ?? Infinity) < document.querySelector('.top').getBoundingClientRect().bottom;
+export const standsInHeader = (selector) =>
+  (document.querySelector(selector)?.getBoundingClientRect().top ?? Infinity) <
+  document.querySelector('.top').getBoundingClientRect().bottom;
 
 /** Call `again` when the room may have changed. */
 export function watchRoom(again) {
   const watcher = new ResizeObserver(again);
-  const begin = () => { for (const one of document.querySelectorAll('.top .grow, #scope')) watcher.observe(one); };
+  const begin = () => {
+    for (const one of document.querySelectorAll('.top .grow, #scope')) watcher.observe(one);
+  };
   if (document.querySelector('.top .grow')) begin();
   else {
     const header = new MutationObserver(() => {

@@ -21,41 +21,65 @@ export function mountNotice(root, app) {
     fill(root, h('span', {}, words), buttons);
     place();
   };
-  const place = () => { if (!root.hidden && root.childElementCount) stand(root, {breaks: true, taken: standsInHeader('.choice:not([hidden])')}); };
+  const place = () => {
+    if (!root.hidden && root.childElementCount)
+      stand(root, {breaks: true, taken: standsInHeader('.choice:not([hidden])')});
+  };
   watchRoom(place);
-  app.subscribe((state) => [state.looking, state.presentation], () => queueMicrotask(place)); // after the choice on the timeline
+  app.subscribe(
+    (state) => [state.looking, state.presentation],
+    () => queueMicrotask(place),
+  ); // after the choice on the timeline
   const hide = () => {
     root.hidden = true;
     fill(root);
   };
-  app.subscribe((state) => [state.connection, state.ended, state.told, state.problem, state.language, state.session, state.viewers > 1, state.broken], ([connection, , told], before) => {
-    clearTimeout(timer);
-    const standing = inTheWay(app);
-    if (standing) {
-      if (connection === 'reconnecting' && before?.[0] !== 'reconnecting') timer = setTimeout(show, PATIENCE, standing);
-      else show(standing);
-      return;
-    }
-    const left = told ? told.at + (told.action ? OFFERED : SHOWN) - performance.now() : 0;
-    if (left <= 0) {
-      hide();
-      return;
-    }
-    const act = () => {
-      app.store.dispatch({type: 'set', told: null}); // what was taken is not offered again
-      told.action.act();
-    };
-    const offered = told.action && !(told.action.alone && app.state.viewers > 1);
-    show({kind: told.kind, words: told.text, buttons: offered ? [button(told.action.words, act)] : []});
-    timer = setTimeout(hide, left);
-  });
+  app.subscribe(
+    (state) => [
+      state.connection,
+      state.ended,
+      state.told,
+      state.problem,
+      state.language,
+      state.session,
+      state.viewers > 1,
+      state.broken,
+    ],
+    ([connection, , told], before) => {
+      clearTimeout(timer);
+      const standing = inTheWay(app);
+      if (standing) {
+        if (connection === 'reconnecting' && before?.[0] !== 'reconnecting')
+          timer = setTimeout(show, PATIENCE, standing);
+        else show(standing);
+        return;
+      }
+      const left = told ? told.at + (told.action ? OFFERED : SHOWN) - performance.now() : 0;
+      if (left <= 0) {
+        hide();
+        return;
+      }
+      const act = () => {
+        app.store.dispatch({type: 'set', told: null}); // what was taken is not offered again
+        told.action.act();
+      };
+      const offered = told.action && !(told.action.alone && app.state.viewers > 1);
+      show({kind: told.kind, words: told.text, buttons: offered ? [button(told.action.words, act)] : []});
+      timer = setTimeout(hide, left);
+    },
+  );
 }
 
 /** The faults under which the plant broke down, as words. */
 function under({plant, faults}, text) {
   const sensors = new Set(plant?.channels.filter(({kind}) => kind === 'sensor').map(({name}) => name));
   const acting = faults.filter(({active, onChannel, subject}) => active && onChannel && !sensors.has(subject));
-  return acting.map(({subject, fault}) => `${called(subject, plant, text)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`).join(', ');
+  return acting
+    .map(
+      ({subject, fault}) =>
+        `${called(subject, plant, text)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`,
+    )
+    .join(', ');
 }
 
 /** What stands in the way, with the ways on; null: nothing. */
@@ -63,17 +87,30 @@ function inTheWay(app) {
   const {state, text, act} = app;
   const anew = button(text.startNew, () => act.open(state.experiment));
   switch (state.connection) {
-    case 'reconnecting': return {kind: 'lost', words: text.reconnecting};
-    case 'full': return {kind: 'problem', words: text.full, buttons: [anew]};
-    case 'failed': return {kind: 'problem', words: [h('b', {}, state.problem?.title ?? text.failed), ' ', state.problem?.detail ?? ''],
-      buttons: [button(text.startNew, () => act.open(null))]};
-    case 'ended': return {kind: 'problem', words: text.sessionEnded,
-      buttons: [state.spec && button(text.startAgain, () => act.openSpec(state.spec, {t: app.samples.now})), anew]};
+    case 'reconnecting':
+      return {kind: 'lost', words: text.reconnecting};
+    case 'full':
+      return {kind: 'problem', words: text.full, buttons: [anew]};
+    case 'failed':
+      return {
+        kind: 'problem',
+        words: [h('b', {}, state.problem?.title ?? text.failed), ' ', state.problem?.detail ?? ''],
+        buttons: [button(text.startNew, () => act.open(null))],
+      };
+    case 'ended':
+      return {
+        kind: 'problem',
+        words: text.sessionEnded,
+        buttons: [state.spec && button(text.startAgain, () => act.openSpec(state.spec, {t: app.samples.now})), anew],
+      };
     default:
   }
   if (!state.ended) return null;
   if (state.broken === null) return {kind: 'note', words: text.horizon};
   const before = Math.max(0, state.broken - Math.max(BEFORE * state.broken, 10 * state.record));
-  return {kind: 'note', words: text.plantEscaped(under(state, text), timed(state.broken, state.spec.horizon)),
-    buttons: state.role === 'control' ? [button(text.goBefore(seconds(before, 0.1)), () => act.seek(before))] : []};
+  return {
+    kind: 'note',
+    words: text.plantEscaped(under(state, text), timed(state.broken, state.spec.horizon)),
+    buttons: state.role === 'control' ? [button(text.goBefore(seconds(before, 0.1)), () => act.seek(before))] : [],
+  };
 }

@@ -13,10 +13,26 @@ const panel = (name) => document.getElementById(`panel-${name}`);
 
 export function mountDesk(main, app) {
   const wide = matchMedia(WIDE);
-  const homes = ['.left', '.right'].map((name) => main.querySelector(name)).map((column) => [column, [...column.children]]);
-  const tabs = new Map(names.map((name) => [name, h('button', {type: 'button', role: 'tab', id: `desk-${name}`, 'aria-controls': `panel-${name}`,
-    onclick: () => app.act.desk(name)})]));
-  const list = h('div', {role: 'tablist', class: 'desk-tabs', onkeydown: (event) => walk(event, tabs, app)}, ...tabs.values());
+  const homes = ['.left', '.right']
+    .map((name) => main.querySelector(name))
+    .map((column) => [column, [...column.children]]);
+  const tabs = new Map(
+    names.map((name) => [
+      name,
+      h('button', {
+        type: 'button',
+        role: 'tab',
+        id: `desk-${name}`,
+        'aria-controls': `panel-${name}`,
+        onclick: () => app.act.desk(name),
+      }),
+    ]),
+  );
+  const list = h(
+    'div',
+    {role: 'tablist', class: 'desk-tabs', onkeydown: (event) => walk(event, tabs, app)},
+    ...tabs.values(),
+  );
   const desk = h('div', {class: 'card desk'}, list);
   const beside = h('div', {class: 'col beside'}, desk);
 
@@ -47,8 +63,16 @@ export function mountDesk(main, app) {
   watchEmpty(tabs, app);
   app.subscribe((state) => state.presentation, arrange);
   app.subscribe((state) => state.desk, choose);
-  app.subscribe((state) => state.site, (site) => { if (site) app.act.desk('inject'); }); // before the panel opens the row: it is mounted later
-  app.subscribe((state) => state.language, () => label(list, tabs, app.text));
+  app.subscribe(
+    (state) => state.site,
+    (site) => {
+      if (site) app.act.desk('inject');
+    },
+  ); // before the panel opens the row: it is mounted later
+  app.subscribe(
+    (state) => state.language,
+    () => label(list, tabs, app.text),
+  );
 }
 
 function label(list, tabs, text) {
@@ -85,14 +109,22 @@ function watchEmpty(tabs, app) {
   };
   const watcher = new MutationObserver(look);
   for (const name of names) watcher.observe(panel(name), {attributeFilter: ['hidden']});
-  app.subscribe((state) => state.plant, () => queueMicrotask(look));
+  app.subscribe(
+    (state) => state.plant,
+    () => queueMicrotask(look),
+  );
 }
 
 /** Arrows, Home and End go from tab to tab. */
 function walk(event, tabs, app) {
   const open = names.filter((name) => !tabs.get(name).disabled);
   const at = open.indexOf(app.state.desk);
-  const next = {ArrowRight: (at + 1) % open.length, ArrowLeft: (at + open.length - 1) % open.length, Home: 0, End: open.length - 1}[event.key];
+  const next = {
+    ArrowRight: (at + 1) % open.length,
+    ArrowLeft: (at + open.length - 1) % open.length,
+    Home: 0,
+    End: open.length - 1,
+  }[event.key];
   if (next === undefined) return;
   event.preventDefault();
   app.act.desk(open[next]);

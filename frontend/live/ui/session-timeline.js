@@ -13,29 +13,56 @@ const CHANGES = new Set(['gain', 'signal', 'noise', 'observer-added', 'observer-
 
 export function mountTimeline(root, app) {
   const canvas = h('canvas', {'aria-hidden': 'true'});
-  const slider = h('div', {class: 'rail', role: 'slider', tabindex: 0, 'aria-valuemin': 0, 'aria-valuemax': 0, 'aria-valuenow': 0}, canvas);
+  const slider = h(
+    'div',
+    {class: 'rail', role: 'slider', tabindex: 0, 'aria-valuemin': 0, 'aria-valuemax': 0, 'aria-valuenow': 0},
+    canvas,
+  );
   const choice = h('div', {class: 'choice', hidden: true});
   fill(root, slider, choice);
-  const timeline = {app, root, canvas, slider, choice, ctx: canvas.getContext('2d'), colours: palette(), still: '', width: 0, height: 0};
+  const timeline = {
+    app,
+    root,
+    canvas,
+    slider,
+    choice,
+    ctx: canvas.getContext('2d'),
+    colours: palette(),
+    still: '',
+    width: 0,
+    height: 0,
+  };
   new ResizeObserver(() => measure(timeline)).observe(canvas);
   watchRoom(() => place(timeline));
-  app.subscribe((state) => [state.theme, state.presentation], () => {
-    timeline.colours = palette();
-    measure(timeline);
-  });
-  app.subscribe((state) => [state.faults, state.log.length, state.session, state.alarms, state.selection, state.spec?.horizon], () => {
-    timeline.still = '';
-    app.wake();
-  });
-  app.subscribe((state) => [state.looking, state.role, state.language, state.presentation], ([looking]) => {
-    timeline.still = '';
-    offer(timeline, looking);
-    app.wake();
-  });
-  app.subscribe((state) => state.language, () => {
-    slider.setAttribute('aria-label', app.text.timeline);
-    slider.title = app.text.timelineHint;
-  });
+  app.subscribe(
+    (state) => [state.theme, state.presentation],
+    () => {
+      timeline.colours = palette();
+      measure(timeline);
+    },
+  );
+  app.subscribe(
+    (state) => [state.faults, state.log.length, state.session, state.alarms, state.selection, state.spec?.horizon],
+    () => {
+      timeline.still = '';
+      app.wake();
+    },
+  );
+  app.subscribe(
+    (state) => [state.looking, state.role, state.language, state.presentation],
+    ([looking]) => {
+      timeline.still = '';
+      offer(timeline, looking);
+      app.wake();
+    },
+  );
+  app.subscribe(
+    (state) => state.language,
+    () => {
+      slider.setAttribute('aria-label', app.text.timeline);
+      slider.title = app.text.timelineHint;
+    },
+  );
   app.onFrame(() => draw(timeline));
   app.onTick(() => speak(timeline));
   listen(timeline);
@@ -146,7 +173,10 @@ function drawEvents({app, ctx, colours}, x, top, body) {
 function cross(ctx, x, y, colour) {
   Object.assign(ctx, {strokeStyle: colour, lineWidth: 2});
   ctx.beginPath();
-  for (const [dx, dy] of [[-3.5, -3.5], [-3.5, 3.5]]) {
+  for (const [dx, dy] of [
+    [-3.5, -3.5],
+    [-3.5, 3.5],
+  ]) {
     ctx.moveTo(x + dx, y + dy);
     ctx.lineTo(x - dx, y - dy);
   }
@@ -160,10 +190,19 @@ function offer(timeline, t) {
   choice.hidden = t === null;
   if (t === null) return;
   const may = app.state.role === 'control';
-  fill(choice, h('span', {}, text.lookingAt(seconds(t, 0.1))),
-    may && h('button', {type: 'button', class: 'run', title: text.continueHint, onclick: () => act.seek(t)}, text.continueHere),
-    may && h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => act.fork(t)}, text.forkHere),
-    h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, text.backToNow));
+  fill(
+    choice,
+    h('span', {}, text.lookingAt(seconds(t, 0.1))),
+    may &&
+      h(
+        'button',
+        {type: 'button', class: 'run', title: text.continueHint, onclick: () => act.seek(t)},
+        text.continueHere,
+      ),
+    may &&
+      h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => act.fork(t)}, text.forkHere),
+    h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, text.backToNow),
+  );
   place(timeline);
 }
 
@@ -198,8 +237,14 @@ function listen(timeline) {
     const by = reach(timeline) / 100;
     const {looking, role} = app.state;
     const from = looking ?? app.samples.now;
-    const keys = {ArrowLeft: () => go(from - by), ArrowRight: () => go(from + by), Home: () => go(0), End: () => go(Infinity),
-      Escape: looking !== null && (() => app.act.look(null)), Enter: () => looking !== null && role === 'control' && app.act.seek(looking)};
+    const keys = {
+      ArrowLeft: () => go(from - by),
+      ArrowRight: () => go(from + by),
+      Home: () => go(0),
+      End: () => go(Infinity),
+      Escape: looking !== null && (() => app.act.look(null)),
+      Enter: () => looking !== null && role === 'control' && app.act.seek(looking),
+    };
     if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
@@ -213,7 +258,11 @@ function near({app, slider, width, ...timeline}, event) {
   const x = event.clientX - slider.getBoundingClientRect().left;
   const end = reach({app, ...timeline});
   const found = lines(state.log, text, state.plant).filter(({t}) => Math.abs((t / end) * width - x) < NEAR);
-  return found.slice(0, 5).reverse().map(({t, words}) => `${seconds(t, state.record >= 1 ? 1 : 0.1)} s: ${words}`).join('\n');
+  return found
+    .slice(0, 5)
+    .reverse()
+    .map(({t, words}) => `${seconds(t, state.record >= 1 ? 1 : 0.1)} s: ${words}`)
+    .join('\n');
 }
 
 function speak({app, slider}) {

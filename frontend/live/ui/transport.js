@@ -13,8 +13,21 @@ const ICONS = {
 
 const icon = (name, size = 14) => {
   const [d, filled] = ICONS[name];
-  return h('svg', {viewBox: '0 0 16 16', width: size, height: size, fill: filled ? 'currentColor' : 'none', stroke: 'currentColor',
-    'stroke-width': name === 'pause' ? 2.4 : 1.6, 'stroke-linecap': 'round', 'stroke-linejoin': 'round', 'aria-hidden': 'true'}, h('path', {d}));
+  return h(
+    'svg',
+    {
+      viewBox: '0 0 16 16',
+      width: size,
+      height: size,
+      fill: filled ? 'currentColor' : 'none',
+      stroke: 'currentColor',
+      'stroke-width': name === 'pause' ? 2.4 : 1.6,
+      'stroke-linecap': 'round',
+      'stroke-linejoin': 'round',
+      'aria-hidden': 'true',
+    },
+    h('path', {d}),
+  );
 };
 
 export function mountTransport(root, app) {
@@ -23,26 +36,32 @@ export function mountTransport(root, app) {
   const step = button('step', () => app.act.step(1));
   const fork = button('fork', () => app.act.fork());
   const play = h('button', {type: 'button', class: 'play', 'data-act': 'play', onclick: () => app.act.toggle()});
-  const speed = h('select', {class: 'speed', onchange: () => app.act.speed(speed.value === 'max' ? null : Number(speed.value))});
+  const speed = h('select', {
+    class: 'speed',
+    onchange: () => app.act.speed(speed.value === 'max' ? null : Number(speed.value)),
+  });
   const figures = h('span', {class: 'digits'});
   const clock = h('div', {class: 'clock', role: 'timer'}, figures, h('small', {}, 's'));
   fill(root, start, step, play, fork, speed, clock);
 
-  app.subscribe((state) => [state.language, state.role, state.session, state.connection, state.ended, state.playing, state.speed], () => {
-    const {state, text} = app;
-    const touch = state.role === 'control' && state.connection === 'live';
-    name(start, text.toStart);
-    name(step, text.step);
-    name(fork, text.fork);
-    name(speed, text.speed);
-    clock.title = text.clock;
-    name(play, state.playing ? text.pause : text.play);
-    fill(play, icon(state.playing ? 'pause' : 'play', 16));
-    for (const element of [start, speed]) element.disabled = !touch;
-    for (const element of [step, play]) element.disabled = !touch || state.ended;
-    fork.disabled = state.connection !== 'live';
-    showSpeeds(speed, state.speed, text);
-  });
+  app.subscribe(
+    (state) => [state.language, state.role, state.session, state.connection, state.ended, state.playing, state.speed],
+    () => {
+      const {state, text} = app;
+      const touch = state.role === 'control' && state.connection === 'live';
+      name(start, text.toStart);
+      name(step, text.step);
+      name(fork, text.fork);
+      name(speed, text.speed);
+      clock.title = text.clock;
+      name(play, state.playing ? text.pause : text.play);
+      fill(play, icon(state.playing ? 'pause' : 'play', 16));
+      for (const element of [start, speed]) element.disabled = !touch;
+      for (const element of [step, play]) element.disabled = !touch || state.ended;
+      fork.disabled = state.connection !== 'live';
+      showSpeeds(speed, state.speed, text);
+    },
+  );
   app.onTick(() => {
     const text = seconds(app.samples.now, app.state.record >= 1 ? 1 : 0.1); // now, wherever one looks: that time stands at its line in the scope
     if (figures.textContent !== text) figures.textContent = text;
@@ -56,5 +75,14 @@ function name(element, text) {
 
 function showSpeeds(select, speed, text) {
   const all = SPEEDS.includes(speed) ? SPEEDS : [...SPEEDS.slice(0, -1), speed].sort((a, b) => a - b).concat(null);
-  fill(select, all.map((value) => h('option', {value: value ?? 'max', selected: value === speed, title: value === null ? text.fastest : null}, times(value))));
+  fill(
+    select,
+    all.map((value) =>
+      h(
+        'option',
+        {value: value ?? 'max', selected: value === speed, title: value === null ? text.fastest : null},
+        times(value),
+      ),
+    ),
+  );
 }

@@ -7,7 +7,9 @@ const parting = (csv) => [',', ';', '\t'].find((one) => csv.split(/\r?\n/u, 1)[0
 export function columnsOf(csv) {
   const apart = parting(csv);
   const [head, ...lines] = csv.trim().split(/\r?\n/u);
-  const rows = lines.map((line) => line.split(apart).map((cell) => Number(apart === ';' ? cell.replace(',', '.') : cell)));
+  const rows = lines.map((line) =>
+    line.split(apart).map((cell) => Number(apart === ';' ? cell.replace(',', '.') : cell)),
+  );
   return Object.fromEntries(head.split(apart).map((name, place) => [name.trim(), rows.map((row) => row[place])]));
 }
 
@@ -23,7 +25,9 @@ export function needed(csv, plant) {
   const places = (prefix, group) => group.map(({name}) => column(`${prefix}.${name}`, name));
   const must = [column('t', 'time'), ...places('y', plant.outputs)];
   if (must.includes(-1) || new Set(names).size < names.length || csv.includes('"')) return csv;
-  const kept = [...new Set([...must, ...places('u', plant.inputs), ...places('signal', plant.signals)])].filter((place) => place >= 0);
+  const kept = [...new Set([...must, ...places('u', plant.inputs), ...places('signal', plant.signals)])].filter(
+    (place) => place >= 0,
+  );
   const rows = [names, ...lines.map((line) => line.split(apart))];
   if (rows.some((row) => row.length !== names.length && !(row.length === 1 && row[0] === ''))) return csv;
   return rows.map((row) => (row.length === 1 ? row[0] : kept.map((place) => row[place]).join(apart))).join('\n');

@@ -23,48 +23,153 @@ function course(output, t, y, alarms) {
   const x = (at) => ((at - first) / (last - first || 1)) * 1000;
   const up = (v) => 97 - ((v - low) / (high - low || 1)) * 94;
   const every = Math.max(1, Math.floor(t.length / POINTS));
-  const path = t.map((at, k) => [at, y[k]]).filter((_, k) => k % every === 0).map(([at, v], k) => `${k ? 'L' : 'M'}${x(at).toFixed(1)} ${up(v).toFixed(1)}`).join('');
-  return h('div', {class: 'course'}, h('span', {}, symbol(output.name), h('span', {class: 'soft'}, ` ${text.named(output.title ?? output.description ?? '')}${output.unit ? `, ${output.unit}` : ''}`)),
-    h('svg', {viewBox: '0 0 1000 100', preserveAspectRatio: 'none', role: 'img', 'aria-label': output.name},
-      alarms.map((one) => [h('rect', {x: x(one.from), y: 0, width: Math.max(1, x(one.to) - x(one.from)), height: 100}),
-        h('line', {x1: x(one.onset), x2: x(one.onset), y1: 0, y2: 100})]), h('path', {d: path})),
-    h('div', {class: 'ends'}, h('span', {}, `${number(first)} s`), h('span', {}, `${number(low, 3)} … ${number(high, 3)}`), h('span', {}, `${number(last)} s`)));
+  const path = t
+    .map((at, k) => [at, y[k]])
+    .filter((_, k) => k % every === 0)
+    .map(([at, v], k) => `${k ? 'L' : 'M'}${x(at).toFixed(1)} ${up(v).toFixed(1)}`)
+    .join('');
+  return h(
+    'div',
+    {class: 'course'},
+    h(
+      'span',
+      {},
+      symbol(output.name),
+      h(
+        'span',
+        {class: 'soft'},
+        ` ${text.named(output.title ?? output.description ?? '')}${output.unit ? `, ${output.unit}` : ''}`,
+      ),
+    ),
+    h(
+      'svg',
+      {viewBox: '0 0 1000 100', preserveAspectRatio: 'none', role: 'img', 'aria-label': output.name},
+      alarms.map((one) => [
+        h('rect', {x: x(one.from), y: 0, width: Math.max(1, x(one.to) - x(one.from)), height: 100}),
+        h('line', {x1: x(one.onset), x2: x(one.onset), y1: 0, y2: 100}),
+      ]),
+      h('path', {d: path}),
+    ),
+    h(
+      'div',
+      {class: 'ends'},
+      h('span', {}, `${number(first)} s`),
+      h('span', {}, `${number(low, 3)} … ${number(high, 3)}`),
+      h('span', {}, `${number(last)} s`),
+    ),
+  );
 }
 
 function row(one, plant, short) {
   const channel = plant.channels.find(({name}) => name === one.subject);
   const names = one.explained ? one.subjects : [one.subject];
-  const title = one.explained ? text.named(channel?.title ?? '') || called(one.subject, plant, live) : live.measurementOf(called(one.subject, plant, live));
-  return h('tr', {}, h('td', {class: 'name'}, names.map((name, k) => [k > 0 && ` ${live.or} `, badge(short.get(name) ?? split(name), {square: !one.explained})]), ' ', title),
-    h('td', {}, one.explained ? amount(one, channel) : '–', one.explained && channel?.unit ? ` ${channel.unit}` : ''), h('td', {}, number(one.onset, 5)),
-    h('td', {}, one.from === one.to ? '–' : `${number(one.from, 5)} … ${number(one.to, 5)}`), h('td', {}, number(one.t, 5)), h('td', {}, one.over === null ? text.stillOn : number(one.over, 5)));
+  const title = one.explained
+    ? text.named(channel?.title ?? '') || called(one.subject, plant, live)
+    : live.measurementOf(called(one.subject, plant, live));
+  return h(
+    'tr',
+    {},
+    h(
+      'td',
+      {class: 'name'},
+      names.map((name, k) => [
+        k > 0 && ` ${live.or} `,
+        badge(short.get(name) ?? split(name), {square: !one.explained}),
+      ]),
+      ' ',
+      title,
+    ),
+    h('td', {}, one.explained ? amount(one, channel) : '–', one.explained && channel?.unit ? ` ${channel.unit}` : ''),
+    h('td', {}, number(one.onset, 5)),
+    h('td', {}, one.from === one.to ? '–' : `${number(one.from, 5)} … ${number(one.to, 5)}`),
+    h('td', {}, number(one.t, 5)),
+    h('td', {}, one.over === null ? text.stillOn : number(one.over, 5)),
+  );
 }
 
 /** What was found: the sentence, one line each, the outputs, and what it rests on. */
 function found(told, plant, columns) {
   const t = columns.t ?? columns.time;
   const begin = t?.[0] ?? 0; // the diagnosis counts from the first row on
-  const alarms = told.alarms.map(alarmFrom).map((one) => ({...one, t: one.t + begin, onset: one.onset + begin, from: one.from + begin, to: one.to + begin, over: one.over === null ? null : one.over + begin}));
+  const alarms = told.alarms
+    .map(alarmFrom)
+    .map((one) => ({
+      ...one,
+      t: one.t + begin,
+      onset: one.onset + begin,
+      from: one.from + begin,
+      to: one.to + begin,
+      over: one.over === null ? null : one.over + begin,
+    }));
   const short = badges(plant.channels);
   const heads = [text.fault, text.size, text.since, text.between, text.noticed, text.overAt];
-  const table = alarms.length > 0 && h('div', {class: 'wide', tabindex: 0}, h('table', {class: 'measures'},
-    h('thead', {}, h('tr', {}, heads.map((head) => h('th', {scope: 'col'}, head)))), h('tbody', {}, alarms.map((one) => row(one, plant, short)))));
-  const shown = plant.outputs.map((output) => [output, columns[`y.${output.name}`] ?? columns[output.name]]).filter(([, y]) => y && t);
+  const table =
+    alarms.length > 0 &&
+    h(
+      'div',
+      {class: 'wide', tabindex: 0},
+      h(
+        'table',
+        {class: 'measures'},
+        h(
+          'thead',
+          {},
+          h(
+            'tr',
+            {},
+            heads.map((head) => h('th', {scope: 'col'}, head)),
+          ),
+        ),
+        h(
+          'tbody',
+          {},
+          alarms.map((one) => row(one, plant, short)),
+        ),
+      ),
+    );
+  const shown = plant.outputs
+    .map((output) => [output, columns[`y.${output.name}`] ?? columns[output.name]])
+    .filter(([, y]) => y && t);
   const {calibration, noise} = told;
-  return [h('section', {class: 'card found', role: 'status'}, h('h2', {}, text.diagnosis),
-    h('p', {class: 'verdict'}, alarms.length ? text.faultsFound(alarms.length) : text.noFault), table,
-    calibration && h('p', {class: 'soft'}, [...noise.map((one) => text.noiseFound(called(one.output, plant, live), number(one.estimated, 3))),
-      text.judged(number(calibration.false_alarms), calibration.seeds, number(calibration.from_time, 3))].join(' ')),
-    told.note && h('p', {class: 'soft'}, capital(spoken(text.said(told.note), plant, live)))),
-  shown.length > 0 && h('section', {class: 'card'}, h('h2', {}, text.recorded), shown.map(([output, y]) => course(output, t, y, alarms)))];
+  return [
+    h(
+      'section',
+      {class: 'card found', role: 'status'},
+      h('h2', {}, text.diagnosis),
+      h('p', {class: 'verdict'}, alarms.length ? text.faultsFound(alarms.length) : text.noFault),
+      table,
+      calibration &&
+        h(
+          'p',
+          {class: 'soft'},
+          [
+            ...noise.map((one) => text.noiseFound(called(one.output, plant, live), number(one.estimated, 3))),
+            text.judged(number(calibration.false_alarms), calibration.seeds, number(calibration.from_time, 3)),
+          ].join(' '),
+        ),
+      told.note && h('p', {class: 'soft'}, capital(spoken(text.said(told.note), plant, live))),
+    ),
+    shown.length > 0 &&
+      h(
+        'section',
+        {class: 'card'},
+        h('h2', {}, text.recorded),
+        shown.map(([output, y]) => course(output, t, y, alarms)),
+      ),
+  ];
 }
 
 const root = document.querySelector('.records');
 const [{plants}, {experiments}] = await Promise.all([get('/api/plants'), get('/api/experiments')]);
 const known = new Map();
-const plantOf = async (id) => known.get(id) ?? known.set(id, await get(`/api/plants/${encodeURIComponent(id)}`)).get(id);
+const plantOf = async (id) =>
+  known.get(id) ?? known.set(id, await get(`/api/plants/${encodeURIComponent(id)}`)).get(id);
 
-const choice = h('select', {id: 'plant'}, plants.map((line) => h('option', {value: line.id})));
+const choice = h(
+  'select',
+  {id: 'plant'},
+  plants.map((line) => h('option', {value: line.id})),
+);
 const file = h('input', {id: 'file', type: 'file', accept: '.csv,text/csv,text/plain'});
 const learn = h('input', {id: 'learn', type: 'number', min: 0, step: 'any', value: 0});
 const rate = h('input', {id: 'rate', type: 'number', min: 0, step: 'any', value: 1});
@@ -76,20 +181,33 @@ let taken = null; // text of a simulated record
 let beside = () => '';
 let below = () => [];
 
-const say = (words) => { beside = words; fill(state, beside()); };
-const show = (elements) => { below = elements; fill(result, below()); };
+const say = (words) => {
+  beside = words;
+  fill(state, beside());
+};
+const show = (elements) => {
+  below = elements;
+  fill(result, below());
+};
 
 async function showNames() {
   const plant = await plantOf(choice.value);
   const columns = ['t', ...[...plant.inputs, ...plant.signals, ...plant.outputs].map((one) => one.name)];
-  fill(names, text.columnsAre, ' ', columns.map((name, k) => [k > 0 && ', ', h('code', {}, name)]), '. ', text.columnsMore);
+  fill(
+    names,
+    text.columnsAre,
+    ' ',
+    columns.map((name, k) => [k > 0 && ', ', h('code', {}, name)]),
+    '. ',
+    text.columnsMore,
+  );
 }
 
 /** Do something of which the server may refuse a part; what it gives is said beside the buttons. */
 async function attempt(work) {
   say(() => text.running);
   try {
-    say(await work() ?? (() => ''));
+    say((await work()) ?? (() => ''));
   } catch (error) {
     if (!(error instanceof Problem)) throw error;
     show(() => [problemBlock(error)]);
@@ -99,16 +217,31 @@ async function attempt(work) {
 
 async function ask(csv) {
   const plant = await plantOf(choice.value);
-  const told = await post('/api/diagnosis', {plant: plant.id, csv: needed(csv, plant), learn: Number(learn.value), diagnosis: {false_alarms: Number(rate.value)}});
+  const told = await post('/api/diagnosis', {
+    plant: plant.id,
+    csv: needed(csv, plant),
+    learn: Number(learn.value),
+    diagnosis: {false_alarms: Number(rate.value)},
+  });
   const columns = columnsOf(csv);
   show(() => found(told, plant, columns));
 }
 
 /** A run of the plant's first experiment as a record, for those who have none at hand. */
 async function simulated() {
-  const {id} = experiments.find((one) => one.plant === choice.value && one.observers.length > 0) ?? experiments.find((one) => one.plant === choice.value);
-  const [run, plant] = await Promise.all([post('/api/runs?wait=60', {experiment: id, set: {observers: [], figures: []}}), plantOf(choice.value)]);
-  const columns = ['t', ...plant.inputs.map((one) => `u.${one.name}`), ...plant.signals.map((one) => `signal.${one.name}`), ...plant.outputs.map((one) => `y.${one.name}`)];
+  const {id} =
+    experiments.find((one) => one.plant === choice.value && one.observers.length > 0) ??
+    experiments.find((one) => one.plant === choice.value);
+  const [run, plant] = await Promise.all([
+    post('/api/runs?wait=60', {experiment: id, set: {observers: [], figures: []}}),
+    plantOf(choice.value),
+  ]);
+  const columns = [
+    't',
+    ...plant.inputs.map((one) => `u.${one.name}`),
+    ...plant.signals.map((one) => `signal.${one.name}`),
+    ...plant.outputs.map((one) => `y.${one.name}`),
+  ];
   const answer = await fetch(`/api/runs/${run.id}/data?format=csv&columns=${columns.join(',')}`);
   taken = await answer.text();
   return () => text.takenFrom(id);
@@ -116,7 +249,7 @@ async function simulated() {
 
 async function submit(event) {
   event.preventDefault();
-  const csv = taken ?? await file.files[0]?.text();
+  const csv = taken ?? (await file.files[0]?.text());
   if (csv) attempt(() => ask(csv));
   else say(() => text.noFile);
 }
@@ -125,17 +258,39 @@ async function submit(event) {
 function build() {
   live = words[language()];
   document.querySelector('.skip').textContent = text.records;
-  plants.forEach((line, place) => { choice.options[place].textContent = text.named(line.title) || line.id; });
-  const form = h('form', {class: 'card ask', onsubmit: submit},
-    h('label', {}, text.plant, choice), h('label', {}, text.file, file), h('label', {title: text.learnHint}, text.learn, learn), h('label', {title: text.rateHint}, text.rate, rate), names,
-    h('div', {class: 'all buttons'}, h('button', {class: 'run', type: 'submit'}, text.diagnose), h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, text.simulate), state));
+  plants.forEach((line, place) => {
+    choice.options[place].textContent = text.named(line.title) || line.id;
+  });
+  const form = h(
+    'form',
+    {class: 'card ask', onsubmit: submit},
+    h('label', {}, text.plant, choice),
+    h('label', {}, text.file, file),
+    h('label', {title: text.learnHint}, text.learn, learn),
+    h('label', {title: text.rateHint}, text.rate, rate),
+    names,
+    h(
+      'div',
+      {class: 'all buttons'},
+      h('button', {class: 'run', type: 'submit'}, text.diagnose),
+      h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, text.simulate),
+      state,
+    ),
+  );
   fill(root, h('h1', {}, text.records), h('p', {class: 'soft'}, text.recordsText), form, result);
   say(beside);
   show(below);
   showNames();
 }
 
-choice.addEventListener('change', () => { taken = null; say(() => ''); showNames(); });
-file.addEventListener('change', () => { taken = null; say(() => ''); });
+choice.addEventListener('change', () => {
+  taken = null;
+  say(() => '');
+  showNames();
+});
+file.addEventListener('change', () => {
+  taken = null;
+  say(() => '');
+});
 mountTop(document.querySelector('.top'), connection, 'records', build);
 build();

@@ -10,9 +10,17 @@ export function mountChooser(root, store, act) {
   const wide = matchMedia('(min-width: 1180px)');
   const filter = h('input', {type: 'search', placeholder: text.filter, 'aria-label': text.filter, oninput: show});
   const list = h('div', {class: 'list'});
-  const fold = h('details', {}, h('summary', {}, h('h2', {}, text.experiments), h('span', {class: 'now'})), filter, list);
+  const fold = h(
+    'details',
+    {},
+    h('summary', {}, h('h2', {}, text.experiments), h('span', {class: 'now'})),
+    filter,
+    list,
+  );
   fold.open = wide.matches;
-  wide.addEventListener('change', () => { fold.open = wide.matches; });
+  wide.addEventListener('change', () => {
+    fold.open = wide.matches;
+  });
   fill(root, fold);
   root.setAttribute('aria-label', text.experiments);
 
@@ -23,13 +31,22 @@ export function mountChooser(root, store, act) {
     if (experiments === null) return fill(list, h('p', {class: 'soft'}, text.loading));
     if (experiments.length === 0) return fill(list, h('p', {class: 'soft'}, text.noExperiments));
     const wanted = filter.value.trim().toLowerCase();
-    const found = experiments.filter((one) => [one.id, one.title, one.source, one.description].join(' ').toLowerCase().includes(wanted));
+    const found = experiments.filter((one) =>
+      [one.id, one.title, one.source, one.description].join(' ').toLowerCase().includes(wanted),
+    );
     if (found.length === 0) return fill(list, h('p', {class: 'soft'}, text.noMatch(filter.value)));
     const plants = [...new Set(found.map((one) => one.plant))];
-    return fill(list, plants.map((plant) => [
-      h('h3', {}, text.named(store.state.plants[plant]?.title) ?? plant),
-      h('ul', {}, found.filter((one) => one.plant === plant).map((one) => entry(one, one.id === chosen))),
-    ]));
+    return fill(
+      list,
+      plants.map((plant) => [
+        h('h3', {}, text.named(store.state.plants[plant]?.title) ?? plant),
+        h(
+          'ul',
+          {},
+          found.filter((one) => one.plant === plant).map((one) => entry(one, one.id === chosen)),
+        ),
+      ]),
+    );
   }
 
   function entry(one, current) {
@@ -39,8 +56,21 @@ export function mountChooser(root, store, act) {
       fold.open = wide.matches;
       act.choose(one.id);
     };
-    return h('li', {}, h('a', {href: write({experiment: one.id}), 'aria-current': current ? 'true' : null, onclick: open,
-      title: text.named(one.description)}, h('b', {}, text.named(one.title) || one.id), h('span', {class: 'soft'}, one.source)));
+    return h(
+      'li',
+      {},
+      h(
+        'a',
+        {
+          href: write({experiment: one.id}),
+          'aria-current': current ? 'true' : null,
+          onclick: open,
+          title: text.named(one.description),
+        },
+        h('b', {}, text.named(one.title) || one.id),
+        h('span', {class: 'soft'}, one.source),
+      ),
+    );
   }
 
   store.subscribe((state, before) => {

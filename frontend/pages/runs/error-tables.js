@@ -8,12 +8,39 @@ import {text} from '../../i18n/pages.js';
 export function errors(windows, rows, chip, place, plant) {
   const columns = [...new Set(rows.flatMap((row) => Object.keys(row.rmse)))];
   const units = new Map([...plant.states, ...plant.channels].map((item) => [item.name, item.unit]));
-  const head = h('tr', {}, h('td'), windows.map(({start, end}) => h('th', {scope: 'col'}, `${number(start, 3)}–${number(end, 3)} s`)));
+  const head = h(
+    'tr',
+    {},
+    h('td'),
+    windows.map(({start, end}) => h('th', {scope: 'col'}, `${number(start, 3)}–${number(end, 3)} s`)),
+  );
   const group = (column) => {
     const [kind, name] = column.split('.');
     const own = rows.filter((row) => row.rmse[column]);
-    return h('tbody', {}, h('tr', {class: 'group'}, h('th', {colspan: windows.length + 1, scope: 'rowgroup'}, symbol(name, kind === 'theta'), h('small', {}, units.get(name)))),
-      own.map((row) => h('tr', {}, h('th', {scope: 'row'}, chip(place(row.label)), row.label), row.rmse[column].map((value, k) => h('td', {title: text.peak(small(row.peak[column]?.[k], 3))}, small(value, 3))))));
+    return h(
+      'tbody',
+      {},
+      h(
+        'tr',
+        {class: 'group'},
+        h(
+          'th',
+          {colspan: windows.length + 1, scope: 'rowgroup'},
+          symbol(name, kind === 'theta'),
+          h('small', {}, units.get(name)),
+        ),
+      ),
+      own.map((row) =>
+        h(
+          'tr',
+          {},
+          h('th', {scope: 'row'}, chip(place(row.label)), row.label),
+          row.rmse[column].map((value, k) =>
+            h('td', {title: text.peak(small(row.peak[column]?.[k], 3))}, small(value, 3)),
+          ),
+        ),
+      ),
+    );
   };
   return h('table', {class: 'measures'}, h('thead', {}, head), columns.map(group));
 }
@@ -23,7 +50,32 @@ export function settling(rows, chip, place) {
   const own = rows.filter((row) => row.steps.length);
   const [{steps}] = own;
   const time = (value) => (value === null ? '–' : number(value, 2));
-  return h('table', {class: 'measures'}, h('thead', {}, h('tr', {}, h('td'), steps.map(({channel, at}) => h('th', {scope: 'col'}, symbol(channel), h('small', {}, `${number(at, 3)} s`))))),
-    h('tbody', {}, own.map((row) => h('tr', {}, h('th', {scope: 'row'}, chip(place(row.label)), row.label),
-      steps.map(({channel, at}) => row.steps.find((one) => one.channel === channel && one.at === at)).map((step) => h('td', {}, step ? `${time(step.ten)} / ${time(step.five)}` : '–'))))));
+  return h(
+    'table',
+    {class: 'measures'},
+    h(
+      'thead',
+      {},
+      h(
+        'tr',
+        {},
+        h('td'),
+        steps.map(({channel, at}) => h('th', {scope: 'col'}, symbol(channel), h('small', {}, `${number(at, 3)} s`))),
+      ),
+    ),
+    h(
+      'tbody',
+      {},
+      own.map((row) =>
+        h(
+          'tr',
+          {},
+          h('th', {scope: 'row'}, chip(place(row.label)), row.label),
+          steps
+            .map(({channel, at}) => row.steps.find((one) => one.channel === channel && one.at === at))
+            .map((step) => h('td', {}, step ? `${time(step.ten)} / ${time(step.five)}` : '–')),
+        ),
+      ),
+    ),
+  );
 }

@@ -30,8 +30,12 @@ export function mountHead(root, store, act) {
       return fill(about, phase === 'failed' ? null : h('p', {class: 'soft'}, text.loading));
     }
     const observers = text.observers(spec.observers.length);
-    fill(about, h('h1', {}, text.named(spec.title) || spec.id), spec.source && h('p', {class: 'soft'}, spec.source),
-      spec.description && h('p', {}, text.named(spec.description)));
+    fill(
+      about,
+      h('h1', {}, text.named(spec.title) || spec.id),
+      spec.source && h('p', {class: 'soft'}, spec.source),
+      spec.description && h('p', {}, text.named(spec.description)),
+    );
     fill(plan, timeline(spec, plant), h('p', {class: 'soft'}, text.plan(spec.horizon, spec.step, observers)));
     return form.build();
   }
@@ -46,15 +50,32 @@ export function mountHead(root, store, act) {
     cancel.hidden = !running || !progress.links.cancel;
     start.disabled = running || !spec;
     fill(start, state.run ? text.runAgain : text.run);
-    fill(status, running ? (progress.status === 'queued' ? (progress.links.cancel ? text.queued : text.running) : text.percent(progress.progress))
-      : phase === 'cancelled' ? text.cancelled : stale(state) ? text.changed : '');
+    fill(
+      status,
+      running
+        ? progress.status === 'queued'
+          ? progress.links.cancel
+            ? text.queued
+            : text.running
+          : text.percent(progress.progress)
+        : phase === 'cancelled'
+          ? text.cancelled
+          : stale(state)
+            ? text.changed
+            : '',
+    );
     status.classList.toggle('note', !running && stale(state));
-    const left = problem && spec ? problem.errors.filter((error) => !form.has(spelt(spec, error.field))) : problem?.errors;
+    const left =
+      problem && spec ? problem.errors.filter((error) => !form.has(spelt(spec, error.field))) : problem?.errors;
     fill(trouble, problem && (left.length || !problem.errors.length) ? problemBlock(problem, left) : null);
   }
 
   store.subscribe((state, before) => {
-    if (['spec', 'plant', 'chosen', 'foreign'].some((key) => state[key] !== before[key]) || (state.phase === 'failed' && !state.spec)) showSpec(state);
+    if (
+      ['spec', 'plant', 'chosen', 'foreign'].some((key) => state[key] !== before[key]) ||
+      (state.phase === 'failed' && !state.spec)
+    )
+      showSpec(state);
     form.update(state, before);
     showProgress(state);
   });

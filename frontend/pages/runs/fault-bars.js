@@ -14,11 +14,34 @@ export function timeline(spec, plant) {
     const to = fault.end ?? spec.horizon;
     const title = text.named(channel?.title);
     const shape = text.shapes[fault.shape] ?? fault.shape;
-    return h('li', {title: text.faultText(title || name, shape, number(from, 6), typeof fault.end === 'number' ? number(fault.end, 6) : null)},
+    return h(
+      'li',
+      {
+        title: text.faultText(
+          title || name,
+          shape,
+          number(from, 6),
+          typeof fault.end === 'number' ? number(fault.end, 6) : null,
+        ),
+      },
       h('span', {class: 'name'}, symbol(name), h('small', {}, [title, shape].filter(Boolean).join(', '))),
-      h('span', {class: 'track'}, h('span', {class: 'bar', style: `left:${share(from)};right:calc(100% - ${share(to)})`},
-        h('small', {}, `${number(from, 6)} s`))));
+      h(
+        'span',
+        {class: 'track'},
+        h(
+          'span',
+          {class: 'bar', style: `left:${share(from)};right:calc(100% - ${share(to)})`},
+          h('small', {}, `${number(from, 6)} s`),
+        ),
+      ),
+    );
   });
-  const ticks = [0, 0.25, 0.5, 0.75, 1].map((share) => h('span', {}, String(Number((share * spec.horizon).toFixed(spec.horizon >= 20 ? 1 : 3)))));
-  return fill(h('div', {class: 'timeline'}), h('ul', {'aria-label': text.timeline}, rows), h('div', {class: 'ticks', 'aria-hidden': 'true'}, ticks));
+  const ticks = [0, 0.25, 0.5, 0.75, 1].map((share) =>
+    h('span', {}, String(Number((share * spec.horizon).toFixed(spec.horizon >= 20 ? 1 : 3)))),
+  );
+  return fill(
+    h('div', {class: 'timeline'}),
+    h('ul', {'aria-label': text.timeline}, rows),
+    h('div', {class: 'ticks', 'aria-hidden': 'true'}, ticks),
+  );
 }

@@ -6,8 +6,13 @@ import {fill, h} from '../../common/dom.js';
 import {text} from '../../i18n/pages.js';
 
 // Plotly offers by default to send the figure to its makers' cloud: not from here.
-const OPTIONS = {displaylogo: false, responsive: false, showSendToCloud: false, plotlyServerURL: '',
-  modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d']};
+const OPTIONS = {
+  displaylogo: false,
+  responsive: false,
+  showSendToCloud: false,
+  plotlyServerURL: '',
+  modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
+};
 const PROJECTOR = 1.25;
 const narrow = matchMedia('(max-width: 640px)');
 const projector = matchMedia('(min-width: 1800px)');
@@ -16,11 +21,15 @@ let library = null;
 
 function plotly() {
   library ??= new Promise((done, stop) => {
-    const script = h('script', {src: '/assets/plotly.min.js', onload: () => done(window.Plotly), onerror: () => {
-      library = null;
-      script.remove();
-      stop(new Error(text.plotlyFailed));
-    }});
+    const script = h('script', {
+      src: '/assets/plotly.min.js',
+      onload: () => done(window.Plotly),
+      onerror: () => {
+        library = null;
+        script.remove();
+        stop(new Error(text.plotlyFailed));
+      },
+    });
     document.head.append(script);
   });
   return library;
@@ -54,9 +63,12 @@ export function mountFigures(root, store) {
   const boxes = new Map(); // name → {section, plot, address, drawn}
   const bar = h('nav', {class: 'jump', 'aria-label': text.figures});
   let queue = Promise.resolve();
-  const near = new IntersectionObserver((entries) => {
-    for (const entry of entries) if (entry.isIntersecting) draw(boxes.get(entry.target.dataset.name));
-  }, {rootMargin: '500px'});
+  const near = new IntersectionObserver(
+    (entries) => {
+      for (const entry of entries) if (entry.isIntersecting) draw(boxes.get(entry.target.dataset.name));
+    },
+    {rootMargin: '500px'},
+  );
 
   function later(work) {
     queue = queue.then(work, work);
@@ -69,11 +81,18 @@ export function mountFigures(root, store) {
       if (store.state.run !== run) return;
       const names = new Set(figures.map((one) => one.name));
       for (const [name, box] of boxes) if (!names.has(name)) remove(name, box);
-      fill(bar, figures.map((one) => h('a', {href: `#figure-${one.name}`, onclick: jump}, text.named(one.title))));
+      fill(
+        bar,
+        figures.map((one) => h('a', {href: `#figure-${one.name}`, onclick: jump}, text.named(one.title))),
+      );
       root.replaceChildren(bar, ...figures.map((one) => section(one, run)));
       for (const box of boxes.values()) near.observe(box.section);
     } catch (error) {
-      if (store.state.run === run) fill(root, failure(error, () => list(run)));
+      if (store.state.run === run)
+        fill(
+          root,
+          failure(error, () => list(run)),
+        );
     }
   }
 
@@ -90,7 +109,12 @@ export function mountFigures(root, store) {
 
   function create(one) {
     const plot = h('div', {class: 'plot', role: 'img', 'aria-label': text.named(one.title)});
-    const box = {plot, caption: h('figcaption'), drawn: null, section: h('figure', {class: 'card', id: `figure-${one.name}`, 'data-name': one.name})};
+    const box = {
+      plot,
+      caption: h('figcaption'),
+      drawn: null,
+      section: h('figure', {class: 'card', id: `figure-${one.name}`, 'data-name': one.name}),
+    };
     box.section.append(h('h2', {}, text.named(one.title)), box.caption, plot);
     boxes.set(one.name, box);
     return box;
@@ -115,7 +139,10 @@ export function mountFigures(root, store) {
         box.failed?.remove();
         box.figure = figure;
         fill(box.caption, text.named(figure.layout.meta.caption));
-        box.plot.setAttribute('aria-label', `${text.named(figure.layout.meta.title)}. ${text.named(figure.layout.meta.caption)}`);
+        box.plot.setAttribute(
+          'aria-label',
+          `${text.named(figure.layout.meta.title)}. ${text.named(figure.layout.meta.caption)}`,
+        );
         await Plotly.react(box.plot, figure.data, fitted(figure.layout, box.plot.clientWidth), OPTIONS);
         box.section.dataset.drawn = wanted;
       } catch (error) {
@@ -127,15 +154,24 @@ export function mountFigures(root, store) {
     });
   }
 
-  const failure = (error, again) => h('div', {class: 'problem', role: 'alert'}, h('b', {}, text.figureFailed), h('p', {}, error.message),
-    h('button', {type: 'button', class: 'quiet', onclick: again}, text.tryAgain));
+  const failure = (error, again) =>
+    h(
+      'div',
+      {class: 'problem', role: 'alert'},
+      h('b', {}, text.figureFailed),
+      h('p', {}, error.message),
+      h('button', {type: 'button', class: 'quiet', onclick: again}, text.tryAgain),
+    );
 
   /** Fit what is drawn to another size of the window. */
   function refit(whole) {
     for (const box of boxes.values()) {
       if (!box.figure || !box.plot.data) continue;
-      later(() => (whole ? window.Plotly.react(box.plot, box.figure.data, fitted(box.figure.layout, box.plot.clientWidth), OPTIONS)
-        : window.Plotly.relayout(box.plot, {width: box.plot.clientWidth})));
+      later(() =>
+        whole
+          ? window.Plotly.react(box.plot, box.figure.data, fitted(box.figure.layout, box.plot.clientWidth), OPTIONS)
+          : window.Plotly.relayout(box.plot, {width: box.plot.clientWidth}),
+      );
     }
   }
 
@@ -153,7 +189,8 @@ export function mountFigures(root, store) {
   });
 
   function showEmpty({spec, phase}) {
-    const words = phase === 'running' ? h('h2', {}, text.running) : [h('h2', {}, text.notRun), h('p', {}, text.notRunText)];
+    const words =
+      phase === 'running' ? h('h2', {}, text.running) : [h('h2', {}, text.notRun), h('p', {}, text.notRunText)];
     const lost = connection.lost && h('p', {}, text.unreachable);
     fill(root, spec || lost ? h('div', {class: 'empty card'}, spec ? words : lost) : null);
   }

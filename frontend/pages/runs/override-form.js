@@ -9,26 +9,52 @@ import {sentence} from '../../common/problem.js';
 
 export function createForm(store, act) {
   const fields = new Map(); // path → {input, error}
-  const element = h('form', {id: 'form', novalidate: true, autocomplete: 'off', onsubmit: (event) => {
-    event.preventDefault();
-    if (!store.state.foreign && store.state.spec && store.state.phase !== 'running') act.run();
-  }});
-  const more = h('textarea', {rows: 3, spellcheck: 'false', placeholder: text.moreExample, id: 'more', 'aria-describedby': 'more-error',
-    oninput: readMore});
+  const element = h('form', {
+    id: 'form',
+    novalidate: true,
+    autocomplete: 'off',
+    onsubmit: (event) => {
+      event.preventDefault();
+      if (!store.state.foreign && store.state.spec && store.state.phase !== 'running') act.run();
+    },
+  });
+  const more = h('textarea', {
+    rows: 3,
+    spellcheck: 'false',
+    placeholder: text.moreExample,
+    id: 'more',
+    'aria-describedby': 'more-error',
+    oninput: readMore,
+  });
   const moreError = h('p', {class: 'error', id: 'more-error'});
-  const reset = h('button', {type: 'button', class: 'quiet', hidden: true, onclick: () => {
-    act.replace({});
-    build();
-  }}, text.reset);
+  const reset = h(
+    'button',
+    {
+      type: 'button',
+      class: 'quiet',
+      hidden: true,
+      onclick: () => {
+        act.replace({});
+        build();
+      },
+    },
+    text.reset,
+  );
   let details = null;
 
   function field(path, label, hint) {
     const {spec, changes} = store.state;
     const id = `field-${path.replaceAll('.', '-')}`;
     const error = h('p', {class: 'error', id: `${id}-error`});
-    const input = h('input', {id, type: 'text', inputmode: 'decimal', title: hint, 'aria-describedby': error.id,
+    const input = h('input', {
+      id,
+      type: 'text',
+      inputmode: 'decimal',
+      title: hint,
+      'aria-describedby': error.id,
       value: spell(changes[path] ?? original(spec, path)),
-      oninput: () => act.change(path, input.value.trim() === '' ? undefined : value(input.value))});
+      oninput: () => act.change(path, input.value.trim() === '' ? undefined : value(input.value)),
+    });
     fields.set(path, {input, error});
     return h('div', {class: 'field'}, h('label', {for: id}, label), input, error);
   }
@@ -36,19 +62,54 @@ export function createForm(store, act) {
   function build() {
     const {spec, changes} = store.state;
     fields.clear();
-    const noise = Object.keys(spec.noise).map((output) => field(`noise.${output}.std`, [`${text.noiseOf} `, symbol(output)], text.noiseHint));
-    const gains = spec.observers.map((observer) => [observer, Object.keys(observer.gains)]).filter(([, names]) => names.length)
-      .map(([observer, names], place) => h('fieldset', {}, h('legend', {},
-        h('span', {class: 'chip', style: `--c:var(--o${spec.observers.indexOf(observer, place) % 6})`}), observer.label),
-      names.map((name) => field(`observers.${observer.label}.gains.${name}`, symbol(name), text.gainsOf(observer.label)))));
+    const noise = Object.keys(spec.noise).map((output) =>
+      field(`noise.${output}.std`, [`${text.noiseOf} `, symbol(output)], text.noiseHint),
+    );
+    const gains = spec.observers
+      .map((observer) => [observer, Object.keys(observer.gains)])
+      .filter(([, names]) => names.length)
+      .map(([observer, names], place) =>
+        h(
+          'fieldset',
+          {},
+          h(
+            'legend',
+            {},
+            h('span', {class: 'chip', style: `--c:var(--o${spec.observers.indexOf(observer, place) % 6})`}),
+            observer.label,
+          ),
+          names.map((name) =>
+            field(`observers.${observer.label}.gains.${name}`, symbol(name), text.gainsOf(observer.label)),
+          ),
+        ),
+      );
     const open = details?.open ?? false;
-    details = h('details', {class: 'more'}, h('summary', {}, text.gains), h('div', {class: 'gains'}, gains),
-      h('label', {for: 'more'}, text.more), more, moreError);
+    details = h(
+      'details',
+      {class: 'more'},
+      h('summary', {}, text.gains),
+      h('div', {class: 'gains'}, gains),
+      h('label', {for: 'more'}, text.more),
+      more,
+      moreError,
+    );
     details.open = open || Object.keys(changes).some((path) => path !== 'seed' && !path.startsWith('noise.'));
-    more.value = Object.entries(changes).filter(([path]) => !fields.has(path)).map(([path, to]) => `${path} = ${spell(to)}`).join('\n');
+    more.value = Object.entries(changes)
+      .filter(([path]) => !fields.has(path))
+      .map(([path, to]) => `${path} = ${spell(to)}`)
+      .join('\n');
     fill(moreError);
-    fill(element, h('div', {class: 'row'}, field('seed', text.seed, text.seedHint),
-      noise.length ? noise : h('p', {class: 'soft'}, text.noNoise), reset), details);
+    fill(
+      element,
+      h(
+        'div',
+        {class: 'row'},
+        field('seed', text.seed, text.seedHint),
+        noise.length ? noise : h('p', {class: 'soft'}, text.noNoise),
+        reset,
+      ),
+      details,
+    );
     update(store.state, {});
   }
 

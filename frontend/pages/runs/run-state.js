@@ -20,7 +20,13 @@ const cleared = {phase: 'idle', problem: null, run: null, ranWith: null};
 const events = {
   library: (state, {experiments, plants}) => ({...state, experiments, plants}),
   choose: (state, {id, changes}) => ({
-    ...state, ...cleared, chosen: id, spec: null, plant: null, foreign: false, changes: changes ?? {},
+    ...state,
+    ...cleared,
+    chosen: id,
+    spec: null,
+    plant: null,
+    foreign: false,
+    changes: changes ?? {},
   }),
   spec: (state, {spec, plant}) => ({...state, spec, plant}),
   foreign: (state, {spec, plant}) => ({...state, ...cleared, chosen: null, spec, plant, foreign: true, changes: {}}),
@@ -29,7 +35,12 @@ const events = {
     if (to === undefined || to === original(state.spec, path)) delete changes[path];
     return {...state, changes, problem: null, phase: state.phase === 'failed' ? settled(state) : state.phase};
   },
-  changes: (state, {changes}) => ({...state, changes, problem: null, phase: state.phase === 'failed' ? settled(state) : state.phase}),
+  changes: (state, {changes}) => ({
+    ...state,
+    changes,
+    problem: null,
+    phase: state.phase === 'failed' ? settled(state) : state.phase,
+  }),
   start: (state) => ({...state, phase: 'running', problem: null, progress: initial.progress}),
   progress: (state, {progress}) => ({...state, progress}),
   done: (state, {run, changes}) => ({...state, phase: 'done', run, ranWith: JSON.stringify(changes), problem: null}),
@@ -57,12 +68,14 @@ export function original(spec, path) {
 export function spelt(spec, field) {
   const keys = field.replaceAll('[', '.').replaceAll(']', '').split('.').filter(Boolean);
   let at = spec;
-  return keys.map((key) => {
-    const inside = Array.isArray(at);
-    const item = inside ? at[key] ?? at.find((one) => one.label === key) : at?.[key];
-    at = item;
-    return inside && item?.label ? item.label : key;
-  }).join('.');
+  return keys
+    .map((key) => {
+      const inside = Array.isArray(at);
+      const item = inside ? (at[key] ?? at.find((one) => one.label === key)) : at?.[key];
+      at = item;
+      return inside && item?.label ? item.label : key;
+    })
+    .join('.');
 }
 
 /** The store: `dispatch(event)`, `state`, and `subscribe(view)`, which is called with (state, before). */
@@ -70,8 +83,12 @@ export function createStore() {
   let state = initial;
   const views = [];
   return {
-    get state() { return state; },
-    subscribe(view) { views.push(view); },
+    get state() {
+      return state;
+    },
+    subscribe(view) {
+      views.push(view);
+    },
     dispatch(event) {
       const before = state;
       state = reduce(state, event);
@@ -79,4 +96,3 @@ export function createStore() {
     },
   };
 }
-

@@ -32,7 +32,7 @@ const act = {
   /** Run the chosen experiment with the form's changes. */
   async run() {
     following?.abort();
-    const mine = following = new AbortController();
+    const mine = (following = new AbortController());
     const {chosen, changes} = store.state;
     store.dispatch({type: 'start'});
     await guarded(async () => {
@@ -59,7 +59,8 @@ async function reopen(id, changes) {
   try {
     const found = await get(`/api/runs/${encodeURIComponent(id)}`);
     if (found.status !== 'done') return;
-    if (store.state.spec === null) store.dispatch({type: 'foreign', spec: found.spec, plant: await plantOf(found.spec)});
+    if (store.state.spec === null)
+      store.dispatch({type: 'foreign', spec: found.spec, plant: await plantOf(found.spec)});
     store.dispatch({type: 'done', run: found, changes});
   } catch (error) {
     if (!(error instanceof Problem && error.status === 404)) throw error;
@@ -67,7 +68,8 @@ async function reopen(id, changes) {
   }
 }
 
-const plantOf = (spec) => (typeof spec.plant === 'string' ? get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant);
+const plantOf = (spec) =>
+  typeof spec.plant === 'string' ? get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant;
 
 /** Carry something out; what goes wrong becomes a problem on the page. */
 async function guarded(work, signal) {
@@ -75,7 +77,10 @@ async function guarded(work, signal) {
     await work();
   } catch (error) {
     if (signal?.aborted || error.name === 'AbortError') return;
-    const problem = error instanceof Problem ? error : new Problem({title: text.broken, detail: `${error.message} ${text.brokenRemedy}`});
+    const problem =
+      error instanceof Problem
+        ? error
+        : new Problem({title: text.broken, detail: `${error.message} ${text.brokenRemedy}`});
     store.dispatch({type: 'failed', problem});
   }
 }
@@ -84,11 +89,16 @@ async function guarded(work, signal) {
 store.subscribe((state, before) => {
   if (state.changes === before.changes && state.run === before.run) return;
   const shown = state.run && state.ranWith === JSON.stringify(state.changes) ? state.run.id : null;
-  history.replaceState(null, '', write({experiment: state.foreign ? null : state.chosen, changes: state.changes, run: shown}));
+  history.replaceState(
+    null,
+    '',
+    write({experiment: state.foreign ? null : state.chosen, changes: state.changes, run: shown}),
+  );
 });
 
 store.subscribe((state, before) => {
-  if (state.spec !== before.spec) document.title = state.spec ? `${state.spec.title || state.spec.id} · ${text.title}` : text.title;
+  if (state.spec !== before.spec)
+    document.title = state.spec ? `${state.spec.title || state.spec.id} · ${text.title}` : text.title;
 });
 
 async function open() {

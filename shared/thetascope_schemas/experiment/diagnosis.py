@@ -65,8 +65,7 @@ _CALIBRATION = {
 class DiagnosisSettings(Strict):
     """What is asked of the diagnosis. Thresholds follow from it by simulation; none is typed in."""
 
-    model_config = example(enabled=True, false_alarms=0.01, test="glr", confidence=0.95, accuracy=0.1,
-                           doubt=0.01)  # fmt: skip
+    model_config = example(enabled=True, false_alarms=0.01, test="glr", confidence=0.95, accuracy=0.1, doubt=0.01)
 
     enabled: bool = Field(True, description="Whether anything is diagnosed at all.")
     false_alarms: Annotated[Number, Field(ge=1e-4, le=100)] = Field(
@@ -78,7 +77,8 @@ class DiagnosisSettings(Strict):
         0.01, description="Share of a state's size by which its equation may be off within the plant's time constant."
     )
     span: Positive | None = Field(
-        None, description="Time in s that thresholds are simulated over and decisions are spaced for; null: the horizon."
+        None,
+        description="Time in s that thresholds are simulated over and decisions are spaced for; null: the horizon.",
     )
     accuracy: Annotated[Number, Field(ge=1e-3, le=1.0)] = Field(
         0.1, description="Standard deviation asked of an estimate, as a share of the channel's typical fault."
@@ -126,16 +126,30 @@ class Resolution(Strict):
 class Observability(Strict):
     """What the outputs show of the states and of all faults together: by the equations, and along a run."""
 
-    model_config = example(rank=5, size=5, text="all faults and states can be told apart", window=10.0, t=[0.0, 90.0], ranks=[5, 5],
-                           conditions=[1200.0, 340.0], along="rank 5 of 5 over 10 s, condition 3.4e+02 to 1.2e+03")  # fmt: skip
+    model_config = example(
+        rank=5,
+        size=5,
+        text="all faults and states can be told apart",
+        window=10.0,
+        t=[0.0, 90.0],
+        ranks=[5, 5],
+        conditions=[1200.0, 340.0],
+        along="rank 5 of 5 over 10 s, condition 3.4e+02 to 1.2e+03",
+    )
 
-    rank: int | None = Field(description="Generic rank of the observability matrix of states and faults (Lie derivatives); null: not decided.")
+    rank: int | None = Field(
+        description="Generic rank of the observability matrix of states and faults (Lie derivatives); null: not decided."
+    )
     size: int = Field(description="States and faults.")
     text: str = Field(description="What no input could tell apart, in words.")
     window: Number = Field(description="Length in s of the windows along the run.")
     t: list[Number] = Field(description="When they begin, in s.")
-    ranks: list[int | None] = Field(description="Rank of the empirical Gramian over each; null: the plant does not stay finite.")
-    conditions: list[Number | None] = Field(description="Its condition, in units of typical sizes; null below full rank.")
+    ranks: list[int | None] = Field(
+        description="Rank of the empirical Gramian over each; null: the plant does not stay finite."
+    )
+    conditions: list[Number | None] = Field(
+        description="Its condition, in units of typical sizes; null below full rank."
+    )
     along: str = Field(description="The same in words, with the combination that is seen least.")
 
 
@@ -191,12 +205,22 @@ class NoiseLevel(Strict):
 class ObserverDiagnosis(Strict):
     """What one observer says about the faults."""
 
-    model_config = example(observer="adaptive", alarms=[_ALARM], resolution=[_RESOLUTION], excitation=_EXCITATION,
-                           calibration=_CALIBRATION, noise=[], sentence="", note="")  # fmt: skip
+    model_config = example(
+        observer="adaptive",
+        alarms=[_ALARM],
+        resolution=[_RESOLUTION],
+        excitation=_EXCITATION,
+        calibration=_CALIBRATION,
+        noise=[],
+        sentence="",
+        note="",
+    )
 
     observer: str = Field(description="Label of the observer; empty: the detector, which watches the plant itself.")
     alarms: tuple[Alarm, ...] = Field((), description="What was found, in order of time.")
-    resolution: tuple[Resolution, ...] = Field((), description="By channel: how small a fault can be and still be found.")
+    resolution: tuple[Resolution, ...] = Field(
+        (), description="By channel: how small a fault can be and still be found."
+    )
     excitation: Excitation | None = Field(None, description="What the input tells about the faults, at the end.")
     calibration: Calibration | None = Field(None, description="Where the thresholds come from.")
     noise: tuple[NoiseLevel, ...] = Field((), description="Noise of each output.")
@@ -210,4 +234,6 @@ class Diagnosis(Strict):
     model_config = example(detector={"observer": "", "alarms": [_ALARM]}, observers=[])
 
     detector: ObserverDiagnosis = Field(description="What the detector says: it watches the plant, not the observers.")
-    observers: tuple[ObserverDiagnosis, ...] = Field((), description="What tests on each observer's θ̂ say, for comparison.")
+    observers: tuple[ObserverDiagnosis, ...] = Field(
+        (), description="What tests on each observer's θ̂ say, for comparison."
+    )

@@ -103,7 +103,9 @@ class Experiment(Strict):
     commands: tuple[TimedCommand, ...] = Field(
         (), max_length=MAX_COMMANDS, description="What is changed while it runs, in order of time; faults apart."
     )
-    diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="What is asked of the diagnosis.")
+    diagnosis: DiagnosisSettings = Field(
+        default_factory=DiagnosisSettings, description="What is asked of the diagnosis."
+    )
     figures: tuple[Figure, ...] = Field((), max_length=24)
 
     @property

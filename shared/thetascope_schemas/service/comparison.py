@@ -8,8 +8,15 @@ from thetascope_schemas.experiment.base import Number, Reference, Strict, exampl
 
 _WINDOWS = [{"start": 0, "end": 20}, {"start": 20, "end": 100}]
 _STEP = {"channel": "theta3", "at": 20, "size": 0.02, "ten": 0.77, "five": 1.04}
-_FAULT = {"kind": "channel", "name": "theta3", "onset": 20, "until": None, "outcome": "found", "delay": 0.6,
-          "alternative": False}  # fmt: skip
+_FAULT = {
+    "kind": "channel",
+    "name": "theta3",
+    "onset": 20,
+    "until": None,
+    "outcome": "found",
+    "delay": 0.6,
+    "alternative": False,
+}
 _ROW = {
     "label": "adaptive",
     "rmse": {"x.x1": [0.002, 0.0004], "theta.theta3": [0.001, 0.0011]},

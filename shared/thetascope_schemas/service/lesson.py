@@ -26,7 +26,10 @@ class Step(Strict):
     """One question about an experiment."""
 
     model_config = example(
-        question={"en": "Lower λ to 0.6: calm, and slow. What do you trade?", "zh": "把 λ 降到 0.6:平静了,也慢了。换来了什么?"},
+        question={
+            "en": "Lower λ to 0.6: calm, and slow. What do you trade?",
+            "zh": "把 λ 降到 0.6:平静了,也慢了。换来了什么?",
+        },
         do=[{"type": "set-gain", "observer": "adaptive", "gain": "lambda", "value": 0.6}],
     )
 

@@ -20,5 +20,9 @@ class Record(Strict):
     plant: PlantChoice = Field(description="Id of a library plant, or a plant in full.")
     columns: dict[str, Column] | None = Field(None, max_length=200, description="Columns by name, all as long …")
     csv: str | None = Field(None, description="… or the text of a CSV file.")
-    learn: NonNegative = Field(0.0, description="Seconds at its beginning that are known to be sound: what they show belongs to the plant.")
-    diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="What is asked of the diagnosis.")
+    learn: NonNegative = Field(
+        0.0, description="Seconds at its beginning that are known to be sound: what they show belongs to the plant."
+    )
+    diagnosis: DiagnosisSettings = Field(
+        default_factory=DiagnosisSettings, description="What is asked of the diagnosis."
+    )

@@ -158,10 +158,21 @@ class Seek(Command):
 
 
 ClientMessage = Annotated[
-    Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow
-    | RemoveObserverNow | Reset | Seek,
+    Play
+    | Pause
+    | Step
+    | Speed
+    | Inject
+    | Clear
+    | SetGainNow
+    | SetSignalNow
+    | SetNoiseNow
+    | AddObserverNow
+    | RemoveObserverNow
+    | Reset
+    | Seek,
     Field(discriminator="type"),
-]  # fmt: skip
+]
 
 
 # ---- events: server → client ---------------------------------------------------------------------------------------------
@@ -225,9 +236,27 @@ class Event(Strict):
     type: Literal["event"] = "event"
     row: int
     t: Number
-    kind: Literal["inject", "clear", "fault-begins", "fault-ends", "gain", "signal", "noise", "observer-added",
-                  "observer-removed", "alarm", "alarm-over", "diverged", "rewound", "reset", "substeps"]  # fmt: skip
-    subject: str = Field("", description="Channel, output, observer label, or signal that it is about; of \"diverged\", empty: the plant itself.")
+    kind: Literal[
+        "inject",
+        "clear",
+        "fault-begins",
+        "fault-ends",
+        "gain",
+        "signal",
+        "noise",
+        "observer-added",
+        "observer-removed",
+        "alarm",
+        "alarm-over",
+        "diverged",
+        "rewound",
+        "reset",
+        "substeps",
+    ]
+    subject: str = Field(
+        "",
+        description='Channel, output, observer label, or signal that it is about; of "diverged", empty: the plant itself.',
+    )
     observer: str = Field("", description="The observer that says so (alarms).")
     value: JsonValue = Field(None, description="Size, gain value, estimate …")
     text: str = Field("", description="The event in English.")
@@ -285,5 +314,6 @@ class DiagnosisNow(Strict):
 
 
 ServerMessage = Annotated[
-    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow, Field(discriminator="type")
+    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow,
+    Field(discriminator="type"),
 ]

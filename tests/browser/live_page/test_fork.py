@@ -24,8 +24,14 @@ def test_a_fork_is_compared_with_its_parent(page):
     opened, _ = forked(page)
     rows = opened.locator("#panel-comparison tbody tr:has(.who)")
     until(opened, "document.querySelectorAll('#panel-comparison .of-origin').length === 2")
-    assert [text.split("\n")[0].split("\t")[0].strip() for text in rows.all_inner_texts()] == ["adaptive", "kalman", "adaptive"]
-    until(opened, f"""(() => {{
+    assert [text.split("\n")[0].split("\t")[0].strip() for text in rows.all_inner_texts()] == [
+        "adaptive",
+        "kalman",
+        "adaptive",
+    ]
+    until(
+        opened,
+        f"""(() => {{
       const from = Math.max(0, {APP}.state.t - {APP}.state.window), to = {APP}.state.t;
       const of = (samples) => {{
         const a = samples.window('x.x1', from, to).v, b = samples.window('adaptive.x.x1', from, to).v;
@@ -33,8 +39,12 @@ def test_a_fork_is_compared_with_its_parent(page):
       }};
       const shown = (row) => Number(document.querySelector(`#panel-comparison ${{row}} td`).textContent);
       return Math.abs(shown('tbody tr') / of({APP}.samples) - 1) < 0.1 && Math.abs(shown('.of-origin') / of({APP}.ghost) - 1) < 0.1;
-    }})()""")
-    noise = [float(opened.locator(f"#panel-comparison {row} td").nth(2).inner_text()) for row in ("tbody tr:not(.of-origin)", ".of-origin")]
+    }})()""",
+    )
+    noise = [
+        float(opened.locator(f"#panel-comparison {row} td").nth(2).inner_text())
+        for row in ("tbody tr:not(.of-origin)", ".of-origin")
+    ]
     assert noise[0] < noise[1]  # what the lower λ is for
 
 

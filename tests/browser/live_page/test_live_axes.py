@@ -104,7 +104,9 @@ def test_marks_of_an_axis_fit_beside_it(page):
     for ticks, labels, power in found:
         unit = 10.0 ** int("".join(raised[c] for c in power.removeprefix("·10"))) if power else 1
         assert max(map(len, labels)) <= 7 and len(set(labels)) == len(labels)
-        assert [float(label.replace("−", "-")) * unit for label in labels] == pytest.approx(ticks, abs=abs(ticks[-1]) * 1e-3)
+        assert [float(label.replace("−", "-")) * unit for label in labels] == pytest.approx(
+            ticks, abs=abs(ticks[-1]) * 1e-3
+        )
 
 
 def test_every_band_is_drawn_and_a_name_leaves_its_own(page):
@@ -117,17 +119,26 @@ def test_every_band_is_drawn_and_a_name_leaves_its_own(page):
     name.focus()
     opened.keyboard.press("Enter")
     until(opened, f"{APP}.state.band === 'ekf'")
-    assert opened.evaluate(f"[...{APP}.scope.bands()]") == ["ekf"] and "±2σ of ekf" in opened.inner_text(".legend [data-mark=band]")
-    assert name.get_attribute("aria-pressed") == "true" and opened.evaluate("document.activeElement.textContent") == "ekf"
+    assert opened.evaluate(f"[...{APP}.scope.bands()]") == ["ekf"] and "±2σ of ekf" in opened.inner_text(
+        ".legend [data-mark=band]"
+    )
+    assert (
+        name.get_attribute("aria-pressed") == "true" and opened.evaluate("document.activeElement.textContent") == "ekf"
+    )
     opened.click(".legend [data-mark=band] .link")
     assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
 
 
-@pytest.mark.parametrize(("path", "width", "height"), [("/", 1280, 800), ("/?experiment=dc-motor", 1440, 900), ("/?experiment=dts200", 1280, 720), (FOUR, 1440, 900)])
+@pytest.mark.parametrize(
+    ("path", "width", "height"),
+    [("/", 1280, 800), ("/?experiment=dc-motor", 1440, 900), ("/?experiment=dts200", 1280, 720), (FOUR, 1440, 900)],
+)
 def test_the_legend_keeps_its_words(page, path, width, height):
     """With many observers, too, and on at most two lines."""
     opened = settled(page, path, width=width, height=height)
-    marks = opened.evaluate("[...document.querySelectorAll('.legend li')].map((one) => [one.innerText.trim(), one.offsetTop])")
+    marks = opened.evaluate(
+        "[...document.querySelectorAll('.legend li')].map((one) => [one.innerText.trim(), one.offsetTop])"
+    )
     words = [text for text, _ in marks]
     assert all(words) and {"true", "fault active", "alarm"} <= set(words) and any("±2σ" in text for text in words)
     assert len({top // 12 for _, top in marks}) <= 2
@@ -137,17 +148,26 @@ def test_the_legend_keeps_its_words(page, path, width, height):
 def test_all_strips_of_the_tanks_are_in_sight_on_a_small_screen(page):
     """At 1280×720 eleven strips fit: none is cut, none touches its neighbour, nothing is scrolled away."""
     opened = settled(page, "/?experiment=dts200&t=700", width=1280, height=720)
-    boxes = opened.evaluate("[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })")
+    boxes = opened.evaluate(
+        "[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })"
+    )
     assert len(boxes) == 11 and all(after[0] - before[1] >= 3 for before, after in pairwise(boxes))
-    assert opened.evaluate("document.querySelector('.strips').scrollHeight <= document.querySelector('.strips').clientHeight + 1")
-    labels = opened.evaluate("[...document.querySelectorAll('.strip')].map((one) => one.querySelector('.strip-label').getBoundingClientRect().bottom - one.getBoundingClientRect().bottom)")
+    assert opened.evaluate(
+        "document.querySelector('.strips').scrollHeight <= document.querySelector('.strips').clientHeight + 1"
+    )
+    labels = opened.evaluate(
+        "[...document.querySelectorAll('.strip')].map((one) => one.querySelector('.strip-label').getBoundingClientRect().bottom - one.getBoundingClientRect().bottom)"
+    )
     assert max(labels) <= 1
 
 
 def test_a_strip_that_cannot_tell_says_why(page):
     """Where no observer has an excitation yet, its strip says what is missing."""
     opened = settled(page, "/?experiment=friction-motor&t=10")
-    until(opened, "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] .untold').innerText)")
+    until(
+        opened,
+        "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] .untold').innerText)",
+    )
 
 
 def test_marks_are_explained(page):

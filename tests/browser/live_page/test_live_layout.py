@@ -6,7 +6,13 @@ import pytest
 
 from tests.browser.live_helpers import opened, until
 
-SIX = [("high", "high-gain"), ("second", "adaptive-kalman"), ("third", "adaptive-kalman"), ("ekf", "joint-ekf"), ("ukf", "joint-ukf")]
+SIX = [
+    ("high", "high-gain"),
+    ("second", "adaptive-kalman"),
+    ("third", "adaptive-kalman"),
+    ("ekf", "joint-ekf"),
+    ("ukf", "joint-ukf"),
+]
 CARDS = """Object.fromEntries([...document.querySelectorAll('.left > .card, .right > .card, #scope')].filter((one) => one.checkVisibility())
   .map((one) => { const {top, bottom, left, right} = one.getBoundingClientRect(); return [one.id, [top, bottom, left, right].map(Math.round).join(' ')]; }))"""
 #: Lines of a card's list: how many are seen whole, how many in part, how many are there, and what the rim says.
@@ -17,8 +23,14 @@ LINES = """(selector) => {
   const cut = all.filter((one) => one.getBoundingClientRect().top < list.bottom - 2 && one.getBoundingClientRect().bottom > list.bottom + 1.5).length;
   return [whole, cut, all.length, all[0].closest('.card').querySelector(':scope > .more-lines').innerText];
 }"""
-LISTS = {"findings": "#panel-diagnosis .scroll > .finding", "observers": "#panel-observers .observer", "comparison": "#panel-comparison tbody tr",
-         "log": "#panel-log li", "questions": "#panel-try li", "faults": "#panel-inject .faults > .fault"}  # fmt: skip
+LISTS = {
+    "findings": "#panel-diagnosis .scroll > .finding",
+    "observers": "#panel-observers .observer",
+    "comparison": "#panel-comparison tbody tr",
+    "log": "#panel-log li",
+    "questions": "#panel-try li",
+    "faults": "#panel-inject .faults > .fault",
+}
 
 
 def still(page, path: str, **more):
@@ -32,7 +44,9 @@ def still(page, path: str, **more):
 def watched(live) -> None:
     """Four or five more observers watch."""
     for label, kind in SIX:
-        live.evaluate(f"thetascope.send({{type: 'add-observer', observer: {{label: '{label}', kind: '{kind}', options: {{}}}}}})")
+        live.evaluate(
+            f"thetascope.send({{type: 'add-observer', observer: {{label: '{label}', kind: '{kind}', options: {{}}}}}})"
+        )
     until(live, "document.querySelectorAll('#panel-observers .observer').length === 6")
     live.wait_for_timeout(500)
 
@@ -78,11 +92,19 @@ def test_what_opens_moves_nothing_else(page):
         assert fold.bounding_box()["height"] > 80 and live.evaluate(CARDS) == before
         assert live.is_visible(".verdict") and fold.bounding_box()["y"] + fold.bounding_box()["height"] <= 900
     live.keyboard.press("Escape")
-    assert live.locator("#panel-diagnosis .fold-out:visible").count() == 0 and live.evaluate("document.activeElement.textContent") == "how sure?"
+    assert (
+        live.locator("#panel-diagnosis .fold-out:visible").count() == 0
+        and live.evaluate("document.activeElement.textContent") == "how sure?"
+    )
     live.click("#panel-observers .lights")
     listed = live.locator("#panel-observers .checks li")
     box = live.locator("#panel-observers .checks").bounding_box()
-    assert listed.last.is_visible() and live.evaluate(CARDS) == before and box["y"] >= 0 and box["y"] + box["height"] <= 900
+    assert (
+        listed.last.is_visible()
+        and live.evaluate(CARDS) == before
+        and box["y"] >= 0
+        and box["y"] + box["height"] <= 900
+    )
     live.keyboard.press("Escape")
     assert not listed.last.is_visible()
     live.click("#panel-inject .dots >> nth=0")
@@ -121,7 +143,9 @@ def test_the_hysteresis_is_whole_on_a_phone(page):
     boxes = [one.bounding_box() for one in live.locator("#hysteresis canvas, #hysteresis figcaption").all()]
     assert len(boxes) == 4 and all(box["y"] + box["height"] <= card["y"] + card["height"] for box in boxes)
     assert all(before["y"] + before["height"] <= after["y"] + 1 for before, after in pairwise(boxes))
-    assert live.evaluate("[...document.querySelectorAll('#hysteresis canvas')].every((one) => one.height === Math.round(one.clientHeight * devicePixelRatio))")
+    assert live.evaluate(
+        "[...document.querySelectorAll('#hysteresis canvas')].every((one) => one.height === Math.round(one.clientHeight * devicePixelRatio))"
+    )
 
 
 def test_numbers_of_a_column_have_one_form(page):

@@ -124,7 +124,9 @@ def test_twelve_strips_and_more_scroll_inside_the_scope(page):
     opened.wait_for_timeout(300)
     heights = opened.evaluate("[...document.querySelectorAll('.strip')].map((strip) => strip.clientHeight)")
     assert len(heights) >= 17 and min(heights) >= 40
-    assert opened.evaluate("document.querySelector('.strips').scrollHeight > document.querySelector('.strips').clientHeight")
+    assert opened.evaluate(
+        "document.querySelector('.strips').scrollHeight > document.querySelector('.strips').clientHeight"
+    )
     assert opened.evaluate("document.documentElement.scrollHeight <= innerHeight")
 
 
@@ -208,12 +210,18 @@ def test_a_fault_injected_while_paused_is_seen_at_once(page):
     opened.wait_for_selector("svg.plant .site")
     assert coloured(opened, "theta.theta1", "--fault-line") == 0
     send(opened, "{type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.012}}")
-    until(opened, f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding .badge.lit').length === 1")
+    until(
+        opened,
+        f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding .badge.lit').length === 1",
+    )
     opened.wait_for_timeout(200)
     assert not state(opened, "playing") and coloured(opened, "theta.theta1", "--fault-line") > 30
     assert "fault-on" in opened.get_attribute('[data-strip="theta.theta1"]', "class")
     send(opened, "{type: 'clear', channel: 'theta1'}")
-    until(opened, f"{lit} === 0 && !{APP}.state.faults.some(({{active}}) => active) && document.querySelectorAll('.finding').length === 0")
+    until(
+        opened,
+        f"{lit} === 0 && !{APP}.state.faults.some(({{active}}) => active) && document.querySelectorAll('.finding').length === 0",
+    )
 
 
 def test_an_axis_keeps_ahead_of_what_grows(page):

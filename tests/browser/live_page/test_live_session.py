@@ -63,7 +63,9 @@ def packed(text: str) -> str:
     return base64.urlsafe_b64encode(made.compress(text.encode()) + made.flush()).decode().rstrip("=")
 
 
-@pytest.mark.parametrize("fragment", ["nZDBcoMw", packed("null"), packed("[]"), packed('{"spec": 3}'), packed('{"changed": {}}')])
+@pytest.mark.parametrize(
+    "fragment", ["nZDBcoMw", packed("null"), packed("[]"), packed('{"spec": 3}'), packed('{"changed": {}}')]
+)
 def test_a_damaged_link_says_so(page, fragment):
     """A link that was cut off, or holds something else, is an answer with a way on, not a blank page or another session."""
     opened = page(f"/#s={fragment}")
@@ -149,7 +151,9 @@ def test_a_lost_connection_is_survived_without_a_gap(page):
     ready(opened)
     opened.evaluate(f"{APP}.act.play()")
     until(opened, f"{APP}.samples.now > 13")
-    opened.evaluate(f"void {APP}.subscribe((state) => state.connection, (now) => {{ window.lost ||= now === 'reconnecting'; }})")
+    opened.evaluate(
+        f"void {APP}.subscribe((state) => state.connection, (now) => {{ window.lost ||= now === 'reconnecting'; }})"
+    )
     opened.evaluate(f"{APP}.drop()")
     until(opened, f"window.lost && {APP}.state.connection === 'live' && {APP}.samples.now > 15")
     opened.evaluate(f"{APP}.act.pause()")
@@ -207,7 +211,10 @@ def test_an_observer_keeps_its_colour(page):
     send(opened, "{type: 'add-observer', observer: {label: 'three', kind: 'zhao-adaptive'}}")
     until(opened, f"{APP}.state.observers.length === 3")
     assert {one["label"]: one["colour"] for one in state(opened, "observers")} == {
-        "adaptive": "var(--o0)", "two": "var(--o2)", "three": "var(--o1)"}  # fmt: skip
+        "adaptive": "var(--o0)",
+        "two": "var(--o2)",
+        "three": "var(--o1)",
+    }
 
 
 def test_rows_that_were_not_sent_are_fetched_in_order(page):

@@ -100,7 +100,9 @@ def test_links_are_offered_to_copy(page, server):
     assert "experiment=zhao-2012" in anew and "session=" in watch
     viewer = opened(page, watch.removeprefix(server))
     assert viewer.evaluate("thetascope.state.role") == "view"
-    assert viewer.locator("#panel-inject button.press:not(.quiet-press)").evaluate_all("(all) => all.every((one) => one.disabled)")
+    assert viewer.locator("#panel-inject button.press:not(.quiet-press)").evaluate_all(
+        "(all) => all.every((one) => one.disabled)"
+    )
     assert not viewer.locator(".control-only:visible").count()
 
 
@@ -121,7 +123,12 @@ def test_the_session_is_taken_along(page):
 def test_on_a_phone_the_panels_stand_behind_tabs(page):
     """At 390 pixels nothing is wider than the screen, and each tab shows its panels and no others; the sentence stands above the curves, too."""
     live = opened(page, width=390, height=844)
-    shown = {"curves": "#scope", "inject": "#panel-inject", "observers": "#panel-observers", "diagnosis": "#panel-diagnosis"}
+    shown = {
+        "curves": "#scope",
+        "inject": "#panel-inject",
+        "observers": "#panel-observers",
+        "diagnosis": "#panel-diagnosis",
+    }
     for tab in shown:
         live.click(f"#tab-{tab}")
         visible = [name for name, selector in shown.items() if live.locator(selector).is_visible()]
@@ -134,7 +141,9 @@ def test_on_a_phone_the_panels_stand_behind_tabs(page):
     assert live.locator(".actions .marks button").nth(0).inner_text().strip() == "Presentation"
 
 
-@pytest.mark.parametrize("experiment", ["dts200", "quadruple-tank", "zhou-tan-2012", "shen-hu-2015", "reduced-order-mimo"])
+@pytest.mark.parametrize(
+    "experiment", ["dts200", "quadruple-tank", "zhou-tan-2012", "shen-hu-2015", "reduced-order-mimo"]
+)
 def test_other_plants_fill_the_same_panels(page, experiment):
     """Eleven channels, two outputs, a sandwich, a plant without inputs: every site has its row, no error on the page."""
     live = opened(page, f"/?experiment={experiment}")

@@ -18,7 +18,9 @@ def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
     """One button a channel and one an output; choosing one puts the focus on its slider, by mouse and by keyboard."""
     live = opened(page)
     sites = live.locator("svg.plant .site")
-    assert sites.count() == live.evaluate("thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length")
+    assert sites.count() == live.evaluate(
+        "thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length"
+    )
     live.locator("svg.plant .site").nth(1).click()
     assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta2"
     live.locator("svg.plant .site").nth(0).focus()
@@ -107,7 +109,9 @@ def test_an_observer_is_added_coloured_and_removed(page):
     live.select_option(".add-form > select", "joint-ekf")
     live.click(".add-form button[type=submit]")
     until(live, "thetascope.state.observers.length === 2 && thetascope.state.columns.includes('ekf.theta.theta1')", 60)
-    colours = live.locator("#panel-observers .observer .chip").evaluate_all("(all) => all.map((one) => one.style.getPropertyValue('--c'))")
+    colours = live.locator("#panel-observers .observer .chip").evaluate_all(
+        "(all) => all.map((one) => one.style.getPropertyValue('--c'))"
+    )
     assert colours == ["var(--o0)", "var(--o1)"]
     live.locator("#panel-observers .observer-head .plain").nth(1).click()
     until(live, "thetascope.state.observers.length === 1")
@@ -159,12 +163,15 @@ def test_the_comparison_is_computed_over_the_window(page):
     """The RMSE in the table is that of the columns themselves."""
     live = opened(page)
     live.evaluate("thetascope.act.pause()")
-    until(live, """(() => {
+    until(
+        live,
+        """(() => {
       const {t, window: w} = thetascope.state;
       const [a, b] = ['x.x1', 'adaptive.x.x1'].map((name) => thetascope.window(name, Math.max(0, t - w), t).v);
       const rmse = Math.sqrt(a.reduce((sum, value, k) => sum + (value - b[k]) ** 2, 0) / a.length);
       return Math.abs(document.querySelector('#panel-comparison tbody td').textContent / rmse - 1) < 0.051; // two digits
-    })()""")
+    })()""",
+    )
 
 
 def test_a_click_in_the_log_shows_that_moment_and_gives_up_nothing(page):
@@ -185,8 +192,12 @@ def test_the_longest_sentence_covers_nothing(page):
     live.evaluate("thetascope.send({type: 'inject', fault: {output: 'y', shape: 'stuck', onset: 0, value: 0.1}})")
     until(live, "/y is disturbed/.test(document.querySelector('.verdict').textContent)")
     live.wait_for_timeout(300)
-    inside = live.evaluate("(() => { const box = document.querySelector('.verdict'); return box.scrollHeight <= box.clientHeight + 1; })()")
-    below = live.evaluate("document.querySelector('.finding').getBoundingClientRect().top >= document.querySelector('.verdict').getBoundingClientRect().bottom - 1")
+    inside = live.evaluate(
+        "(() => { const box = document.querySelector('.verdict'); return box.scrollHeight <= box.clientHeight + 1; })()"
+    )
+    below = live.evaluate(
+        "document.querySelector('.finding').getBoundingClientRect().top >= document.querySelector('.verdict').getBoundingClientRect().bottom - 1"
+    )
     lines = live.locator(".finding .line").evaluate_all("(all) => all.map((one) => one.clientHeight)")
     assert inside and below and max(lines) < 30
 

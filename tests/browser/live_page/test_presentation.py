@@ -54,7 +54,9 @@ DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame
 def presented(page, path: str = "/?experiment=zhao-2012&t=24", **more):
     """The page while presenting, standing still, its first notice gone."""
     live = opened(page, path, **more)
-    live.evaluate("thetascope.act.present(true); thetascope.act.pause(); thetascope.store.dispatch({type: 'set', told: null})")
+    live.evaluate(
+        "thetascope.act.present(true); thetascope.act.pause(); thetascope.store.dispatch({type: 'set', told: null})"
+    )
     live.wait_for_selector(".desk .fault")
     return live
 
@@ -66,7 +68,9 @@ def test_every_tab_shows_its_panel_and_no_other(page):
         live.click(f"#desk-{tab}")
         assert live.evaluate(SHOWN) == [f"panel-{tab}"]
         assert live.get_attribute(f"#panel-{tab}", "aria-labelledby") == f"desk-{tab}"
-        assert live.locator("[role=tab][tabindex='0']").evaluate_all("(all) => all.map((one) => one.id)") == [f"desk-{tab}"]
+        assert live.locator("[role=tab][tabindex='0']").evaluate_all("(all) => all.map((one) => one.id)") == [
+            f"desk-{tab}"
+        ]
     live.keyboard.press("ArrowRight")
     assert live.evaluate(SHOWN) == ["panel-inject"] and live.evaluate("document.activeElement.id") == "desk-inject"
     live.keyboard.press("End")
@@ -92,7 +96,11 @@ def test_the_panels_work_while_presenting(page):
     live.select_option(".add-form > select", "joint-ekf")
     assert live.evaluate(BOXES) == before
     live.click(".add-form button[type=submit]")
-    until(live, "thetascope.state.observers.length === 2 && document.querySelectorAll('#panel-observers .observer').length === 2", 60)
+    until(
+        live,
+        "thetascope.state.observers.length === 2 && document.querySelectorAll('#panel-observers .observer').length === 2",
+        60,
+    )
     live.wait_for_timeout(300)
     assert live.evaluate(WRONG) == []
     live.keyboard.press("m")
@@ -123,7 +131,10 @@ def test_a_site_in_the_plant_opens_its_injection(page):
     row(live, last).locator(".press.clear").wait_for()
     live.keyboard.press("g")
     live.keyboard.press("1")
-    assert live.evaluate("document.activeElement.closest('.fault').id") == f"fault-{live.evaluate('thetascope.state.plant.channels[0].name')}"
+    assert (
+        live.evaluate("document.activeElement.closest('.fault').id")
+        == f"fault-{live.evaluate('thetascope.state.plant.channels[0].name')}"
+    )
 
 
 @pytest.mark.parametrize("way", ["p", "Escape", "button"])
@@ -157,7 +168,12 @@ def test_leaving_brings_the_normal_page_back(page, way):
 def test_escape_closes_what_is_open_first(page):
     """The choice of experiments, the menu of strips, a dialog, a form: each takes an Escape before the presentation ends."""
     live = presented(page)
-    opens = {".chooser-menu": ".experiment", ".strips-menu[open]": ".strips-menu summary", "dialog[open]": "#panel-plant .link", ".add-form": "#panel-observers .heading .link"}
+    opens = {
+        ".chooser-menu": ".experiment",
+        ".strips-menu[open]": ".strips-menu summary",
+        "dialog[open]": "#panel-plant .link",
+        ".add-form": "#panel-observers .heading .link",
+    }
     live.click("#desk-observers")
     for what, button in opens.items():
         live.click(button)
@@ -175,7 +191,10 @@ def test_it_is_kept_when_the_page_is_loaded_again(page):
     until(live, "history.state?.session !== undefined")
     session = live.evaluate("thetascope.state.session")
     live.reload()
-    until(live, f"window.thetascope?.state.session === '{session}' && thetascope.state.presentation && document.querySelector('.desk .fault') !== null")
+    until(
+        live,
+        f"window.thetascope?.state.session === '{session}' && thetascope.state.presentation && document.querySelector('.desk .fault') !== null",
+    )
     live.keyboard.press("p")
     live.reload()
     until(live, "window.thetascope?.state.spec !== null && document.querySelector('#panel-inject .fault') !== null")
@@ -193,15 +212,22 @@ def test_a_lost_connection_and_a_page_that_only_watches_say_so(page, server):
     assert viewer.locator("#desk-try").is_disabled()  # the questions are for who controls the session
     viewer.evaluate("thetascope.store.dispatch({type: 'connection', now: 'reconnecting'})")
     assert said.inner_text().startswith("view only · connection lost") and said.is_visible()
-    assert viewer.locator(".connection .dot").evaluate("(dot) => getComputedStyle(dot).backgroundColor") == "rgb(194, 65, 12)"
+    assert (
+        viewer.locator(".connection .dot").evaluate("(dot) => getComputedStyle(dot).backgroundColor")
+        == "rgb(194, 65, 12)"
+    )
 
 
-@pytest.mark.parametrize("experiment", ["zhao-2012", "zhou-tan-2012", "dts200", "quadruple-tank", "zhao-2012-observers"])
+@pytest.mark.parametrize(
+    "experiment", ["zhao-2012", "zhou-tan-2012", "dts200", "quadruple-tank", "zhao-2012-observers"]
+)
 def test_nothing_overlaps_or_is_cut(page, experiment):
     """In both languages, on every tab, at four sizes: controls and cards stand apart and whole; from 900 px of height on two injections and two observers
     are in sight."""
     live = presented(page, f"/?experiment={experiment}&t=2")
-    live.evaluate("thetascope.send({type: 'inject', fault: {channel: thetascope.state.plant.channels[0].name, shape: 'step', onset: 0, size: 1e-3}})")
+    live.evaluate(
+        "thetascope.send({type: 'inject', fault: {channel: thetascope.state.plant.channels[0].name, shape: 'step', onset: 0, size: 1e-3}})"
+    )
     inside = """(selector) => { const all = [...document.querySelectorAll(selector)]; const list = all[0].closest('.scroll').getBoundingClientRect();
       return all.filter((one) => one.getBoundingClientRect().bottom <= list.bottom + 1).length; }"""
     wrong = {}
@@ -217,7 +243,9 @@ def test_nothing_overlaps_or_is_cut(page, experiment):
                     wrong[f"{width} {language} {tab}"] = found
                 if tab in ("inject", "observers"):
                     many = live.evaluate(inside, ".fault:not([hidden])" if tab == "inject" else ".observer")
-                    assert many >= min(2, live.locator(".observer").count() if tab == "observers" else 2) or height < 900, (width, tab, many)
+                    assert (
+                        many >= min(2, live.locator(".observer").count() if tab == "observers" else 2) or height < 900
+                    ), (width, tab, many)
     assert wrong == {}
 
 
@@ -239,12 +267,16 @@ def test_nothing_jumps(page, width, height):
     live.locator("#panel-diagnosis .link").first.click()
     assert live.is_visible("#panel-diagnosis .fold-out") and live.is_hidden("#panel-plant")
     open_ = live.evaluate(BOXES)
-    assert [open_[name] for name in (".desk", "#scope", ".verdict")] == [before[name] for name in (".desk", "#scope", ".verdict")]
+    assert [open_[name] for name in (".desk", "#scope", ".verdict")] == [
+        before[name] for name in (".desk", "#scope", ".verdict")
+    ]
     live.locator("#panel-diagnosis .link").first.click()
     assert live.evaluate(BOXES) == before
 
 
-@pytest.mark.parametrize(("path", "theme", "language"), [("/", "light", "en"), ("/?experiment=zhou-tan-2012", "dark", "zh")])
+@pytest.mark.parametrize(
+    ("path", "theme", "language"), [("/", "light", "en"), ("/?experiment=zhou-tan-2012", "dark", "zh")]
+)
 def test_axe_finds_nothing_serious(page, path, theme, language):
     """Every tab, as it is and unfolded, while presenting."""
     live = with_faults(page, path, width=1280, height=720, theme=theme)

@@ -12,9 +12,13 @@ def record(path, name: str = "friction-motor") -> None:
     """A run's measurement as a CSV file, its columns by their bare names, its clock not at zero."""
     changes = {"observers": [], "figures": [], "diagnosis": {"enabled": False}, "seed": 5}
     run = prepare(Experiment.model_validate(library.experiment(name).model_dump() | changes)).run()
-    columns = {n.partition(".")[2] or n: run.column(n) for n in run.names if n == "t" or n.startswith(("u.", "signal.", "y."))}
+    columns = {
+        n.partition(".")[2] or n: run.column(n) for n in run.names if n == "t" or n.startswith(("u.", "signal.", "y."))
+    }
     columns["t"] = columns["t"] + 100
-    np.savetxt(path, np.stack(list(columns.values()), axis=1), delimiter=",", header=",".join(columns), comments="", fmt="%.9g")
+    np.savetxt(
+        path, np.stack(list(columns.values()), axis=1), delimiter=",", header=",".join(columns), comments="", fmt="%.9g"
+    )
 
 
 @pytest.mark.parametrize("spreadsheet", [False, True])
@@ -34,7 +38,9 @@ def test_a_file_is_diagnosed(page, tmp_path, spreadsheet):
     opened.set_input_files("#file", tmp_path / "motor.csv")
     opened.click("button.run")
     row = opened.wait_for_selector(".found tbody tr").inner_text().split("\t")
-    assert "friction" in row[0] and row[1].lstrip().startswith("+") and 109 < float(row[2]) < 111 and row[-1] == "still on"
+    assert (
+        "friction" in row[0] and row[1].lstrip().startswith("+") and 109 < float(row[2]) < 111 and row[-1] == "still on"
+    )
     assert opened.locator(".course").count() == 2 and opened.locator(".course line").count() == 2
     assert opened.watch.errors == [] and opened.watch.foreign == []
 
@@ -68,7 +74,10 @@ def test_only_the_columns_that_count_are_sent_and_a_language_keeps_the_result(pa
     opened.select_option("#plant", "friction-motor")
     opened.set_input_files("#file", tmp_path / "wide.csv")
     sent = []
-    opened.on("request", lambda request: sent.append(request.post_data_json) if request.url.endswith("/api/diagnosis") else None)
+    opened.on(
+        "request",
+        lambda request: sent.append(request.post_data_json) if request.url.endswith("/api/diagnosis") else None,
+    )
     opened.click("button.run")
     before = opened.wait_for_selector(".found tbody tr").inner_text().split("\t")
     assert sent[0]["csv"].splitlines()[0].split(",")[0] == "t" and "adaptive" not in sent[0]["csv"]
@@ -76,7 +85,10 @@ def test_only_the_columns_that_count_are_sent_and_a_language_keeps_the_result(pa
     opened.wait_for_selector("h1:text-is('记录')")
     after = opened.inner_text(".found tbody tr").split("\t")
     assert after[1:5] == before[1:5] and after[-1] != before[-1]
-    assert opened.input_value("#plant") == "friction-motor" and opened.evaluate("document.querySelector('#file').files[0].name") == "wide.csv"
+    assert (
+        opened.input_value("#plant") == "friction-motor"
+        and opened.evaluate("document.querySelector('#file').files[0].name") == "wide.csv"
+    )
     opened.click(".top button[lang=en]")
     opened.wait_for_selector("h1:text-is('Records')")
     assert opened.watch.errors == []

@@ -39,7 +39,9 @@ def test_the_library_is_listed_and_a_choice_opens(page):
     opened = page("/runs/")
     links = opened.locator(".chooser li a")
     links.first.wait_for()
-    listed = opened.evaluate("fetch('/api/experiments').then((answer) => answer.json()).then((all) => all.experiments.length)")
+    listed = opened.evaluate(
+        "fetch('/api/experiments').then((answer) => answer.json()).then((all) => all.experiments.length)"
+    )
     assert links.count() == listed > 0
     opened.click(".chooser li a[href*='shen-hu-2015-noise-free']")
     opened.wait_for_url("**/runs/?experiment=shen-hu-2015-noise-free")

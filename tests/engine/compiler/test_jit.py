@@ -74,24 +74,41 @@ def test_every_lane_has_the_bits_of_the_single_run(inputs, lanes):
         alone = np.empty((100, 2))
         start = np.ascontiguousarray(state[:, lane])
         kernel(program(), Layout(held=("u",), staged=("w",)))(
-            segments(20, 5, 0.02, 1), start, k[lane : lane + 1].copy(), 1, alone,
-            held=np.ascontiguousarray(u[:, 0, lane]), staged=inputs["w"],
-        )  # fmt: skip
+            segments(20, 5, 0.02, 1),
+            start,
+            k[lane : lane + 1].copy(),
+            1,
+            alone,
+            held=np.ascontiguousarray(u[:, 0, lane]),
+            staged=inputs["w"],
+        )
         np.testing.assert_array_equal(together[:, :, lane], alone)
 
 
 def test_recording_every_third_step_gives_those_rows(inputs):
     """``first`` and ``every`` pick rows; they change no number."""
-    everything = run(inputs, Layout(held=("u",), staged=("w",)), inputs["state"].copy(), held=inputs["u"], staged=inputs["w"])
+    everything = run(
+        inputs, Layout(held=("u",), staged=("w",)), inputs["state"].copy(), held=inputs["u"], staged=inputs["w"]
+    )
     ones = np.array([100], dtype=np.int64)
     some = np.empty((33, 2))
     steady = np.zeros(1)
     kernel(program(), Layout(held=("u",), staged=("w",)))(
-        Segments(ones, np.array([3], dtype=np.int64), steady, steady, np.array([0.02])), inputs["state"].copy(),
-        np.array([2.0]), 3, some, held=inputs["u"][:1].copy(), staged=inputs["w"],
-    )  # fmt: skip
-    same_u = run({**inputs, "u": np.full(20, inputs["u"][0])}, Layout(held=("u",), staged=("w",)), inputs["state"].copy(),
-                 held=np.full(20, inputs["u"][0]), staged=inputs["w"])  # fmt: skip
+        Segments(ones, np.array([3], dtype=np.int64), steady, steady, np.array([0.02])),
+        inputs["state"].copy(),
+        np.array([2.0]),
+        3,
+        some,
+        held=inputs["u"][:1].copy(),
+        staged=inputs["w"],
+    )
+    same_u = run(
+        {**inputs, "u": np.full(20, inputs["u"][0])},
+        Layout(held=("u",), staged=("w",)),
+        inputs["state"].copy(),
+        held=np.full(20, inputs["u"][0]),
+        staged=inputs["w"],
+    )
     np.testing.assert_array_equal(some, same_u[2:99:3])
     assert not np.array_equal(same_u, everything)
 
@@ -99,7 +116,9 @@ def test_recording_every_third_step_gives_those_rows(inputs):
 def chained(n: int) -> Program:
     """A large coupled system: n states, each driven by all others through a sine."""
     x = sympy.symbols(f"x0:{n}", real=True)
-    update = tuple(-x[i] + sum(sympy.Float(0.01 * (i + 2 * j)) * sympy.sin(x[j] - x[i]) for j in range(n)) for i in range(n))
+    update = tuple(
+        -x[i] + sum(sympy.Float(0.01 * (i + 2 * j)) * sympy.sin(x[j] - x[i]) for j in range(n)) for i in range(n)
+    )
     return System("large", "continuous", x, (), (), update).lower()
 
 

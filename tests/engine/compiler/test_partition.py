@@ -38,6 +38,7 @@ def test_noise_reaches_only_the_estimates(zhao: Experiment):
 
 def test_an_initial_estimate_reaches_only_the_estimates(zhao: Experiment):
     """So does x̂(0); another Γ(0) reaches Γ, but neither the plant nor Υ."""
+
     def other(name: str) -> Experiment:
         estimator = zhao.estimators[0]
         return replace(zhao, estimators=(replace(estimator, parameters=estimator.parameters | {name: 0.5}),))
@@ -67,7 +68,9 @@ def rates(parts: Partition, values: dict) -> dict[str, float]:
     shared, lanes = parts.shared, parts.lanes
     handed = evaluate(shared.graph, list(parts.handed), values)
     found |= zip(shared.states, evaluate(shared.graph, list(shared.update), values), strict=True)
-    found |= zip(lanes.states, evaluate(lanes.graph, list(lanes.update), values | dict(zip(parts.names, handed))), strict=True)
+    found |= zip(
+        lanes.states, evaluate(lanes.graph, list(lanes.update), values | dict(zip(parts.names, handed))), strict=True
+    )
     return found
 
 

@@ -52,5 +52,7 @@ def test_the_band_widens_when_excitation_is_lost():
     kept = [o for o in spec["observers"] if o["label"] == "ekf"]
     spec |= {"faults": [], "figures": [], "diagnosis": {"enabled": False}, "observers": kept}
     still = spec | {"inputs": {name: {"kind": "constant", "value": 0.0} for name in spec["inputs"]}}
-    moving, rest = (prepare(Experiment.model_validate(s)).run().column("ekf.sigma.gain_loss")[-1] for s in (spec, still))
+    moving, rest = (
+        prepare(Experiment.model_validate(s)).run().column("ekf.sigma.gain_loss")[-1] for s in (spec, still)
+    )
     assert rest > 5 * moving

@@ -16,11 +16,15 @@ FORMULAS: list[tuple[dict, Callable[[float], float]]] = [
     ({"shape": "exponential", "size": 2, "time_constant": 1.5}, lambda s: 2 * (1 - np.exp(-s / 1.5))),
     ({"shape": "sine", "size": 0.5, "frequency": 0.4, "phase": 1}, lambda s: 0.5 * np.sin(2 * np.pi * 0.4 * s + 1)),
     ({"shape": "pulse-train", "size": 4, "period": 1.5, "width": 0.4}, lambda s: 4 if s % 1.5 < 0.4 else 0),
-    ({"shape": "table", "times": [0, 1, 4], "values": [1, 3, -1], "interpolation": "linear"},
-     lambda s: float(np.interp(s, [0, 1, 4], [1, 3, -1]))),
-    ({"shape": "table", "times": [0.5, 1, 4], "values": [1, 3, -1], "interpolation": "hold"},
-     lambda s: 1 if s < 1 else 3 if s < 4 else -1),
-]  # fmt: skip
+    (
+        {"shape": "table", "times": [0, 1, 4], "values": [1, 3, -1], "interpolation": "linear"},
+        lambda s: float(np.interp(s, [0, 1, 4], [1, 3, -1])),
+    ),
+    (
+        {"shape": "table", "times": [0.5, 1, 4], "values": [1, 3, -1], "interpolation": "hold"},
+        lambda s: 1 if s < 1 else 3 if s < 4 else -1,
+    ),
+]
 TIMES = np.linspace(0.003, 9.997, 1500)
 
 
@@ -78,8 +82,12 @@ def test_a_random_walk_moves_only_every_sample_time():
 
 def test_theta_is_the_sum_of_the_faults_of_its_channel():
     """Others' faults and faults of measurements do not count; none at all is zero."""
-    several = [full({"shape": "step", "size": 1.0}, onset=1.0), full({"shape": "drift", "rate": 2.0}),
-               full({"shape": "step", "size": 100.0}, channel="d"), {"output": "y", "shape": "freeze", "onset": 0, "end": None}]  # fmt: skip
+    several = [
+        full({"shape": "step", "size": 1.0}, onset=1.0),
+        full({"shape": "drift", "rate": 2.0}),
+        full({"shape": "step", "size": 100.0}, channel="d"),
+        {"output": "y", "shape": "freeze", "onset": 0, "end": None},
+    ]
     mine = theta("c", several, 0)
     expected = ((TIMES >= 1) & (TIMES < END)) * 1.0 + ((TIMES >= ONSET) & (TIMES < END)) * 2.0 * (TIMES - ONSET)
     np.testing.assert_allclose(mine(TIMES, TIMES), expected, atol=1e-12)
@@ -91,7 +99,9 @@ def test_theta_is_the_sum_of_the_faults_of_its_channel():
 def test_random_walks_differ_by_seed_and_by_what_they_are():
     """The seed of the experiment drives them; two on one channel are independent unless they are one and the same."""
     other = full(WALK, onset=2.5)
-    values = [theta("c", faults, seed)(TIMES, TIMES) for faults, seed in (([full(WALK)], 0), ([full(WALK)], 1), ([other], 0))]
+    values = [
+        theta("c", faults, seed)(TIMES, TIMES) for faults, seed in (([full(WALK)], 0), ([full(WALK)], 1), ([other], 0))
+    ]
     late = TIMES > 3
     assert all((values[0][late] != v[late]).any() for v in values[1:])
     np.testing.assert_array_equal(theta("c", [other, full(WALK)], 0)(TIMES, TIMES), values[2] + values[0])

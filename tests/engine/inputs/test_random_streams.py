@@ -29,10 +29,13 @@ def threefry(k0: int, k1: int, c0: int, c1: int) -> tuple[int, int]:
     return x0, x1
 
 
-@pytest.mark.parametrize(("key", "counter", "words"), [
-    ((0, 0), (0, 0), (0xC2B6E3A8C2C69865, 0x6F81ED42F350084D)),
-    ((_MASK, _MASK), (_MASK, _MASK), (0xE02CB7C4D95D277A, 0xD06633D0893B8B68)),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("key", "counter", "words"),
+    [
+        ((0, 0), (0, 0), (0xC2B6E3A8C2C69865, 0x6F81ED42F350084D)),
+        ((_MASK, _MASK), (_MASK, _MASK), (0xE02CB7C4D95D277A, 0xD06633D0893B8B68)),
+    ],
+)
 def test_the_reference_is_threefry(key, counter, words):
     """The reference in this file gives the known answers published with Random123."""
     assert threefry(*key, *counter) == words

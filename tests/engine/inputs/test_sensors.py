@@ -33,7 +33,9 @@ def smooth(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
 
 
 def sensor(*faults: dict, std: float = 0.0, seed: int = 3, every: int | None = None) -> Measurement:
-    return Measurement(("y.y",), (std,), (HOLD,), seed, tuple({"output": "y.y", "end": None} | f for f in faults), every)
+    return Measurement(
+        ("y.y",), (std,), (HOLD,), seed, tuple({"output": "y.y", "end": None} | f for f in faults), every
+    )
 
 
 def seen(m: Measurement, chunks: Sequence[int] = (STEPS,), clean=smooth, late=()) -> Seen:
@@ -63,15 +65,23 @@ CASES = {
     "delay": [{"shape": "delay", "onset": 0.5, "end": 4.0, "delay": 0.17}],
     "delay off the grid": [{"shape": "delay", "onset": 0.503, "end": 4.0, "delay": 0.1234}],
     "two delays": [{"shape": "delay", "onset": 0.5, "delay": 0.2}, {"shape": "delay", "onset": 2.0, "delay": 0.35}],
-    "freeze while quantised": [{"shape": "quantisation", "onset": 0.0, "end": 2.0, "resolution": 0.5},
-                               {"shape": "freeze", "onset": 1.0, "end": 3.0}],
-    "dropout while stuck": [{"shape": "dropout", "onset": 0.0, "probability": 0.6, "sample_time": 0.3},
-                            {"shape": "stuck", "onset": 1.0, "end": 2.0, "value": 9.0}],
-    "everything": [{"shape": "delay", "onset": 0.2, "delay": 0.1}, {"shape": "quantisation", "onset": 0.4, "resolution": 0.1},
-                   {"shape": "dropout", "onset": 0.6, "probability": 0.5, "sample_time": 0.07},
-                   {"shape": "outliers", "onset": 0.8, "probability": 0.3, "size": 1.0, "sample_time": 0.06},
-                   {"shape": "freeze", "onset": 2.0, "end": 2.4}, {"shape": "noise-burst", "onset": 3, "std": 1, "sample_time": 0.1}],
-}  # fmt: skip
+    "freeze while quantised": [
+        {"shape": "quantisation", "onset": 0.0, "end": 2.0, "resolution": 0.5},
+        {"shape": "freeze", "onset": 1.0, "end": 3.0},
+    ],
+    "dropout while stuck": [
+        {"shape": "dropout", "onset": 0.0, "probability": 0.6, "sample_time": 0.3},
+        {"shape": "stuck", "onset": 1.0, "end": 2.0, "value": 9.0},
+    ],
+    "everything": [
+        {"shape": "delay", "onset": 0.2, "delay": 0.1},
+        {"shape": "quantisation", "onset": 0.4, "resolution": 0.1},
+        {"shape": "dropout", "onset": 0.6, "probability": 0.5, "sample_time": 0.07},
+        {"shape": "outliers", "onset": 0.8, "probability": 0.3, "size": 1.0, "sample_time": 0.06},
+        {"shape": "freeze", "onset": 2.0, "end": 2.4},
+        {"shape": "noise-burst", "onset": 3, "std": 1, "sample_time": 0.1},
+    ],
+}
 
 
 @pytest.mark.parametrize("every", [None, 7], ids=["continuous", "sampled"])
@@ -196,8 +206,12 @@ def test_a_delay_keeps_jumps_sharp(delay: float):
 
 def test_faults_act_in_the_order_in_which_a_value_meets_them():
     """Delay, then loss, then quantisation, in whatever order they are told: what is frozen is late, what is stuck rounded."""
-    faults = [{"shape": "quantisation", "onset": 0.0, "resolution": 0.5}, {"shape": "freeze", "onset": 2.0, "end": 4.0},
-              {"shape": "delay", "onset": 0.0, "delay": 0.4}, {"shape": "stuck", "onset": 4.0, "value": 0.3}]  # fmt: skip
+    faults = [
+        {"shape": "quantisation", "onset": 0.0, "resolution": 0.5},
+        {"shape": "freeze", "onset": 2.0, "end": 4.0},
+        {"shape": "delay", "onset": 0.0, "delay": 0.4},
+        {"shape": "stuck", "onset": 4.0, "value": 0.3},
+    ]
     for told in (faults, faults[::-1]):
         found = seen(sensor(*told))
         np.testing.assert_allclose(found.at(2.0, 4.0), np.rint(smooth(np.array(1.6), 0) / 0.5) * 0.5, atol=1e-12)

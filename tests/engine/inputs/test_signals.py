@@ -16,25 +16,39 @@ END = 10.0
 FORMULAS: list[tuple[dict, Callable[[float], float]]] = [
     ({"kind": "constant", "value": 0.08}, lambda t: 0.08),
     ({"kind": "steps", "times": [2, 5.5], "values": [1, -2, 3]}, lambda t: 1 if t < 2 else -2 if t < 5.5 else 3),
-    ({"kind": "pulse", "low": -1, "high": 2, "period": 0.7, "width": 0.2, "start": 1.1},
-     lambda t: 2 if t >= 1.1 and (t - 1.1) - 0.7 * int((t - 1.1) / 0.7) < 0.2 else -1),
+    (
+        {"kind": "pulse", "low": -1, "high": 2, "period": 0.7, "width": 0.2, "start": 1.1},
+        lambda t: 2 if t >= 1.1 and (t - 1.1) - 0.7 * int((t - 1.1) / 0.7) < 0.2 else -1,
+    ),
     ({"kind": "pulse", "low": 0, "high": 1, "period": 2, "width": 2, "start": 0.5}, lambda t: 1 if t >= 0.5 else 0),
-    ({"kind": "sine", "amplitude": 2, "frequency": 0.7, "phase": 0.3, "offset": 1},
-     lambda t: 1 + 2 * np.sin(2 * np.pi * 0.7 * t + 0.3)),
-    ({"kind": "ramp", "start": 2, "slope": 0.5, "initial": 1, "end": 6},
-     lambda t: 1 if t < 2 else 1 + 0.5 * (min(t, 6) - 2)),
+    (
+        {"kind": "sine", "amplitude": 2, "frequency": 0.7, "phase": 0.3, "offset": 1},
+        lambda t: 1 + 2 * np.sin(2 * np.pi * 0.7 * t + 0.3),
+    ),
+    (
+        {"kind": "ramp", "start": 2, "slope": 0.5, "initial": 1, "end": 6},
+        lambda t: 1 if t < 2 else 1 + 0.5 * (min(t, 6) - 2),
+    ),
     ({"kind": "ramp", "start": 2, "slope": -1, "initial": 0, "end": None}, lambda t: -max(0, t - 2)),
-    ({"kind": "chirp", "amplitude": 2, "f0": 0.2, "f1": 1.4, "duration": 4, "offset": 1},
-     lambda t: 1 + 2 * np.sin(2 * np.pi * (0.2 * t + 0.15 * t**2 if t < 4 else 3.2 + 1.4 * (t - 4)))),
-    ({"kind": "table", "times": [1, 2, 4], "values": [3, 5, -1], "interpolation": "linear"},
-     lambda t: float(np.interp(t, [1, 2, 4], [3, 5, -1]))),
-    ({"kind": "table", "times": [1, 2, 4], "values": [3, 5, -1], "interpolation": "hold"},
-     lambda t: 3 if t < 2 else 5 if t < 4 else -1),
+    (
+        {"kind": "chirp", "amplitude": 2, "f0": 0.2, "f1": 1.4, "duration": 4, "offset": 1},
+        lambda t: 1 + 2 * np.sin(2 * np.pi * (0.2 * t + 0.15 * t**2 if t < 4 else 3.2 + 1.4 * (t - 4))),
+    ),
+    (
+        {"kind": "table", "times": [1, 2, 4], "values": [3, 5, -1], "interpolation": "linear"},
+        lambda t: float(np.interp(t, [1, 2, 4], [3, 5, -1])),
+    ),
+    (
+        {"kind": "table", "times": [1, 2, 4], "values": [3, 5, -1], "interpolation": "hold"},
+        lambda t: 3 if t < 2 else 5 if t < 4 else -1,
+    ),
     ({"kind": "table", "times": [1], "values": [3], "interpolation": "linear"}, lambda t: 3),
     ({"kind": "expression", "text": "sin(t) - exp(-t/3)*t^2"}, lambda t: np.sin(t) - np.exp(-t / 3) * t**2),
-]  # fmt: skip
+]
 IDS = [f"{data['kind']}-{i}" for i, (data, _) in enumerate(FORMULAS)]
-HELD = [data for data, _ in FORMULAS if signal(data).held] + [{"kind": "prbs", "low": -1, "high": 2, "hold": 0.3, "seed": 5}]
+HELD = [data for data, _ in FORMULAS if signal(data).held] + [
+    {"kind": "prbs", "low": -1, "high": 2, "hold": 0.3, "seed": 5}
+]
 
 
 def at(s: Signal, times: np.ndarray) -> np.ndarray:

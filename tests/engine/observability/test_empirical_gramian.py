@@ -30,7 +30,9 @@ def test_of_a_linear_plant_it_is_the_analytic_one():
         dynamics={"x1": "x2", "x2": "-k*x1 - d*x2 + u"},
         channels=[{"name": "force", "kind": "actuator", "enters": {"x2": "1"}, "typical": 0.3}],
     )
-    found = empirical(engine(plant=plant, faults=[], observers=[], noise={"y": {"std": 0.01, "sample_time": 0.05}}), 2.0)
+    found = empirical(
+        engine(plant=plant, faults=[], observers=[], noise={"y": {"std": 0.01, "sample_time": 0.05}}), 2.0
+    )
     A = np.array([[0, 1, 0], [-4, -0.3, 1], [0, 0, 0]])
     rows = np.array([expm(A * k * 0.05)[0] for k in range(40)]) * [1.0, 0.5, 0.3] / 0.01
     true = rows.T @ rows
@@ -60,7 +62,11 @@ def test_equal_known_signals_cost_a_rank():
 
 def test_the_sandwich_is_seen_whole_while_operators_move():
     """Zhou & Tan along a run: rank 4 of (x11, x12, x21, x22) where operators move, 2 where all hold."""
-    steps = {"kind": "steps", "times": [3.0, 5.0], "values": [0.0, 5.0, 4.9]}  # a little back, so that none is at its edge
+    steps = {
+        "kind": "steps",
+        "times": [3.0, 5.0],
+        "values": [0.0, 5.0, 4.9],
+    }  # a little back, so that none is at its edge
     e = of_library("zhou-tan-2012", inputs={"u": steps})
     found = empirical(e, 0.4, 41, unknown=("x.x11", "x.x12", "x.x21", "x.x22"))
     plant = np.concatenate([rows.plant for _, rows in Simulation(e).spans(e.steps + 1)])

@@ -22,8 +22,18 @@ def channel(name: str, **enters: str) -> dict:
     return {"name": name, "kind": "process", "enters": enters}
 
 
-@pytest.mark.parametrize("name", ["zhao-contois", "contois-physical", "shen-hu-2015", "reduced-order-mimo", "dc-motor",
-                                  "quadruple-tank", "friction-motor"])  # fmt: skip
+@pytest.mark.parametrize(
+    "name",
+    [
+        "zhao-contois",
+        "contois-physical",
+        "shen-hu-2015",
+        "reduced-order-mimo",
+        "dc-motor",
+        "quadruple-tank",
+        "friction-motor",
+    ],
+)
 def test_faults_of_the_papers_plants_can_be_told_apart_in_principle(name: str):
     """With inputs and known signals free, all states and faults of these plants are identifiable."""
     found = structure(data(name))
@@ -62,7 +72,11 @@ def test_the_sandwich_is_observable_where_an_operator_moves(x12: str, before: st
     plant = data("zhou-tan-2012")
     program = plant_program(plant).program
     driven = Decimal(0 if x12 == "0" else 50)  # x11 keeps x12 rising
-    values = {s: Decimal(0) for s in program.states} | {"x.x11": driven, "x.x12": Decimal(x12), "x.x12m": Decimal(before)}
+    values = {s: Decimal(0) for s in program.states} | {
+        "x.x11": driven,
+        "x.x12": Decimal(x12),
+        "x.x12m": Decimal(before),
+    }
     values |= {"p.b": Decimal("0.4107"), "theta.theta1": Decimal(0), "theta.theta2": Decimal(0), "t": Decimal(0)}
     with precise():
         lie = Lie(program, (), unknown=("x.x11", "x.x12", "x.x21", "x.x22"))
@@ -75,7 +89,11 @@ def test_what_shows_in_no_output_is_named():
     plant = oscillator(
         states=[{"name": "x1", "initial": 1.0}, {"name": "x2", "initial": 1.0}, {"name": "x3", "initial": 1.0}],
         dynamics={"x1": "x2", "x2": "-x2 + u", "x3": "-x3"},
-        channels=[channel("lost", x3="1"), {"name": "bias", "kind": "sensor", "enters": {"y": "1"}}, channel("force", x2="2")],
+        channels=[
+            channel("lost", x3="1"),
+            {"name": "bias", "kind": "sensor", "enters": {"y": "1"}},
+            channel("force", x2="2"),
+        ],
     )
     found = structure(plant)
     told = {(g.channels, g.states) for g in found.groups}

@@ -11,15 +11,23 @@ from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment
 
 # the library's channel → the reference's, and the sign between them
-MOTOR = {"gain_loss": ("gain", -1), "load_torque": ("torque", 1), "friction_increase": ("friction", 1),
-         "current_bias": ("current", 1), "speed_bias": ("speed", 1)}  # fmt: skip
+MOTOR = {
+    "gain_loss": ("gain", -1),
+    "load_torque": ("torque", 1),
+    "friction_increase": ("friction", 1),
+    "current_bias": ("current", 1),
+    "speed_bias": ("speed", 1),
+}
 PUMPS = {"pump1": ("pump1", -1), "pump2": ("pump2", -1)}
 
 
 def reference(plant: str, channels: Sequence[str]) -> kalman.Model:
     """The reference model of a library plant, with the library's channels and signs."""
-    build, names = {"dc-motor": (motor.dc_motor, MOTOR), "dts200": (tanks.dts200, PUMPS),
-                    "quadruple-tank": (tanks.quadruple, PUMPS)}[plant]  # fmt: skip
+    build, names = {
+        "dc-motor": (motor.dc_motor, MOTOR),
+        "dts200": (tanks.dts200, PUMPS),
+        "quadruple-tank": (tanks.quadruple, PUMPS),
+    }[plant]
     pairs = [names.get(c, (c, 1)) for c in channels]
     signs = np.array([sign for _, sign in pairs], float)
     model = build([name for name, _ in pairs])
@@ -32,11 +40,23 @@ def reference(plant: str, channels: Sequence[str]) -> kalman.Model:
     )
 
 
-def run(plant: str | dict, kind: str, channels: Sequence[str], gains: dict, initial: dict | None = None,
-        options: dict | None = None, **spec) -> Result:  # fmt: skip
+def run(
+    plant: str | dict,
+    kind: str,
+    channels: Sequence[str],
+    gains: dict,
+    initial: dict | None = None,
+    options: dict | None = None,
+    **spec,
+) -> Result:
     """One observer, labelled ``o``, on a library plant, through assembly."""
-    observer = {"label": "o", "kind": kind, "gains": gains, "initial": initial or {},
-                "options": {"channels": ",".join(channels), **(options or {})}}  # fmt: skip
+    observer = {
+        "label": "o",
+        "kind": kind,
+        "gains": gains,
+        "initial": initial or {},
+        "options": {"channels": ",".join(channels), **(options or {})},
+    }
     return prepare(Experiment.model_validate({"plant": plant, "observers": [observer], **spec})).run()
 
 

@@ -17,21 +17,40 @@ def test_three_tanks_sampled_at_one_second():
     """On the DTS200 at 1 s it equals the recursion written with NumPy matrices, fed the same noisy samples."""
     gains = {"q": 0.01, "r": 0.01, "p0": [4, 5, 6], "lambda": 0.02, "gamma0": [0.04, 0.0025, 4]}
     result = run(
-        "dts200", "adaptive-kalman-discrete", TANKS, gains, options={"substeps": 2},
-        initial={"h1": 42, "h2": 17, "h3": 30.5}, horizon=200, step=0.1, record=1, seed=5,
+        "dts200",
+        "adaptive-kalman-discrete",
+        TANKS,
+        gains,
+        options={"substeps": 2},
+        initial={"h1": 42, "h2": 17, "h3": 30.5},
+        horizon=200,
+        step=0.1,
+        record=1,
+        seed=5,
         measurement={"mode": "sampled", "period": 1},
         inputs={"Q1": {"kind": "sine", "amplitude": 20, "frequency": 0.01, "offset": 50}},
         noise={y: {"std": 0.1, "sample_time": 1} for y in ("y1", "y2", "y3")},
-        faults=[{"channel": "pump1", "shape": "step", "onset": 50, "size": 0.2},
-                {"channel": "level3", "shape": "step", "onset": 100, "size": 1}],
-    )  # fmt: skip
+        faults=[
+            {"channel": "pump1", "shape": "step", "onset": 50, "size": 0.2},
+            {"channel": "level3", "shape": "step", "onset": 100, "size": 1},
+        ],
+    )
     mu, n = np.exp(-0.02), 3
     expected = kalman.adaptive_discrete(
-        reference("dts200", TANKS), Scenario(200, 1, [sine(20, 0.01, offset=50), constant(30)]), outputs(result),
-        kalman.Gains(0.01 * np.eye(n), 0.01 * np.eye(n), np.diag([4.0, 5, 6]), np.diag([0.04, 0.0025, 4]), mu,
-                     np.array([42.0, 17, 30.5]), np.zeros(3)),
+        reference("dts200", TANKS),
+        Scenario(200, 1, [sine(20, 0.01, offset=50), constant(30)]),
+        outputs(result),
+        kalman.Gains(
+            0.01 * np.eye(n),
+            0.01 * np.eye(n),
+            np.diag([4.0, 5, 6]),
+            np.diag([0.04, 0.0025, 4]),
+            mu,
+            np.array([42.0, 17, 30.5]),
+            np.zeros(3),
+        ),
         substeps=2,
-    )  # fmt: skip
+    )
     close(columns(result, "o.x", LEVELS), expected["xhat"], 1e-9)
     close(columns(result, "o.theta", TANKS), expected["thetahat"], 1e-8)
     sigma = np.sqrt(np.diagonal(expected["S"], axis1=1, axis2=2) / (1 + mu))
@@ -43,17 +62,34 @@ def test_motor_sampled_at_two_milliseconds():
     channels = ("gain_loss", "friction_increase", "speed_bias")
     gains = {"q": [0.5, 2.0], "r": [0.01, 0.04], "p0": 1, "lambda": 4, "gamma0": [0.01, 1e-7, 10]}
     result = run(
-        "dc-motor", "adaptive-kalman-discrete", channels, gains, options={"period": 0.002, "substeps": 1},
-        initial={"current": 2, "speed": 10}, horizon=1.0, step=0.001, record=0.002, seed=2,
+        "dc-motor",
+        "adaptive-kalman-discrete",
+        channels,
+        gains,
+        options={"period": 0.002, "substeps": 1},
+        initial={"current": 2, "speed": 10},
+        horizon=1.0,
+        step=0.001,
+        record=0.002,
+        seed=2,
         inputs={"voltage": {"kind": "sine", "amplitude": 6, "frequency": 2, "offset": 12}},
         noise={"y_current": {"std": 0.1, "sample_time": 0.002}, "y_speed": {"std": 0.2, "sample_time": 0.002}},
         faults=[{"channel": "gain_loss", "shape": "step", "onset": 0.4, "size": 0.1}],
-    )  # fmt: skip
+    )
     expected = kalman.adaptive_discrete(
-        reference("dc-motor", channels), Scenario(1.0, 0.002, [sine(6, 2, offset=12)], [constant(0)]), outputs(result),
-        kalman.Gains(0.002 * np.diag([0.5, 2]), np.diag([0.01, 0.04]), np.eye(2), np.diag([0.01, 1e-7, 10]),
-                     np.exp(-4 * 0.002), np.array([2.0, 10]), np.zeros(3)),
-    )  # fmt: skip
+        reference("dc-motor", channels),
+        Scenario(1.0, 0.002, [sine(6, 2, offset=12)], [constant(0)]),
+        outputs(result),
+        kalman.Gains(
+            0.002 * np.diag([0.5, 2]),
+            np.diag([0.01, 0.04]),
+            np.eye(2),
+            np.diag([0.01, 1e-7, 10]),
+            np.exp(-4 * 0.002),
+            np.array([2.0, 10]),
+            np.zeros(3),
+        ),
+    )
     close(columns(result, "o.x", ("current", "speed")), expected["xhat"], 1e-8)
     close(columns(result, "o.theta", channels), expected["thetahat"], 1e-7)
 
@@ -62,12 +98,17 @@ def test_motor_sampled_at_two_milliseconds():
 def test_covariances_stay_positive_definite(period, horizon):
     """At 1 s and at 1 ms, with a wide prior and little noise, P and S stay positive definite to the end."""
     result = run(
-        "quadruple-tank", "adaptive-kalman-discrete", ("pump1", "pump2", "level1"),
-        {"q": 1e-4, "r": 1e-8, "p0": 1e4, "gamma0": 1e4, "lambda": 0.02}, options={"period": period},
-        horizon=horizon, step=period, record=period * max(1, round(horizon / period / 500)),
+        "quadruple-tank",
+        "adaptive-kalman-discrete",
+        ("pump1", "pump2", "level1"),
+        {"q": 1e-4, "r": 1e-8, "p0": 1e4, "gamma0": 1e4, "lambda": 0.02},
+        options={"period": period},
+        horizon=horizon,
+        step=period,
+        record=period * max(1, round(horizon / period / 500)),
         inputs={"v1": {"kind": "sine", "amplitude": 1, "frequency": 0.01, "offset": 3}},
         faults=[{"channel": "pump1", "shape": "step", "onset": horizon / 2, "size": 0.1}],
-    )  # fmt: skip
+    )
     verdicts = {c.name: c.verdict for c in result.observers[0].checks}
     assert result.observers[0].diverged is None
     assert verdicts["P positive definite"] == verdicts["S positive definite"] == "holds"
@@ -77,18 +118,29 @@ def test_covariances_stay_positive_definite(period, horizon):
 def test_discrete_plant_takes_its_own_map():
     """On a linear discrete plant, without forgetting, it is the joint Kalman filter (Friedland)."""
     plant = {
-        "id": "two", "time": {"kind": "discrete", "period": 0.5}, "inputs": [{"name": "u"}],
-        "states": [{"name": "a", "initial": 1}, {"name": "b"}], "outputs": [{"name": "y", "expression": "a"}],
+        "id": "two",
+        "time": {"kind": "discrete", "period": 0.5},
+        "inputs": [{"name": "u"}],
+        "states": [{"name": "a", "initial": 1}, {"name": "b"}],
+        "outputs": [{"name": "y", "expression": "a"}],
         "dynamics": {"a": "0.9*a + 0.2*b", "b": "-0.1*a + 0.8*b + u"},
-        "channels": [{"name": "gain", "kind": "actuator", "enters": {"b": "u"}},
-                     {"name": "bias", "kind": "sensor", "enters": {"y": "1"}}],
-    }  # fmt: skip
+        "channels": [
+            {"name": "gain", "kind": "actuator", "enters": {"b": "u"}},
+            {"name": "bias", "kind": "sensor", "enters": {"y": "1"}},
+        ],
+    }
     spec = {
-        "horizon": 100, "step": 0.5, "record": 0.5, "seed": 3, "noise": {"y": {"std": 0.1, "sample_time": 0.5}},
+        "horizon": 100,
+        "step": 0.5,
+        "record": 0.5,
+        "seed": 3,
+        "noise": {"y": {"std": 0.1, "sample_time": 0.5}},
         "inputs": {"u": {"kind": "prbs", "low": -1, "high": 1, "hold": 2, "seed": 1}},
-        "faults": [{"channel": "gain", "shape": "step", "onset": 0, "size": -0.3},
-                   {"channel": "bias", "shape": "step", "onset": 0, "size": 0.5}],
-    }  # fmt: skip
+        "faults": [
+            {"channel": "gain", "shape": "step", "onset": 0, "size": -0.3},
+            {"channel": "bias", "shape": "step", "onset": 0, "size": 0.5},
+        ],
+    }
     shared = {"q": 0.02, "r": 0.01, "p0": 0.5, "gamma0": [0.2, 0.3]}
     channels = ("gain", "bias")
     adaptive = run(plant, "adaptive-kalman-discrete", channels, {**shared, "lambda": 0}, **spec)

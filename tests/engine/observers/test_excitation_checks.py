@@ -28,7 +28,12 @@ def test_a_gain_that_overflows_is_named_with_its_remedy():
     """K = P Cᵀ R⁻¹ of a P near the largest double and the smallest r: no eigenvalues, but a cause."""
 
     def checks(seen: Observed) -> list[Check]:
-        return [closed_loop(replace(seen, values=seen.values | {"P.0.0": np.full(len(seen.values["t"]), 1e300), "g.r.0": 1e-30}), "Kalman")]
+        return [
+            closed_loop(
+                replace(seen, values=seen.values | {"P.0.0": np.full(len(seen.values["t"]), 1e300), "g.r.0": 1e-30}),
+                "Kalman",
+            )
+        ]
 
     (check,) = reported(checks).checks
     assert (check.name, check.verdict) == ("A − KC stable", "cannot tell") and "raise r" in check.text

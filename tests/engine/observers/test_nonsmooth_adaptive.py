@@ -152,8 +152,15 @@ def test_the_example_as_printed_runs_its_printed_lines():
         x1, x2, a, b, th = s
         w, e = np.sin(t) - np.cos(t), x1 - a
         power = np.sign(e) * abs(e) ** 0.7
-        return np.array([x2 + 0.1 * np.sin(x1 * x2) + w, w, b + 3 * e + 3 * 0.8 * power + w * th,
-                         w * th + 2 * e + 0.8**2 * power, 10 * w * e])  # fmt: skip
+        return np.array(
+            [
+                x2 + 0.1 * np.sin(x1 * x2) + w,
+                w,
+                b + 3 * e + 3 * 0.8 * power + w * th,
+                w * th + 2 * e + 0.8**2 * power,
+                10 * w * e,
+            ]
+        )
 
     for k in range(6001):
         if k % 10 == 0:

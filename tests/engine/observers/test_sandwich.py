@@ -57,10 +57,19 @@ def linear_states(run, label):
 
 
 def other(plant=OTHER, kind="sandwich-nonsmooth", amplitude=2.0, **observer):
-    config = {"label": "o", "kind": kind, "gains": {"K": [0.1, 0.1, 0.0, 0.0]},
-              "initial": {"x11": 1.0, "x12": 0.2, "x21": 0.5, "x22": 0.1}} | observer  # fmt: skip
-    spec = {"plant": plant, "horizon": 10.0, "step": 0.01, "observers": [config],
-            "inputs": {"u": {"kind": "sine", "amplitude": amplitude, "frequency": 1.0}}}  # fmt: skip
+    config = {
+        "label": "o",
+        "kind": kind,
+        "gains": {"K": [0.1, 0.1, 0.0, 0.0]},
+        "initial": {"x11": 1.0, "x12": 0.2, "x21": 0.5, "x22": 0.1},
+    } | observer
+    spec = {
+        "plant": plant,
+        "horizon": 10.0,
+        "step": 0.01,
+        "observers": [config],
+        "inputs": {"u": {"kind": "sine", "amplitude": amplitude, "frequency": 1.0}},
+    }
     return prepare(Experiment.model_validate(spec))
 
 

@@ -17,26 +17,44 @@ PENDULUM = {
     "states": [{"name": "x1", "initial": 0.3}, {"name": "x2"}, {"name": "x3"}],
     "inputs": [{"name": "u"}],
     "outputs": [{"name": "y", "expression": "x1"}],
-    "parameters": [{"name": "g", "value": 9.0}, {"name": "d", "value": 0.5}, {"name": "tau", "value": 0.5},
-                   {"name": "b", "value": 4.0}],
-    "signals": [{"name": f"s{i}", "default": {"kind": "pulse", "low": 0, "high": 1, "period": p, "width": p / 2, "start": 0}}
-                for i, p in ((1, 1.5), (2, 4.0), (3, 0.5))],
+    "parameters": [
+        {"name": "g", "value": 9.0},
+        {"name": "d", "value": 0.5},
+        {"name": "tau", "value": 0.5},
+        {"name": "b", "value": 4.0},
+    ],
+    "signals": [
+        {"name": f"s{i}", "default": {"kind": "pulse", "low": 0, "high": 1, "period": p, "width": p / 2, "start": 0}}
+        for i, p in ((1, 1.5), (2, 4.0), (3, 0.5))
+    ],
     "dynamics": {"x1": "x2", "x2": "x3 - g*sin(x1) - d*x2", "x3": "(b*u - x3)/tau"},
-    "channels": [{"name": "theta1", "kind": "process", "enters": {"x2": "s1"}},
-                 {"name": "theta2", "kind": "actuator", "enters": {"x3": "b/tau*s2"}},
-                 {"name": "theta3", "kind": "sensor", "enters": {"y": "s3"}}],
-}  # fmt: skip
-FAULTS = [{"channel": c, "shape": "step", "onset": t, "size": s}
-          for c, t, s in (("theta1", 2, 0.5), ("theta2", 3, -0.1), ("theta3", 4, 0.05))]  # fmt: skip
+    "channels": [
+        {"name": "theta1", "kind": "process", "enters": {"x2": "s1"}},
+        {"name": "theta2", "kind": "actuator", "enters": {"x3": "b/tau*s2"}},
+        {"name": "theta3", "kind": "sensor", "enters": {"y": "s3"}},
+    ],
+}
+FAULTS = [
+    {"channel": c, "shape": "step", "onset": t, "size": s}
+    for c, t, s in (("theta1", 2, 0.5), ("theta2", 3, -0.1), ("theta3", 4, 0.05))
+]
 
 
 def pendulum(kind: str, gains: dict, horizon: float, step: float) -> "object":
     start = {"x1": 0, "x2": 0, "x3": 0}
-    return prepare(Experiment.model_validate({
-        "plant": PENDULUM, "inputs": {"u": {"kind": "sine", "amplitude": 1.0, "frequency": 0.3}}, "faults": FAULTS,
-        "horizon": horizon, "step": step, "record": 0.01,
-        "observers": [{"label": "o", "kind": kind, "gains": gains, "initial": start}],
-    })).run()  # fmt: skip
+    return prepare(
+        Experiment.model_validate(
+            {
+                "plant": PENDULUM,
+                "inputs": {"u": {"kind": "sine", "amplitude": 1.0, "frequency": 0.3}},
+                "faults": FAULTS,
+                "horizon": horizon,
+                "step": step,
+                "record": 0.01,
+                "observers": [{"label": "o", "kind": kind, "gains": gains, "initial": start}],
+            }
+        )
+    ).run()
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8])
@@ -60,8 +78,9 @@ def test_the_adaptive_observer_agrees_with_dop853_on_a_plant_of_three_states():
 def test_the_high_gain_observer_agrees_with_dop853():
     """Equation (9) on the pendulum, blind to its faults."""
     result = pendulum("high-gain", {"rho": 4.0}, 6.0, 0.001)
-    exact = reference.dop853(reference.PENDULUM, reference.pendulum_scenario(6.0), reference.PENDULUM_GAINS,
-                             kind="high-gain", rtol=1e-9)  # fmt: skip
+    exact = reference.dop853(
+        reference.PENDULUM, reference.pendulum_scenario(6.0), reference.PENDULUM_GAINS, kind="high-gain", rtol=1e-9
+    )
     for i in range(3):
         np.testing.assert_allclose(result.column(f"o.x.x{i + 1}"), exact["xhat"][:, i], atol=1e-7)
 
@@ -77,12 +96,27 @@ def test_the_paper_run_agrees_with_plain_runge_kutta_step_by_step():
 
 def contois(plant: str, names: tuple[str, str], start: tuple[float, float]) -> "object":
     fault = [{"channel": "theta3", "shape": "step", "onset": 4, "size": 0.02}]
-    return prepare(Experiment.model_validate({
-        "plant": plant, "faults": fault, "horizon": 10.0, "step": 0.0005, "record": 0.01,
-        "initial": {}, "signals": {},
-        "observers": [{"label": "o", "kind": "zhao-adaptive", "gains": {"rho": 4, "lambda": 4},
-                       "initial": dict(zip(names, start, strict=True))}],
-    })).run()  # fmt: skip
+    return prepare(
+        Experiment.model_validate(
+            {
+                "plant": plant,
+                "faults": fault,
+                "horizon": 10.0,
+                "step": 0.0005,
+                "record": 0.01,
+                "initial": {},
+                "signals": {},
+                "observers": [
+                    {
+                        "label": "o",
+                        "kind": "zhao-adaptive",
+                        "gains": {"rho": 4, "lambda": 4},
+                        "initial": dict(zip(names, start, strict=True)),
+                    }
+                ],
+            }
+        )
+    ).run()
 
 
 def test_physical_coordinates_give_the_canonical_observer_through_lie_derivatives():
@@ -97,9 +131,11 @@ def test_physical_coordinates_give_the_canonical_observer_through_lie_derivative
     scenario = reference.paper_scenario(10.0)
     truth = reference.from_physical(np.array([[s.initial for s in plant.states]]))[0]
     exact = reference.dop853(
-        _with_start(reference.CONTOIS, truth), _only_theta3(scenario, plant), 
-        reference.Gains(xhat0=tuple(reference.from_physical(np.array([[0.08, 0.02]]))[0])), rtol=1e-9,
-    )  # fmt: skip
+        _with_start(reference.CONTOIS, truth),
+        _only_theta3(scenario, plant),
+        reference.Gains(xhat0=tuple(reference.from_physical(np.array([[0.08, 0.02]]))[0])),
+        rtol=1e-9,
+    )
     np.testing.assert_allclose(mapped, exact["xhat"], atol=2e-6)
     np.testing.assert_allclose(result.column("o.theta.theta3"), exact["thetahat"][:, 2], atol=2e-6)
 
@@ -116,5 +152,4 @@ def _only_theta3(scenario, plant):
     from tests.reference.integration import constant, steps
 
     level = plant.inputs[0].default
-    return replace(scenario, inputs=[constant(level)],
-                   theta=[constant(0.0), constant(0.0), steps([4], [0, 0.02])])  # fmt: skip
+    return replace(scenario, inputs=[constant(level)], theta=[constant(0.0), constant(0.0), steps([4], [0, 0.02])])

@@ -96,10 +96,17 @@ def test_a_program_is_written_once(folder: Path, writings: list[str], plant: dic
     assert again.program.digest == written.program.digest and again.program.graph.nodes == written.program.graph.nodes
 
 
-@pytest.mark.parametrize("damage", [
-    lambda whole: b"", lambda whole: whole[:-1], lambda whole: whole[:40], lambda whole: whole[:-1] + bytes([whole[-1] ^ 1]),
-    lambda whole: b"\0" * len(whole),
-], ids=["empty", "cut short", "head only", "one bit", "zeros"])  # fmt: skip
+@pytest.mark.parametrize(
+    "damage",
+    [
+        lambda whole: b"",
+        lambda whole: whole[:-1],
+        lambda whole: whole[:40],
+        lambda whole: whole[:-1] + bytes([whole[-1] ^ 1]),
+        lambda whole: b"\0" * len(whole),
+    ],
+    ids=["empty", "cut short", "head only", "one bit", "zeros"],
+)
 def test_a_damaged_file_counts_as_absent_and_is_written_anew(folder: Path, writings: list[str], plant: dict, damage):
     """No error, no wrong program."""
     written = plant_program(plant)
@@ -122,6 +129,7 @@ def test_other_code_finds_nothing(folder: Path, writings: list[str], plant: dict
 
 def test_the_digest_of_the_code_depends_on_every_file_of_the_engine(tmp_path, monkeypatch):
     """A changed, a renamed and an added module each change it."""
+
     def digest_of(files: dict[str, str]) -> str:
         for old in tmp_path.glob("*.py"):
             old.unlink()
@@ -132,7 +140,9 @@ def test_the_digest_of_the_code_depends_on_every_file_of_the_engine(tmp_path, mo
         return cache.package_digest()
 
     try:
-        digests = [digest_of(files) for files in ({"a.py": "1"}, {"a.py": "2"}, {"b.py": "1"}, {"a.py": "1", "b.py": ""})]
+        digests = [
+            digest_of(files) for files in ({"a.py": "1"}, {"a.py": "2"}, {"b.py": "1"}, {"a.py": "1", "b.py": ""})
+        ]
         assert len(set(digests)) == 4 and digest_of({"a.py": "1"}) == digests[0]
     finally:
         cache.package_digest.cache_clear()
@@ -144,7 +154,11 @@ def test_prose_is_no_mathematics(plant: dict):
     told["states"] = [s | {"unit": "m", "description": "position"} for s in told["states"]]
     told["inputs"] = [u | {"bounds": [-1, 1], "default": 0.5} for u in told["inputs"]]
     assert mathematics(told) == mathematics(plant)
-    for change in ({"dynamics": plant["dynamics"] | {"x1": "2*x2"}}, {"parameters": [{"name": "k", "value": 5.0}]}, {"channels": []}):
+    for change in (
+        {"dynamics": plant["dynamics"] | {"x1": "2*x2"}},
+        {"parameters": [{"name": "k", "value": 5.0}]},
+        {"channels": []},
+    ):
         assert mathematics(oscillator(**change)) != mathematics(plant)
 
 
@@ -157,7 +171,9 @@ def test_a_folder_that_cannot_be_written_is_no_error(folder: Path, writings: lis
     (folder / "program").mkdir()
     (folder / "program").chmod(stat.S_IRUSR | stat.S_IXUSR)
     if os.geteuid() == 0:  # nothing is read-only to root
-        monkeypatch.setattr(cache.tempfile, "mkstemp", lambda dir: (_ for _ in ()).throw(PermissionError(13, "read-only")))
+        monkeypatch.setattr(
+            cache.tempfile, "mkstemp", lambda dir: (_ for _ in ()).throw(PermissionError(13, "read-only"))
+        )
     forget()
     assert plant_program(plant).program.states == ("x.x1", "x.x2")
     assert len(writings) == 2 and not list((folder / "program").iterdir())
@@ -165,6 +181,7 @@ def test_a_folder_that_cannot_be_written_is_no_error(folder: Path, writings: lis
 
 def test_a_disk_that_fills_up_leaves_no_half_file(folder: Path, monkeypatch):
     """A write that fails part of the way leaves neither the file nor its temporary."""
+
     def full(source: str, target: Path) -> None:
         raise OSError(28, "no space left on device")
 

@@ -41,15 +41,21 @@ def agree(experiments: Sequence[Experiment]) -> None:
 def various(i: int, **changes) -> Experiment:
     """Run i of a batch in which seed, parameters, gains, starts, inputs and faults all differ."""
     share = i / 10
-    return engine(**SHORT | {
-        "seed": i,
-        "parameters": {"k": 4 + share, "d": 0.3 - 0.02 * share},
-        "initial": {"x1": 1 - share, "x2": 0.1 * share},
-        "inputs": {"u": {"kind": "sine", "amplitude": 1 + share, "frequency": 0.7 + 0.1 * share}},
-        "faults": [{"channel": "force", "shape": "step", "onset": 0.5 + 0.05 * i, "size": 0.5 + share},
-                   {"channel": "bias", "shape": "ramp", "onset": 1.0, "size": 0.1 * share, "duration": 0.5}],
-        "observers": [adaptive(**{"rho": 3 + share, "lambda": 1 + share}) | {"initial": {"x1": share, "x2": 0.0}}],
-    } | changes)  # fmt: skip
+    return engine(
+        **SHORT
+        | {
+            "seed": i,
+            "parameters": {"k": 4 + share, "d": 0.3 - 0.02 * share},
+            "initial": {"x1": 1 - share, "x2": 0.1 * share},
+            "inputs": {"u": {"kind": "sine", "amplitude": 1 + share, "frequency": 0.7 + 0.1 * share}},
+            "faults": [
+                {"channel": "force", "shape": "step", "onset": 0.5 + 0.05 * i, "size": 0.5 + share},
+                {"channel": "bias", "shape": "ramp", "onset": 1.0, "size": 0.1 * share, "duration": 0.5},
+            ],
+            "observers": [adaptive(**{"rho": 3 + share, "lambda": 1 + share}) | {"initial": {"x1": share, "x2": 0.0}}],
+        }
+        | changes
+    )
 
 
 @pytest.mark.parametrize("runs", [1, 2, 8, 16, 19, 33])
@@ -70,15 +76,25 @@ def test_runs_in_which_everything_differs():
 
 def test_faults_of_all_kinds_that_differ():
     """Held ones (steps, pulse trains, random walks) and moving ones, each with its own size and time."""
-    shapes = [{"shape": "step", "size": 1.0}, {"shape": "pulse-train", "size": 1.0, "period": 0.3, "width": 0.1},
-              {"shape": "random-walk", "intensity": 0.5, "sample_time": 0.05}]  # fmt: skip
-    agree([various(i, faults=[s | {"channel": "force", "onset": 0.1 * i, "end": 1.5} for s in shapes]) for i in range(9)])
+    shapes = [
+        {"shape": "step", "size": 1.0},
+        {"shape": "pulse-train", "size": 1.0, "period": 0.3, "width": 0.1},
+        {"shape": "random-walk", "intensity": 0.5, "sample_time": 0.05},
+    ]
+    agree(
+        [various(i, faults=[s | {"channel": "force", "onset": 0.1 * i, "end": 1.5} for s in shapes]) for i in range(9)]
+    )
 
 
 def test_steps_divided_at_different_times():
     """Onsets inside steps, at other times from run to run: a run's own steps only are divided, as when it is alone."""
     onsets = [0.5, 0.5012, 0.7777, 0.5012, 1.0]
-    agree([various(i, faults=[{"channel": "force", "shape": "step", "onset": t, "size": 1.0}]) for i, t in enumerate(onsets)])
+    agree(
+        [
+            various(i, faults=[{"channel": "force", "shape": "step", "onset": t, "size": 1.0}])
+            for i, t in enumerate(onsets)
+        ]
+    )
 
 
 def test_steps_divided_at_the_same_times():
@@ -97,13 +113,17 @@ def test_several_observers_of_different_kinds():
     agree([with_seed(engine(**SHORT, observers=watchers), i) for i in range(10)])
 
 
-@pytest.mark.parametrize("change", [
-    {"faults": [{"output": "y", "shape": "freeze", "onset": 0.5, "end": 1.0}]},
-    {"faults": [{"output": "y", "shape": "dropout", "onset": 0.5, "probability": 0.5, "sample_time": 0.05}]},
-    {"measurement": {"mode": "sampled", "period": 0.05}},
-    {"observers": [{"label": "ekf", "kind": "joint-ekf", "options": {"channels": "force", "period": 0.05}}]},
-    {"observers": []},
-], ids=["freeze", "dropout", "sampled", "sampled observer", "no observer"])  # fmt: skip
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"faults": [{"output": "y", "shape": "freeze", "onset": 0.5, "end": 1.0}]},
+        {"faults": [{"output": "y", "shape": "dropout", "onset": 0.5, "probability": 0.5, "sample_time": 0.05}]},
+        {"measurement": {"mode": "sampled", "period": 0.05}},
+        {"observers": [{"label": "ekf", "kind": "joint-ekf", "options": {"channels": "force", "period": 0.05}}]},
+        {"observers": []},
+    ],
+    ids=["freeze", "dropout", "sampled", "sampled observer", "no observer"],
+)
 def test_what_cannot_go_in_lanes(change: dict):
     """Faults of the measurement, sampled measurement and observers at a sample period are run one by one."""
     agree([with_seed(engine(**SHORT | {"horizon": 1.0} | change), i) for i in range(3)])
@@ -111,8 +131,10 @@ def test_what_cannot_go_in_lanes(change: dict):
 
 def test_additive_measurement_faults_go_in_lanes():
     """Outliers and noise bursts are noise of another kind."""
-    faults = [{"output": "y", "shape": "outliers", "onset": 0.5, "probability": 0.3, "size": 0.2, "sample_time": 0.02},
-              {"output": "y", "shape": "noise-burst", "onset": 1.0, "end": 1.5, "std": 0.3, "sample_time": 0.03}]  # fmt: skip
+    faults = [
+        {"output": "y", "shape": "outliers", "onset": 0.5, "probability": 0.3, "size": 0.2, "sample_time": 0.02},
+        {"output": "y", "shape": "noise-burst", "onset": 1.0, "end": 1.5, "std": 0.3, "sample_time": 0.03},
+    ]
     agree([with_seed(engine(**SHORT, faults=faults), i) for i in range(9)])
 
 
@@ -166,13 +188,20 @@ def test_a_run_that_escapes_leaves_the_others_alone():
 def test_experiments_of_different_shape_are_refused():
     """Another step, horizon, record, plant or observer cannot be in one batch."""
     base = engine(**SHORT)
-    for other in (engine(**SHORT | {"horizon": 3.0}), engine(**SHORT | {"record": 0.1}), engine(**SHORT, step=0.01),
-                  engine(**SHORT, observers=[HIGH_GAIN]), engine(**SHORT, observers=[])):  # fmt: skip
+    for other in (
+        engine(**SHORT | {"horizon": 3.0}),
+        engine(**SHORT | {"record": 0.1}),
+        engine(**SHORT, step=0.01),
+        engine(**SHORT, observers=[HIGH_GAIN]),
+        engine(**SHORT, observers=[]),
+    ):
         with pytest.raises(ValueError, match="same programs, step, horizon and record"):
             run_batch([base, other])
 
 
-@pytest.mark.parametrize("change", [{}, {"measurement": {"mode": "sampled", "period": 0.05}}], ids=["lanes", "one by one"])
+@pytest.mark.parametrize(
+    "change", [{}, {"measurement": {"mode": "sampled", "period": 0.05}}], ids=["lanes", "one by one"]
+)
 def test_a_batch_can_be_stopped(change: dict):
     """Cancelled is raised at the next look, and looks are frequent."""
     experiments = [with_seed(engine(**{"horizon": 100.0, "record": 1.0} | change), i) for i in range(3)]

@@ -19,7 +19,9 @@ def rows_of(e, chunks: list[int]):
     for count in chunks:
         state, rows = simulation.advance(state, count)
         parts.append(rows)
-    return [np.concatenate(c) for c in ([p.plant for p in parts], [p.y for p in parts], [p.observers[0] for p in parts])]
+    return [
+        np.concatenate(c) for c in ([p.plant for p in parts], [p.y for p in parts], [p.observers[0] for p in parts])
+    ]
 
 
 def test_the_coupling_of_plant_and_observer_is_of_fourth_order():
@@ -30,14 +32,26 @@ def test_the_coupling_of_plant_and_observer_is_of_fourth_order():
     assert 13 < coarse / half < 19
 
 
-@pytest.mark.parametrize("change", [
-    {},
-    {"measurement": {"mode": "sampled", "period": 0.05}},
-    {"faults": [{"output": "y", "shape": "dropout", "onset": 1.0, "probability": 0.4, "sample_time": 0.1},
+@pytest.mark.parametrize(
+    "change",
+    [
+        {},
+        {"measurement": {"mode": "sampled", "period": 0.05}},
+        {
+            "faults": [
+                {"output": "y", "shape": "dropout", "onset": 1.0, "probability": 0.4, "sample_time": 0.1},
                 {"output": "y", "shape": "delay", "onset": 4.0, "delay": 0.12},
-                {"channel": "force", "shape": "random-walk", "onset": 2.0, "intensity": 0.3, "sample_time": 0.07}]},
-    {"observers": [adaptive(), {"label": "ekf", "kind": "joint-ekf", "options": {"channels": "force", "period": 0.05}}]},
-])  # fmt: skip
+                {"channel": "force", "shape": "random-walk", "onset": 2.0, "intensity": 0.3, "sample_time": 0.07},
+            ]
+        },
+        {
+            "observers": [
+                adaptive(),
+                {"label": "ekf", "kind": "joint-ekf", "options": {"channels": "force", "period": 0.05}},
+            ]
+        },
+    ],
+)
 def test_chunks_change_no_number(change):
     """However a run is cut into advances, every recorded number has the same bits."""
     e = engine(**change)
@@ -50,8 +64,12 @@ def test_chunks_change_no_number(change):
 def test_joined_and_separate_kernels_agree_bit_for_bit():
     """Plant and observer in one kernel, or y handed over in a table: the same numbers."""
     e = engine()
-    separate = replace(e, measurement=replace(e.measurement, faults=({"output": "y.y", "shape": "delay", "onset": 99.0,
-                                                                     "end": None, "delay": 0.1},)))  # fmt: skip
+    separate = replace(
+        e,
+        measurement=replace(
+            e.measurement, faults=({"output": "y.y", "shape": "delay", "onset": 99.0, "end": None, "delay": 0.1},)
+        ),
+    )
     assert Simulation(e).joined and not Simulation(separate).joined
     for a, b in zip(rows_of(e, [e.steps + 1]), rows_of(separate, [e.steps + 1]), strict=True):
         np.testing.assert_array_equal(a, b)
@@ -59,7 +77,11 @@ def test_joined_and_separate_kernels_agree_bit_for_bit():
 
 def test_a_discontinuity_off_the_grid_is_met_exactly():
     """A fault at 1.0037 s with h = 5 ms: the states agree with h = 0.1 ms, on whose grid it lies, to rounding of RK4."""
-    change = {"noise": {}, "faults": [{"channel": "force", "shape": "step", "onset": 1.0037, "size": 2.0}], "horizon": 2.0}
+    change = {
+        "noise": {},
+        "faults": [{"channel": "force", "shape": "step", "onset": 1.0037, "size": 2.0}],
+        "horizon": 2.0,
+    }
     coarse, fine = run(engine(**change)), run(engine(**change, step=0.0001))
     assert np.abs(coarse.column("x.x2") - fine.column("x.x2")).max() < 1e-8
 
@@ -67,8 +89,21 @@ def test_a_discontinuity_off_the_grid_is_met_exactly():
 def test_columns_have_the_promised_order():
     """t, u, signal, x, theta, y, then each observer's x, theta, y and diagnostics."""
     result = run(engine(horizon=1.0))
-    assert result.names == ("t", "u.u", "x.x1", "x.x2", "theta.force", "theta.bias", "y.y", "adaptive.x.x1",
-                            "adaptive.x.x2", "adaptive.theta.force", "adaptive.y.y", "adaptive.pe", "adaptive.sigma.force")  # fmt: skip
+    assert result.names == (
+        "t",
+        "u.u",
+        "x.x1",
+        "x.x2",
+        "theta.force",
+        "theta.bias",
+        "y.y",
+        "adaptive.x.x1",
+        "adaptive.x.x2",
+        "adaptive.theta.force",
+        "adaptive.y.y",
+        "adaptive.pe",
+        "adaptive.sigma.force",
+    )
     np.testing.assert_array_equal(result.column("t"), np.arange(21) * 10 * 0.005)
 
 
@@ -113,7 +148,10 @@ def diverged(result: Result):
 def test_an_observer_that_escapes_is_marked_and_the_other_goes_on():
     """Forgetting with no excitation lets Γ grow without bound; the second observer is untouched by it."""
     unexcited = oscillator(channels=[{"name": "force", "kind": "actuator", "enters": {"x2": "0*x1"}}])
-    observers = [adaptive("lost", gamma0=1.0) | {"gains": {"rho": 3.0, "lambda": 9.0}}, adaptive("kept", **{"lambda": 0.0})]
+    observers = [
+        adaptive("lost", gamma0=1.0) | {"gains": {"rho": 3.0, "lambda": 9.0}},
+        adaptive("kept", **{"lambda": 0.0}),
+    ]
     result = run(engine(plant=unexcited, observers=observers, faults=[]))
     lost, kept = result.observers
     assert lost.diverged is not None and "Γ" in lost.diverged.cause and kept.diverged is None
@@ -131,10 +169,16 @@ def test_a_plant_that_escapes_is_said_to():
 def test_stiff_gains_are_substepped_to_the_numbers_of_a_fine_step():
     """A large Γ(0) makes Γ stiff: the run takes substeps by itself and agrees with a step fifty times finer."""
     pulse = {"kind": "pulse", "low": 0, "high": 1, "period": 1.0, "width": 0.5, "start": 0}
-    plant = oscillator(signals=[{"name": "s", "default": pulse}],
-                       channels=[{"name": "bias", "kind": "sensor", "enters": {"y": "s"}}])  # fmt: skip
-    change = {"plant": plant, "faults": [{"channel": "bias", "shape": "step", "onset": 3.0, "size": 0.5}], "noise": {},
-              "observers": [adaptive(gamma0=3e3, channels="bias")], "horizon": 6.0}  # fmt: skip
+    plant = oscillator(
+        signals=[{"name": "s", "default": pulse}], channels=[{"name": "bias", "kind": "sensor", "enters": {"y": "s"}}]
+    )
+    change = {
+        "plant": plant,
+        "faults": [{"channel": "bias", "shape": "step", "onset": 3.0, "size": 0.5}],
+        "noise": {},
+        "observers": [adaptive(gamma0=3e3, channels="bias")],
+        "horizon": 6.0,
+    }
     result, fine = run(engine(**change)), run(engine(**change, step=0.0001))
     assert result.substeps > 1 and diverged(result) is None and fine.substeps == 1
     settled = result.column("t") > 1.0

@@ -1,6 +1,5 @@
 """A session with its viewers, on real sessions, with time in the test's hand."""
 
-
 import numpy as np
 import pytest
 
@@ -39,9 +38,11 @@ def test_commands_act_at_the_row_that_was_shown_and_their_effect_is_sent_at_once
         page = await stage.connect()
         await stage.say(page, "play")
         commands = [
-            ("inject", {"fault": FAULT}), ("set-signal", {"name": "u", "signal": {"kind": "constant", "value": 2}}),
-            ("set-noise", {"output": "y", "std": 0.01}), ("clear", {}),
-        ]  # fmt: skip
+            ("inject", {"fault": FAULT}),
+            ("set-signal", {"name": "u", "signal": {"kind": "constant", "value": 2}}),
+            ("set-noise", {"output": "y", "std": 0.01}),
+            ("clear", {}),
+        ]
         for kind, fields in commands:
             await stage.go(0.7)
             for _ in range(60 if busy else 0):
@@ -69,9 +70,11 @@ def test_a_refused_command_changes_nothing():
         await stage.go(0.5)
         before = stage.session.spec
         for kind, fields in [
-            ("inject", {"fault": FAULT | {"channel": "nowhere"}}), ("set-gain", {"observer": "x", "gain": "y", "value": 1}),
-            ("remove-observer", {"label": "x"}), ("add-observer", {"observer": {"label": "b", "kind": "no-such"}}),
-        ]:  # fmt: skip
+            ("inject", {"fault": FAULT | {"channel": "nowhere"}}),
+            ("set-gain", {"observer": "x", "gain": "y", "value": 1}),
+            ("remove-observer", {"label": "x"}),
+            ("add-observer", {"observer": {"label": "b", "kind": "no-such"}}),
+        ]:
             answer = await stage.say(page, kind, **fields)
             assert answer["type"] == "refused" and answer["problem"] and answer["remedy"]
             await stage.go(0.1)

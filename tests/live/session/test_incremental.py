@@ -50,17 +50,28 @@ CHANGES = [
     lambda spec, draw: changed(
         spec, AddObserver(at=0, observer={"label": f"more{draw.randrange(10**6)}", "kind": "adaptive-kalman"})
     ),
-    lambda spec, draw: changed(spec, RemoveObserver(at=0, label=spec.observers[-1].label)) if spec.observers[1:] else spec,
+    lambda spec, draw: (
+        changed(spec, RemoveObserver(at=0, label=spec.observers[-1].label)) if spec.observers[1:] else spec
+    ),
     lambda spec, draw: with_fault(
         spec, FAULT.validate_python({"channel": "theta2", "shape": "step", "onset": 1, "size": draw.random()})
     ),
     lambda spec, draw: with_fault(
-        spec, FAULT.validate_python({"output": "y", "shape": "outliers", "onset": 0.5, "probability": 0.2, "size": draw.random(),
-                                      "sample_time": 0.01})
+        spec,
+        FAULT.validate_python(
+            {
+                "output": "y",
+                "shape": "outliers",
+                "onset": 0.5,
+                "probability": 0.2,
+                "size": draw.random(),
+                "sample_time": 0.01,
+            }
+        ),
     ),
     lambda spec, draw: spec.model_copy(update={"faults": spec.faults[1:]}),
     lambda spec, draw: spec.model_copy(update={"seed": draw.randrange(100)}),
-]  # fmt: skip
+]
 
 
 def assert_same_signal(one: Signal, two: Signal) -> None:
@@ -143,6 +154,9 @@ def test_recorded_rows_tell_the_state(observers):
         stopped, _ = simulation.advance(start, r * experiment.every) if r else (start, None)
         told = simulation.state_at(start, rows, r)
         assert told.k == stopped.k
-        for a, b in zip((told.plant, *told.observers, told.memory.passed), (stopped.plant, *stopped.observers, stopped.memory.passed),
-                        strict=True):  # fmt: skip
+        for a, b in zip(
+            (told.plant, *told.observers, told.memory.passed),
+            (stopped.plant, *stopped.observers, stopped.memory.passed),
+            strict=True,
+        ):
             np.testing.assert_array_equal(a, b)

@@ -9,7 +9,10 @@ from thetascope.engine.errors import SpecError
 from thetascope.live.session.session import Session
 
 ACTS = {
-    "a fault with an end ahead": ("inject", {"fault": {"channel": "theta3", "shape": "step", "onset": 0, "end": 3, "size": 0.02}}),
+    "a fault with an end ahead": (
+        "inject",
+        {"fault": {"channel": "theta3", "shape": "step", "onset": 0, "end": 3, "size": 0.02}},
+    ),
     "a fault that is planned": ("inject", {"fault": {"channel": "theta3", "shape": "step", "onset": 2, "size": 0.02}}),
     "planned faults cleared": ("clear", {}),
 }

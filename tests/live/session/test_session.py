@@ -62,23 +62,48 @@ def test_a_session_left_alone_is_the_run():
 
 
 ACTIONS = [
-    lambda draw: ("inject", {"fault": {"channel": draw.choice(["theta1", "theta2", "theta3"]), "shape": "step", "onset": 0,
-                                       "size": draw.uniform(-0.02, 0.02)}}),
-    lambda draw: ("inject", {"fault": {"channel": "theta1", "shape": "random-walk", "onset": 0.003, "end": 0.8,
-                                       "intensity": 0.01, "sample_time": 0.05}}),
-    lambda draw: ("inject", {"fault": {"channel": "theta2", "shape": "sine", "onset": 0, "size": 0.01, "frequency": 0.7}}),
+    lambda draw: (
+        "inject",
+        {
+            "fault": {
+                "channel": draw.choice(["theta1", "theta2", "theta3"]),
+                "shape": "step",
+                "onset": 0,
+                "size": draw.uniform(-0.02, 0.02),
+            }
+        },
+    ),
+    lambda draw: (
+        "inject",
+        {
+            "fault": {
+                "channel": "theta1",
+                "shape": "random-walk",
+                "onset": 0.003,
+                "end": 0.8,
+                "intensity": 0.01,
+                "sample_time": 0.05,
+            }
+        },
+    ),
+    lambda draw: (
+        "inject",
+        {"fault": {"channel": "theta2", "shape": "sine", "onset": 0, "size": 0.01, "frequency": 0.7}},
+    ),
     lambda draw: ("inject", {"fault": {"output": "y", "shape": "freeze", "onset": 0, "end": draw.uniform(0.05, 0.4)}}),
     lambda draw: ("clear", {"channel": "theta1"}),
     lambda draw: ("clear", {}),
     lambda draw: ("set-gain", {"observer": "adaptive", "gain": "rho", "value": draw.uniform(2, 12)}),
     lambda draw: ("set-gain", {"observer": "adaptive", "gain": "lambda", "value": draw.uniform(0.5, 8)}),
     lambda draw: ("set-noise", {"output": "y", "std": draw.uniform(0, 0.003)}),
-    lambda draw: ("set-signal", {"name": "u", "signal": {"kind": "sine", "amplitude": 0.02, "frequency": 0.3, "phase": 0,
-                                                         "offset": 0.06}}),
+    lambda draw: (
+        "set-signal",
+        {"name": "u", "signal": {"kind": "sine", "amplitude": 0.02, "frequency": 0.3, "phase": 0, "offset": 0.06}},
+    ),
     lambda draw: ("add-observer", {"observer": {"label": f"more{draw.randrange(10**6)}", "kind": "adaptive-kalman"}}),
     lambda draw: ("add-observer", {"observer": {"label": f"ekf{draw.randrange(10**6)}", "kind": "joint-ekf"}}),
     lambda draw: ("remove-observer", {"label": "adaptive"}),
-]  # fmt: skip
+]
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -278,9 +303,17 @@ def test_a_discrete_plant_runs_live():
 @pytest.mark.parametrize("piece", [1, 7, 150])
 def test_what_diverges_is_told_where_the_run_says_it_does(piece):
     """However the session was cut into pieces: an observer that escapes, and a plant that does."""
-    explosive = {"id": "explosive", "states": [{"name": "x", "initial": 1}], "inputs": [{"name": "u"}], "outputs": [{"name": "y", "expression": "x"}],
-                 "dynamics": {"x": "x**2 + u"}, "channels": [{"name": "gain", "kind": "actuator", "enters": {"x": "u"}}]}  # fmt: skip
-    plant = Experiment.model_validate({"plant": explosive, "horizon": 1.5, "record": 0.01, "diagnosis": {"enabled": False}})
+    explosive = {
+        "id": "explosive",
+        "states": [{"name": "x", "initial": 1}],
+        "inputs": [{"name": "u"}],
+        "outputs": [{"name": "y", "expression": "x"}],
+        "dynamics": {"x": "x**2 + u"},
+        "channels": [{"name": "gain", "kind": "actuator", "enters": {"x": "u"}}],
+    }
+    plant = Experiment.model_validate(
+        {"plant": explosive, "horizon": 1.5, "record": 0.01, "diagnosis": {"enabled": False}}
+    )
     for spec, who in ((library.experiment("zhao-2012-as-printed"), "adaptive"), (plant, "")):
         run, session = prepare(spec.model_copy(update={"horizon": 1.5})).run(), Session(spec)
         while session.row < 150 and not session.ended:

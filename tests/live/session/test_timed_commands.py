@@ -6,8 +6,13 @@ from tests.live.session.test_session import advance, assert_same, do, zhao
 from thetascope.engine.errors import SpecError
 from thetascope.live.session.session import Session
 
-SENSOR = {"stuck": {"value": 0.1}, "freeze": {}, "delay": {"delay": 0.037}, "quantisation": {"resolution": 0.003},
-          "dropout": {"probability": 0.4, "sample_time": 0.027}}  # fmt: skip
+SENSOR = {
+    "stuck": {"value": 0.1},
+    "freeze": {},
+    "delay": {"delay": 0.037},
+    "quantisation": {"resolution": 0.003},
+    "dropout": {"probability": 0.4, "sample_time": 0.027},
+}
 
 
 @pytest.mark.parametrize("sampled", [False, True])
@@ -26,15 +31,21 @@ def test_a_sensor_that_fails_while_it_fails_is_saved_bit_for_bit(first, second, 
 def test_a_reopened_session_tells_what_was_done_in_it():
     """Gains, noise and observers stand in the log of a session on the same spec at the same rows."""
     one = Session(zhao())
-    for kind, fields in (("set-gain", {"observer": "adaptive", "gain": "rho", "value": 6.0}), ("set-noise", {"output": "y", "std": 0.002}),
-                         ("add-observer", {"observer": {"label": "ekf", "kind": "joint-ekf"}}), ("remove-observer", {"label": "ekf"})):  # fmt: skip
+    for kind, fields in (
+        ("set-gain", {"observer": "adaptive", "gain": "rho", "value": 6.0}),
+        ("set-noise", {"output": "y", "std": 0.002}),
+        ("add-observer", {"observer": {"label": "ekf", "kind": "joint-ekf"}}),
+        ("remove-observer", {"label": "ekf"}),
+    ):
         one.advance(20)
         do(one, kind, **fields)
     one.advance(20)
     two = Session(one.spec)
     while two.row < one.row:
         two.advance(one.row - two.row)
-    assert [(e.kind, e.row, e.value) for e in two.log] == [(e.kind, e.row, e.value) for e in one.log] and len(one.log) == 4
+    assert [(e.kind, e.row, e.value) for e in two.log] == [(e.kind, e.row, e.value) for e in one.log] and len(
+        one.log
+    ) == 4
 
 
 def test_observers_that_have_no_row_yet_are_not_checked():
@@ -47,13 +58,16 @@ def test_observers_that_have_no_row_yet_are_not_checked():
     assert [told.observer for told in session.assumptions()] == ["adaptive", "ekf"]
 
 
-@pytest.mark.parametrize(("kind", "fields", "field"), [
-    ("set-noise", {"output": "y", "std": 0.1, "sample_time": 1e-9}, "sample_time"),
-    ("set-signal", {"name": "u", "signal": {"kind": "prbs", "hold": 1e-9}}, "hold"),
-    ("set-signal", {"name": "u", "signal": {"kind": "pulse", "period": 1e-9, "width": 1e-10}}, "period"),
-    ("clear", {"channel": "nope"}, "channel"),
-    ("clear", {"output": "x1"}, "output"),
-])  # fmt: skip
+@pytest.mark.parametrize(
+    ("kind", "fields", "field"),
+    [
+        ("set-noise", {"output": "y", "std": 0.1, "sample_time": 1e-9}, "sample_time"),
+        ("set-signal", {"name": "u", "signal": {"kind": "prbs", "hold": 1e-9}}, "hold"),
+        ("set-signal", {"name": "u", "signal": {"kind": "pulse", "period": 1e-9, "width": 1e-10}}, "period"),
+        ("clear", {"channel": "nope"}, "channel"),
+        ("clear", {"output": "x1"}, "output"),
+    ],
+)
 def test_what_cannot_be_simulated_or_is_not_there_is_refused_at_once(kind, fields, field):
     """Also while time stands still: the error names the field, and nothing has changed."""
     session = Session(zhao())

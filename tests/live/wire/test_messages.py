@@ -10,10 +10,13 @@ from thetascope.live.wire.messages import Allowance, read
 from thetascope_schemas.service.session import Inject, Refused, SetGainNow
 
 GOOD = [
-    {"type": "play", "id": 1}, {"type": "step", "id": 2, "rows": 5}, {"type": "speed", "id": 3, "value": None},
+    {"type": "play", "id": 1},
+    {"type": "step", "id": 2, "rows": 5},
+    {"type": "speed", "id": 3, "value": None},
     {"type": "inject", "id": 4, "fault": {"channel": "gain", "shape": "step", "onset": 0, "size": 0.1}},
-    {"type": "set-gain", "id": 5, "observer": "kalman", "gain": "K", "value": [1, 2]}, {"type": "seek", "id": 6, "t": 1.5},
-]  # fmt: skip
+    {"type": "set-gain", "id": 5, "observer": "kalman", "gain": "K", "value": [1, 2]},
+    {"type": "seek", "id": 6, "t": 1.5},
+]
 
 
 def malformed(draw: random.Random) -> str | None:

@@ -146,7 +146,9 @@ def test_a_slow_viewer_survives_a_rewind_and_new_columns():
         await stage.go(0.2)
         late = await stage.connect()
         epoch = late.texts[0]["epoch"]
-        mine = {f.first + i: f.samples[:, i] for f in slow.frames if f.epoch == epoch for i in range(f.samples.shape[1])}
+        mine = {
+            f.first + i: f.samples[:, i] for f in slow.frames if f.epoch == epoch for i in range(f.samples.shape[1])
+        }
         theirs = late.rows()
         assert min(mine) <= 30 and max(mine) == theirs.shape[1] - 1
         for row, values in mine.items():

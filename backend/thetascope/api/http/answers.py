@@ -70,9 +70,13 @@ def listed(run: Snapshot | Record) -> dict[str, object]:
     title = run.title if isinstance(run, Record) else run.spec.title or run.spec.id
     created = _time(run.created).isoformat().replace("+00:00", "Z")
     return {
-        "id": run.id, "title": title, "status": run.status, "created": created, "pinned": run.pinned,
+        "id": run.id,
+        "title": title,
+        "status": run.status,
+        "created": created,
+        "pinned": run.pinned,
         "links": run_links(run.id),
-    }  # fmt: skip
+    }
 
 
 async def ended(job: Job, seconds: float) -> Snapshot | None:

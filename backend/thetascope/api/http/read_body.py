@@ -47,7 +47,9 @@ def json_of(body: bytes) -> Any:
 
 
 def _too_large(size: int, limit: int) -> BodyProblem:
-    remedy = "send less (a table signal needs few points), or raise THETASCOPE_MAX_BODY (of a record THETASCOPE_MAX_RECORD)"
+    remedy = (
+        "send less (a table signal needs few points), or raise THETASCOPE_MAX_BODY (of a record THETASCOPE_MAX_RECORD)"
+    )
     return BodyProblem(413, f"the body has {size:,} bytes or more, and {limit:,} are allowed", remedy)
 
 

@@ -17,16 +17,23 @@ router = APIRouter(include_in_schema=False)
 
 _PACKAGE = Path(__file__).parents[2]
 #: Inside the package where it is installed as a wheel, beside backend/ in a checkout.
-FRONTEND = next((f for f in (_PACKAGE / "frontend", _PACKAGE.parents[1] / "frontend") if f.is_dir()), _PACKAGE / "frontend")
+FRONTEND = next(
+    (f for f in (_PACKAGE / "frontend", _PACKAGE.parents[1] / "frontend") if f.is_dir()), _PACKAGE / "frontend"
+)
 
 #: Addresses of pages whose files lie in frontend/pages.
 PAGES = ("runs", "records", "plants")
 
 # The operating system's table of types decides otherwise, and some have none or a wrong one for scripts.
 for _suffix, _kind in {
-    ".js": "text/javascript", ".mjs": "text/javascript", ".css": "text/css", ".svg": "image/svg+xml",
-    ".json": "application/json", ".woff2": "font/woff2", ".webmanifest": "application/manifest+json",
-}.items():  # fmt: skip
+    ".js": "text/javascript",
+    ".mjs": "text/javascript",
+    ".css": "text/css",
+    ".svg": "image/svg+xml",
+    ".json": "application/json",
+    ".woff2": "font/woff2",
+    ".webmanifest": "application/manifest+json",
+}.items():
     mimetypes.add_type(_kind, _suffix)
 
 #: Address under /assets → the installed package that carries the file, and the file in it.

@@ -50,10 +50,16 @@ async def post_equations(request: Request, services: Use) -> Response:
 def _answer(plant: Plant, chosen: tuple[str, ...]) -> dict[str, Any]:
     channels = [{"name": c.name, "title": c.title, "kind": c.kind, "unit": c.unit} for c in plant.channels]
     return {
-        "plant": {"id": plant.id, "title": plant.title, "source": plant.source, "time": plant.time.kind, "channels": channels,
-                  **plant_equations(plant.model_dump(mode="json"))},
+        "plant": {
+            "id": plant.id,
+            "title": plant.title,
+            "source": plant.source,
+            "time": plant.time.kind,
+            "channels": channels,
+            **plant_equations(plant.model_dump(mode="json")),
+        },
         "observers": {kind: _observer(kind) for kind in dict.fromkeys(chosen)},
-    }  # fmt: skip
+    }
 
 
 def _observer(kind: str) -> dict[str, Any]:

@@ -15,7 +15,9 @@ from thetascope_schemas.experiment.experiment import Experiment
 router = APIRouter(tags=["catalogue"])
 
 
-@router.post("/gains", response_model=None, openapi_extra=body_schema("Experiment"), responses=documented(413, 415, 422))
+@router.post(
+    "/gains", response_model=None, openapi_extra=body_schema("Experiment"), responses=documented(413, 415, 422)
+)
 async def gains(request: Request, services: Use) -> Response:
     """Per observer of an experiment, every gain: what a form shows before anything is changed."""
 

@@ -21,20 +21,32 @@ router = APIRouter()
 def plant_line(plant: Plant) -> dict[str, object]:
     """A plant in a list."""
     return {
-        "id": plant.id, "title": plant.title, "description": plant.description, "source": plant.source,
-        "time": plant.time.kind, "states": len(plant.states), "outputs": len(plant.outputs),
-        "channels": [channel.name for channel in plant.channels], "href": f"/api/plants/{plant.id}",
-    }  # fmt: skip
+        "id": plant.id,
+        "title": plant.title,
+        "description": plant.description,
+        "source": plant.source,
+        "time": plant.time.kind,
+        "states": len(plant.states),
+        "outputs": len(plant.outputs),
+        "channels": [channel.name for channel in plant.channels],
+        "href": f"/api/plants/{plant.id}",
+    }
 
 
 def experiment_line(experiment: Experiment) -> dict[str, object]:
     """An experiment in a list."""
     plant = experiment.plant if isinstance(experiment.plant, str) else experiment.plant.id
     return {
-        "id": experiment.id, "title": experiment.title, "description": experiment.description,
-        "source": experiment.source, "plant": plant, "horizon": experiment.horizon, "step": experiment.step,
-        "observers": [observer.label for observer in experiment.observers], "href": f"/api/experiments/{experiment.id}",
-    }  # fmt: skip
+        "id": experiment.id,
+        "title": experiment.title,
+        "description": experiment.description,
+        "source": experiment.source,
+        "plant": plant,
+        "horizon": experiment.horizon,
+        "step": experiment.step,
+        "observers": [observer.label for observer in experiment.observers],
+        "href": f"/api/experiments/{experiment.id}",
+    }
 
 
 @router.get("/plants", response_model=None, tags=["plants"])

@@ -20,7 +20,12 @@ from thetascope_schemas.service.record import MOST_ROWS, Record
 router = APIRouter(tags=["diagnosis"])
 
 
-@router.post("/diagnosis", response_model=ObserverDiagnosis, openapi_extra=body_schema("Record"), responses=documented(404, 413, 415, 422))
+@router.post(
+    "/diagnosis",
+    response_model=ObserverDiagnosis,
+    openapi_extra=body_schema("Record"),
+    responses=documented(404, 413, 415, 422),
+)
 async def diagnose_record(request: Request, services: Use) -> Response:
     """Which faults a record shows, since when, how large and how sure: what `thetascope diagnose` says of a file.
 
@@ -31,7 +36,12 @@ async def diagnose_record(request: Request, services: Use) -> Response:
     return Response(told.model_dump_json(), media_type="application/json")
 
 
-@router.post("/observability", response_model=Observability, openapi_extra=body_schema("Experiment"), responses=documented(404, 413, 415, 422))
+@router.post(
+    "/observability",
+    response_model=Observability,
+    openapi_extra=body_schema("Experiment"),
+    responses=documented(404, 413, 415, 422),
+)
 async def observe(request: Request, services: Use) -> Response:
     """What the outputs of an experiment show of states and faults together: rank by the equations, rank and condition along its run."""
     body = await read_body(request, services.settings.max_body)
@@ -69,7 +79,14 @@ def _columns(asked: Record) -> dict[str, np.ndarray]:
     rows = {len(column) for column in columns.values()}
     if len(rows) > 1:
         name = next(n for n, column in columns.items() if len(column) < max(rows))
-        raise invalid(f"columns.{name}", len(columns[name]), f"other columns have {max(rows)} values", "give as many in each")
+        raise invalid(
+            f"columns.{name}", len(columns[name]), f"other columns have {max(rows)} values", "give as many in each"
+        )
     if max(rows, default=0) > MOST_ROWS:
-        raise invalid("columns", max(rows), f"at most {MOST_ROWS:,} rows are looked at", "send a part of the record, or every n-th row")
+        raise invalid(
+            "columns",
+            max(rows),
+            f"at most {MOST_ROWS:,} rows are looked at",
+            "send a part of the record, or every n-th row",
+        )
     return columns

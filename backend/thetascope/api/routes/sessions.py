@@ -58,17 +58,22 @@ async def get_session(id: str, services: Use) -> Response:
     status = room.status()
     return json_response(
         {
-            "id": room.id, "spec": room.session.spec.model_dump(mode="json"), "row": status.row, "t": status.t,
-            "playing": status.playing, "speed": status.speed, "viewers": status.viewers, "ended": status.ended,
-            "parent": room.parent, "links": links(room.id),
+            "id": room.id,
+            "spec": room.session.spec.model_dump(mode="json"),
+            "row": status.row,
+            "t": status.t,
+            "playing": status.playing,
+            "speed": status.speed,
+            "viewers": status.viewers,
+            "ended": status.ended,
+            "parent": room.parent,
+            "links": links(room.id),
         }
-    )  # fmt: skip
+    )
 
 
 @router.delete("/{id}", status_code=204, response_model=None, responses={**documented(404), **_FORBIDDEN})
-async def end_session(
-    id: str, services: Use, token: Annotated[str, Header(alias="X-Control-Token")] = ""
-) -> Response:
+async def end_session(id: str, services: Use, token: Annotated[str, Header(alias="X-Control-Token")] = "") -> Response:
     """End a session, for all its viewers."""
     room = _room(services, id)
     if not matches(token, room.token):

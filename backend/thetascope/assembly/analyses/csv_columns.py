@@ -20,12 +20,21 @@ def columns_of_csv(text: str) -> dict[str, np.ndarray]:
     except csv.Error as error:
         raise SpecError("csv", None, f"it is no CSV: {error}", "save it as CSV") from None
     if not names or not all(names) or len(set(names)) < len(names):
-        raise SpecError("csv", ",".join(names)[:60], "it has no line of names, or a name twice", "begin it with a line such as t,voltage,y_speed")
+        raise SpecError(
+            "csv",
+            ",".join(names)[:60],
+            "it has no line of names, or a name twice",
+            "begin it with a line such as t,voltage,y_speed",
+        )
     data = np.empty((len(rows), len(names)))
     for place, (number, line) in enumerate(rows):
         try:
             data[place] = [float(cell) for cell in line]
         except ValueError:
-            raise SpecError("csv", ",".join(line)[:60], f"line {number} is not a row of {len(names)} numbers",
-                            "give one number for every name") from None  # fmt: skip
+            raise SpecError(
+                "csv",
+                ",".join(line)[:60],
+                f"line {number} is not a row of {len(names)} numbers",
+                "give one number for every name",
+            ) from None
     return dict(zip(names, data.T, strict=True))

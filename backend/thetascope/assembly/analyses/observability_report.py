@@ -18,7 +18,12 @@ def observability(spec: Experiment, plant: Plant) -> Observability:
     experiment = prepare(Experiment.model_validate(spec.model_copy(update=bare).model_dump(mode="json"))).engine
     found, along = structure(plant.model_dump(mode="json")), empirical(experiment, WINDOW * spec.horizon, _INSTANTS)
     return Observability(
-        rank=found.rank if found.decided else None, size=found.size, text=found.text, window=along.window, t=along.t.tolist(),
+        rank=found.rank if found.decided else None,
+        size=found.size,
+        text=found.text,
+        window=along.window,
+        t=along.t.tolist(),
         ranks=[int(r) if r >= 0 else None for r in along.rank],
-        conditions=[float(c) if math.isfinite(c) else None for c in along.condition], along=along.text,
-    )  # fmt: skip
+        conditions=[float(c) if math.isfinite(c) else None for c in along.condition],
+        along=along.text,
+    )

@@ -34,7 +34,9 @@ _EVEN = 0.05  # of the period: how exactly samples must lie where equal spacing 
 _LARGEST = 1e30  # what no sensor shows
 _MEDIAN = 0.4549  # of the square of a standard normal number
 _ROUNDS = 3  # of estimating the noise,
-_SURE = 0.01  # with a filter that doubts the model by so much less: one that follows the noise would find too little of it
+_SURE = (
+    0.01  # with a filter that doubts the model by so much less: one that follows the noise would find too little of it
+)
 _LAGS = 8  # samples for which noise may hold at most
 _STANDS_OUT = 5.0  # times: how much larger squared differences are where a sensor's value is new
 _FINEST = 20  # steps of the simulation between two samples
@@ -61,8 +63,14 @@ def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
         raise SpecError("t", len(t), "the record has fewer than 200 rows", "give a longer record")
     period = _period(t)
     y = np.stack([_column(columns, (f"y.{n}", n), f"y.{n}") for n in plant.names("outputs")], axis=1)
-    found = [{n: _column(columns, (f"{prefix}.{n}", n), f"{prefix}.{n}") for n in plant.names(group)
-              if f"{prefix}.{n}" in columns or n in columns} for prefix, group in (("u", "inputs"), ("signal", "signals"))]  # fmt: skip
+    found = [
+        {
+            n: _column(columns, (f"{prefix}.{n}", n), f"{prefix}.{n}")
+            for n in plant.names(group)
+            if f"{prefix}.{n}" in columns or n in columns
+        }
+        for prefix, group in (("u", "inputs"), ("signal", "signals"))
+    ]
     return Recording(period, np.arange(len(t)) * period, y, *found)
 
 
@@ -77,8 +85,12 @@ def _period(t: np.ndarray) -> float:
         wrong = np.flatnonzero(np.abs(off[1:]) > max(_EVEN * period, 1.01 * _resolution(t)))
     if period <= 0 or len(wrong):
         row = int(wrong[0]) + 1 if len(wrong) else 1
-        raise SpecError("t", float(t[row]), f"samples must be equally spaced: row {row + 1} is not {usual:g} s after the one before",
-                        "resample the record")  # fmt: skip
+        raise SpecError(
+            "t",
+            float(t[row]),
+            f"samples must be equally spaced: row {row + 1} is not {usual:g} s after the one before",
+            "resample the record",
+        )
     return period
 
 
@@ -93,13 +105,17 @@ def _resolution(t: np.ndarray) -> float:
 def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: str) -> np.ndarray:
     name = next((n for n in names if n in columns), None)
     if name is None:
-        raise SpecError(field, None, "the record has no such column", f"name one {' or '.join(names)}; it has {', '.join(columns)}")
+        raise SpecError(
+            field, None, "the record has no such column", f"name one {' or '.join(names)}; it has {', '.join(columns)}"
+        )
     values = np.asarray(columns[name], dtype=float)
     good = np.abs(values) < _LARGEST
     if not good.all():
         row = int(np.flatnonzero(~good)[0])
         what = "a number that no sensor shows" if np.isfinite(values[row]) else "no number"
-        raise SpecError(field, str(values[row]), f"row {row + 1} holds {what}", "leave out or fill in the rows that are wrong")
+        raise SpecError(
+            field, str(values[row]), f"row {row + 1} holds {what}", "leave out or fill in the rows that are wrong"
+        )
     return values
 
 
@@ -117,12 +133,20 @@ def diagnose_recording(
     if why:
         raise SpecError("plant", plant.id, why, "give a plant with fault channels and a longer record")
     if not 0 <= learn <= 0.9 * (spec.horizon or 0.0):
-        raise SpecError("learn", learn, f"the record is {spec.horizon:g} s long, and a tenth of it at least is to be judged",
-                        f"give 0 to {0.9 * spec.horizon:.3g} s")  # fmt: skip
+        raise SpecError(
+            "learn",
+            learn,
+            f"the record is {spec.horizon:g} s long, and a tenth of it at least is to be judged",
+            f"give 0 to {0.9 * spec.horizon:.3g} s",
+        )
     experiment = _with_noise(experiment, record, settings.doubt)
     if not np.isfinite(experiment.measurement.std).all():
-        raise SpecError("plant", plant.id, "the filter for this plant does not stay finite along the record",
-                        "check its parameters and initial state, and the units of the record")  # fmt: skip
+        raise SpecError(
+            "plant",
+            plant.id,
+            "the filter for this plant does not stay finite along the record",
+            "check its parameters and initial state, and the units of the record",
+        )
     noise = dict(zip(plant.names("outputs"), experiment.measurement.std, strict=True))
     measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
     spec = Experiment.model_validate(spec.model_dump() | {"noise": measured})
@@ -132,23 +156,34 @@ def diagnose_recording(
         raise SpecError("plant", plant.id, str(error), "check the plant's initial state and bounds") from None
     watched = _watched(made, experiment, record, learn)
     found = Diagnosed(made, watched, (), made.interval, _defaults(plant, record))
-    told = of_detector(found, settings.confidence, settings.accuracy, spec.horizon, max(_learnt_until(made, record, learn), made.calibrated.begin))
+    told = of_detector(
+        found,
+        settings.confidence,
+        settings.accuracy,
+        spec.horizon,
+        max(_learnt_until(made, record, learn), made.calibrated.begin),
+    )
     told["noise"] = [{"output": n, "declared": None, "estimated": float(s)} for n, s in noise.items()]
     return ObserverDiagnosis.model_validate(told)
 
 
 def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> Experiment:
     """The plant with the recorded inputs, held between samples."""
+
     def held(values: np.ndarray) -> dict:
         return {"kind": "table", "times": record.t.tolist(), "values": values.tolist(), "interpolation": "hold"}
 
     fine = 1 if plant.time.kind == "discrete" else _FINEST
     data = {
-        "plant": plant, "inputs": {n: held(v) for n, v in record.inputs.items()},
-        "signals": {n: held(v) for n, v in record.signals.items()}, "step": record.period / fine, "record": record.period,
-        "horizon": record.period * (len(record.t) - 1), "diagnosis": settings,
+        "plant": plant,
+        "inputs": {n: held(v) for n, v in record.inputs.items()},
+        "signals": {n: held(v) for n, v in record.signals.items()},
+        "step": record.period / fine,
+        "record": record.period,
+        "horizon": record.period * (len(record.t) - 1),
+        "diagnosis": settings,
         "noise": {n: {"std": 1.0, "sample_time": record.period} for n in plant.names("outputs")},
-    }  # fmt: skip
+    }
     try:
         return Experiment.model_validate(data)
     except ValidationError as error:
@@ -220,7 +255,12 @@ def _learnt_until(made: Detector, record: Recording, learn: float) -> int:
 
 def _defaults(plant: Plant, record: Recording) -> str:
     """Which inputs and signals the record has not."""
-    missing = [n for group, there in (("inputs", record.inputs), ("signals", record.signals)) for n in plant.names(group) if n not in there]
+    missing = [
+        n
+        for group, there in (("inputs", record.inputs), ("signals", record.signals))
+        for n in plant.names(group)
+        if n not in there
+    ]
     return f"not in the record, so the defaults were taken: {', '.join(missing)}" if missing else ""
 
 

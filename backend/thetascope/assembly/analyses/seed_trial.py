@@ -105,9 +105,15 @@ def _ways(result: Result, lock: float | None) -> Iterator[tuple[str, list[Raised
         for report in result.observers:
             if any(n.startswith(f"{report.label}.sigma.") for n in result.names):
                 yield f"{report.label}: 3σ of what it was, locked at {lock:g} s", _locked(result, report.label, lock)
-                yield f"{report.label}: 3σ of its last {LATEST} values, upwards, locked at {lock:g} s", _locked(result, report.label, lock, "latest")
+                yield (
+                    f"{report.label}: 3σ of its last {LATEST} values, upwards, locked at {lock:g} s",
+                    _locked(result, report.label, lock, "latest"),
+                )
                 if any(n.startswith(f"{report.label}.claimed.") for n in result.names):
-                    yield f"{report.label}: 3σ of its covariance, locked at {lock:g} s", _locked(result, report.label, lock, "claimed")
+                    yield (
+                        f"{report.label}: 3σ of its covariance, locked at {lock:g} s",
+                        _locked(result, report.label, lock, "claimed"),
+                    )
 
 
 def _locked(result: Result, label: str, lock: float, way: Literal["all", "latest", "claimed"] = "all") -> list[Raised]:

@@ -32,7 +32,9 @@ def calibration_key(spec: Experiment, observers: tuple[ObserverConfig, ...] = ()
     return spec.model_copy(update=bare).spec_hash()
 
 
-def inspector(spec: Experiment, cancelled: Callable[[], bool] | None = None) -> Callable[[Parts, Result], Result] | None:
+def inspector(
+    spec: Experiment, cancelled: Callable[[], bool] | None = None
+) -> Callable[[Parts, Result], Result] | None:
     """What adds the diagnosis to a run's result; None where none is asked for. ``spec``: with its plant in full.
 
     What it gives raises Cancelled soon after ``cancelled`` says so.
@@ -45,15 +47,23 @@ def inspector(spec: Experiment, cancelled: Callable[[], bool] | None = None) -> 
             raise Cancelled("the run was cancelled")
 
     def inspect(parts: Parts, result: Result) -> Result:
-        wanted = Wanted(asked(spec), spec.diagnosis.test, calibration_key(spec), calibration_key(spec, spec.observers),
-                        round(span(spec) / spec.step))  # fmt: skip
+        wanted = Wanted(
+            asked(spec),
+            spec.diagnosis.test,
+            calibration_key(spec),
+            calibration_key(spec, spec.observers),
+            round(span(spec) / spec.step),
+        )
         columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
         with pausing(check):
             found = diagnose(parts, columns, result.substeps, wanted)
         confidence = spec.diagnosis.confidence
-        told = {"detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),
-                "observers": [of_observer(own, found.interval, confidence, spec.diagnosis.false_alarms)
-                              for own in found.observers]}  # fmt: skip
+        told = {
+            "detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),
+            "observers": [
+                of_observer(own, found.interval, confidence, spec.diagnosis.false_alarms) for own in found.observers
+            ],
+        }
         return replace(result, diagnosis=Diagnosis.model_validate(told).model_dump(mode="json"))
 
     return inspect

@@ -51,8 +51,12 @@ def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
     step = spec.step
     if plant.time.kind == "discrete":
         if abs(step - plant.time.period) > 1e-9 * plant.time.period:
-            raise SpecError("step", step, f"the plant {plant.id} is discrete with a period of {plant.time.period:g} s",
-                            f"set step to {plant.time.period:g}")  # fmt: skip
+            raise SpecError(
+                "step",
+                step,
+                f"the plant {plant.id} is discrete with a period of {plant.time.period:g} s",
+                f"set step to {plant.time.period:g}",
+            )
         step = plant.time.period
     return step, multiple(spec.horizon, step, "horizon"), multiple(spec.record_interval, step, "record")
 

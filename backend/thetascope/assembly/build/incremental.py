@@ -41,7 +41,9 @@ def _kept_signals(spec: Experiment, before: Experiment, made: Engine) -> dict[st
     plant = spec.plant
     same = [f"u.{n}" for n in plant.names("inputs") if spec.inputs.get(n) == before.inputs.get(n)]
     same += [f"signal.{n}" for n in plant.names("signals") if spec.signals.get(n) == before.signals.get(n)]
-    same += [f"theta.{n}" for n in plant.names("channels") if _faults(spec, "channel", n) == _faults(before, "channel", n)]
+    same += [
+        f"theta.{n}" for n in plant.names("channels") if _faults(spec, "channel", n) == _faults(before, "channel", n)
+    ]
     return {name: made.signals[name] for name in same}
 
 

@@ -67,15 +67,23 @@ def unknown(field: str, given, known, problem: str) -> None:
     for name in given:
         if name not in known:
             near = get_close_matches(name, list(known), n=3, cutoff=0.4) or list(known)
-            raise SpecError(f"{field}.{name}", given[name], problem,
-                            f"choose from {', '.join(near)}" if near else "leave it out: there is none")  # fmt: skip
+            raise SpecError(
+                f"{field}.{name}",
+                given[name],
+                problem,
+                f"choose from {', '.join(near)}" if near else "leave it out: there is none",
+            )
 
 
 def _suits(kind: Observer, plant: Plant) -> None:
     discrete = plant.time.kind == "discrete"
     if kind.time == "continuous" and discrete:
-        raise SpecError("kind", kind.id, f"it is for continuous time and the plant {plant.id} is discrete",
-                        "use adaptive-kalman-discrete, joint-ekf or joint-ukf")  # fmt: skip
+        raise SpecError(
+            "kind",
+            kind.id,
+            f"it is for continuous time and the plant {plant.id} is discrete",
+            "use adaptive-kalman-discrete, joint-ekf or joint-ukf",
+        )
 
 
 def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str, ...]:
@@ -89,8 +97,12 @@ def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str
     picked = [part.strip() for part in str(asked).split(",") if part.strip()]
     for name in picked:
         if name not in names:
-            raise SpecError("options.channels", name, f"the plant {plant.id} has no fault channel of that name",
-                            f"choose from {', '.join(names)}" if names else "leave it out: it has no channels")  # fmt: skip
+            raise SpecError(
+                "options.channels",
+                name,
+                f"the plant {plant.id} has no fault channel of that name",
+                f"choose from {', '.join(names)}" if names else "leave it out: it has no channels",
+            )
     if len(set(picked)) < len(picked):
         raise SpecError("options.channels", asked, "a channel is named twice", "name each once")
     return tuple(picked)
@@ -167,8 +179,12 @@ def _gain(gain: Gain, config: ObserverConfig, context: Context) -> float | list[
         values = _column(gain, value, length, field, given is None)
     for value in values:
         if not gain.low <= value <= gain.high:
-            raise SpecError(field, value, f"{gain.meaning}: it must lie between {gain.low:g} and {gain.high:g}",
-                            f"give {gain.low:g} to {gain.high:g}")  # fmt: skip
+            raise SpecError(
+                field,
+                value,
+                f"{gain.meaning}: it must lie between {gain.low:g} and {gain.high:g}",
+                f"give {gain.low:g} to {gain.high:g}",
+            )
     return values[0] if gain.size is None else values
 
 
@@ -180,8 +196,12 @@ def _column(gain: Gain, value, length: int, field: str, is_default: bool) -> lis
         if is_default and values:
             return (values + [values[-1]] * length)[:length]
         meaning = gain.size.__doc__ if callable(gain.size) else gain.size
-        raise SpecError(field, values, f"it has {len(values)} entries; this plant needs {length} ({meaning})",
-                        f"give {length} numbers, or one for all")  # fmt: skip
+        raise SpecError(
+            field,
+            values,
+            f"it has {len(values)} entries; this plant needs {length} ({meaning})",
+            f"give {length} numbers, or one for all",
+        )
     return values
 
 
@@ -203,8 +223,9 @@ def _option(option: Option, given, context: Context):
     if option.kind == "integer":
         whole = not isinstance(given, bool) and isinstance(given, int | float) and float(given).is_integer()
         if not whole or not option.low <= given <= option.high:
-            raise SpecError(field, given, f"{option.meaning}: a whole number is needed",
-                            f"give {option.low} to {option.high}")  # fmt: skip
+            raise SpecError(
+                field, given, f"{option.meaning}: a whole number is needed", f"give {option.low} to {option.high}"
+            )
         return int(given)
     return given
 

@@ -46,7 +46,9 @@ class Sums:
         """The number of the latest decision."""
         return self.first + len(self.q) - 1
 
-    def extended(self, omega: np.ndarray, x: np.ndarray, heed: np.ndarray | None = None, y: np.ndarray | None = None) -> "Sums":
+    def extended(
+        self, omega: np.ndarray, x: np.ndarray, heed: np.ndarray | None = None, y: np.ndarray | None = None
+    ) -> "Sums":
         """With more decisions: ``omega`` (decisions, rows in each, m, p) and ``x`` (decisions, rows in each, m).
 
         ``y``: what was measured (rows, m), the row before them first; without it nothing stands still.
@@ -55,9 +57,15 @@ class Sums:
         still = np.zeros_like(q) if y is None else _still(self.still[-1], y)[x.shape[1] - 1 :: x.shape[1]]
         if heed is not None and not heed.all():
             omega, x = omega * heed[:, None], x * heed
-        J, s, e = np.einsum("drmi,drmj->dij", omega, omega), np.einsum("drmi,drm->di", omega, x), np.einsum("drm,drm->d", x, x)
+        J, s, e = (
+            np.einsum("drmi,drmj->dij", omega, omega),
+            np.einsum("drmi,drm->di", omega, x),
+            np.einsum("drm,drm->d", x, x),
+        )
         # added one after the other, so that cutting a run into pieces changes no bit
-        new = {n: _added(getattr(self, n)[-1:], v) for n, v in {"J": J, "s": s, "q": q, "e": e}.items()} | {"still": still}
+        new = {n: _added(getattr(self, n)[-1:], v) for n, v in {"J": J, "s": s, "q": q, "e": e}.items()} | {
+            "still": still
+        }
         return replace(self, **{n: np.concatenate([getattr(self, n), v]) for n, v in new.items()})
 
     def until(self, decision: int) -> "Sums":
@@ -163,6 +171,10 @@ def scan(
     D = np.einsum("dii->di", sums.J)
     q = sums.e[b] - sums.e[a]
     loud = np.where((begins < noise.ready)[:, :, None], noise.first, noise.loud) if start < noise.ready else noise.loud
-    glr = (explained(D[b] - D[a], sums.s[b] - sums.s[a], within) / loud).max(axis=-1, initial=0.0) / (1.0 + noise.lengths / memory)
+    glr = (explained(D[b] - D[a], sums.s[b] - sums.s[a], within) / loud).max(axis=-1, initial=0.0) / (
+        1.0 + noise.lengths / memory
+    )
     excess = (q - noise.energy) / noise.scatter
-    return np.where(whole, glr, 0.0).max(axis=1, initial=0.0), np.where(whole, excess, -np.inf).max(axis=1, initial=-np.inf)
+    return np.where(whole, glr, 0.0).max(axis=1, initial=0.0), np.where(whole, excess, -np.inf).max(
+        axis=1, initial=-np.inf
+    )

@@ -41,7 +41,7 @@ def observers_of(result) -> list[str]:
 
 def names_after(result, prefix: str) -> list[str]:
     """What follows `prefix` in the columns that begin with it: names_after(result, "x.") lists the states."""
-    return [name[len(prefix):] for name in result.names if name.startswith(prefix)]
+    return [name[len(prefix) :] for name in result.names if name.startswith(prefix)]
 
 
 def _number(value) -> float | None:
@@ -102,8 +102,9 @@ def event_times(faults: Iterable) -> list[float]:
     return sorted({at for fault in faults for at in (fault.onset, fault.end) if at is not None})
 
 
-def settling(result, label: str, steps: Sequence[tuple[str, float]], events: Sequence[float],
-             fraction: float = SETTLE) -> list[Settling]:
+def settling(
+    result, label: str, steps: Sequence[tuple[str, float]], events: Sequence[float], fraction: float = SETTLE
+) -> list[Settling]:
     """How observer `label` followed each step (channel, time) of `steps`; channels that it does not estimate are left out.
 
     The band is `fraction` of the step's size around the true θ. Each step is judged until the next of `events`, because
@@ -123,8 +124,17 @@ def settling(result, label: str, steps: Sequence[tuple[str, float]], events: Seq
         end = float(t[-1])
         error = result.column(estimate) - truth
         window = (at, until if until < end else np.inf, fraction * abs(size))
-        answer.append(Settling(channel, float(at), size, window[2], reaching_time(t, error, *window),
-                               settling_time(t, error, *window), min(until, end)))
+        answer.append(
+            Settling(
+                channel,
+                float(at),
+                size,
+                window[2],
+                reaching_time(t, error, *window),
+                settling_time(t, error, *window),
+                min(until, end),
+            )
+        )
     return answer
 
 
@@ -139,8 +149,13 @@ def final_values(result, label: str, last: float = LAST) -> dict[str, dict[str, 
         with np.errstate(over="ignore", invalid="ignore"):
             tail = (estimate - truth)[rows]
             mean, std = tail.mean(), tail.std()
-        answer[channel] = {"truth": _number(truth[-1]), "estimate": _number(estimate[-1]),
-                           "error": _number(estimate[-1] - truth[-1]), "mean_error": _number(mean), "std": _number(std)}
+        answer[channel] = {
+            "truth": _number(truth[-1]),
+            "estimate": _number(estimate[-1]),
+            "error": _number(estimate[-1] - truth[-1]),
+            "mean_error": _number(mean),
+            "std": _number(std),
+        }
     return answer
 
 
@@ -172,8 +187,10 @@ def summary(result, faults: Iterable) -> dict[str, dict]:
             "rmse_end": state_rmse(result, report.label, LAST),
             "theta": final_values(result, report.label),
             "settling": [vars(s) for s in settling(result, report.label, steps, events)],
-            "checks": [{**vars(check), "value": _finite(check.value), "threshold": _finite(check.threshold)}
-                            for check in report.checks],
+            "checks": [
+                {**vars(check), "value": _finite(check.value), "threshold": _finite(check.threshold)}
+                for check in report.checks
+            ],
         }
     return answer
 

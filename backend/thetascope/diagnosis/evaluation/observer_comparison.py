@@ -127,10 +127,13 @@ def compare(result, faults: Iterable, findings: Mapping[str, object]) -> Compari
     spans = windows(faults, result.column("t"))
     there = presences(result, faults)
     horizon = float(result.column("t")[-1])
-    return Comparison(spans, tuple(
-        _row(result, label, faults, spans, there, findings.get(label), costs.get(label), horizon)
-        for label in (*observers_of(result), *([DETECTOR] if watched(findings.get(DETECTOR)) else []))
-    ))  # fmt: skip
+    return Comparison(
+        spans,
+        tuple(
+            _row(result, label, faults, spans, there, findings.get(label), costs.get(label), horizon)
+            for label in (*observers_of(result), *([DETECTOR] if watched(findings.get(DETECTOR)) else []))
+        ),
+    )
 
 
 def _row(result, label: str, faults: list, spans, there, finding, cost, horizon: float) -> Row:
@@ -215,7 +218,9 @@ def presences(result, faults: Sequence) -> tuple[Presence, ...]:
             rows = theta[slice(*np.searchsorted(t, [start - _SAME_INSTANT, end - _SAME_INSTANT]))]
             if covered and (rows.any() or not rows.size):
                 channels.append(Presence("channel", name, float(start), float(end)))
-    return tuple(sorted((p for p in (*channels, *outputs) if p.onset < horizon), key=lambda p: (p.onset, p.kind, p.name)))
+    return tuple(
+        sorted((p for p in (*channels, *outputs) if p.onset < horizon), key=lambda p: (p.onset, p.kind, p.name))
+    )
 
 
 def _end(fault, horizon: float) -> float:

@@ -74,7 +74,9 @@ def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) 
     found = np.stack([statistic(run * louder, bare)[0].max(axis=1, initial=0.0) for run in z])[:, begin:]
     hours = found.size * interval / 3600
     threshold = _level(found, stretch, hours, rate)
-    least = -float(ndtri(min(0.5, rate * stretch * interval / 3600 / (2 * z.shape[2]))))  # of a Gaussian z of variance one
+    least = -float(
+        ndtri(min(0.5, rate * stretch * interval / 3600 / (2 * z.shape[2])))
+    )  # of a Gaussian z of variance one
     if test == "threshold":
         threshold = max(threshold, least * louder * _variance(z[:, begin:]) ** 0.5)
     elif test == "glr":

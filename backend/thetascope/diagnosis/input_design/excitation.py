@@ -112,8 +112,15 @@ def _groups(weak: np.ndarray) -> list[list[int]]:
 Text = tuple[str, str]  # what it is about, and what is said of it, with {} for it
 
 
-def _words(group: list[int], N: np.ndarray, values: np.ndarray, weak: np.ndarray, names: Sequence[str], T: np.ndarray,
-           needed: float) -> Text:  # fmt: skip
+def _words(
+    group: list[int],
+    N: np.ndarray,
+    values: np.ndarray,
+    weak: np.ndarray,
+    names: Sequence[str],
+    T: np.ndarray,
+    needed: float,
+) -> Text:
     """One group: the channel or channels, and what the window does not tell of them."""
     them, asked = _listed([names[i] for i in group]), f"{needed**0.5:.3g} times are asked for"
     part = weak[group]
@@ -125,7 +132,10 @@ def _words(group: list[int], N: np.ndarray, values: np.ndarray, weak: np.ndarray
         if seen < _BLIND:
             return them, "{} is not excited at all: its fault would not show in any output now"
         if seen < _UNSEEN or seen < needed**0.5:
-            return them, f"{{}} shows too little now: a typical fault stands out {_times(seen)} times above the noise, " + asked
+            return (
+                them,
+                f"{{}} shows too little now: a typical fault stands out {_times(seen)} times above the noise, " + asked,
+            )
         return them, f"{{}} is told from the others too little now: it stands out {_times(least)} times, {asked}"
     how = "cannot be told apart with this input" if least < _UNSEEN else "can hardly be told apart with this input"
     if hidden >= len(group):

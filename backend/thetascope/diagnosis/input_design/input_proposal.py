@@ -44,8 +44,15 @@ class Proposal:
     text: str
 
 
-def propose(filter_: Filter, experiment: Experiment, x: np.ndarray, k: int, window: float, accuracy: float,
-            among: Sequence[str] | None = None) -> Proposal:  # fmt: skip
+def propose(
+    filter_: Filter,
+    experiment: Experiment,
+    x: np.ndarray,
+    k: int,
+    window: float,
+    accuracy: float,
+    among: Sequence[str] | None = None,
+) -> Proposal:
     """Look for an input for ``experiment`` (as it is now) from state ``x`` at base step ``k`` on.
 
     window: length in s over which faults are to be told apart; accuracy: standard deviation asked for, as a share of a
@@ -82,8 +89,16 @@ def _alike(a: Mapping, b: Mapping) -> bool:
 
 
 class _Trial:
-    def __init__(self, filter_: Filter, experiment: Experiment, x: np.ndarray, k: int, window: float, accuracy: float,
-                 among: Sequence[str] | None):  # fmt: skip
+    def __init__(
+        self,
+        filter_: Filter,
+        experiment: Experiment,
+        x: np.ndarray,
+        k: int,
+        window: float,
+        accuracy: float,
+        among: Sequence[str] | None,
+    ):
         self.filter, self.x, self.k, self.accuracy = filter_, np.asarray(x, dtype=float), k, accuracy
         names = [c.removeprefix("theta.") for c in filter_.channels]
         self.picked = [i for i, n in enumerate(names) if among is None or n in among]
@@ -161,10 +176,27 @@ class _Trial:
         for u in self.inputs:
             low, high, middle, present = self._range(u, swing)
             for period in self._periods():
-                yield u["name"], {"kind": "pulse", "low": low, "high": high, "period": period, "width": _short(period / 2),
-                                  "start": self.now}  # fmt: skip
-                yield u["name"], {"kind": "sine", "amplitude": _short((high - low) / 2), "frequency": _short(1 / period),
-                                  "phase": 0.0, "offset": middle}  # fmt: skip
+                yield (
+                    u["name"],
+                    {
+                        "kind": "pulse",
+                        "low": low,
+                        "high": high,
+                        "period": period,
+                        "width": _short(period / 2),
+                        "start": self.now,
+                    },
+                )
+                yield (
+                    u["name"],
+                    {
+                        "kind": "sine",
+                        "amplitude": _short((high - low) / 2),
+                        "frequency": _short(1 / period),
+                        "phase": 0.0,
+                        "offset": middle,
+                    },
+                )
                 yield u["name"], {"kind": "prbs", "low": low, "high": high, "hold": _short(period / 2), "seed": 1}
             for value in (high, low):
                 yield u["name"], {"kind": "steps", "times": [self.now], "values": [present, value]}
@@ -224,14 +256,20 @@ def _described(name: str, made: Mapping, unit: str) -> str:
     unit = f" {unit}" if unit else ""
     match made["kind"]:
         case "pulse":
-            return (f"a square wave of {name} between {made['low']:g} and {made['high']:g}{unit} with a period of "
-                    f"{made['period']:g} s")  # fmt: skip
+            return (
+                f"a square wave of {name} between {made['low']:g} and {made['high']:g}{unit} with a period of "
+                f"{made['period']:g} s"
+            )
         case "sine":
-            return (f"a sine of {name} about {made['offset']:g}{unit} with amplitude {made['amplitude']:g}{unit} and "
-                    f"{made['frequency']:g} Hz")  # fmt: skip
+            return (
+                f"a sine of {name} about {made['offset']:g}{unit} with amplitude {made['amplitude']:g}{unit} and "
+                f"{made['frequency']:g} Hz"
+            )
         case "prbs":
-            return (f"{name} jumping at random between {made['low']:g} and {made['high']:g}{unit}, drawn anew every "
-                    f"{made['hold']:g} s,")  # fmt: skip
+            return (
+                f"{name} jumping at random between {made['low']:g} and {made['high']:g}{unit}, drawn anew every "
+                f"{made['hold']:g} s,"
+            )
     return f"a step of {name} to {made['values'][1]:g}{unit}"
 
 

@@ -72,7 +72,9 @@ def singles(
     fits = fitted(scene, [(event,) for event in tried])
     order = np.argsort(fits.cost, kind="stable")
     rivals = [fits.cost[i] for i in order if tried[i].channel != tried[order[0]].channel]
-    hasty = scene.at - fits.onset[order[0]] < least_length - 1 or (rivals and rivals[0] < fits.cost[order[0]] + AS_WELL / 2)
+    hasty = scene.at - fits.onset[order[0]] < least_length - 1 or (
+        rivals and rivals[0] < fits.cost[order[0]] + AS_WELL / 2
+    )
     near = [int(i) for k, i in enumerate(order) if k < 2 or fits.cost[i] < fits.cost[order[0]] + 2 * CLEAR]
     own = {}  # of each channel the best, and those that may yet be as good
     for i in near:
@@ -87,7 +89,9 @@ def singles(
         bonus = _HELD if c in held else 0.0  # a fault that changes is likelier than a new one
         answers.append(replace(fit, cost=fit.cost - bonus, statistic=statistic))
     answers.sort(key=lambda e: e.cost)
-    return [e for i, e in enumerate(answers) if e.events[0].channel not in {o.events[0].channel for o in answers[:i]}], bool(near)
+    return [
+        e for i, e in enumerate(answers) if e.events[0].channel not in {o.events[0].channel for o in answers[:i]}
+    ], bool(near)
 
 
 def pairs(scene: Scene, seen: Case, memory: float) -> list[Explained]:
@@ -101,8 +105,12 @@ def pairs(scene: Scene, seen: Case, memory: float) -> list[Explained]:
         D = np.maximum(np.einsum("dii->di", J), 1e-300)
         det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] ** 2
         apart = det > 1e-6 * D[:, 0] * D[:, 1]
-        energy = np.where(apart, (J[:, 1, 1] * s[:, 0] ** 2 - 2 * J[:, 0, 1] * s[:, 0] * s[:, 1] + J[:, 0, 0] * s[:, 1] ** 2)
-                          / np.where(apart, det, 1.0), 0.0)  # fmt: skip
+        energy = np.where(
+            apart,
+            (J[:, 1, 1] * s[:, 0] ** 2 - 2 * J[:, 0, 1] * s[:, 0] * s[:, 1] + J[:, 0, 0] * s[:, 1] ** 2)
+            / np.where(apart, det, 1.0),
+            0.0,
+        )
         k = int(energy.argmax())
         tried.append((float(energy[k]), k, (i, j)))
     tried = sorted(tried, reverse=True)[:_TRIED]
@@ -113,5 +121,8 @@ def pairs(scene: Scene, seen: Case, memory: float) -> list[Explained]:
         tries.append((Event(i, onset, 0.0, float(size[0])), Event(j, onset, 0.0, float(size[1]))))
     fits = fitted(scene, tries)
     found = [*polished(fits, [0]), *(fits.explained(k) for k in range(1, len(tries)))]
-    answers = [replace(fit, statistic=energy / (1.0 + (scene.at - fit.onset) / memory)) for fit, (energy, *_) in zip(found, tried, strict=True)]
+    answers = [
+        replace(fit, statistic=energy / (1.0 + (scene.at - fit.onset) / memory))
+        for fit, (energy, *_) in zip(found, tried, strict=True)
+    ]
     return sorted(answers, key=lambda e: e.cost)

@@ -84,7 +84,9 @@ class Event:
         """What it is at each time ``d`` (in decisions), for size 1."""
         start, rate, top, bend, pace = self.form
         since = np.asarray(d - self.onset)
-        return np.where(since >= 0, np.minimum(start + rate * since, top) - bend * np.expm1(-pace * np.maximum(since, 0.0)), 0.0)
+        return np.where(
+            since >= 0, np.minimum(start + rate * since, top) - bend * np.expm1(-pace * np.maximum(since, 0.0)), 0.0
+        )
 
     def over(self, decision: int) -> bool:
         """Whether from a decision on it goes on as `Known` can say."""

@@ -48,7 +48,9 @@ def _watch(now: Standing, look: Look) -> Standing:
     cal, last = look.calibrated, look.sums.last
     if now.pending is not None:
         last = min(last, max(now.pending.review, now.at + 1))
-    stuck = (look.sums.still[now.at + 1 - look.sums.first : last + 1 - look.sums.first] > look.filter.patience) @ now.heed > 0
+    stuck = (
+        look.sums.still[now.at + 1 - look.sums.first : last + 1 - look.sums.first] > look.filter.patience
+    ) @ now.heed > 0
     last = now.at + 1 + int(stuck.argmax()) if stuck.any() else last
     calm = _calm(now, look, last)
     last = last if calm is None else calm[0]

@@ -44,7 +44,12 @@ class Case:
 
     def kinds(self, channel: int) -> list[int]:
         """The best entry of a channel for a step, for a rise without end, for one with an end, and for one that bends."""
-        kinds = (self.rises == 0, self.rises == np.inf, (self.rises > 0) & np.isfinite(self.rises) & ~self.bent, self.bent)
+        kinds = (
+            self.rises == 0,
+            self.rises == np.inf,
+            (self.rises > 0) & np.isfinite(self.rises) & ~self.bent,
+            self.bent,
+        )
         return [int(np.flatnonzero(k)[self.energy[k, channel].argmax()]) for k in kinds if k.any()]
 
 
@@ -118,7 +123,15 @@ def _rising(scene: Scene, last: int, tau: float | None = None) -> Case:
     since, count = scene.at - onsets, len(onsets)
     rise, reach = (np.inf, since) if tau is None else (tau, -np.expm1(-since / tau))
     D, s = D[:count], s[:count]
-    return Case(onsets, np.full(count, rise), np.full(count, tau is not None), _energy(scene, D, s, reach, rise), D, s, np.empty(0))
+    return Case(
+        onsets,
+        np.full(count, rise),
+        np.full(count, tau is not None),
+        _energy(scene, D, s, reach, rise),
+        D,
+        s,
+        np.empty(0),
+    )
 
 
 def _ended(scene: Scene, spans: list[tuple[int, int]]) -> Case:
@@ -149,7 +162,9 @@ def onsets(scene: Scene, event: Event) -> tuple[float, float]:
     if event.ends:
         away = np.union1d(np.arange(1, _DENSE), lengths(max(scene.at - scene.begin, 1)))
         last = max(scene.at - int(event.rise), scene.begin)
-        looked = np.unique(np.clip(np.concatenate([event.first - away, [event.first], event.first + away]), scene.begin, last))
+        looked = np.unique(
+            np.clip(np.concatenate([event.first - away, [event.first], event.first + away]), scene.begin, last)
+        )
         found = _ended(scene, [(int(o), min(int(o + event.rise), scene.at)) for o in looked])
     else:
         found = _rising(scene, scene.at - 1, event.rise if event.bent else None) if event.rise else _steps(scene)

@@ -55,7 +55,12 @@ def name(now: Standing, look: Look) -> Standing:
     if last is not None and (_now_and_then(waited) or at == last or _ready(choice, now, look, waited)):
         choice = _otherwise(now, look, choice)
     leader = choice.leader
-    if max(e.statistic for e in choice.answers) < 0.5 * cal.glr and leader.output is None and leader.left < 0.5 * cal.residual and waited > cal.settle:
+    if (
+        max(e.statistic for e in choice.answers) < 0.5 * cal.glr
+        and leader.output is None
+        and leader.left < 0.5 * cal.residual
+        and waited > cal.settle
+    ):
         return replace(now, detected=None, passed=at - cal.settle)  # it went away again
     if not _ready(choice, now, look, waited):
         again = at + max(1, waited // 2)
@@ -92,7 +97,9 @@ def _ready(choice: Choice, now: Standing, look: Look, waited: int) -> bool:
     leader = choice.leader
     formed = now.at - leader.onset >= (LEAST if len(leader.events) == 1 else 2 * LEAST)
     formed &= leader.output is not None or leader.statistic > look.calibrated.glr
-    formed &= waited >= 2 * LEAST or not any(e.rise for e in leader.events)  # a slow fault does not show from its onset on
+    formed &= waited >= 2 * LEAST or not any(
+        e.rise for e in leader.events
+    )  # a slow fault does not show from its onset on
     return (_sure(choice, now) and formed and leader.left < BELIEVED) or waited >= _patience(choice, now, look)
 
 
@@ -128,7 +135,9 @@ def _new(now: Standing, look: Look, least_length: int) -> Choice:
 def _otherwise(now: Standing, look: Look, new: Choice) -> Choice:
     """What was named last named otherwise, if that explains the data better than new events do."""
     pending = now.pending
-    groups = dict.fromkeys(group for y in (*latest_open(pending), pending.young[-1]) for group in ((y,), together(pending, y)))
+    groups = dict.fromkeys(
+        group for y in (*latest_open(pending), pending.young[-1]) for group in ((y,), together(pending, y))
+    )
     instead = min((seen_as(now, look, group) for group in groups), key=lambda c: c.leader.cost - price_of(c.revised))
     # a fault named a moment ago was named wrongly, rather than that it has changed by now
     group = instead.revised
@@ -174,7 +183,9 @@ def _kept(answers: list[Explained], channel: int) -> list[Explained]:
     return answers
 
 
-def _answers(scene: Scene, memory: float, held: set[int], options: tuple[Event, ...] = (), least_length: int = 0) -> list[Explained]:
+def _answers(
+    scene: Scene, memory: float, held: set[int], options: tuple[Event, ...] = (), least_length: int = 0
+) -> list[Explained]:
     seen = case(scene, bool(options))
     answers, exact = singles(scene, seen, memory, held, options, least_length)
     if answers[0].left > DOUBTED and exact:
@@ -247,5 +258,12 @@ def _unexplained(now: Standing, look: Look, choice: Choice) -> Standing:
     if best.left < look.calibrated.residual or best.share >= SHARE:
         return distrust(now, look, best.output, best.onset, left)
     found = Found(now.at, None, (), best.onset, best.onset, best.onset, np.nan, np.nan, left, best.output)
-    return replace(now, detected=None, start=now.at, found=(*now.found, found), active=(*now.active, len(now.found)), change=Change(),
-                   pending=None)  # fmt: skip
+    return replace(
+        now,
+        detected=None,
+        start=now.at,
+        found=(*now.found, found),
+        active=(*now.active, len(now.found)),
+        change=Change(),
+        pending=None,
+    )

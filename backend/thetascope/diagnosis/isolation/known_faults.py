@@ -43,13 +43,21 @@ def take(now: Standing, look: Look, fit: Explained) -> Standing:
         deviation, v = _deviation(now, look, fit, k, known_before)
         if 0 < event.rise < np.inf:
             shape = _by_shape(now, look, events, fit, k)
-            deviation = float(np.hypot(deviation, shape)) if shape else max(now.found[i].deviation, deviation * _vaguer(scene, event, deviation, v))
-        if pending.base.slope[event.channel] or pending.base.rest[event.channel]:  # it went on from a level that is not known better
+            deviation = (
+                float(np.hypot(deviation, shape))
+                if shape
+                else max(now.found[i].deviation, deviation * _vaguer(scene, event, deviation, v))
+            )
+        if (
+            pending.base.slope[event.channel] or pending.base.rest[event.channel]
+        ):  # it went on from a level that is not known better
             deviation = float(np.hypot(deviation, before[i].deviation))
         size = float(known.level[event.channel])
         had = float(pending.base.plus(tuple(e for e in events if e != event), event.onset).level[event.channel])
         least = max(GONE * abs(had or before[i].size), 3.0 * deviation)
-        settled = now.at - now.found[i].at >= SOON or any(y.found == i and not y.own for y in young)  # not a moment after
+        settled = now.at - now.found[i].at >= SOON or any(
+            y.found == i and not y.own for y in young
+        )  # not a moment after
         coming = max(abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.rest[event.channel]))
         if settled and abs(size) < least and coming < least:
             over.append(i)
@@ -69,7 +77,9 @@ def _stood(now: Standing, young: tuple[Young, ...]) -> Standing:
     """With the sizes remembered of faults to which nothing has happened for a while."""
     if now.at - max(y.event.onset for y in young) < SOON:
         return now
-    changed = {y.found for y in young if not y.own and now.at - y.event.onset < RECENT}  # perhaps: it may turn out to be its end
+    changed = {
+        y.found for y in young if not y.own and now.at - y.event.onset < RECENT
+    }  # perhaps: it may turn out to be its end
     for i in set(now.active) - changed:
         now = with_found(now, i, replace(now.found[i], stood=(now.found[i].size, now.found[i].deviation)))
     return now
@@ -79,7 +89,9 @@ def _deviation(now: Standing, look: Look, fit: Explained, k: int, known: list[Fo
     """Standard deviation of what event ``k`` of a fit has reached, if its shape is so, and the v that it rests on (`Noise`); ``known``: the
     faults that were known before."""
     event, noise = fit.events[k], look.calibrated.noise
-    settling, long = (float(noise.v[noise.nearest(n), event.channel]) for n in (2 * look.calibrated.settle, now.at - fit.onset))
+    settling, long = (
+        float(noise.v[noise.nearest(n), event.channel]) for n in (2 * look.calibrated.settle, now.at - fit.onset)
+    )
     v = long + float(fit.early[k]) * max(settling - long, 0.0)
     others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known if f.channel != event.channel)
     variance = max(v * fit.covariance[k, k], 0.0)
@@ -93,7 +105,10 @@ def _by_shape(now: Standing, look: Look, events: tuple[Event, ...], fit: Explain
     What decides a shape are its ends, and there noise is white, unlike over the whole.
     """
     others = tuple(e for e in events if e not in fit.events)
-    return shape_variance(Scene.of(look, now.pending.base, others, now.pending.begin, now.at, now.heed), fit.events, k) ** 0.5
+    return (
+        shape_variance(Scene.of(look, now.pending.base, others, now.pending.begin, now.at, now.heed), fit.events, k)
+        ** 0.5
+    )
 
 
 def _vaguer(scene: Scene, event: Event, deviation: float, v: float) -> float:
@@ -123,7 +138,9 @@ def _levelled(pending: Pending, fit: Explained) -> Pending:
 
 def cleared(now: Standing, which: list[int]) -> Standing:
     """Findings that are over; what the filter took as known of them becomes zero."""
-    known = now.known.plus((), now.at).without([now.found[i].channel for i in which if now.found[i].channel is not None])
+    known = now.known.plus((), now.at).without(
+        [now.found[i].channel for i in which if now.found[i].channel is not None]
+    )
     for i in which:
         now = with_found(now, i, replace(now.found[i], cleared=now.at))
     active = tuple(k for k in now.active if k not in which)
@@ -147,7 +164,9 @@ def finding(now: Standing, scene: Scene, statistic: float, event: Event, options
         found = now.found[own]
         if found.channel != event.channel:  # what it was as another fault says nothing of this one
             found = replace(found, size=0.0, stood=None, first=None)
-        found = replace(found, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1])
+        found = replace(
+            found, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1]
+        )
         return with_found(now, own, found), own, True
     found = Found(now.at, event.channel, others, event.onset, *span, 0.0, 0.0, statistic)
     now = replace(now, found=(*now.found, found), active=(*now.active, len(now.found)))
@@ -164,7 +183,9 @@ def distrust(now: Standing, look: Look, output: int, onset: int, statistic: floa
     now = remembered(now, look)
     onset = max(onset, oldest(now, look), look.calibrated.begin)
     pending, young = now.pending, () if now.pending is None else now.pending.young
-    mistaken = tuple(y for y in young if y.event.first >= onset - LEAST or (y.own and now.at - now.found[y.found].at < SOON))
+    mistaken = tuple(
+        y for y in young if y.event.first >= onset - LEAST or (y.own and now.at - now.found[y.found].at < SOON)
+    )
     own = [y.found for y in mistaken if y.own and y.found in now.active]
     if mistaken:
         onset = max(min(onset, *(y.event.first for y in mistaken)), pending.begin)
@@ -176,14 +197,21 @@ def distrust(now: Standing, look: Look, output: int, onset: int, statistic: floa
     heed[output] = 0.0
     states = look.stretch(onset, now.at, known.course).replay(look.state(onset), onset, heed, False).states
     now = cleared(now, own[1:]) if own[1:] else now
-    now = replace(now, known=known.plus((), now.at), pending=None, detected=None, start=now.at, heed=heed,
-                  change=Change(states))  # fmt: skip
+    now = replace(
+        now, known=known.plus((), now.at), pending=None, detected=None, start=now.at, heed=heed, change=Change(states)
+    )
     found = Found(now.at, None, (), onset, onset, onset, np.nan, np.nan, statistic, output)
-    again = [i for i, f in enumerate(now.found) if f.output == output and f.cleared is not None and now.at - f.cleared < RECENT]
+    again = [
+        i
+        for i, f in enumerate(now.found)
+        if f.output == output and f.cleared is not None and now.at - f.cleared < RECENT
+    ]
     if own:
         return with_found(now, own[0], replace(found, at=now.found[own[0]].at))
     if again:
-        return replace(with_found(now, again[-1], replace(now.found[again[-1]], cleared=None)), active=(*now.active, again[-1]))
+        return replace(
+            with_found(now, again[-1], replace(now.found[again[-1]], cleared=None)), active=(*now.active, again[-1])
+        )
     return replace(now, found=(*now.found, found), active=(*now.active, len(now.found)))
 
 
@@ -201,4 +229,6 @@ def remembered(now: Standing, look: Look) -> Standing:
         return replace(now, pending=replace(pending, begin=begin, base=pending.base.plus((), begin)))
     over = tuple(y for y in pending.young if y.event.over(begin))
     young = tuple(y for y in pending.young if y not in over)
-    return replace(now, pending=Pending(begin, pending.base.plus(tuple(y.event for y in over), begin), young, NEVER, settled=True))
+    return replace(
+        now, pending=Pending(begin, pending.base.plus(tuple(y.event for y in over), begin), young, NEVER, settled=True)
+    )

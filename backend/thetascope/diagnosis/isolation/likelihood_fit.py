@@ -61,17 +61,33 @@ class Fits:
         passed = self.inverse[k] @ self.J[k][channels]
         passed[:, channels] = 0.0
         early = self.early[k][channels] / np.maximum(self.J[k][channels, channels], 1e-300)
-        return Explained(events, None, onset, float(self.energy[k]), float(self.cost[k]), *judged(scene, onset, float(self.left[k]), scene.heed),
-                         self.inverse[k], early=early, passed=passed)  # fmt: skip
+        return Explained(
+            events,
+            None,
+            onset,
+            float(self.energy[k]),
+            float(self.cost[k]),
+            *judged(scene, onset, float(self.left[k]), scene.heed),
+            self.inverse[k],
+            early=early,
+            passed=passed,
+        )
 
     def events(self, k: int) -> tuple[Event, ...]:
-        return tuple(Event(e.channel, e.onset, e.rise, float(v), e.bent) for e, v in zip(self.tries[k], self.size[k], strict=True))
+        return tuple(
+            Event(e.channel, e.onset, e.rise, float(v), e.bent)
+            for e, v in zip(self.tries[k], self.size[k], strict=True)
+        )
 
 
 def judged(scene: Scene, onset: int, left: float, heed: np.ndarray) -> tuple[float, float]:
     """Energy ``left`` since an onset, in standard deviations of the noise's; and the share of the excess that is explained."""
     mean, deviation = scene.expected(scene.at - onset, heed)
-    excess = float(scene.energy[-1]) - float(scene.energy[onset - scene.begin]) - scene.expected(scene.at - onset, scene.heed)[0]
+    excess = (
+        float(scene.energy[-1])
+        - float(scene.energy[onset - scene.begin])
+        - scene.expected(scene.at - onset, scene.heed)[0]
+    )
     return (left - mean) / deviation if deviation else 0.0, 1.0 - (left - mean) / excess if excess > 0 else 1.0
 
 
@@ -85,7 +101,11 @@ def fitted(scene: Scene, tries: list[tuple[Event, ...]]) -> Fits:
     left, inverse, J, early = np.empty(count), np.empty((count, k, k)), np.empty((count, p, p)), np.empty((count, p))
     rest = np.arange(count)
     for more in range(_ROUNDS - 1, -1, -1):
-        seen, c, one = scene.supposing([tries[i] for i in rest], size[rest]), channels[rest], np.arange(len(rest))[:, None]
+        seen, c, one = (
+            scene.supposing([tries[i] for i in rest], size[rest]),
+            channels[rest],
+            np.arange(len(rest))[:, None],
+        )
         s, own = seen.s[:, -1][one, c], seen.J[:, -1][one[:, :, None], c[:, :, None], c[:, None, :]]
         back = inverted(own)
         new = np.clip(size[rest] + np.einsum("kij,kj->ki", back, s), low[rest], high[rest])
@@ -132,7 +152,9 @@ def polished(fits: Fits, which: list[int]) -> list[Explained]:
     plans = {k: _plan(scene, fits.tries[k][0]) for k in which}
     moves = dict.fromkeys(which, 0)
     while plans:
-        tries = [(k, moved) for k, plan in plans.items() for moved in _moves(scene, best[k][0].events(best[k][1]), plan[0])]
+        tries = [
+            (k, moved) for k, plan in plans.items() for moved in _moves(scene, best[k][0].events(best[k][1]), plan[0])
+        ]
         found = fitted(scene, [moved for _, moved in tries]) if tries else None
         for k in list(plans):
             new = _best(best[k], found, [i for i, (owner, _) in enumerate(tries) if owner == k])

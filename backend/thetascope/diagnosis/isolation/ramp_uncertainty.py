@@ -21,8 +21,13 @@ def shape_variance(scene: Scene, events: tuple[Event, ...], k: int) -> float:
     """
     part = max(1, round(events[k].rise / _PART))
     for _ in range(_ROUNDS):
-        tries = [tuple(_moved(e, part * a, part * b) if i == k else e for i, e in enumerate(events)) for a, b in _STENCIL]
-        if not all(scene.begin <= t[k].first and t[k].rise >= 1 and t[k].onset + t[k].rise * t[k].ends < scene.at for t in tries):
+        tries = [
+            tuple(_moved(e, part * a, part * b) if i == k else e for i, e in enumerate(events)) for a, b in _STENCIL
+        ]
+        if not all(
+            scene.begin <= t[k].first and t[k].rise >= 1 and t[k].onset + t[k].rise * t[k].ends < scene.at
+            for t in tries
+        ):
             return 0.0
         fits = fitted(scene, tries)
         E = fits.energy

@@ -89,7 +89,9 @@ class Scene:
         told[:], told[:, :, 0] = (0.0, *shape.form, 0.0), onset[:, None]
         return told
 
-    def _suppose(self, states: np.ndarray, start: int, told: np.ndarray, onset: np.ndarray, stops: np.ndarray) -> Supposed:
+    def _suppose(
+        self, states: np.ndarray, start: int, told: np.ndarray, onset: np.ndarray, stops: np.ndarray
+    ) -> Supposed:
         cal = self.look.calibrated
         told[:, :, _FADE] = np.exp(-told[:, :, _FADE] / self.look.rows)
         courses = Courses(told, cal.within.low, cal.within.high, onset * 1.0, onset + 2.0 * cal.settle)

@@ -12,7 +12,9 @@ from thetascope.diagnosis.isolation.known_faults import remembered, take, withdr
 from thetascope.diagnosis.isolation.likelihood_fit import Explained, fitted, price
 from thetascope.diagnosis.isolation.replay import Scene
 
-SLOW = LONGEST - 50  # decisions after which a rise is left as it is: it takes longer than a step (YOUNG) to show how large it becomes
+SLOW = (
+    LONGEST - 50
+)  # decisions after which a rise is left as it is: it takes longer than a step (YOUNG) to show how large it becomes
 _APART = 8  # times as long ago as they were apart: events that began at about the same time
 
 
@@ -23,7 +25,9 @@ def reviewed(now: Standing, look: Look) -> Standing:
         return now
     now, fit = _pruned(now, look)
     pending, last = now.pending, now.pending.young[-1]
-    for group in dict.fromkeys((*(group for y in latest_open(pending) for group in (together(pending, y), (y,))), *_neighbours(now))):
+    for group in dict.fromkeys(
+        (*(group for y in latest_open(pending) for group in (together(pending, y), (y,))), *_neighbours(now))
+    ):
         choice = seen_as(now, look, group)
         better = len(group) == 1 or choice.leader.cost < _present(now, look) + price_of(group)
         if choice.leader.output is None and len(choice.leader.events) == 1 and better:
@@ -74,5 +78,9 @@ def _settled(now: Standing) -> Standing:
 def _neighbours(now: Standing) -> list[tuple[Young, ...]]:
     """Events of two findings that began at about the same time: one may have been made up to mend the other."""
     young = now.pending.young
-    return [(a, b) for a, b in pairwise(young) if a.found != b.found
-            and abs(a.event.first - b.event.first) * _APART < now.at - max(a.event.first, b.event.first)]  # fmt: skip
+    return [
+        (a, b)
+        for a, b in pairwise(young)
+        if a.found != b.found
+        and abs(a.event.first - b.event.first) * _APART < now.at - max(a.event.first, b.event.first)
+    ]

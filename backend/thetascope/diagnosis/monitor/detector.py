@@ -60,8 +60,10 @@ def unwatchable(experiment: Experiment, context: Context) -> str:
         return "the run has fewer than a hundred rows"
     missed = _unrecorded(experiment)
     if missed:
-        return (f"{missed} changes too much between two rows, {experiment.every * experiment.step:g} s apart, of which only the first is "
-                "seen: record more often")  # fmt: skip
+        return (
+            f"{missed} changes too much between two rows, {experiment.every * experiment.step:g} s apart, of which only the first is "
+            "seen: record more often"
+        )
     return ""
 
 
@@ -102,8 +104,10 @@ def _stride(experiment: Experiment) -> int:
 
 def _range(context: Context) -> Range:
     limits = [c.get("bounds") or (None, None) for c in context.model["channels"]]
-    return Range(np.array([-np.inf if low is None else low for low, _ in limits]),
-                 np.array([np.inf if high is None else high for _, high in limits]))  # fmt: skip
+    return Range(
+        np.array([-np.inf if low is None else low for low, _ in limits]),
+        np.array([np.inf if high is None else high for _, high in limits]),
+    )
 
 
 # ---- without faults ------------------------------------------------------------------------------------------------------
@@ -116,8 +120,12 @@ def healthy(experiment: Experiment) -> Experiment:
     """
     at = np.zeros(1), np.full(1, 1e-4 * experiment.step)
     still = {n: constant(float(s(*at)[0])) for n, s in experiment.signals.items() if n.startswith("theta.")}
-    return replace(experiment, estimators=(), signals=experiment.signals | still,
-                   measurement=replace(experiment.measurement, faults=()))  # fmt: skip
+    return replace(
+        experiment,
+        estimators=(),
+        signals=experiment.signals | still,
+        measurement=replace(experiment.measurement, faults=()),
+    )
 
 
 def _calibrated(experiment: Experiment, made: Filter, asked: Asked, stride: int, within: Range) -> Calibrated:
@@ -131,14 +139,19 @@ def _calibrated(experiment: Experiment, made: Filter, asked: Asked, stride: int,
         seen = made.run(made.start(), known, table, t)
         count = len(t) // stride
         rows = count * stride
-        omega, nu = seen.omega[:rows].reshape(count, stride, made.m, made.p), seen.nu[:rows].reshape(count, stride, made.m)
+        omega, nu = (
+            seen.omega[:rows].reshape(count, stride, made.m, made.p),
+            seen.nu[:rows].reshape(count, stride, made.m),
+        )
         runs.append(Sums.none(made.p, made.m).extended(omega, nu))
     runs = [r for r in runs if np.isfinite(r.q).all()]
     if len(runs) < seeds // 2:
         raise Unwatchable("the filter does not stay finite along this plant's runs")
     settle = _settling(made, known, table, t, seen.states) // stride
     ready = -(-_sure(made, seen.states) // stride)
-    return calibrate(runs, stride * made.interval, asked.false_alarms, int(np.clip(settle, 2, max(2, count // 20))), within, ready)
+    return calibrate(
+        runs, stride * made.interval, asked.false_alarms, int(np.clip(settle, 2, max(2, count // 20))), within, ready
+    )
 
 
 def _noisy(experiment: Experiment, made: Filter) -> Experiment:
@@ -192,9 +205,19 @@ def kept_name(key: str) -> str:
 
 def _packed(c: Calibrated) -> bytes:
     file = io.BytesIO()
-    np.savez(file, lengths=c.noise.lengths, v=c.noise.v, loud=c.noise.loud, first=c.noise.first, energy=c.noise.energy, scatter=c.noise.scatter,
-             low=c.within.low, high=c.within.high, numbers=[c.glr, c.residual, c.hours, c.rate],
-             counts=[c.begin, c.settle, c.seeds, c.noise.ready])  # fmt: skip
+    np.savez(
+        file,
+        lengths=c.noise.lengths,
+        v=c.noise.v,
+        loud=c.noise.loud,
+        first=c.noise.first,
+        energy=c.noise.energy,
+        scatter=c.noise.scatter,
+        low=c.within.low,
+        high=c.within.high,
+        numbers=[c.glr, c.residual, c.hours, c.rate],
+        counts=[c.begin, c.settle, c.seeds, c.noise.ready],
+    )
     return file.getvalue()
 
 

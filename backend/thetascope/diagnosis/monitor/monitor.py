@@ -54,8 +54,14 @@ class Watcher:
         """Before the first row."""
         p, names = self.filter.p, max(1, len(self.filter.names))
         standing = Standing.beginning(self.calibrated, p, self.filter.m)
-        return Watched(standing, Sums.none(p, self.filter.m), self.filter.start()[None, :], np.empty((0, names)), np.empty(0),
-                       self.stride)  # fmt: skip
+        return Watched(
+            standing,
+            Sums.none(p, self.filter.m),
+            self.filter.start()[None, :],
+            np.empty((0, names)),
+            np.empty(0),
+            self.stride,
+        )
 
     def advance(self, watched: Watched, table: np.ndarray, t: np.ndarray) -> Watched:
         """Take in more rows (`Filter.table`) and decide as far as they reach."""
@@ -78,7 +84,9 @@ class Watcher:
         seen = Innovations(*(v[: count * stride] for v in (seen.omega, seen.nu, seen.states)))
         y = self.filter.measured(now.table[max(begin - 1, 0) : begin + count * stride])
         y = y if begin else np.concatenate([y[:1] * np.nan, y])
-        sums = now.sums.extended(seen.omega.reshape(count, stride, m, p), seen.nu.reshape(count, stride, m), standing.heed, y)
+        sums = now.sums.extended(
+            seen.omega.reshape(count, stride, m, p), seen.nu.reshape(count, stride, m), standing.heed, y
+        )
         now = replace(now, sums=sums, states=np.concatenate([now.states, seen.states[stride - 1 :: stride]]))
         standing = decide(standing, self._look(now))
         if standing.change is None:
@@ -95,26 +103,50 @@ class Watcher:
         sums = now.sums.extended(np.zeros((1, stride, m, p)), np.zeros((1, stride, m)))
         at = sums.last + self.calibrated.begin
         standing = replace(now.standing, at=at, start=at, again=at, detected=None, pending=None)
-        return replace(now, sums=sums, states=np.concatenate([now.states, self.filter.start()[None, :]]), standing=standing)
+        return replace(
+            now, sums=sums, states=np.concatenate([now.states, self.filter.start()[None, :]]), standing=standing
+        )
 
     def _look(self, now: Watched) -> Look:
         made, first, stride = self.filter, now.sums.first, self.stride
 
-        return Look(now.sums, self.calibrated, partial(self._stretch, now), lambda d: now.states[d - first], made, self.backwards, first, stride)
+        return Look(
+            now.sums,
+            self.calibrated,
+            partial(self._stretch, now),
+            lambda d: now.states[d - first],
+            made,
+            self.backwards,
+            first,
+            stride,
+        )
 
     def _stretch(self, now: Watched, first: int, last: int, known: Callable[[np.ndarray], np.ndarray]) -> Stretch:
         """The rows between decisions; what is known of θ is a function of time in decisions."""
         rows = slice((first - now.sums.first) * self.stride, (last - now.sums.first) * self.stride)
-        return Stretch(self.filter, self.supposing, self.backwards, self.calibrated.within, self.stride, first, now.table[rows], now.t[rows], known)
+        return Stretch(
+            self.filter,
+            self.supposing,
+            self.backwards,
+            self.calibrated.within,
+            self.stride,
+            first,
+            now.table[rows],
+            now.t[rows],
+            known,
+        )
 
     def _trimmed(self, now: Watched) -> Watched:
         sums = now.sums.recent(LONGEST + 1)
         cut = sums.first - now.sums.first
-        return replace(now, sums=sums, states=now.states[cut:], table=now.table[cut * self.stride :],
-                       t=now.t[cut * self.stride :])  # fmt: skip
+        return replace(
+            now, sums=sums, states=now.states[cut:], table=now.table[cut * self.stride :], t=now.t[cut * self.stride :]
+        )
 
 
 def _finite(seen: Innovations, stride: int) -> int:
     """Decisions before the first with numbers that are none."""
-    good = ((np.abs(seen.nu) < LARGEST).all(axis=1) & np.isfinite(seen.states).all(axis=1)).reshape(-1, stride).all(axis=1)
+    good = (
+        ((np.abs(seen.nu) < LARGEST).all(axis=1) & np.isfinite(seen.states).all(axis=1)).reshape(-1, stride).all(axis=1)
+    )
     return len(good) if good.all() else int(np.argmin(good))

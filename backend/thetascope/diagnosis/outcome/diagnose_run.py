@@ -76,7 +76,10 @@ def follow(made: Watcher, watched: Watched, experiment: Experiment, rows: Rows, 
 def refitted(made: Detector, experiment: Experiment, doubt: float) -> Detector:
     """The detector with its filter for an experiment whose noise has been changed while it ran."""
     old = made.filter.experiment
-    if (old.measurement.std, old.measurement.sample_time) == (experiment.measurement.std, experiment.measurement.sample_time):
+    if (old.measurement.std, old.measurement.sample_time) == (
+        experiment.measurement.std,
+        experiment.measurement.sample_time,
+    ):
         return made
     return Detector(Filter(experiment, experiment.context, doubt), made.calibrated, made.stride)
 
@@ -119,7 +122,9 @@ def _own(first: Experiment, columns: dict, substeps: int, wanted: Wanted, stride
         if estimator not in watching:
             found.append(Own(label, channels, note="it estimates no fault"))
             continue
-        theta, sigma = (_thinned([columns[f"{label}.{what}.{c}"] for c in channels], stride) for what in ("theta", "sigma"))
+        theta, sigma = (
+            _thinned([columns[f"{label}.{what}.{c}"] for c in channels], stride) for what in ("theta", "sigma")
+        )
         raised = observer_tests.alarms(_scaled(theta, sigma), judgements[label])
         typical = tuple(typical_sizes(estimator.context))
         found.append(Own(label, channels, tuple(raised), judgements[label], theta, sigma, typical))
@@ -185,5 +190,7 @@ def _estimates(experiment: Experiment, substeps: int, stride: int) -> dict[str, 
                 theta.setdefault(estimator.label, []).append(np.stack(off, axis=1))
                 mine = [columns[f"{estimator.label}.sigma.{c}"] for c in estimator.channels]
                 sigma.setdefault(estimator.label, []).append(np.stack(mine, axis=1))
-    return {label: (np.concatenate(theta[label])[stride - 1 :: stride], np.concatenate(sigma[label])[stride - 1 :: stride])
-            for label in theta}  # fmt: skip
+    return {
+        label: (np.concatenate(theta[label])[stride - 1 :: stride], np.concatenate(sigma[label])[stride - 1 :: stride])
+        for label in theta
+    }

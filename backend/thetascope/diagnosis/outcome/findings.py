@@ -24,19 +24,40 @@ def quantile(confidence: float) -> float:
 def alarm(found: Found, made: Detector, confidence: float) -> dict:
     """One finding of the detector."""
     dt, cal = made.interval, made.calibrated
-    times = {"t": found.at * dt, "onset": found.onset * dt, "onset_from": found.onset_from * dt,
-             "onset_to": found.onset_to * dt, "cleared": None if found.cleared is None else found.cleared * dt}  # fmt: skip
+    times = {
+        "t": found.at * dt,
+        "onset": found.onset * dt,
+        "onset_from": found.onset_from * dt,
+        "onset_to": found.onset_to * dt,
+        "cleared": None if found.cleared is None else found.cleared * dt,
+    }
     if found.channel is None:
         output = made.filter.outputs[found.output or 0]
-        more = {"kind": "unexplained", "channel": "", "output": output, "alternatives": (), "size": None,
-                "size_from": None, "size_to": None, "test": "residual", "threshold": cal.residual}  # fmt: skip
+        more = {
+            "kind": "unexplained",
+            "channel": "",
+            "output": output,
+            "alternatives": (),
+            "size": None,
+            "size_from": None,
+            "size_to": None,
+            "test": "residual",
+            "threshold": cal.residual,
+        }
     else:
         names = [c.removeprefix("theta.") for c in made.filter.channels]
         width = quantile(confidence) * found.deviation
-        more = {"kind": "fault", "channel": names[found.channel], "output": "",
-                "alternatives": tuple(names[i] for i in found.alternatives), "size": found.size,
-                "size_from": found.size - width, "size_to": found.size + width, "test": "glr",
-                "threshold": cal.glr}  # fmt: skip
+        more = {
+            "kind": "fault",
+            "channel": names[found.channel],
+            "output": "",
+            "alternatives": tuple(names[i] for i in found.alternatives),
+            "size": found.size,
+            "size_from": found.size - width,
+            "size_to": found.size + width,
+            "test": "glr",
+            "threshold": cal.glr,
+        }
     told = {"observer": "", "statistic": found.statistic} | times | more
     return told | {"text": _sentence(told)}
 
@@ -65,8 +86,14 @@ def sentence(alarms: list[dict], settled: float) -> str:
 
 
 def calibration(cal: Calibrated, interval: float) -> dict:
-    return {"false_alarms": cal.rate, "thresholds": {"glr": cal.glr, "residual": cal.residual}, "seeds": cal.seeds,
-            "hours": cal.hours, "from_time": cal.begin * interval, "note": ""}  # fmt: skip
+    return {
+        "false_alarms": cal.rate,
+        "thresholds": {"glr": cal.glr, "residual": cal.residual},
+        "seeds": cal.seeds,
+        "hours": cal.hours,
+        "from_time": cal.begin * interval,
+        "note": "",
+    }
 
 
 def window_of(made: Detector, sums: Sums, horizon: float) -> tuple[np.ndarray, float]:
@@ -84,16 +111,27 @@ def resolution(made: Detector, seen: Excitation) -> list[dict]:
         name, typical = c["name"], float(c.get("typical", 1.0))
         deviation = seen.deviations.get(name, np.inf) * noise.v[-1, j] ** 0.5
         sigma = float(deviation) if np.isfinite(deviation) else None
-        smallest = None if sigma is None else sigma * float((threshold * noise.loud[-1, j] / noise.v[-1, j]) ** 0.5)  # as tests go by it
+        smallest = (
+            None if sigma is None else sigma * float((threshold * noise.loud[-1, j] / noise.v[-1, j]) ** 0.5)
+        )  # as tests go by it
         text = _able(name, smallest, typical, declared)
         answer.append(_resolved(name, sigma, typical, smallest, seen.identifiable.get(name, False), text))
     return answer
 
 
-def _resolved(name: str, sigma: float | None, typical: float, smallest: float | None, identifiable: bool, text: str) -> dict:
+def _resolved(
+    name: str, sigma: float | None, typical: float, smallest: float | None, identifiable: bool, text: str
+) -> dict:
     able = smallest is not None and smallest <= typical
-    return {"channel": name, "sigma": sigma, "typical": typical, "smallest": smallest, "resolvable": able,
-            "identifiable": identifiable, "text": text}  # fmt: skip
+    return {
+        "channel": name,
+        "sigma": sigma,
+        "typical": typical,
+        "smallest": smallest,
+        "resolvable": able,
+        "identifiable": identifiable,
+        "text": text,
+    }
 
 
 def _able(name: str, smallest: float | None, typical: float, declared: bool) -> str:
@@ -102,8 +140,10 @@ def _able(name: str, smallest: float | None, typical: float, declared: bool) -> 
     if smallest <= typical:
         return f"{name}: faults from {smallest:.3g} on are found and told from the others"
     at = "at this noise" if declared else "at the noise that is assumed where none is declared"
-    return (f"{name} cannot be resolved {at}: it takes {smallest:.3g} to be told from the other faults within a "
-            f"window, a typical fault is {typical:.3g}")  # fmt: skip
+    return (
+        f"{name} cannot be resolved {at}: it takes {smallest:.3g} to be told from the other faults within a "
+        f"window, a typical fault is {typical:.3g}"
+    )
 
 
 def noise_levels(made: Detector, watched: Watched) -> list[dict]:
@@ -136,12 +176,22 @@ def of_detector(d: Diagnosed, confidence: float, accuracy: float, horizon: float
     J, length = window_of(made, watched.sums, horizon)
     seen = seen_in(made, J, accuracy)
     return {
-        "observer": "", "alarms": alarms, "sentence": sentence(alarms, begin * made.interval), "note": d.note,
-        "calibration": calibration(made.calibrated, made.interval) | {"from_time": begin * made.interval}, "noise": noise_levels(made, watched),
+        "observer": "",
+        "alarms": alarms,
+        "sentence": sentence(alarms, begin * made.interval),
+        "note": d.note,
+        "calibration": calibration(made.calibrated, made.interval) | {"from_time": begin * made.interval},
+        "noise": noise_levels(made, watched),
         "resolution": resolution(made, seen),
-        "excitation": {"window": length, "level": seen.level, "needed": seen.needed, "direction": dict(seen.direction),
-                       "text": seen.text, "proposal": None},
-    }  # fmt: skip
+        "excitation": {
+            "window": length,
+            "level": seen.level,
+            "needed": seen.needed,
+            "direction": dict(seen.direction),
+            "text": seen.text,
+            "proposal": None,
+        },
+    }
 
 
 def seen_in(made: Detector, J: np.ndarray, accuracy: float) -> Excitation:
@@ -160,10 +210,21 @@ def of_observer(own: Own, interval: float, confidence: float, rate: float) -> di
         return {"observer": own.label, "note": own.note}
     alarms = [_raised(own, r, interval, confidence) for r in own.raised]
     begin = own.judged.begin * interval
-    told = {"false_alarms": rate, "thresholds": {own.judged.test: own.judged.threshold}, "seeds": own.judged.runs, "hours": own.judged.hours,
-            "from_time": begin, "note": ""}  # fmt: skip
-    return {"observer": own.label, "alarms": alarms, "sentence": sentence(alarms, begin), "calibration": told,
-            "resolution": _own_resolution(own)}  # fmt: skip
+    told = {
+        "false_alarms": rate,
+        "thresholds": {own.judged.test: own.judged.threshold},
+        "seeds": own.judged.runs,
+        "hours": own.judged.hours,
+        "from_time": begin,
+        "note": "",
+    }
+    return {
+        "observer": own.label,
+        "alarms": alarms,
+        "sentence": sentence(alarms, begin),
+        "calibration": told,
+        "resolution": _own_resolution(own),
+    }
 
 
 def _raised(own: Own, r, interval: float, confidence: float) -> dict:
@@ -171,11 +232,24 @@ def _raised(own: Own, r, interval: float, confidence: float) -> dict:
     body = slice(min(r.at, end - 1), max(end, r.at + 1))
     size, sigma = float(np.nanmean(own.theta[body, r.channel])), float(np.nanmean(own.sigma[body, r.channel]))
     width = quantile(confidence) * sigma
-    told = {"observer": own.label, "t": (r.at + 1) * interval, "kind": "fault", "channel": own.channels[r.channel],
-            "output": "", "alternatives": (), "onset": r.onset * interval, "onset_from": r.onset * interval,
-            "onset_to": (r.at + 1) * interval, "size": size, "size_from": size - width, "size_to": size + width,
-            "test": own.judged.test, "statistic": r.statistic, "threshold": own.judged.threshold,
-            "cleared": None if r.cleared is None else (r.cleared + 1) * interval}  # fmt: skip
+    told = {
+        "observer": own.label,
+        "t": (r.at + 1) * interval,
+        "kind": "fault",
+        "channel": own.channels[r.channel],
+        "output": "",
+        "alternatives": (),
+        "onset": r.onset * interval,
+        "onset_from": r.onset * interval,
+        "onset_to": (r.at + 1) * interval,
+        "size": size,
+        "size_from": size - width,
+        "size_to": size + width,
+        "test": own.judged.test,
+        "statistic": r.statistic,
+        "threshold": own.judged.threshold,
+        "cleared": None if r.cleared is None else (r.cleared + 1) * interval,
+    }
     return told | {"text": _sentence(told)}
 
 
@@ -198,5 +272,7 @@ def _own_able(name: str, smallest: float | None, typical: float, sigma: float) -
         return f"{name}: the estimate is lost"
     if smallest <= typical:
         return f"{name}: faults from {smallest:.3g} on are found"
-    return (f"{name} cannot be resolved by this observer at this noise: its estimate scatters by {sigma:.3g}, a typical fault "
-            f"is {typical:.3g}")  # fmt: skip
+    return (
+        f"{name} cannot be resolved by this observer at this noise: its estimate scatters by {sigma:.3g}, a typical fault "
+        f"is {typical:.3g}"
+    )

@@ -51,7 +51,9 @@ class Backwards:
     def handed(self, state: np.ndarray, held: np.ndarray, t: np.ndarray, heed: np.ndarray) -> np.ndarray:
         """What `ahead` goes by, along rows of which the filter is given ``held`` (`Filter.held`)."""
         handed, out = np.empty((len(t), 1, len(self.program.inputs))), np.empty((len(t), len(state)))
-        kernel(self.filter.program, self.handing)(rowwise(t), state.copy(), self.filter.params(heed), 1, out, held=held, emitted=handed)
+        kernel(self.filter.program, self.handing)(
+            rowwise(t), state.copy(), self.filter.params(heed), 1, out, held=held, emitted=handed
+        )
         return handed[::-1, 0].copy()
 
     def ahead(self, handed: np.ndarray, heed: np.ndarray, stride: int) -> Ahead:
@@ -68,7 +70,9 @@ class Backwards:
 
     def bending(self, handed: np.ndarray, heed: np.ndarray, stride: int, tau: float) -> tuple[np.ndarray, np.ndarray]:
         """D and s (each times × p) of rises that bend to their end within ``tau`` decisions, from the same rows on."""
-        found = self._pass(handed, heed, stride, -float(np.expm1(-1 / (tau * stride))), float(np.exp(-1 / (tau * stride))))
+        found = self._pass(
+            handed, heed, stride, -float(np.expm1(-1 / (tau * stride))), float(np.exp(-1 / (tau * stride)))
+        )
         places = {name: len(kept) for name, (_, kept) in forms(self.filter.n, self.filter.p).items()}
         before = sum(count for name, count in places.items() if name not in ("rr", "v", "w", "r"))
         return found[:, before : before + self.filter.p], found[:, -self.filter.p :]
@@ -77,6 +81,9 @@ class Backwards:
         rows, values = len(handed), {f"heed.{k}": h for k, h in enumerate(heed)} | {"delta": delta, "rho": rho}
         params = np.array([values[name] for name in self.layout.shared_params(self.program)])
         found = np.zeros((rows // stride + 1, len(self.program.states)))
-        segments, state = rowwise(np.zeros(rows), np.arange(stride, rows + 1, stride)), np.zeros(len(self.program.states))
+        segments, state = (
+            rowwise(np.zeros(rows), np.arange(stride, rows + 1, stride)),
+            np.zeros(len(self.program.states)),
+        )
         kernel(self.program, self.layout)(segments, state, params, 1, found[1:], held=handed)
         return found[::-1] if np.isfinite(found.sum()) else np.nan_to_num(found[::-1], posinf=0.0, neginf=0.0)

@@ -31,7 +31,11 @@ class Courses:
         lanes = np.empty((p * (numbers + 3) + 2, -(-count // WIDTH) * WIDTH))
         channels = lanes[:-2].reshape(p, numbers + 3, -1)
         channels[:, :numbers, :count] = self.told.transpose(1, 2, 0)
-        channels[:, numbers], channels[:, numbers + 1], channels[:, numbers + 2] = self.least[:, None], self.most[:, None], own[:, None]
+        channels[:, numbers], channels[:, numbers + 1], channels[:, numbers + 2] = (
+            self.least[:, None],
+            self.most[:, None],
+            own[:, None],
+        )
         lanes[-2, :count], lanes[-1, :count] = self.begin, self.until
         lanes[:, count:] = lanes[:, count - 1 : count]
         return lanes
@@ -60,7 +64,9 @@ class Supposing:
         own = self.program.parameters[len(filter_.program.parameters) :]
         self.layout = Layout(held=(*filter_.names, *told), lane_params=own, lanes=WIDTH)
         p, place = filter_.p, {name: k for k, name in enumerate(self.program.states)}
-        self._entries = [place[f"sum.J.{min(i, j)}.{max(i, j)}"] for i in range(p) for j in range(p)]  # of the symmetric J
+        self._entries = [
+            place[f"sum.J.{min(i, j)}.{max(i, j)}"] for i in range(p) for j in range(p)
+        ]  # of the symmetric J
         first = place["sum.s.0"]
         self._ends = (first, first + p, first + 2 * p, first + 2 * p + filter_.m)
 
@@ -77,7 +83,9 @@ class Supposing:
             told[:, c] = given[name]
         return told
 
-    def run(self, states: np.ndarray, told: np.ndarray, t: np.ndarray, courses: Courses, heed: np.ndarray, stops: np.ndarray) -> Supposed:
+    def run(
+        self, states: np.ndarray, told: np.ndarray, t: np.ndarray, courses: Courses, heed: np.ndarray, stops: np.ndarray
+    ) -> Supposed:
         """Along the same rows under several suppositions: ``states`` (suppositions × states); sums and states are given after so many
         rows as ``stops`` are."""
         count = len(states)
@@ -86,10 +94,21 @@ class Supposing:
         found = np.empty((own.shape[1], len(stops), len(self.program.states)))
         for first in range(0, count, WIDTH):
             mine = states[first : first + WIDTH]
-            state, out = np.zeros((len(self.program.states), WIDTH)), np.empty((len(stops), len(self.program.states), WIDTH))
+            state, out = (
+                np.zeros((len(self.program.states), WIDTH)),
+                np.empty((len(stops), len(self.program.states), WIDTH)),
+            )
             state[: states.shape[1], : len(mine)] = mine.T
             state[: states.shape[1], len(mine) :] = mine[-1:].T
-            run(segments, state, params, 1, out, held=told, lane_params=np.ascontiguousarray(own[:, first : first + WIDTH]))
+            run(
+                segments,
+                state,
+                params,
+                1,
+                out,
+                held=told,
+                lane_params=np.ascontiguousarray(own[:, first : first + WIDTH]),
+            )
             found[first : first + WIDTH] = out.transpose(2, 0, 1)
         return self._parted(found[:count])
 
@@ -97,7 +116,14 @@ class Supposing:
         p, m = self.filter.p, self.filter.m
         n = found.shape[-1] - len(sums(p, m))
         if not np.isfinite(found.sum()):
-            found = np.concatenate([found[..., :n], np.nan_to_num(found[..., n:-m]), np.nan_to_num(found[..., -m:], nan=LOST, posinf=LOST)], axis=-1)
+            found = np.concatenate(
+                [
+                    found[..., :n],
+                    np.nan_to_num(found[..., n:-m]),
+                    np.nan_to_num(found[..., -m:], nan=LOST, posinf=LOST),
+                ],
+                axis=-1,
+            )
         J = found[:, :, self._entries].reshape(*found.shape[:2], p, p)
         s, early, q = (found[:, :, a:b] for a, b in pairwise(self._ends))
         return Supposed(J, s, q, early, found[:, :, :n])

@@ -49,7 +49,9 @@ class Filter:
         outputs = tuple(node for name, node in self.program.outputs.items() if name.startswith(("omega.", "nu.")))
         used = variables(self.program.graph, [*self.program.update, *outputs])
         given = used & set(self.program.inputs)
-        self._courses = [(name, int(j)) for name, j in (i.split(".") for i in sorted(given) if i.startswith(("known.", "profile.")))]
+        self._courses = [
+            (name, int(j)) for name, j in (i.split(".") for i in sorted(given) if i.startswith(("known.", "profile.")))
+        ]
         courses = tuple(f"{name}.{j}" for name, j in self._courses)
         self.names = tuple(sorted(given - set(courses)))
         self.layout = Layout(held=(*self.names, *courses), emitted=outputs)
@@ -64,7 +66,10 @@ class Filter:
         for i, (state, scale) in enumerate(zip(context.model["states"], state_scales(context), strict=True)):
             low, high = state.get("domain") or (None, None)
             edge = _EDGE * scale
-            values |= {f"low.{i}": -np.inf if low is None else low + edge, f"high.{i}": np.inf if high is None else high - edge}
+            values |= {
+                f"low.{i}": -np.inf if low is None else low + edge,
+                f"high.{i}": np.inf if high is None else high - edge,
+            }
         order = self.layout.shared_params(self.program)
         self._params = np.array([values[p] for p in order] or [0.0])
         self._heed = [order.index(f"heed.{k}") for k in range(self.m)]
@@ -93,8 +98,15 @@ class Filter:
             table[:, c] = given[name]
         return table
 
-    def run(self, state: np.ndarray, known: np.ndarray, table: np.ndarray, t: np.ndarray, profile: np.ndarray | None = None,
-            heed: np.ndarray | None = None) -> Innovations:  # fmt: skip
+    def run(
+        self,
+        state: np.ndarray,
+        known: np.ndarray,
+        table: np.ndarray,
+        t: np.ndarray,
+        profile: np.ndarray | None = None,
+        heed: np.ndarray | None = None,
+    ) -> Innovations:
         """Along rows with inputs ``table`` at times ``t``, θ₀ = ``known`` (p, or rows × p).
 
         ``profile`` (rows × p): the course of the θ − θ₀ that Ω answers, constant by default; ``heed`` (m): outputs that the
@@ -105,7 +117,9 @@ class Filter:
     def along(self, state: np.ndarray, held: np.ndarray, t: np.ndarray, heed: np.ndarray | None = None) -> Innovations:
         """Along rows with what is `held` at each."""
         rows, emitted, out = len(t), np.empty((len(t), 1, len(self.layout.emitted))), np.empty((len(t), len(state)))
-        kernel(self.program, self.layout)(rowwise(t), state.copy(), self.params(heed), 1, out, held=held, emitted=emitted)
+        kernel(self.program, self.layout)(
+            rowwise(t), state.copy(), self.params(heed), 1, out, held=held, emitted=emitted
+        )
         shown = emitted[:, 0, :].reshape(rows, self.m, self.p + 1)  # of each output its Ω, then its ν
         return Innovations(shown[:, :, : self.p], shown[:, :, self.p], out)
 

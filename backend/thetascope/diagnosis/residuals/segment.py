@@ -35,8 +35,18 @@ class Stretch:
     ``known`` gives what is known of θ (times × p) at times in decisions, ``within`` its bounds.
     """
 
-    def __init__(self, filter_: Filter, supposing: Supposing, backwards: Backwards, within: Range, stride: int, begin: int,
-                 table: np.ndarray, t: np.ndarray, known: Callable[[np.ndarray], np.ndarray]):  # fmt: skip
+    def __init__(
+        self,
+        filter_: Filter,
+        supposing: Supposing,
+        backwards: Backwards,
+        within: Range,
+        stride: int,
+        begin: int,
+        table: np.ndarray,
+        t: np.ndarray,
+        known: Callable[[np.ndarray], np.ndarray],
+    ):
         self._filter, self._supposing, self._backwards, self._within = filter_, supposing, backwards, within
         self._stride, self._begin, self._table, self._t = stride, begin, table, t
         self._d = np.arange(begin * stride, begin * stride + len(t)) / stride
@@ -71,7 +81,9 @@ class Stretch:
         np.cumsum((bounded(seen.nu) ** 2).reshape(len(q) - 1, self._stride, -1).sum(axis=1), axis=0, out=q[1:])
         return Replay(q, np.concatenate([state[None], seen.states[self._stride - 1 :: self._stride]]), heed)
 
-    def suppose(self, states: np.ndarray, since: int, courses: Courses, heed: np.ndarray, stops: np.ndarray) -> Supposed:
+    def suppose(
+        self, states: np.ndarray, since: int, courses: Courses, heed: np.ndarray, stops: np.ndarray
+    ) -> Supposed:
         """The filter from a decision on under several suppositions (the first axis of ``states``), at so many decisions after it."""
         pause()
         rows = slice(self._from(since), self._from(since + int(stops[-1])))

@@ -52,8 +52,22 @@ def emit(program: Program, layout: Layout) -> str:
     return _Module(program, layout).text()
 
 
-_POINTERS = ("seg_steps", "seg_first", "seg_t", "seg_index", "seg_h", "held", "lane_held", "staged", "lane_staged",
-             "params", "lane_params", "state", "out", "emitted")  # fmt: skip
+_POINTERS = (
+    "seg_steps",
+    "seg_first",
+    "seg_t",
+    "seg_index",
+    "seg_h",
+    "held",
+    "lane_held",
+    "staged",
+    "lane_staged",
+    "params",
+    "lane_params",
+    "state",
+    "out",
+    "emitted",
+)
 _HEAD = (
     f"define void @run(i64 %segments, {', '.join(f'ptr noalias %{p}' for p in _POINTERS)}, i64 %every) #2 {{",
     "entry:",
@@ -204,8 +218,7 @@ class _Module:
             self._preload(w, memo, lay.lane_held, lane_held, w.load_lanes)
         h = w.splat("%h")
         sizes = {"h": h} | {
-            name: w.let(f"fmul {w.type} {h}, {w.const(c)}")
-            for name, c in (("half", 0.5), ("sixth", 1 / 6))
+            name: w.let(f"fmul {w.type} {h}, {w.const(c)}") for name, c in (("half", 0.5), ("sixth", 1 / 6))
         }
         return {"memo": memo, "held": held, "lane_held": lane_held, **sizes}
 

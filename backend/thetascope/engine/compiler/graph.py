@@ -12,8 +12,21 @@ from collections.abc import Callable, Iterable, Mapping
 import numpy as np
 
 UNARY_FUNCTIONS = (
-    "sqrt", "sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "floor", "abs"
-)  # fmt: skip
+    "sqrt",
+    "sin",
+    "cos",
+    "tan",
+    "asin",
+    "acos",
+    "atan",
+    "sinh",
+    "cosh",
+    "tanh",
+    "exp",
+    "log",
+    "floor",
+    "abs",
+)
 LEAVES = ("const", "var")
 
 

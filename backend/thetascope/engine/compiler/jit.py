@@ -87,10 +87,23 @@ class Kernel:
             return None if array is None else array.__array_interface__["data"][0]
 
         self._run(
-            len(segments.steps), at(segments.steps), at(segments.first), at(segments.t), at(segments.index), at(segments.h),
-            at(held), at(lane_held), at(staged), at(lane_staged), at(params), at(lane_params), at(state), at(out),
-            at(emitted), every,
-        )  # fmt: skip
+            len(segments.steps),
+            at(segments.steps),
+            at(segments.first),
+            at(segments.t),
+            at(segments.index),
+            at(segments.h),
+            at(held),
+            at(lane_held),
+            at(staged),
+            at(lane_staged),
+            at(params),
+            at(lane_params),
+            at(state),
+            at(out),
+            at(emitted),
+            every,
+        )
 
 
 @lru_cache(maxsize=256)

@@ -33,17 +33,24 @@ def partition(program: Program, differing: frozenset[str], staged: frozenset[str
     lanes_graph, moved = _copy(graph, roots, {node: f"handed.{k}" for k, node in enumerate(handed)})
     names = tuple(f"handed.{k}" for k in range(len(handed)))
     lanes = replace(
-        program, states=tuple(program.states[i] for i in mine), graph=lanes_graph, update=tuple(moved[r] for r in roots),
-        inputs=program.inputs + names, outputs={},
-    )  # fmt: skip
+        program,
+        states=tuple(program.states[i] for i in mine),
+        graph=lanes_graph,
+        update=tuple(moved[r] for r in roots),
+        inputs=program.inputs + names,
+        outputs={},
+    )
     if not common and not handed:
         return Partition(None, lanes, (), ())
     shared_roots = [program.update[i] for i in common]
     shared_graph, moved = _copy(graph, [*shared_roots, *handed], {})
     shared = replace(
-        program, states=tuple(program.states[i] for i in common), graph=shared_graph,
-        update=tuple(moved[r] for r in shared_roots), outputs={},
-    )  # fmt: skip
+        program,
+        states=tuple(program.states[i] for i in common),
+        graph=shared_graph,
+        update=tuple(moved[r] for r in shared_roots),
+        outputs={},
+    )
     return Partition(shared, lanes, tuple(moved[h] for h in handed), names)
 
 

@@ -137,9 +137,15 @@ class _Writer:
             return a
 
         return {
-            "vv": [[g.add(less(M["vv"][i][j], (c[i], MK[j]), (MK[i], c[j])), g.mul(sc[i], c[j])) for j in n] for i in n],
-            "vw": [[g.add(less(M["vw"][i][j], (MK[i], d[j]), (c[i], Kw[j])), g.mul(sc[i], d[j])) for j in p] for i in n],
-            "ww": [[g.add(less(M["ww"][i][j], (d[i], Kw[j]), (Kw[i], d[j])), g.mul(sd[i], d[j])) for j in p] for i in p],
+            "vv": [
+                [g.add(less(M["vv"][i][j], (c[i], MK[j]), (MK[i], c[j])), g.mul(sc[i], c[j])) for j in n] for i in n
+            ],
+            "vw": [
+                [g.add(less(M["vw"][i][j], (MK[i], d[j]), (c[i], Kw[j])), g.mul(sc[i], d[j])) for j in p] for i in n
+            ],
+            "ww": [
+                [g.add(less(M["ww"][i][j], (d[i], Kw[j]), (Kw[i], d[j])), g.mul(sd[i], d[j])) for j in p] for i in p
+            ],
             "vr": [[less(M["vr"][i][j], (c[i], Kr[j])) for j in p] for i in n],
             "wr": [less(M["wr"][j], (d[j], Kr[j])) for j in p],
             "rr": M["rr"],

@@ -102,9 +102,17 @@ def _plan(observer: Program) -> _Plan:
     slopes = tuple(f"slope.{i}.{j}" for i in range(size) for j in range(size))
     seen = variables(program.graph, [program.outputs[s] for s in slopes]) & set(program.inputs)
     i, j = np.triu_indices(size)
-    return _Plan(shape, program, kernel(program, layout), held, layout.shared_params(program), slopes,
-                 tuple(sorted({*held, *seen})), {s: k for k, s in enumerate(observer.states)},
-                 np.flatnonzero((i == j) & (i >= n)))  # fmt: skip
+    return _Plan(
+        shape,
+        program,
+        kernel(program, layout),
+        held,
+        layout.shared_params(program),
+        slopes,
+        tuple(sorted({*held, *seen})),
+        {s: k for k, s in enumerate(observer.states)},
+        np.flatnonzero((i == j) & (i >= n)),
+    )
 
 
 def _spread(
@@ -136,7 +144,9 @@ def _spread(
     return table, np.minimum(sigma, WIDEST * _scales(estimator)[1][:, None])
 
 
-def _seen(plan: _Plan, experiment: Experiment, estimator: Estimator, rows: Rows, states: np.ndarray, values: dict) -> dict:
+def _seen(
+    plan: _Plan, experiment: Experiment, estimator: Estimator, rows: Rows, states: np.ndarray, values: dict
+) -> dict:
     """What the observer was and saw along the rows, as far as it is wanted; its gains; the noise."""
     outputs = {name: k for k, name in enumerate(experiment.plant.outputs)}
     seen = dict(estimator.parameters) | {"t": values["t"]} | _noise(experiment, estimator)
@@ -150,7 +160,9 @@ def _seen(plan: _Plan, experiment: Experiment, estimator: Estimator, rows: Rows,
     return seen
 
 
-def _carry(plan: _Plan, S: np.ndarray, t: np.ndarray, steps: np.ndarray, h: np.ndarray, seen: dict, rows, out: np.ndarray):
+def _carry(
+    plan: _Plan, S: np.ndarray, t: np.ndarray, steps: np.ndarray, h: np.ndarray, seen: dict, rows, out: np.ndarray
+):
     """Write S after each of the given rows into ``out``."""
     held = np.empty((len(t), max(1, len(plan.held))))
     for c, name in enumerate(plan.held):
@@ -180,7 +192,10 @@ def _scales(estimator: Estimator) -> tuple[np.ndarray, np.ndarray, float]:
         typical = np.array(typical_sizes(context))
         if len(_known) > 512:
             _known.clear()
-        found = _known[id(context)] = context, (np.concatenate([state_scales(context), typical]), typical, pace(context.model))
+        found = _known[id(context)] = (
+            context,
+            (np.concatenate([state_scales(context), typical]), typical, pace(context.model)),
+        )
     return found[1]
 
 

@@ -61,14 +61,16 @@ def _write(program: Program) -> Program:
     return Program(
         name=f"companion of {program.name}",
         time=program.time,
-        states=(*(f"spread.{i}.{j}" for i in range(size) for j in range(i, size)),
-                *(f"lately.{j}" for j in range(len(shape.theta)))),
+        states=(
+            *(f"spread.{i}.{j}" for i in range(size) for j in range(i, size)),
+            *(f"lately.{j}" for j in range(len(shape.theta))),
+        ),
         inputs=(*program.states, *program.inputs),
         parameters=(*program.parameters, *(f"intensity.{k}" for k in range(len(given))), "memory"),
         graph=graph,
         update=tuple(_covariance(graph, A, B, program.time, len(shape.x))),
         outputs={f"slope.{i}.{j}": A[i][j] for i in range(size) for j in range(size)},
-    )  # fmt: skip
+    )
 
 
 def _covariance(graph: Graph, A: list[list[int]], B: list[list[int]], time: str, n: int) -> list[int]:

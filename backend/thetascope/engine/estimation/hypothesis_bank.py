@@ -17,7 +17,15 @@ from thetascope.engine.compiler.graph import Graph
 from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.programs.program_store import derived
 
-COURSE = ("onset", "start", "rate", "top", "bend", "fade", "size")  # of each channel; then its bounds, and what belongs to the plant
+COURSE = (
+    "onset",
+    "start",
+    "rate",
+    "top",
+    "bend",
+    "fade",
+    "size",
+)  # of each channel; then its bounds, and what belongs to the plant
 BOUNDS = ("least", "most", "own")
 SPAN = ("begin", "until")
 
@@ -25,7 +33,13 @@ SPAN = ("begin", "until")
 def sums(p: int, m: int) -> list[str]:
     """The states after those of the filter: how far courses have bent, and the sums."""
     J = [f"sum.J.{i}.{j}" for i in range(p) for j in range(i, p)]
-    return [*(f"bent.{j}" for j in range(p)), *J, *(f"sum.s.{j}" for j in range(p)), *(f"sum.early.{j}" for j in range(p)), *(f"sum.q.{k}" for k in range(m))]
+    return [
+        *(f"bent.{j}" for j in range(p)),
+        *J,
+        *(f"sum.s.{j}" for j in range(p)),
+        *(f"sum.early.{j}" for j in range(p)),
+        *(f"sum.q.{k}" for k in range(m)),
+    ]
 
 
 @lru_cache(maxsize=128)
@@ -40,7 +54,9 @@ def _write(filter_: Program, p: int, m: int) -> Program:
     d, zero = g.var("d"), g.const(0.0)
     bent = []
     for j in range(p):
-        onset, start, rate, top, bend, fade, size, least, most, own = (g.var(f"{name}.{j}") for name in (*COURSE, *BOUNDS))
+        onset, start, rate, top, bend, fade, size, least, most, own = (
+            g.var(f"{name}.{j}") for name in (*COURSE, *BOUNDS)
+        )
         going = g.call("min", g.add(start, g.mul(rate, g.sub(d, onset))), top)
         begun, risen = g.call("le", onset, d), g.var(f"bent.{j}")
         course = g.call("where", begun, g.add(going, g.mul(bend, risen)), zero)
@@ -63,7 +79,9 @@ def _write(filter_: Program, p: int, m: int) -> Program:
 
     early, since = g.call("lt", d, g.var("until")), g.call("le", g.var("begin"), d)
     update = [*(moved[i] for i in filter_.update), *bent]
-    update += [added(f"sum.J.{i}.{j}", [(heeded[k][i], omega[k][j]) for k in range(m)]) for i in range(p) for j in range(i, p)]
+    update += [
+        added(f"sum.J.{i}.{j}", [(heeded[k][i], omega[k][j]) for k in range(m)]) for i in range(p) for j in range(i, p)
+    ]
     update += [added(f"sum.s.{j}", [(heeded[k][j], nu[k]) for k in range(m)]) for j in range(p)]
     update += [added(f"sum.early.{j}", [(heeded[k][j], omega[k][j]) for k in range(m)], early) for j in range(p)]
     update += [added(f"sum.q.{k}", [(nu[k], nu[k])], since) for k in range(m)]

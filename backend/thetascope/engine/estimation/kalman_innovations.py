@@ -63,24 +63,44 @@ class _Writer:
             G = self._times(E, G)
             prior = [g.add(x, total(g, list(zip(row, f)))) for x, row in zip(self.prior, E)]
         moved = [[g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(row)] for row in G]
-        V = [[g.add(total(g, [(F[i][k], self.V[k][j]) for k in range(n)]), moved[i][j]) for j in range(p)] for i in range(n)]
+        V = [
+            [g.add(total(g, [(F[i][k], self.V[k][j]) for k in range(n)]), moved[i][j]) for j in range(p)]
+            for i in range(n)
+        ]
         P = self._spread(F)
-        outputs |= {f"{name}.{i}.{j}": node for name, part in (("F", F), ("G", G)) for i, row in enumerate(part)
-                    for j, node in enumerate(row)}  # fmt: skip
+        outputs |= {
+            f"{name}.{i}.{j}": node
+            for name, part in (("F", F), ("G", G))
+            for i, row in enumerate(part)
+            for j, node in enumerate(row)
+        }
         per_state = [f"{name}.{i}" for name in ("q", "low", "high") for i in range(n)]
         return Program(
             name=f"innovations of {plant.name}",
             time=DISCRETE,
-            states=(*(f"prior.{i}" for i in range(n)), *(f"V.{i}.{j}" for i in range(n) for j in range(p)),
-                    *(f"P.{i}.{j}" for i in range(n) for j in range(i, n))),
-            inputs=(*(i for i in plant.inputs if i not in self.theta), *(f"measured.{o}" for o in self.y), "fresh",
-                    *(f"known.{j}" for j in range(p)), *(f"profile.{j}" for j in range(p))),
-            parameters=(*plant.parameters, *per_state, *(f"R.{k}" for k in range(self.m)),
-                        *(f"heed.{k}" for k in range(self.m)), "interval"),
+            states=(
+                *(f"prior.{i}" for i in range(n)),
+                *(f"V.{i}.{j}" for i in range(n) for j in range(p)),
+                *(f"P.{i}.{j}" for i in range(n) for j in range(i, n)),
+            ),
+            inputs=(
+                *(i for i in plant.inputs if i not in self.theta),
+                *(f"measured.{o}" for o in self.y),
+                "fresh",
+                *(f"known.{j}" for j in range(p)),
+                *(f"profile.{j}" for j in range(p)),
+            ),
+            parameters=(
+                *plant.parameters,
+                *per_state,
+                *(f"R.{k}" for k in range(self.m)),
+                *(f"heed.{k}" for k in range(self.m)),
+                "interval",
+            ),
             graph=g,
             update=(*prior, *(V[i][j] for i in range(n) for j in range(p)), *P),
             outputs=outputs,
-        )  # fmt: skip
+        )
 
     def _linear(self, roots: list[int]) -> tuple[list[int], Matrix, Matrix]:
         """Values, and their Jacobians in x and (times its profile) θ, at the present estimate (``self.prior``) and θ₀."""
@@ -88,13 +108,20 @@ class _Writer:
         source = Graph(plant.graph.nodes)
         slopes = derivatives(source, roots, (*plant.states, *self.theta))
         wanted = [*roots, *(node for row in slopes for node in row.values())]
-        inside = [g.call("min", g.call("max", x, g.var(f"low.{i}")), g.var(f"high.{i}")) for i, x in enumerate(self.prior)]
+        inside = [
+            g.call("min", g.call("max", x, g.var(f"low.{i}")), g.var(f"high.{i}")) for i, x in enumerate(self.prior)
+        ]
         here = dict(zip(plant.states, inside)) | {t: g.var(f"known.{j}") for j, t in enumerate(self.theta)}
         moved, zero = g.absorb(source, wanted, here), g.const(0.0)
-        J, H = ([[moved[row[s]] if s in row else zero for s in names] for row in slopes] for names in (plant.states, self.theta))
+        J, H = (
+            [[moved[row[s]] if s in row else zero for s in names] for row in slopes]
+            for names in (plant.states, self.theta)
+        )
         # outside the domain: the value at the nearest point inside, and on along the tangent there
-        values = [g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside)]))
-                  for r, row in zip(roots, J)]  # fmt: skip
+        values = [
+            g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside)]))
+            for r, row in zip(roots, J)
+        ]
         return values, J, H
 
     def _correct(self, level: list[int], C: Matrix, Psi: Matrix) -> dict[str, int]:
@@ -144,7 +171,9 @@ class _Writer:
 
     def _times(self, a: Matrix, b: Matrix) -> Matrix:
         g = self.graph
-        return [[total(g, [(row[k], b[k][j]) for k in range(len(b))]) for j in range(len(b[0]) if b else 0)] for row in a]
+        return [
+            [total(g, [(row[k], b[k][j]) for k in range(len(b))]) for j in range(len(b[0]) if b else 0)] for row in a
+        ]
 
     def _plus(self, a: Matrix, b: Matrix, factor: float) -> Matrix:
         g = self.graph
@@ -156,7 +185,9 @@ class _Writer:
         FP = self._times(F, self.P)
         q = [g.mul(g.var(f"q.{i}"), g.var("interval")) for i in range(n)]
         zero = g.const(0.0)
-        return [g.add(total(g, list(zip(FP[i], F[j]))), q[i] if i == j else zero) for i in range(n) for j in range(i, n)]
+        return [
+            g.add(total(g, list(zip(FP[i], F[j]))), q[i] if i == j else zero) for i in range(n) for j in range(i, n)
+        ]
 
 
 def _factorial(k: int) -> int:

@@ -54,7 +54,9 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
         row[:] = column
     notes = first.notes
     if substeps > 1:
-        notes += (f"Each step was taken in up to {substeps} substeps: an observer's eigenvalues are beyond RK4's bound.",)
+        notes += (
+            f"Each step was taken in up to {substeps} substeps: an observer's eigenvalues are beyond RK4's bound.",
+        )
     spent = costs(rows.spent for _, rows in parts)
     return Result(tuple(columns), data, tuple(reports.values()), diverged, first.step, substeps, notes, seconds, spent)
 
@@ -87,9 +89,13 @@ def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) ->
         if all(s is signal for s in theirs):
             values[name] = at_rows(signal, t, first.step)
         else:
-            begins = [k for k, s in enumerate(theirs) if not k or s is not theirs[k - 1]]  # parts from which on it is another
+            begins = [
+                k for k, s in enumerate(theirs) if not k or s is not theirs[k - 1]
+            ]  # parts from which on it is another
             pieces = np.split(t, [ends[k - 1] for k in begins[1:]])
-            values[name] = np.concatenate([at_rows(theirs[k], p, first.step) for k, p in zip(begins, pieces, strict=True)])
+            values[name] = np.concatenate(
+                [at_rows(theirs[k], p, first.step) for k, p in zip(begins, pieces, strict=True)]
+            )
     each = [row_numbers(e) for e, _ in parts]
     values |= {n: _over([v[n] for v in each], counts) for n in each[0]} | {"t": t}
     return values | {s: plant[:, j] for j, s in enumerate(first.plant.states)}
@@ -133,8 +139,18 @@ def observer_columns(
     outputs = [n for n in program.outputs if not n.startswith("init.")]
     seen |= dict(zip(outputs, probe(program, outputs, seen), strict=True))
     e = life.experiments[-1]
-    run = Observed(None, program, estimator.channels, estimator.facts, seen, e.every * e.step, estimator.context,
-                   first_row + where.start, -(-estimator.since // e.every), max(0, wanted - where.start))  # fmt: skip
+    run = Observed(
+        None,
+        program,
+        estimator.channels,
+        estimator.facts,
+        seen,
+        e.every * e.step,
+        estimator.context,
+        first_row + where.start,
+        -(-estimator.since // e.every),
+        max(0, wanted - where.start),
+    )
     columns = {n: seen[n] for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)}
     more = estimator.kind.diagnostics(run)
     seen |= more
@@ -148,7 +164,9 @@ def _checks(estimator, run: Observed) -> tuple[Check, ...]:
     try:
         return tuple(estimator.kind.checks(run))
     except np.linalg.LinAlgError:
-        return (Check("conditions of the theorem", CANNOT_TELL, "the numbers left the range in which they can be judged"),)
+        return (
+            Check("conditions of the theorem", CANNOT_TELL, "the numbers left the range in which they can be judged"),
+        )
 
 
 def _cause(names: tuple[str, ...], states: np.ndarray, first_bad: int) -> str:

@@ -98,9 +98,7 @@ def parameters_over(life: Life) -> dict[str, float | np.ndarray]:
         return each[0]
     counts = [len(p) for p in life.positions]
     return {
-        name: each[0][name]
-        if len({p[name] for p in each}) == 1
-        else np.repeat([p[name] for p in each], counts)
+        name: each[0][name] if len({p[name] for p in each}) == 1 else np.repeat([p[name] for p in each], counts)
         for name in each[0]
     }
 

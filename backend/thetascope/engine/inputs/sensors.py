@@ -89,7 +89,11 @@ class Measurement:
         made = []
         for i, name in enumerate(self.outputs):
             parts = [noise(self.std[i], self.sample_time[i], self.seed, i)] if self.std[i] > 0 else []
-            parts += [_additive(f, (self.seed, 5, random_streams.key_of(f))) for f in self._mine(name) if f["shape"] in ADDITIVE]
+            parts += [
+                _additive(f, (self.seed, 5, random_streams.key_of(f)))
+                for f in self._mine(name)
+                if f["shape"] in ADDITIVE
+            ]
             made.append(total(parts) if parts else constant(0.0))
         object.__setattr__(self, "noises", tuple(made))
 
@@ -136,7 +140,9 @@ class Measurement:
         passed = y[-1, -1].copy() if len(y) else memory.passed
         kept, after, sampled = dict(memory.faults), dict(memory.after), memory.sampled
         for i, name in enumerate(self.outputs):
-            before = memory.passed[i]  # what came out of the fault before in turn: a fault that is new did nothing until now
+            before = memory.passed[
+                i
+            ]  # what came out of the fault before in turn: a fault that is new did nothing until now
             for f in self._in_turn(name):
                 key = random_streams.key_of(f)
                 y[:, :, i], kept[key] = self._through(f, grid, y[:, :, i], kept.get(key), before)

@@ -103,7 +103,9 @@ def chirp(amplitude: float, f0: float, f1: float, duration: float, offset: float
 
 def prbs(low: float, high: float, hold: float, seed: int = 0) -> Signal:
     """A pseudo-random binary sequence: low or high with equal chance, drawn anew every ``hold`` seconds."""
-    return _random_held(hold, lambda first, count: np.where(random_streams.uniform((seed, 7), first, count) < 0.5, low, high))
+    return _random_held(
+        hold, lambda first, count: np.where(random_streams.uniform((seed, 7), first, count) < 0.5, low, high)
+    )
 
 
 def _random_held(hold: float, level: Callable[[int, int], np.ndarray], start: float = 0.0) -> Signal:
@@ -150,8 +152,17 @@ def expression(text: str) -> Signal:
     return Signal(value, _no_breaks, False)
 
 
-_KINDS = {"constant": constant, "steps": steps, "pulse": pulse, "sine": sine, "ramp": ramp, "chirp": chirp, "prbs": prbs,
-          "table": table, "expression": expression}  # fmt: skip
+_KINDS = {
+    "constant": constant,
+    "steps": steps,
+    "pulse": pulse,
+    "sine": sine,
+    "ramp": ramp,
+    "chirp": chirp,
+    "prbs": prbs,
+    "table": table,
+    "expression": expression,
+}
 
 
 def signal(data: Mapping) -> Signal:

@@ -119,8 +119,12 @@ class Model:
         for channel in self.channels:
             if channel.name == name:
                 return channel
-        raise SpecError("options.channels", name, f"the plant {self.id} has no fault channel of that name",
-                        f"choose from {', '.join(c.name for c in self.channels) or 'none: it has no channels'}")  # fmt: skip
+        raise SpecError(
+            "options.channels",
+            name,
+            f"the plant {self.id} has no fault channel of that name",
+            f"choose from {', '.join(c.name for c in self.channels) or 'none: it has no channels'}",
+        )
 
     def Phi(self, channels: Sequence[str]) -> ImmutableMatrix:
         """n × p: what each channel adds to the state equations."""
@@ -142,8 +146,12 @@ class Model:
             sizes[d.symbol] = sum(sizes.get(part, 1) for part in sympy.preorder_traversal(d.expression))
             if sizes[d.symbol] > _MOST_PARTS:
                 name = d.symbol.name
-                raise SpecError(f"definitions.{i}.expression", name, f"written out in states it has over {_MOST_PARTS} parts",
-                                "use fewer nested definitions")  # fmt: skip
+                raise SpecError(
+                    f"definitions.{i}.expression",
+                    name,
+                    f"written out in states it has over {_MOST_PARTS} parts",
+                    "use fewer nested definitions",
+                )
             written[d.symbol] = d.expression.xreplace(written)
         return written
 
@@ -186,8 +194,11 @@ class Model:
         """The plant with all its faults: states ``x.*``, inputs ``u.* signal.* theta.*``, parameters ``p.*``, outputs ``y.*``."""
         channels = [c.name for c in self.channels]
         theta = symbols("theta", channels)
-        swap = {s: sympy.Symbol(f"{prefix}.{s.name}", real=True) for prefix, group in
-                (("x", self.x), ("u", self.u), ("signal", self.signals), ("p", self.parameters)) for s in group}  # fmt: skip
+        swap = {
+            s: sympy.Symbol(f"{prefix}.{s.name}", real=True)
+            for prefix, group in (("x", self.x), ("u", self.u), ("signal", self.signals), ("p", self.parameters))
+            for s in group
+        }
         rename = lambda e: e.xreplace(swap)
         f, h = self.f, self.h
         if channels:

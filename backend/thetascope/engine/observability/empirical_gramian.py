@@ -58,13 +58,22 @@ class Empirical:
         finite = self.condition[np.isfinite(self.condition)]
         if len(finite):
             text += f", condition {finite.min():.2g} to {finite.max():.2g}"
-        parts = [f"{v:+.2g} {n.partition('.')[2]}" for n, v in zip(self.names, self.direction[k], strict=True) if abs(v) >= _MENTIONED]
+        parts = [
+            f"{v:+.2g} {n.partition('.')[2]}"
+            for n, v in zip(self.names, self.direction[k], strict=True)
+            if abs(v) >= _MENTIONED
+        ]
         text += f"; seen least, from {self.t[k]:.4g} s on: {' '.join(parts)}"
         return text + f", {least[k]:.2g} times above the noise"
 
 
-def empirical(experiment: Experiment, window: float, instants: int = INSTANTS, unknown: Sequence[str] | None = None,
-              size: float = SIZE) -> Empirical:  # fmt: skip
+def empirical(
+    experiment: Experiment,
+    window: float,
+    instants: int = INSTANTS,
+    unknown: Sequence[str] | None = None,
+    size: float = SIZE,
+) -> Empirical:
     """Along the experiment (as it stands, with its faults, without noise), over windows of ``window`` seconds.
 
     instants: how many windows, at most; unknown: the components that are looked at (``x.*``, ``theta.*``; None: all),
@@ -81,11 +90,21 @@ def empirical(experiment: Experiment, window: float, instants: int = INSTANTS, u
     last = max(quiet.steps // quiet.every + 1 - count, 0)
     firsts = np.unique(np.linspace(0, last, min(instants, max(2, most))).astype(int))
     states = _states(quiet, firsts)
-    sensitivity = np.stack([_sensitivity(quiet, State(int(f) * quiet.every, x, (), quiet.measurement.start()),
-                                         count, stride, names, scales, size) / weight[:, None]
-                            for f, x in zip(firsts, states, strict=True)])  # fmt: skip
-    return _result(sensitivity.reshape(len(firsts), -1, len(names)), count * quiet.every * quiet.step, tuple(names),
-                   firsts * quiet.every * quiet.step)  # fmt: skip
+    sensitivity = np.stack(
+        [
+            _sensitivity(
+                quiet, State(int(f) * quiet.every, x, (), quiet.measurement.start()), count, stride, names, scales, size
+            )
+            / weight[:, None]
+            for f, x in zip(firsts, states, strict=True)
+        ]
+    )
+    return _result(
+        sensitivity.reshape(len(firsts), -1, len(names)),
+        count * quiet.every * quiet.step,
+        tuple(names),
+        firsts * quiet.every * quiet.step,
+    )
 
 
 def _measured(experiment: Experiment, context: Context) -> tuple[Experiment, int, np.ndarray]:
@@ -106,8 +125,9 @@ def _states(e: Experiment, firsts: np.ndarray) -> list[np.ndarray]:
     return [plant[f].copy() for f in firsts]
 
 
-def _sensitivity(e: Experiment, state: State, rows: int, stride: int, names: Sequence[str], scales: dict[str, float],
-                 size: float) -> np.ndarray:  # fmt: skip
+def _sensitivity(
+    e: Experiment, state: State, rows: int, stride: int, names: Sequence[str], scales: dict[str, float], size: float
+) -> np.ndarray:
     """∂y/∂(scaled components) over the rows from a state on: (rows, m, N)."""
     columns = []
     for name in names:

@@ -40,7 +40,9 @@ class Group:
         them, states = _listed(self.channels), f"{len(self.states)} of the states" if many else _listed(self.states)
         if not self.channels:
             return f"{states} cannot be told from the outputs"
-        beside = f" {'' if many else 'the states ' if len(self.states) > 1 else 'the state '}{states}" if self.states else ""
+        beside = (
+            f" {'' if many else 'the states ' if len(self.states) > 1 else 'the state '}{states}" if self.states else ""
+        )
         if len(self.channels) == 1:
             return f"{them} cannot be told from{beside}" if beside else f"{them} shows in no output"
         if self.hidden == len(self.channels) and not self.states:

@@ -87,8 +87,10 @@ class Lie:
 
     def _beginning(self) -> list[list[list[Decimal]]]:
         """∂x(0)/∂(unknown x(0), θ)."""
-        return [[[Decimal(int(j < len(self.unknown) and self.unknown[j] == i))] for j in range(self.columns)]
-                for i in range(self.n)]  # fmt: skip
+        return [
+            [[Decimal(int(j < len(self.unknown) and self.unknown[j] == i))] for j in range(self.columns)]
+            for i in range(self.n)
+        ]
 
     def _count(self, products: int) -> None:
         self.work += products

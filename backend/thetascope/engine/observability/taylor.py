@@ -47,7 +47,9 @@ class Series:
     def __init__(self, graph: Graph, roots: Sequence[int], still: set[str]):
         self.graph, self.order = graph, topological(graph, roots)
         self.at: dict[int, Coefficients] = {i: [] for i in self.order}
-        self.beside: dict[int, list[Coefficients]] = {}  # of a sine its cosine, of an arctangent what its slope divides by
+        self.beside: dict[
+            int, list[Coefficients]
+        ] = {}  # of a sine its cosine, of an arctangent what its slope divides by
         self.still: set[int] = set()
         for i in self.order:
             op, *args = graph.nodes[i]

@@ -54,8 +54,11 @@ def run_batch(experiments: Sequence[Experiment], cancelled: Callable[[], bool] |
         return parts[0]
     back = np.argsort(np.concatenate(list(groups.values())))
     observers = zip(*(p.observers for p in parts), strict=True)
-    return Batch(parts[0].index, np.concatenate([p.plant for p in parts])[back],
-                 tuple(np.concatenate(o)[back] for o in observers))  # fmt: skip
+    return Batch(
+        parts[0].index,
+        np.concatenate([p.plant for p in parts])[back],
+        tuple(np.concatenate(o)[back] for o in observers),
+    )
 
 
 def _group(experiments: list[Experiment], lanes: bool, cancelled: Callable[[], bool] | None) -> Batch:
@@ -148,7 +151,9 @@ class _Lanes:
                 stds, seeds = [m.std[i] for m in measurements], [m.seed for m in measurements]
                 return Noise(self.blocks, i, stds, seeds, measurements[0].sample_time[i])
         signals = [s[name] for s in self.signals]
-        return Levels.of(self.blocks, signals, (self.first.steps + 1) * self.first.step) or Separate(self.blocks, signals)
+        return Levels.of(self.blocks, signals, (self.first.steps + 1) * self.first.step) or Separate(
+            self.blocks, signals
+        )
 
     # ---- running -----------------------------------------------------------------------------------------------------
 
@@ -199,8 +204,16 @@ class _Lanes:
             held, staged = _divide(shared, [*shared.update, *handed], self.signals[0], self.staged)
             tables = Tables(grid, self.signals[0], self.stages)
             layout = Layout(held=held, staged=staged, emitted=handed)
-            kernel(shared, layout)(grid.segments, state, self._parameters(shared, layout), self.first.every * self.substeps,
-                                   out, emitted=emitted, held=tables.held(held), staged=tables.staged(staged))  # fmt: skip
+            kernel(shared, layout)(
+                grid.segments,
+                state,
+                self._parameters(shared, layout),
+                self.first.every * self.substeps,
+                out,
+                emitted=emitted,
+                held=tables.held(held),
+                staged=tables.staged(staged),
+            )
         return out, emitted[:, :, : len(handed)]
 
     def _parameters(self, program: Program, layout: Layout) -> np.ndarray:
@@ -213,16 +226,29 @@ class _Lanes:
         staged = layout.staged[len(self.parts.names) :]
         if staged or not handed.flags.c_contiguous:
             handed = np.concatenate([handed, tables.staged(staged)[:, :, : len(staged)]], axis=2)
-        held, params, every = tables.held(layout.held), self._parameters(lanes, layout), self.first.every * self.substeps
+        held, params, every = (
+            tables.held(layout.held),
+            self._parameters(lanes, layout),
+            self.first.every * self.substeps,
+        )
         columns: list[Column] = [self.sources[n].over(grid.segment_anchor) for n in layout.lane_held]
-        own = self._by_block(np.array([[v[p] for v in self.values] for p in layout.lane_params]).reshape(-1, blocks.runs))
+        own = self._by_block(
+            np.array([[v[p] for v in self.values] for p in layout.lane_params]).reshape(-1, blocks.runs)
+        )
         result = np.empty((blocks.count, rows, len(lanes.states), blocks.width))
         for b in range(blocks.count):
             self.kernel(
-                grid.segments, state[b], params, every, result[b], held=held, staged=handed,
+                grid.segments,
+                state[b],
+                params,
+                every,
+                result[b],
+                held=held,
+                staged=handed,
                 lane_held=table(columns, len(grid.segments.steps), b, blocks.width),
-                lane_staged=self._lane_staged(grid, layout.lane_staged, b), lane_params=own[b],
-            )  # fmt: skip
+                lane_staged=self._lane_staged(grid, layout.lane_staged, b),
+                lane_params=own[b],
+            )
         return result.transpose(0, 3, 1, 2).reshape(-1, rows, len(lanes.states))
 
     def _lane_staged(self, grid: Grid, names: tuple[str, ...], block: int) -> np.ndarray | None:

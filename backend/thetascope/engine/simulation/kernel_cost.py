@@ -16,7 +16,23 @@ PLANT = ""  # no observer's label is empty
 Spent = dict[str, tuple[float, float]]  # by observer's label: seconds of the processor, seconds simulated
 
 _SLOW = {"div": 4, "sqrt": 4}  # of what an addition takes, about
-_ONE_INSTRUCTION = {"add", "sub", "mul", "neg", "fma", "min", "max", "sign", "lt", "le", "and", "or", "where", "floor", "abs"}
+_ONE_INSTRUCTION = {
+    "add",
+    "sub",
+    "mul",
+    "neg",
+    "fma",
+    "min",
+    "max",
+    "sign",
+    "lt",
+    "le",
+    "and",
+    "or",
+    "where",
+    "floor",
+    "abs",
+}
 _LIBRARY = 20  # a call of the C library
 
 
@@ -29,7 +45,9 @@ def operations(program: Program) -> int:
 
 def divided(seconds: float, parts: Mapping[str, Program]) -> dict[str, float]:
     """The time of one kernel, divided among the programs it is made of by their operations."""
-    weights = {name: operations(program) for name, program in parts.items()} if len(parts) > 1 else dict.fromkeys(parts, 1)
+    weights = (
+        {name: operations(program) for name, program in parts.items()} if len(parts) > 1 else dict.fromkeys(parts, 1)
+    )
     total = sum(weights.values()) or 1
     return {name: seconds * weight / total for name, weight in weights.items()}
 

@@ -118,8 +118,16 @@ class Simulation:
         every = self.experiment.every
         return np.empty((last // every - first // every + 1, width))
 
-    def _call(self, plan: Plan, parts: dict[str, Program], tables: Tables, values: dict, start: np.ndarray,
-              staged: np.ndarray | None = None, emitted: np.ndarray | None = None):  # fmt: skip
+    def _call(
+        self,
+        plan: Plan,
+        parts: dict[str, Program],
+        tables: Tables,
+        values: dict,
+        start: np.ndarray,
+        staged: np.ndarray | None = None,
+        emitted: np.ndarray | None = None,
+    ):
         """One call of a kernel; its time is that of ``parts``, the programs it is made of."""
         state, grid = start.copy(), tables.grid
         params = np.array([values[p] for p in plan.params] or [0.0])
@@ -135,8 +143,14 @@ class Simulation:
         plant = self.experiment.plant
         roots = tuple(plant.outputs.values())
         emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
-        new, out = self._call(plan(plant, roots, tables.kinds), {PLANT: plant}, tables, self.experiment.parameters,
-                              state.plant, emitted=emitted)  # fmt: skip
+        new, out = self._call(
+            plan(plant, roots, tables.kinds),
+            {PLANT: plant},
+            tables,
+            self.experiment.parameters,
+            state.plant,
+            emitted=emitted,
+        )
         return new, self._rows(state.plant, out, state.k, index), emitted[:, :, : len(roots)]
 
     def _joint(self, state: State, tables: "Tables", index: np.ndarray, observers: list, recorded: list):
@@ -146,14 +160,22 @@ class Simulation:
         program = joined(e.plant, estimator.program)
         wanted = len(e.estimators) > 1 or self.remember
         graph = program.graph
-        roots = tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs
-                      ) if wanted else ()  # fmt: skip
+        roots = (
+            tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs)
+            if wanted
+            else ()
+        )
         noise = dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
         tables = tables.extended(noise)
         emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
-        new, out = self._call(plan(program, roots, tables.kinds), {PLANT: e.plant, estimator.label: estimator.program},
-                              tables, e.parameters | estimator.parameters,
-                              np.concatenate([state.plant, state.observers[i]]), emitted=emitted)  # fmt: skip
+        new, out = self._call(
+            plan(program, roots, tables.kinds),
+            {PLANT: e.plant, estimator.label: estimator.program},
+            tables,
+            e.parameters | estimator.parameters,
+            np.concatenate([state.plant, state.observers[i]]),
+            emitted=emitted,
+        )
         memory = replace(state.memory, passed=emitted[-1, -1].copy()) if wanted else state.memory
         n = len(e.plant.states)
         observers[i] = new[n:]
@@ -168,8 +190,9 @@ class Simulation:
         picked = [list(self.experiment.plant.outputs).index(n) for n in outputs]
         parts = [p for p in (tables.staged(call.staged) if call.staged else None, y[:, :, picked]) if p is not None]
         together = np.ascontiguousarray(np.concatenate(parts, axis=2))
-        new, out = self._call(call, {estimator.label: program}, tables, estimator.parameters, state.observers[i],
-                              staged=together)  # fmt: skip
+        new, out = self._call(
+            call, {estimator.label: program}, tables, estimator.parameters, state.observers[i], staged=together
+        )
         return new, self._rows(state.observers[i], out, state.k, index)
 
     def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray):
@@ -202,8 +225,12 @@ class Simulation:
         e, h, tiny = self.experiment, self.experiment.step, 1e-4
         begin, end = (k - q) * h, k * h
         middle = 0.5 * (begin + end)
-        places = {"": (begin, begin + tiny * h), "mid.": (middle, middle + tiny * h), "end.": (end, end - tiny * h),
-                  "now.": (end, end + tiny * h)}  # fmt: skip
+        places = {
+            "": (begin, begin + tiny * h),
+            "mid.": (middle, middle + tiny * h),
+            "end.": (end, end - tiny * h),
+            "now.": (end, end + tiny * h),
+        }
         names = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
         outputs = list(e.plant.outputs)
         table = np.empty((len(k), 1, max(1, len(names))))

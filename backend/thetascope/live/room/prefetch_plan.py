@@ -68,7 +68,9 @@ class Cost:
         terms = (1.0, rows, seconds, rows * rows, rows * seconds)
         n, x, y, xx, xy = self._sums = [self._FORGET * s + t for s, t in zip(self._sums, terms, strict=True)]
         spread = n * xx - x * x
-        slope = (n * xy - x * y) / spread if spread > 1e-2 * xx * n else y / x  # the most it can be, where nothing tells
+        slope = (
+            (n * xy - x * y) / spread if spread > 1e-2 * xx * n else y / x
+        )  # the most it can be, where nothing tells
         self._row = min(max(slope, 0.0), y / x)  # beyond that the call itself would cost less than nothing
         self._call = (y - self._row * x) / n
         self._mean, self._took = x / n, y / n

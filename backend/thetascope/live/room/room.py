@@ -79,9 +79,14 @@ class Room:
     def status(self) -> Status:
         pace = self.pace
         return Status(
-            row=self.shown, t=self.t, playing=pace.playing, speed=pace.speed,
-            rate=self.rate.value if pace.moving else None, viewers=len(self.screen.viewers), ended=self.ended,
-        )  # fmt: skip
+            row=self.shown,
+            t=self.t,
+            playing=pace.playing,
+            speed=pace.speed,
+            rate=self.rate.value if pace.moving else None,
+            viewers=len(self.screen.viewers),
+            ended=self.ended,
+        )
 
     def tell_status(self) -> None:
         self._told = self.house.clock()
@@ -99,11 +104,19 @@ class Room:
             self.moving()
         viewer.outbox.row = self.screen.rows_after(after)
         hello = Hello(
-            session=self.id, role="control" if viewer.control else "view", spec=self.session.spec,
-            columns=self.screen.columns, epoch=self.screen.epoch, step=self.session.step, record=self.session.record,
-            row=self.shown, playing=self.pace.playing, speed=self.pace.speed, parent=self.parent,
+            session=self.id,
+            role="control" if viewer.control else "view",
+            spec=self.session.spec,
+            columns=self.screen.columns,
+            epoch=self.screen.epoch,
+            step=self.session.step,
+            record=self.session.record,
+            row=self.shown,
+            playing=self.pace.playing,
+            speed=self.pace.speed,
+            parent=self.parent,
             log=tuple(event for event in self.session.log if self._seen(event)),
-        )  # fmt: skip
+        )
         viewer.put(hello.model_dump_json())
         self.screen.viewers.append(viewer)
         self.empty_since = None
@@ -141,7 +154,9 @@ class Room:
         """End the session and tell all viewers why."""
         self.closed = True
         self.pace.pause()
-        self.turns.do(self.session.release, lambda *_: None)  # its memory, at once: the room itself waits for Python's collector
+        self.turns.do(
+            self.session.release, lambda *_: None
+        )  # its memory, at once: the room itself waits for Python's collector
         for viewer in list(self.screen.viewers):
             viewer.close(code, reason)
 

@@ -169,10 +169,17 @@ class Hub:
         self._loop = asyncio.get_running_loop()
         self._scheduler = Scheduler(self._loop)
         self._house = House(
-            clock=self._loop.time, background=self._in(self._threads), workshop=self._in(self._workshop),
-            wake=self._scheduler.wake, feed=self._scheduler.feed, watch=self._scheduler.watch, may_check=Spacing(_CHECKS, self._loop.time).take,
-            viewers=self._settings.viewers, backlog=self._settings.backlog, past=self._past,
-        )  # fmt: skip
+            clock=self._loop.time,
+            background=self._in(self._threads),
+            workshop=self._in(self._workshop),
+            wake=self._scheduler.wake,
+            feed=self._scheduler.feed,
+            watch=self._scheduler.watch,
+            may_check=Spacing(_CHECKS, self._loop.time).take,
+            viewers=self._settings.viewers,
+            backlog=self._settings.backlog,
+            past=self._past,
+        )
         sys.setswitchinterval(_SWITCH)
         self._collected = self._loop.time()
         self._swept()
@@ -231,8 +238,12 @@ def _advanced(session: "Session", limit: int, past: int, t: float) -> "Session":
 
     rows = round(t / session.record) + 1
     if rows > limit:
-        raise SpecError("t", t, f"a session has at most {limit:,} rows, that is {limit * session.record:g} s",
-                        f"give at most {(limit - 1) * session.record:g}, or raise THETASCOPE_SESSION_ROWS")  # fmt: skip
+        raise SpecError(
+            "t",
+            t,
+            f"a session has at most {limit:,} rows, that is {limit * session.record:g} s",
+            f"give at most {(limit - 1) * session.record:g}, or raise THETASCOPE_SESSION_ROWS",
+        )
     while session.row < rows and not session.ended:
         compute(session, min(_ROWS, rows - session.row), past)
     return session

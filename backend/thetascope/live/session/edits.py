@@ -1,6 +1,5 @@
 """Commands of a live session → the spec that they leave behind."""
 
-
 from thetascope.assembly.build.timed_commands import changed
 from thetascope.engine.errors import SpecError
 from thetascope_schemas import Experiment
@@ -53,8 +52,12 @@ def _known(spec: Experiment, where: str, field: str, name: str) -> None:
     """Refuse the name of a channel or an output that the plant does not have."""
     known = spec.plant.names(f"{where}s")
     if name not in known:
-        raise SpecError(field, name, f"the plant has no {where} of that name",
-                        f"choose from {', '.join(known) or 'none: it has none'}")  # fmt: skip
+        raise SpecError(
+            field,
+            name,
+            f"the plant has no {where} of that name",
+            f"choose from {', '.join(known) or 'none: it has none'}",
+        )
 
 
 def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
@@ -104,8 +107,12 @@ def checked(spec: Experiment, before: Experiment) -> Experiment:
     """
     if spec.faults is before.faults:  # commands are checked where they are carried out; their order is right
         if len(spec.commands) > MAX_COMMANDS:
-            raise SpecError("commands", len(spec.commands), f"an experiment has at most {MAX_COMMANDS} timed commands",
-                            "save the session, and go on in another")  # fmt: skip
+            raise SpecError(
+                "commands",
+                len(spec.commands),
+                f"an experiment has at most {MAX_COMMANDS} timed commands",
+                "save the session, and go on in another",
+            )
         return spec
     complete = spec.model_copy(update={"figures": ()}).with_plant(spec.plant)
     return complete.model_copy(update={"figures": spec.figures})
@@ -124,5 +131,3 @@ def without_commands(spec: Experiment, t: float) -> Experiment:
         if command.at <= t:
             current = changed(current, command)
     return current
-
-

@@ -18,8 +18,12 @@ def check_moves(experiment: Experiment, command: SetGainNow) -> None:
             moving = {n.split(".")[1] for n in variables(program.graph, program.update) if n.startswith("g.")}
             known = {g.name for g in estimator.kind.gains}
             if command.gain in known and command.gain not in moving:
-                raise SpecError("gain", command.gain, "this gain acts at the start, or on what is shown, only",
-                                "remove the observer and add it with the gain you want")  # fmt: skip
+                raise SpecError(
+                    "gain",
+                    command.gain,
+                    "this gain acts at the start, or on what is shown, only",
+                    "remove the observer and add it with the gain you want",
+                )
 
 
 def substeps_at(experiment: Experiment, substeps: int, state: State, y: np.ndarray | None) -> int:

@@ -32,8 +32,11 @@ class Made:
 
     def until(self, count: int) -> "Made":
         """Of the first rows only."""
-        return Made(self.data[:, :count], {k: v[: count + 1] for k, v in self.tables.items()},
-                    {n: v[:count] if np.ndim(v) else v for n, v in self.values.items()})  # fmt: skip
+        return Made(
+            self.data[:, :count],
+            {k: v[: count + 1] for k, v in self.tables.items()},
+            {n: v[:count] if np.ndim(v) else v for n, v in self.values.items()},
+        )
 
 
 @dataclass(frozen=True)
@@ -92,7 +95,9 @@ class View:
                 lost[life.label] = report.diverged
         newest = {n: v[-count:] if np.ndim(v) else v for n, v in values.items()}
         sure, tables = sigma_columns(experiment, rows, newest, self.spreads)
-        columns |= {n: np.where(np.isfinite(columns[n.replace(".sigma.", ".theta.", 1)]), c, np.nan) for n, c in sure.items()}
+        columns |= {
+            n: np.where(np.isfinite(columns[n.replace(".sigma.", ".theta.", 1)]), c, np.nan) for n, c in sure.items()
+        }
         data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
         plant_lost = self.plant_lost
         if plant_lost is None and ended < len(plant):
@@ -132,8 +137,16 @@ class View:
         new = {k: v for k, v in (self.lost or {}).items() if k not in (before.lost or {})}
         if self.plant_lost and not before.plant_lost:
             new[""] = self.plant_lost
-        return [Event(row=round(d.time / record), t=d.time, kind="diverged", subject=name,
-                      text=f"{name} diverged: {d.cause}" if name else d.cause) for name, d in new.items()]  # fmt: skip
+        return [
+            Event(
+                row=round(d.time / record),
+                t=d.time,
+                kind="diverged",
+                subject=name,
+                text=f"{name} diverged: {d.cause}" if name else d.cause,
+            )
+            for name, d in new.items()
+        ]
 
     def assumptions(self, experiment: Engine) -> list[Assumptions]:
         """The checks of each observer over the rows of the tail; not of one that has none yet."""
@@ -149,8 +162,10 @@ class View:
             if life.label in (self.lost or {}):
                 continue
             _, report = observer_columns(life, values, y, ended, first_row=self.first)
-            checks = tuple(AssumptionCheck(**{**vars(c), "value": _plain(c.value), "threshold": _plain(c.threshold)})
-                           for c in report.checks)  # fmt: skip
+            checks = tuple(
+                AssumptionCheck(**{**vars(c), "value": _plain(c.value), "threshold": _plain(c.threshold)})
+                for c in report.checks
+            )
             found.append(Assumptions(observer=life.label, checks=checks))
         return found
 

@@ -41,7 +41,11 @@ class Seen:
     def follows(self, earlier: "Seen") -> bool:
         """Whether this is an earlier value with more rows waiting."""
         same = zip(self.waiting, earlier.waiting, strict=False)
-        return self.watched is earlier.watched and len(self.waiting) >= len(earlier.waiting) and all(a is b for a, b in same)
+        return (
+            self.watched is earlier.watched
+            and len(self.waiting) >= len(earlier.waiting)
+            and all(a is b for a, b in same)
+        )
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,11 @@ class Watch:
     def over(cls, spec: Experiment, experiment: Engine, record: float) -> "Watch":
         """For a session on a spec (with its plant in full) that begins as ``experiment``."""
         settings, wanted = spec.diagnosis, asked(spec)
-        note = "none is asked for" if not settings.enabled else unwatchable(replace(experiment, steps=round(span(spec) / spec.step)), experiment.context)
+        note = (
+            "none is asked for"
+            if not settings.enabled
+            else unwatchable(replace(experiment, steps=round(span(spec) / spec.step)), experiment.context)
+        )
         made = None
         if not note:
             try:
@@ -108,7 +116,9 @@ class Watch:
             if old is None:
                 yield self._event(_as_named(replace(found, cleared=None)), found.at, "alarm")
             elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
-                yield self._event(_as_named(found), now.at, "alarm")  # it has got another name, or was not over after all
+                yield self._event(
+                    _as_named(found), now.at, "alarm"
+                )  # it has got another name, or was not over after all
             if found.cleared is not None and (old is None or old.cleared is None):
                 yield self._event(found, found.cleared, "alarm-over")
 
@@ -120,7 +130,9 @@ class Watch:
         subject = told["channel"] or told["output"].removeprefix("y.")
         text = told["text"] if kind == "alarm" else f"alarm over: {subject}"
         value = {k: list(v) if isinstance(v, tuple) else v for k, v in told.items() if k != "text"}
-        return Event(row=row, t=row * self.record, kind=kind, subject=subject, observer="detector", value=value, text=text)
+        return Event(
+            row=row, t=row * self.record, kind=kind, subject=subject, observer="detector", value=value, text=text
+        )
 
     def proposed(self, experiment: Engine, state: State) -> InputProposal:
         """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""
@@ -159,9 +171,13 @@ def bare(seen: Seen | None) -> Seen | None:
     rest = len(watched.t) - (watched.sums.last - watched.sums.first) * watched.stride
     now = watched.standing
     left = Watched(
-        replace(now, start=max(now.start, watched.sums.last), detected=None, pending=None), watched.sums.recent(1), watched.states[-1:].copy(),
-        watched.table[len(watched.t) - rest :].copy(), watched.t[len(watched.t) - rest :].copy(), watched.stride,
-    )  # fmt: skip
+        replace(now, start=max(now.start, watched.sums.last), detected=None, pending=None),
+        watched.sums.recent(1),
+        watched.states[-1:].copy(),
+        watched.table[len(watched.t) - rest :].copy(),
+        watched.t[len(watched.t) - rest :].copy(),
+        watched.stride,
+    )
     return Seen(left, seen.waiting)
 
 

@@ -78,9 +78,12 @@ def _told(command: object) -> tuple[str, str, object, str]:
             return "clear", name, None, f"you cleared {name or 'all faults'}"
         case SetGainNow() | SetGain():
             value = list(command.value) if isinstance(command.value, tuple) else command.value
-            return "gain", command.observer, {"gain": command.gain, "value": value}, (
-                f"{command.observer}: {command.gain} = {value}"
-            )  # fmt: skip
+            return (
+                "gain",
+                command.observer,
+                {"gain": command.gain, "value": value},
+                (f"{command.observer}: {command.gain} = {value}"),
+            )
         case SetSignalNow() | SetSignal():
             return "signal", command.name, command.signal.model_dump(mode="json"), f"{command.name} changed"
         case SetNoiseNow() | SetNoise():

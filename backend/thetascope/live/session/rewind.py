@@ -24,7 +24,9 @@ class Returning:
     def _row_before(self, command: Seek) -> int:
         """The row to go back to. Raises SpecError where it lies ahead."""
         if command.t > self.t + 0.5 * self.record:
-            raise SpecError("t", command.t, f"the session stands at {self.t:g} s", f"give at most {self.t:g}, or let time run")
+            raise SpecError(
+                "t", command.t, f"the session stands at {self.t:g} s", f"give at most {self.t:g}, or let time run"
+            )
         return min(self.row, round(command.t / self.record))
 
     def _seek(self, row: int) -> list[Event]:
@@ -70,7 +72,9 @@ class Returning:
         now, experiment, block = self.now, self.experiment, known.until(row)
         simulation = Simulation(experiment, self._substeps, remember=True)
         view = now.view.continued(experiment, block.recorded, latest(block.made.tables))
-        watched, _ = self.watch.seen(now.watched, experiment, block.recorded, block.made.values, False, self.leaves_watching)
+        watched, _ = self.watch.seen(
+            now.watched, experiment, block.recorded, block.made.values, False, self.leaves_watching
+        )
         self.now = Moment(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
 
     def _found(self, row: int) -> Moment:

@@ -64,7 +64,9 @@ class Session(Returning):
         self.step, self._every = first.step, first.every
         self.record = first.every * first.step
         self.past, self.log, self._new = Past(), [], []
-        self._faults: tuple[tuple[int, tuple[Fault, ...]], ...] = ((-1, self.spec.faults),)  # as each command left them, with its row
+        self._faults: tuple[tuple[int, tuple[Fault, ...]], ...] = (
+            (-1, self.spec.faults),
+        )  # as each command left them, with its row
         self._bare: tuple[Experiment, int, Experiment] | None = None  # see _without_commands
         self.ended = False
         self._advances = 1  # since the last change, and one
@@ -152,7 +154,9 @@ class Session(Returning):
             count = min(count, round(view.plant_lost.time / self.record) - now.row + 1)
             data = data[:, :count]
         else:
-            watched, found = self.watch.seen(now.watched, experiment, recorded, made.values, count > _AT_ONCE, self.leaves_watching)
+            watched, found = self.watch.seen(
+                now.watched, experiment, recorded, made.values, count > _AT_ONCE, self.leaves_watching
+            )
             found = log_events.new(found, self.log)
         scheduled = log_events.scheduled(self.spec, self.log, now.row, now.row + count, self.record)
         found = [*scheduled, *found, *view.lost_since(now.view, self.record)]

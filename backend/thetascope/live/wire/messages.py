@@ -25,7 +25,9 @@ def read(text: str | None, limit: int) -> Command | Refused:
     except RecursionError:
         return Refused(id=None, value=text[:60], problem="the message is nested too deeply", remedy="flatten it")
     except ValueError as error:
-        return Refused(id=None, value=text[:60], problem=f"no valid JSON: {error}", remedy="send one JSON object with type and id")
+        return Refused(
+            id=None, value=text[:60], problem=f"no valid JSON: {error}", remedy="send one JSON object with type and id"
+        )
     if _depth(data) > _DEEPEST:
         return Refused(id=_id(data), problem="the message is nested too deeply", remedy="flatten it")
     if not _encodable(data):

@@ -102,7 +102,9 @@ class RunManager:
     def announce(self, job: Job) -> None:
         """Keep the spec of a run whose client was told to come back for it."""
         with self._lock:
-            if self._jobs.get(job.id) is job and not job.announced and not job.ending:  # else "running" would be written last
+            if (
+                self._jobs.get(job.id) is job and not job.announced and not job.ending
+            ):  # else "running" would be written last
                 job.announced = True
                 record = record_of(job.snapshot())
                 self._writer.later(lambda: self._store.put(record))

@@ -28,16 +28,19 @@ def allow(spec: Experiment, cost: "Cost", settings: Settings) -> None:
     """Refuse a run that asks for more steps or numbers than the settings allow. Raises InvalidSpec, in numbers."""
     if cost.steps > settings.max_steps:
         raise invalid(
-            "horizon", spec.horizon, f"the run takes {cost.steps:,} steps, and {settings.max_steps:,} are allowed",
+            "horizon",
+            spec.horizon,
+            f"the run takes {cost.steps:,} steps, and {settings.max_steps:,} are allowed",
             "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_STEPS",
-        )  # fmt: skip
+        )
     if cost.bytes > settings.max_result:
         raise invalid(
-            "record", spec.record,
+            "record",
+            spec.record,
             f"the result has {cost.rows:,} rows of {cost.columns} columns, {cost.bytes:,} bytes, and "
             f"{settings.max_result:,} are allowed",
             "record at a wider spacing, shorten the horizon, or raise THETASCOPE_MAX_RESULT",
-        )  # fmt: skip
+        )
 
 
 class Execution:

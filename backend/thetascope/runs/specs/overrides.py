@@ -69,9 +69,11 @@ def _step(path: str, walked: str, part: str, model: object, container: Any) -> t
         return index, item
     if walked == "plant":
         raise invalid(
-            path, container, "the plant is given by its id, so its text cannot be changed here",
+            path,
+            container,
+            "the plant is given by its id, so its text cannot be changed here",
             "use parameters.NAME, initial.STATE, inputs.NAME or signals.NAME",
-        )  # fmt: skip
+        )
     raise invalid(path, part, f"{walked} is {_short(container)}, which has no parts", f"set {walked} as a whole")
 
 

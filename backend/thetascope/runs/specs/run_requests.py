@@ -17,9 +17,10 @@ class RunRequest(Strict):
 
     experiment: Identifier = Field(description="Id of a library experiment.")
     set: dict[str, JsonValue] = Field(
-        default_factory=dict, max_length=200,
+        default_factory=dict,
+        max_length=200,
         description="Path: new value. Items of lists by index, label or name; a number for an input is that constant.",
-    )  # fmt: skip
+    )
 
 
 def asked(data: Any) -> Experiment:

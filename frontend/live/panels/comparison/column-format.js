@@ -4,7 +4,9 @@ import {power} from '../../../widgets/number-format.js';
 
 /** One form for all numbers of a column, so that they can be compared and none changes its width: once it has had to be finer it stays so. */
 export class Form {
-  constructor() { Object.assign(this, {places: 0, powers: false}); }
+  constructor() {
+    Object.assign(this, {places: 0, powers: false});
+  }
 
   take(values) {
     for (const value of values) {

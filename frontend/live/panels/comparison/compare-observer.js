@@ -17,14 +17,19 @@ const SETTLED = 0.1; // of the step: as in backend/thetascope/diagnosis/evaluati
 /** RMSE, time to settle and noise as {value or words, title}, over from … to; a session that has not come so far has none. */
 export function figuresOf({samples, faults}, label, [x, theta], [from, to], text) {
   const none = {words: '–', title: ''};
-  if (to > samples.now + 1.5 * samples.record) return theta ? [{words: '–', title: text.notSoFar}, none, none] : [{words: '–', title: text.notSoFar}];
+  if (to > samples.now + 1.5 * samples.record)
+    return theta ? [{words: '–', title: text.notSoFar}, none, none] : [{words: '–', title: text.notSoFar}];
   const truth = samples.window(`x.${x}`, from, to);
   const mine = samples.window(`${label}.x.${x}`, from, to);
   const error = {value: mine.v.length === truth.v.length ? rmse(mine.v, truth.v) : NaN, title: ''};
   if (!theta) return [error];
   const estimate = samples.window(`${label}.theta.${theta}`, to - (to - from) / 4, to);
   const fault = newest(faults, theta, to);
-  return [error, fault ? settling(samples, faults, label, theta, fault, text) : none, {value: noise(estimate.t, estimate.v), title: ''}];
+  return [
+    error,
+    fault ? settling(samples, faults, label, theta, fault, text) : none,
+    {value: noise(estimate.t, estimate.v), title: ''},
+  ];
 }
 
 const newest = (faults, theta, t) => faults.findLast((one) => one.subject === theta && one.onset <= t);
@@ -51,5 +56,7 @@ function settling(samples, faults, label, theta, fault, text) {
   const within = SETTLED * Math.abs(fault.fault.size);
   const time = settled(truth.t, truth.v, mine.v, from, within);
   if (time !== null) return {words: took(time), title: ''};
-  return unsettled(truth.t, truth.v, mine.v, within) ? {words: text.tooNoisy, title: text.tooNoisyHint} : {words: text.notYet, title: text.settleHint};
+  return unsettled(truth.t, truth.v, mine.v, within)
+    ? {words: text.tooNoisy, title: text.tooNoisyHint}
+    : {words: text.notYet, title: text.settleHint};
 }

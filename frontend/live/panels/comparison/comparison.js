@@ -27,15 +27,75 @@ export function mount(element, app) {
     if (element.hidden) return;
     const {text} = app;
     const [x, theta] = chosen();
-    const head = h('tr', {}, h('td'), h('th', {scope: 'col', title: text.rmseHint}, 'RMSE ', picker(plant.states, x, text.whichState, (name) => { state = name; build(); }, app)),
-      theta && h('th', {scope: 'col', title: text.settleHint}, text.settle, ' ', picker(plant.channels, theta, text.whichFault, (name) => { channel = name; build(); }, app)),
-      theta && h('th', {scope: 'col', title: text.noiseHint}, text.noiseShort, ' ', short(theta, plant.channels, app, true)));
+    const head = h(
+      'tr',
+      {},
+      h('td'),
+      h(
+        'th',
+        {scope: 'col', title: text.rmseHint},
+        'RMSE ',
+        picker(
+          plant.states,
+          x,
+          text.whichState,
+          (name) => {
+            state = name;
+            build();
+          },
+          app,
+        ),
+      ),
+      theta &&
+        h(
+          'th',
+          {scope: 'col', title: text.settleHint},
+          text.settle,
+          ' ',
+          picker(
+            plant.channels,
+            theta,
+            text.whichFault,
+            (name) => {
+              channel = name;
+              build();
+            },
+            app,
+          ),
+        ),
+      theta &&
+        h('th', {scope: 'col', title: text.noiseHint}, text.noiseShort, ' ', short(theta, plant.channels, app, true)),
+    );
     rows = [];
     const mine = group(observers, () => ({samples: app.samples, faults: app.state.faults, alarms: app.state.alarms}));
-    const first = origin && group(origin.observers.map((one) => ({...one, colour: observers.find(({label}) => label === one.label)?.colour ?? one.colour})),
-      () => ({samples: app.ghost, faults: origin.faults, alarms: origin.alarms}));
-    fill(body, mine, first && [h('tr', {class: 'origin'}, h('th', {scope: 'rowgroup', colspan: 4}, link(text.parentCurves, () => app.act.visit(app.state.parent.id), {title: text.toParent}))),
-      first.map((row) => { row.classList.add('of-origin'); return row; })]);
+    const first =
+      origin &&
+      group(
+        origin.observers.map((one) => ({
+          ...one,
+          colour: observers.find(({label}) => label === one.label)?.colour ?? one.colour,
+        })),
+        () => ({samples: app.ghost, faults: origin.faults, alarms: origin.alarms}),
+      );
+    fill(
+      body,
+      mine,
+      first && [
+        h(
+          'tr',
+          {class: 'origin'},
+          h(
+            'th',
+            {scope: 'rowgroup', colspan: 4},
+            link(text.parentCurves, () => app.act.visit(app.state.parent.id), {title: text.toParent}),
+          ),
+        ),
+        first.map((row) => {
+          row.classList.add('of-origin');
+          return row;
+        }),
+      ],
+    );
     fill(scroll, h('table', {}, h('caption', {class: 'said'}, text.comparison), h('thead', {}, head), body));
     fill(element, heading(text.comparison), scroll, more);
     forms = [new Form(), new Form(), new Form()];
@@ -49,20 +109,45 @@ export function mount(element, app) {
     const made = observers.map(({label, colour, kind}) => {
       const cells = theta ? [cell(), cell(), cell()] : [cell()];
       rows.push({cells, of: () => figuresOf(watched(), label, [x, theta], span(), text)});
-      return h('tr', {}, h('th', {scope: 'row', title: [label, text.kindNames[kind]].filter(Boolean).join(', ')}, h('span', {class: 'who'}, chip(colour), h('span', {}, label))), cells);
+      return h(
+        'tr',
+        {},
+        h(
+          'th',
+          {scope: 'row', title: [label, text.kindNames[kind]].filter(Boolean).join(', ')},
+          h('span', {class: 'who'}, chip(colour), h('span', {}, label)),
+        ),
+        cells,
+      );
     });
     if (!theta || app.state.diagnosis?.note !== '') return made;
     const found = cell();
     rows.push({cells: [found], of: () => [detected(watched(), theta, span()[1], text)]});
-    return [...made, h('tr', {class: 'detector', title: text.foundHint}, h('th', {scope: 'row', colspan: 2}, text.foundBy), found, h('td'))];
+    return [
+      ...made,
+      h(
+        'tr',
+        {class: 'detector', title: text.foundHint},
+        h('th', {scope: 'row', colspan: 2}, text.foundBy),
+        found,
+        h('td'),
+      ),
+    ];
   };
   /** State and channel of the columns: chosen by hand, else the first state and the newest fault. */
   const chosen = () => {
     const {plant, faults, columns} = app.state;
-    const estimated = plant.channels.filter((one) => columns.some((column) => column.endsWith(`.theta.${one.name}`) && !column.startsWith('theta.')));
-    const newest = faults.findLast((fault) => fault.onChannel && fault.active && estimated.some((one) => one.name === fault.subject));
+    const estimated = plant.channels.filter((one) =>
+      columns.some((column) => column.endsWith(`.theta.${one.name}`) && !column.startsWith('theta.')),
+    );
+    const newest = faults.findLast(
+      (fault) => fault.onChannel && fault.active && estimated.some((one) => one.name === fault.subject),
+    );
     const x = plant.states.some((one) => one.name === state) ? state : plant.states[0].name;
-    return [x, plant.channels.some((one) => one.name === channel) ? channel : newest?.subject ?? estimated[0]?.name ?? null];
+    return [
+      x,
+      plant.channels.some((one) => one.name === channel) ? channel : (newest?.subject ?? estimated[0]?.name ?? null),
+    ];
   };
   const span = () => {
     const {t, window, selection} = app.state;
@@ -73,16 +158,21 @@ export function mount(element, app) {
     const found = rows.map(({cells, of}) => [cells, of()]);
     forms.forEach((form, place) => form.take(found.map(([, figures]) => figures[place]?.value)));
     for (const [cells, figures] of found) {
-      for (const [place, {words, value, title}] of figures.entries()) put(cells[place], words ?? forms[place].write(value), title);
+      for (const [place, {words, value, title}] of figures.entries())
+        put(cells[place], words ?? forms[place].write(value), title);
     }
   };
   app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, s.diagnosis?.note], build);
   app.subscribe((s) => [s.faults, s.origin], build);
   app.onTick(() => {
-    late ||= setTimeout(() => { // the last of many changes counts, too
-      [late, last] = [0, performance.now()];
-      compute();
-    }, Math.max(0, last + EVERY - performance.now()));
+    late ||= setTimeout(
+      () => {
+        // the last of many changes counts, too
+        [late, last] = [0, performance.now()];
+        compute();
+      },
+      Math.max(0, last + EVERY - performance.now()),
+    );
   });
 }
 
@@ -96,13 +186,32 @@ function put(cell, words, title) {
 function short(name, items, app, hat = false) {
   if (split(name)[0].length === 1) return symbol(name, hat);
   const [letters, index] = badges(items).get(name);
-  return h('span', {class: 'math', title: called(name, app.state.plant, app.text)}, hat ? hatted(letters) : h('i', {}, letters), index && h('sub', {}, index));
+  return h(
+    'span',
+    {class: 'math', title: called(name, app.state.plant, app.text)},
+    hat ? hatted(letters) : h('i', {}, letters),
+    index && h('sub', {}, index),
+  );
 }
 
 /** Which state or channel a column is about. */
 function picker(items, chosen, name, choose, app) {
   if (items.length < 2) return short(chosen, items, app);
   const title = (item) => app.text.named(titleOf(item));
-  return h('span', {class: 'picker'}, short(chosen, items, app), h('select', {'aria-label': name, onchange: (event) => choose(event.target.value)},
-    items.map((item) => h('option', {value: item.name, selected: item.name === chosen}, symbolic(item.name) ? `${plain(item.name)}  ${title(item)}` : title(item) || plain(item.name)))));
+  return h(
+    'span',
+    {class: 'picker'},
+    short(chosen, items, app),
+    h(
+      'select',
+      {'aria-label': name, onchange: (event) => choose(event.target.value)},
+      items.map((item) =>
+        h(
+          'option',
+          {value: item.name, selected: item.name === chosen},
+          symbolic(item.name) ? `${plain(item.name)}  ${title(item)}` : title(item) || plain(item.name),
+        ),
+      ),
+    ),
+  );
 }

@@ -9,7 +9,10 @@ export function rmse(a, b) {
   let count = 0;
   for (let k = 0; k < a.length; k += 1) {
     const difference = a[k] - b[k];
-    if (difference === difference) { sum += difference * difference; count += 1; }
+    if (difference === difference) {
+      sum += difference * difference;
+      count += 1;
+    }
   }
   return count ? Math.sqrt(sum / count) : NaN;
 }
@@ -48,13 +51,23 @@ export function unsettled(t, truth, estimate, within) {
 
 /** How much an estimate trembles: standard deviation about its straight line over the samples given. */
 export function noise(t, values) {
-  let n = 0; let st = 0; let sv = 0; let stt = 0; let stv = 0; let svv = 0;
+  let n = 0;
+  let st = 0;
+  let sv = 0;
+  let stt = 0;
+  let stv = 0;
+  let svv = 0;
   const t0 = t[0] ?? 0;
   for (let k = 0; k < values.length; k += 1) {
     const v = values[k];
     if (v !== v) continue;
     const x = t[k] - t0;
-    n += 1; st += x; sv += v; stt += x * x; stv += x * v; svv += v * v;
+    n += 1;
+    st += x;
+    sv += v;
+    stt += x * x;
+    stv += x * v;
+    svv += v * v;
   }
   if (n < 3) return NaN;
   const cov = stv - (st * sv) / n;

@@ -15,7 +15,9 @@ export function mount(element, app) {
   const body = h('div', {class: 'dialog-body', tabindex: 0});
   const close = h('button', {type: 'button', class: 'plain', onclick: () => dialog.close()}, icon('close'));
   const dialog = h('dialog', {'aria-labelledby': 'dialog-title'}, h('div', {class: 'dialog-head'}, title, close), body);
-  dialog.addEventListener('click', (event) => { if (event.target === dialog) dialog.close(); });
+  dialog.addEventListener('click', (event) => {
+    if (event.target === dialog) dialog.close();
+  });
   dialog.addEventListener('close', () => fill(body));
   fill(element, dialog);
   opens((name) => {

@@ -4,7 +4,8 @@ import {fill, h} from '../../../common/dom.js';
 import {KEYS} from './keyboard.js';
 
 const svg = (...parts) => h('svg', {viewBox: '0 0 26 14', width: 26, height: 14, 'aria-hidden': 'true'}, parts);
-const path = (d, colour, filled = true, more = {}) => h('path', {d, fill: filled ? colour : 'none', stroke: filled ? 'none' : colour, 'stroke-width': 1.6, ...more});
+const path = (d, colour, filled = true, more = {}) =>
+  h('path', {d, fill: filled ? colour : 'none', stroke: filled ? 'none' : colour, 'stroke-width': 1.6, ...more});
 
 /** The marks on strips and timeline, as they are drawn there. */
 const MARKS = {
@@ -24,7 +25,33 @@ const MARKS = {
 };
 
 export function showHelp(body, app) {
-  const rows = KEYS.map(({keys, does}) => h('tr', {}, h('th', {scope: 'row'}, keys.map((key) => h('kbd', {}, app.text.keyNames[key] ?? key))), h('td', {}, app.text.keys[does])));
-  fill(body, h('table', {class: 'keys'}, h('tbody', {}, rows)), h('p', {class: 'soft'}, app.text.keysNote),
-    h('h3', {}, app.text.marksTitle), h('table', {class: 'keys marks-list'}, h('tbody', {}, Object.entries(MARKS).map(([name, draw]) => h('tr', {}, h('td', {}, svg(...[draw()].flat())), h('td', {}, app.text.marks[name]))))));
+  const rows = KEYS.map(({keys, does}) =>
+    h(
+      'tr',
+      {},
+      h(
+        'th',
+        {scope: 'row'},
+        keys.map((key) => h('kbd', {}, app.text.keyNames[key] ?? key)),
+      ),
+      h('td', {}, app.text.keys[does]),
+    ),
+  );
+  fill(
+    body,
+    h('table', {class: 'keys'}, h('tbody', {}, rows)),
+    h('p', {class: 'soft'}, app.text.keysNote),
+    h('h3', {}, app.text.marksTitle),
+    h(
+      'table',
+      {class: 'keys marks-list'},
+      h(
+        'tbody',
+        {},
+        Object.entries(MARKS).map(([name, draw]) =>
+          h('tr', {}, h('td', {}, svg(...[draw()].flat())), h('td', {}, app.text.marks[name])),
+        ),
+      ),
+    ),
+  );
 }

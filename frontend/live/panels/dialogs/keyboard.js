@@ -10,7 +10,11 @@ export const KEYS = [
   {keys: ['.'], does: 'step', act: (app) => app.act.step(1)},
   {keys: ['ArrowLeft'], does: 'back', act: (app) => look(app, -1)},
   {keys: ['ArrowRight'], does: 'on', act: (app) => look(app, 1)},
-  {keys: ['End', 'Escape'], does: 'now', act: (app, key) => (key === 'Escape' && leaves(app.state) ? app.act.present(false) : app.act.select(null))},
+  {
+    keys: ['End', 'Escape'],
+    does: 'now',
+    act: (app, key) => (key === 'Escape' && leaves(app.state) ? app.act.present(false) : app.act.select(null)),
+  },
   {keys: ['Home'], does: 'reset', act: (app) => app.act.reset()},
   {keys: ['+', '='], does: 'faster', act: (app) => app.act.speed(faster(app.state.speed, 1))},
   {keys: ['-'], does: 'slower', act: (app) => app.act.speed(faster(app.state.speed, -1))},
@@ -27,7 +31,8 @@ export const KEYS = [
 ];
 
 /** Whether Escape ends the presentation: only where there is nothing else that it would close. */
-const leaves = ({presentation, selection, looking}) => presentation && !selection && looking === null && !document.querySelector('dialog[open], .menu[open]');
+const leaves = ({presentation, selection, looking}) =>
+  presentation && !selection && looking === null && !document.querySelector('dialog[open], .menu[open]');
 
 /** Open the tab of a key while presenting; the focus stays, so that Space still plays. */
 function choose(app, key) {
@@ -55,20 +60,24 @@ function own(element, key) {
   const dialog = element.closest('dialog');
   if (dialog) return dialog.open; // one that has just been closed keeps the focus until the page is drawn
   if (element.matches('input:not([type=range]), textarea, select, [contenteditable]')) return true;
-  if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *')) return key.startsWith('Arrow') || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
+  if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *'))
+    return key.startsWith('Arrow') || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
   return element.matches('button:not([role=tab]), a, summary, [role=button]') && (key === ' ' || key === 'Enter');
 }
 
 export function mount(element, app) {
   element.addEventListener('keydown', (event) => {
-    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || own(event.target, event.key)) return;
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || own(event.target, event.key))
+      return;
     if (event.key === 'Escape' && document.querySelector(':popover-open')) return; // the browser closes it
     const name = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toUpperCase() : event.key;
     const channel = /^[1-9]$/.test(name) ? app.state.plant?.channels[Number(name) - 1] : null;
     const found = KEYS.find((one) => one.act && one.keys.includes(name));
     if (!channel && !found) return;
     event.preventDefault();
-    if (channel) { app.act.site(null); app.act.site(channel.name); }
-    else Promise.resolve(found.act(app, name)).catch(app.act.refused);
+    if (channel) {
+      app.act.site(null);
+      app.act.site(channel.name);
+    } else Promise.resolve(found.act(app, name)).catch(app.act.refused);
   });
 }

@@ -6,4 +6,6 @@ let show = () => {};
 export const open = (name) => show(name);
 
 /** Say how dialogs are opened. */
-export function opens(how) { show = how; }
+export function opens(how) {
+  show = how;
+}

@@ -6,10 +6,16 @@ import {icon} from '../../../widgets/svg.js';
 export async function showShare(body, app) {
   const {text} = app;
   fill(body, h('p', {class: 'soft'}, text.wait));
-  const kinds = [[text.controlLink, text.controlLinkHint, {}], [text.viewLink, text.viewLinkHint, {view: true}]];
+  const kinds = [
+    [text.controlLink, text.controlLinkHint, {}],
+    [text.viewLink, text.viewLinkHint, {view: true}],
+  ];
   try {
     const links = await Promise.all(kinds.map(([, , options]) => app.act.link(options)));
-    fill(body, kinds.map(([title, hint], place) => row(title, hint, new URL(links[place], location.href).href, text)));
+    fill(
+      body,
+      kinds.map(([title, hint], place) => row(title, hint, new URL(links[place], location.href).href, text)),
+    );
     body.querySelector('button').focus();
   } catch (error) {
     fill(body, h('p', {class: 'alarm'}, error.message));
@@ -17,17 +23,43 @@ export async function showShare(body, app) {
 }
 
 function row(title, hint, address, text) {
-  const field = h('input', {type: 'text', readonly: true, value: address, 'aria-label': title, onfocus: () => field.select()});
+  const field = h('input', {
+    type: 'text',
+    readonly: true,
+    value: address,
+    'aria-label': title,
+    onfocus: () => field.select(),
+  });
   const copied = h('span', {class: 'soft', role: 'status'});
-  const copy = h('button', {type: 'button', class: 'press', onclick: async () => {
-    try {
-      await navigator.clipboard.writeText(address);
-    } catch { // without permission, or without https
-      field.select();
-      document.execCommand('copy');
-    }
-    copied.textContent = text.copied;
-    setTimeout(() => { copied.textContent = ''; }, 2500);
-  }}, icon('link', 13), ' ', text.copy);
-  return h('section', {class: 'share'}, h('h3', {}, title), h('p', {class: 'soft'}, hint), h('div', {class: 'copy-row'}, field, copy), copied);
+  const copy = h(
+    'button',
+    {
+      type: 'button',
+      class: 'press',
+      onclick: async () => {
+        try {
+          await navigator.clipboard.writeText(address);
+        } catch {
+          // without permission, or without https
+          field.select();
+          document.execCommand('copy');
+        }
+        copied.textContent = text.copied;
+        setTimeout(() => {
+          copied.textContent = '';
+        }, 2500);
+      },
+    },
+    icon('link', 13),
+    ' ',
+    text.copy,
+  );
+  return h(
+    'section',
+    {class: 'share'},
+    h('h3', {}, title),
+    h('p', {class: 'soft'}, hint),
+    h('div', {class: 'copy-row'}, field, copy),
+    copied,
+  );
 }

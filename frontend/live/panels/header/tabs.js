@@ -14,13 +14,25 @@ export function mountTabs(app) {
     for (const button of buttons) button.setAttribute('aria-pressed', String(button.id === `tab-${name}`));
     scrollTo(0, 0);
   };
-  const place = () => { bar.hidden = !narrow.matches; };
+  const place = () => {
+    bar.hidden = !narrow.matches;
+  };
   narrow.addEventListener('change', place);
-  app.subscribe((state) => state.language, () => {
-    bar.setAttribute('aria-label', app.text.tabsLabel);
-    TABS.forEach((name, at) => { buttons[at].textContent = app.text.tabs[name]; });
-  });
-  app.subscribe((state) => state.site, (site) => { if (site && narrow.matches) choose('inject'); });
+  app.subscribe(
+    (state) => state.language,
+    () => {
+      bar.setAttribute('aria-label', app.text.tabsLabel);
+      TABS.forEach((name, at) => {
+        buttons[at].textContent = app.text.tabs[name];
+      });
+    },
+  );
+  app.subscribe(
+    (state) => state.site,
+    (site) => {
+      if (site && narrow.matches) choose('inject');
+    },
+  );
   choose('curves');
   place();
 }

@@ -5,7 +5,11 @@ import {icon} from '../../../widgets/svg.js';
 
 export function mount(element, app) {
   const name = h('span', {class: 'what'});
-  const button = h('button', {type: 'button', class: 'experiment', 'aria-haspopup': 'true', 'aria-expanded': 'false', onclick: () => toggle()}, h('h1', {}, name, icon('down', 13)));
+  const button = h(
+    'button',
+    {type: 'button', class: 'experiment', 'aria-haspopup': 'true', 'aria-expanded': 'false', onclick: () => toggle()},
+    h('h1', {}, name, icon('down', 13)),
+  );
   const sub = h('p', {class: 'sub'});
   const filter = h('input', {type: 'search', autocomplete: 'off', spellcheck: 'false'});
   const list = h('ul', {class: 'choices'});
@@ -18,32 +22,56 @@ export function mount(element, app) {
     if (!on) return;
     const {experiments, plants} = await app.catalogue;
     const titles = Object.fromEntries(plants.map((plant) => [plant.id, plant.title]));
-    fill(list, experiments.map((one) => entry(one, titles[one.plant])));
+    fill(
+      list,
+      experiments.map((one) => entry(one, titles[one.plant])),
+    );
     filter.value = '';
     filter.placeholder = app.text.findExperiment;
     filter.setAttribute('aria-label', app.text.findExperiment);
     filter.focus();
   };
-  const entry = (one, plant) => h('li', {}, h('a', {href: `/?experiment=${encodeURIComponent(one.id)}`, 'aria-current': one.id === app.state.experiment ? 'true' : null, onclick: (event) => {
-    if (event.ctrlKey || event.metaKey || event.shiftKey) return;
-    event.preventDefault();
-    toggle(false);
-    button.focus();
-    app.act.open(one.id);
-  }}, h('b', {}, app.text.named(one.title) || one.id), h('span', {}, app.text.named(plant) ?? one.plant)));
+  const entry = (one, plant) =>
+    h(
+      'li',
+      {},
+      h(
+        'a',
+        {
+          href: `/?experiment=${encodeURIComponent(one.id)}`,
+          'aria-current': one.id === app.state.experiment ? 'true' : null,
+          onclick: (event) => {
+            if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+            event.preventDefault();
+            toggle(false);
+            button.focus();
+            app.act.open(one.id);
+          },
+        },
+        h('b', {}, app.text.named(one.title) || one.id),
+        h('span', {}, app.text.named(plant) ?? one.plant),
+      ),
+    );
   filter.addEventListener('input', () => {
     const words = filter.value.toLowerCase().split(/\s+/);
-    for (const item of list.children) item.hidden = !words.every((word) => item.textContent.toLowerCase().includes(word));
+    for (const item of list.children)
+      item.hidden = !words.every((word) => item.textContent.toLowerCase().includes(word));
   });
   menu.addEventListener('keydown', (event) => {
-    if (event.key === 'Escape') { event.preventDefault(); toggle(false); button.focus(); }
+    if (event.key === 'Escape') {
+      event.preventDefault();
+      toggle(false);
+      button.focus();
+    }
     if (event.key !== 'ArrowDown' && event.key !== 'ArrowUp') return;
     event.preventDefault();
     const links = [...list.querySelectorAll('li:not([hidden]) a')];
     const next = links[links.indexOf(document.activeElement) + (event.key === 'ArrowDown' ? 1 : -1)];
     (next ?? (event.key === 'ArrowUp' ? filter : links[0]))?.focus();
   });
-  document.addEventListener('pointerdown', (event) => { if (!menu.hidden && !element.contains(event.target)) toggle(false); });
+  document.addEventListener('pointerdown', (event) => {
+    if (!menu.hidden && !element.contains(event.target)) toggle(false);
+  });
 
   /** A name that does not fit is smaller; if it then still takes two lines, what it is about has one. */
   const fit = () => {
@@ -53,12 +81,21 @@ export function mount(element, app) {
   };
   new ResizeObserver(fit).observe(element);
 
-  app.subscribe((state) => [state.spec?.title, state.plant, state.observers.length, state.language], () => {
-    const {spec, plant, observers} = app.state;
-    name.textContent = spec ? app.text.named(plant?.title) || app.text.named(spec.title) || spec.id : app.text.wait;
-    fit();
-    button.title = app.text.chooseExperiment;
-    fill(sub, spec && [app.text.named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, observers.length)}`)]);
-    sub.title = [app.text.named(spec?.title), spec?.source].filter(Boolean).join('. ');
-  });
+  app.subscribe(
+    (state) => [state.spec?.title, state.plant, state.observers.length, state.language],
+    () => {
+      const {spec, plant, observers} = app.state;
+      name.textContent = spec ? app.text.named(plant?.title) || app.text.named(spec.title) || spec.id : app.text.wait;
+      fit();
+      button.title = app.text.chooseExperiment;
+      fill(
+        sub,
+        spec && [
+          app.text.named(spec.title),
+          plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, observers.length)}`),
+        ],
+      );
+      sub.title = [app.text.named(spec?.title), spec?.source].filter(Boolean).join('. ');
+    },
+  );
 }

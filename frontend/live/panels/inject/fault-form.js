@@ -44,8 +44,12 @@ const FIRST = {
 
 /** First values of a shape's own fields. */
 export function firstValues(shape, subject) {
-  return Object.fromEntries(ownFields(shape).map((field) => [field.name,
-    FIRST[field.name]?.(subject) ?? field.default ?? shape.example[field.name] ?? null]));
+  return Object.fromEntries(
+    ownFields(shape).map((field) => [
+      field.name,
+      FIRST[field.name]?.(subject) ?? field.default ?? shape.example[field.name] ?? null,
+    ]),
+  );
 }
 
 /** The slider of the main field. */
@@ -72,15 +76,20 @@ export function limits(field, subject) {
 export function read(field, text) {
   const trimmed = text.trim().replace('−', '-');
   if (field.type === 'array') {
-    const parts = trimmed.split(/[\s,;]+/).filter(Boolean).map(Number);
+    const parts = trimmed
+      .split(/[\s,;]+/)
+      .filter(Boolean)
+      .map(Number);
     return parts.length && parts.every(Number.isFinite) ? parts : undefined;
   }
   if (field.type === 'choice') return trimmed;
   if (trimmed === '') return field.nullable ? null : undefined;
   const value = Number(trimmed.replace(',', '.'));
-  const fits = Number.isFinite(value) && !(value < field.minimum) && !(value <= field.above) && !(value > field.maximum);
+  const fits =
+    Number.isFinite(value) && !(value < field.minimum) && !(value <= field.above) && !(value > field.maximum);
   return fits ? value : undefined;
 }
 
 /** A value as one types it. */
-export const spell = (value) => (Array.isArray(value) ? value.join(', ') : value === null || value === undefined ? '' : String(value));
+export const spell = (value) =>
+  Array.isArray(value) ? value.join(', ') : value === null || value === undefined ? '' : String(value);

@@ -12,7 +12,13 @@ import {badge, refusal, seconds, slider} from '../../../widgets/controls.js';
 export function createRow(app, subjectOf, about) {
   const {text} = app;
   const subject = subjectOf();
-  const menu = h('select', {class: 'shape', 'aria-label': text.shapeOf(about.title)}, about.shapes.map((shape) => h('option', {value: shape.shape, title: text.named(shape.description)}, text.shapes[shape.shape] ?? shape.shape)));
+  const menu = h(
+    'select',
+    {class: 'shape', 'aria-label': text.shapeOf(about.title)},
+    about.shapes.map((shape) =>
+      h('option', {value: shape.shape, title: text.named(shape.description)}, text.shapes[shape.shape] ?? shape.shape),
+    ),
+  );
   const control = h('div', {class: 'control'});
   const more = h('div', {class: 'more-fields'});
   const problem = h('p', {class: 'refused', role: 'alert'});
@@ -20,9 +26,17 @@ export function createRow(app, subjectOf, about) {
   const sub = h('span', {class: 'sub'});
   const press = h('button', {type: 'button', class: 'press'});
   const change = h('button', {type: 'button', class: 'press quiet-press', hidden: true}, text.change);
-  const element = h('div', {class: 'fault', id: `fault-${subject.name}`, role: 'group', 'aria-label': about.title},
-    badge(about.badge, {square: !subject.onChannel}), h('div', {class: 'name'}, h('b', {title: about.description}, about.title), sub),
-    h('div', {class: 'presses'}, change, press), control, more, stack, problem);
+  const element = h(
+    'div',
+    {class: 'fault', id: `fault-${subject.name}`, role: 'group', 'aria-label': about.title},
+    badge(about.badge, {square: !subject.onChannel}),
+    h('div', {class: 'name'}, h('b', {title: about.description}, about.title), sub),
+    h('div', {class: 'presses'}, change, press),
+    control,
+    more,
+    stack,
+    problem,
+  );
   const row = {element, shape: null, values: {}, end: null, typed: null, active: null, edited: false, main: null};
 
   const touch = () => {
@@ -39,16 +53,31 @@ export function createRow(app, subjectOf, about) {
     row.main = field && mainSlider(field, row, now, about.title, touch, text);
     const open = !row.fold?.hidden && row.fold !== undefined;
     const {summary, entries} = moreFields(row, field, touch, text);
-    const dots = h('button', {type: 'button', class: 'plain dots', 'aria-expanded': String(open), 'aria-label': text.moreOf(about.title), title: text.moreOf(about.title), onclick: () => {
-      entries.hidden = !entries.hidden;
-      dots.setAttribute('aria-expanded', String(!entries.hidden));
-    }}, '⋯');
+    const dots = h(
+      'button',
+      {
+        type: 'button',
+        class: 'plain dots',
+        'aria-expanded': String(open),
+        'aria-label': text.moreOf(about.title),
+        title: text.moreOf(about.title),
+        onclick: () => {
+          entries.hidden = !entries.hidden;
+          dots.setAttribute('aria-expanded', String(!entries.hidden));
+        },
+      },
+      '⋯',
+    );
     row.fold = entries;
     entries.hidden = !open;
     fill(control, menu, row.main ? [row.main.range, row.main.field] : h('span', {class: 'stretch'}), dots);
     fill(more, summary, entries);
   };
-  menu.addEventListener('change', () => { row.typed = null; build(); touch(); });
+  menu.addEventListener('change', () => {
+    row.typed = null;
+    build();
+    touch();
+  });
 
   const ask = async (commands) => {
     refusal(problem, null, text);
@@ -64,7 +93,10 @@ export function createRow(app, subjectOf, about) {
     }
   };
   const where = subject.onChannel ? {channel: subject.name} : {output: subject.name};
-  const inject = () => ({type: 'inject', fault: {...where, shape: row.shape.shape, onset: 0, ...(row.end === null ? {} : {end: row.end}), ...row.values}});
+  const inject = () => ({
+    type: 'inject',
+    fault: {...where, shape: row.shape.shape, onset: 0, ...(row.end === null ? {} : {end: row.end}), ...row.values},
+  });
   control.addEventListener('keydown', (event) => {
     if (event.key !== 'Enter' || !event.target.matches('input') || press.disabled) return;
     event.preventDefault();
@@ -88,12 +120,19 @@ export function createRow(app, subjectOf, about) {
     press.classList.toggle('clear', Boolean(fault));
     press.setAttribute('aria-label', `${fault ? text.clear : text.inject}: ${about.title}`);
     press.disabled = role === 'view';
-    const beside = fault ? text.since(seconds(fault.onset, horizon)) : planned.length ? text.plannedAt(seconds(Math.min(...planned.map(({onset}) => onset)), horizon)) : subject.unit;
+    const beside = fault
+      ? text.since(seconds(fault.onset, horizon))
+      : planned.length
+        ? text.plannedAt(seconds(Math.min(...planned.map(({onset}) => onset)), horizon))
+        : subject.unit;
     stack.textContent = fault ? stacked(acting, planned, horizon, text) : '';
     fill(sub, h('span', {class: 'kind'}, about.kind, beside && ' · '), beside);
     if (fault && other) adopt(row, menu, fault, build);
     if (!fault && row.end !== row.typed) build(row.values, row.typed); // how long the last one lasted says nothing of the next
-    if (other) { row.edited = false; change.hidden = true; }
+    if (other) {
+      row.edited = false;
+      change.hidden = true;
+    }
   };
   build();
   return row;
@@ -101,10 +140,26 @@ export function createRow(app, subjectOf, about) {
 
 /** What else acts there and is added to it, and what is planned on top. */
 function stacked(acting, planned, horizon, text) {
-  const part = (way) => ({fault, shape, onset}) => way({size: fault.size === undefined ? '' : number(fault.size, 3), shape: text.shapes[shape] ?? shape, t: seconds(onset, horizon)});
+  const part =
+    (way) =>
+    ({fault, shape, onset}) =>
+      way({
+        size: fault.size === undefined ? '' : number(fault.size, 3),
+        shape: text.shapes[shape] ?? shape,
+        t: seconds(onset, horizon),
+      });
   const steps = acting.length > 1 && acting.every(({shape, onChannel}) => shape === 'step' && onChannel);
-  const said = [acting.length > 1 && text.besides(acting.slice(0, -1).map(part(text.part))), steps && text.inAll(number(acting.reduce((sum, {fault}) => sum + fault.size, 0), 3)),
-    planned.length > 0 && `${acting.length > 1 ? ' ' : ''}${text.moreFrom(planned.map(part(text.partFrom)))}`];
+  const said = [
+    acting.length > 1 && text.besides(acting.slice(0, -1).map(part(text.part))),
+    steps &&
+      text.inAll(
+        number(
+          acting.reduce((sum, {fault}) => sum + fault.size, 0),
+          3,
+        ),
+      ),
+    planned.length > 0 && `${acting.length > 1 ? ' ' : ''}${text.moreFrom(planned.map(part(text.partFrom)))}`,
+  ];
   return text.tight(said.filter(Boolean).join(''));
 }
 
@@ -115,14 +170,24 @@ const identity = (state) => (state ? JSON.stringify({...state.fault, end: null})
 function adopt(row, menu, {fault}, build) {
   menu.value = fault.shape;
   build();
-  const values = Object.fromEntries(ownFields(row.shape).map((field) => [field.name, fault[field.name] ?? row.values[field.name]]));
+  const values = Object.fromEntries(
+    ownFields(row.shape).map((field) => [field.name, fault[field.name] ?? row.values[field.name]]),
+  );
   build(values, fault.end === null || fault.end === undefined ? null : fault.end - fault.onset);
 }
 
 function mainSlider(field, row, subject, title, touch, text) {
   const first = firstValues(row.shape, subject)[field.name];
-  const made = slider({name: `${title}: ${text.fields[field.name] ?? field.name}`, scale: mainScale(field, subject, first), value: row.values[field.name],
-    ...limits(field, subject), change: (value) => { row.values[field.name] = value; touch(); }});
+  const made = slider({
+    name: `${title}: ${text.fields[field.name] ?? field.name}`,
+    scale: mainScale(field, subject, first),
+    value: row.values[field.name],
+    ...limits(field, subject),
+    change: (value) => {
+      row.values[field.name] = value;
+      touch();
+    },
+  });
   made.range.title = text.named(field.description);
   made.field.title = `${text.fields[field.name] ?? field.name}${subject.unit ? `, ${subject.unit}` : ''}`;
   return made;
@@ -134,13 +199,28 @@ function moreFields(row, main, touch, text) {
   const summary = h('p', {class: 'summary'});
   const show = () => {
     const values = rest.map((field) => `${text.fields[field.name] ?? field.name} ${short(row.values[field.name])}`);
-    summary.textContent = [...values, row.end === null ? null : text.endsAfter(number(row.end, 3))].filter(Boolean).join(' · ');
+    summary.textContent = [...values, row.end === null ? null : text.endsAfter(number(row.end, 3))]
+      .filter(Boolean)
+      .join(' · ');
   };
   const entry = (name, title, field, value, set) => {
     const id = `field-${Math.random().toString(36).slice(2, 8)}`;
-    const input = field.type === 'choice'
-      ? h('select', {id}, field.choices.map((choice) => h('option', {selected: choice === value}, choice)))
-      : h('input', {id, type: 'text', value: spell(value), inputmode: field.type === 'array' ? 'text' : 'decimal', title: text.named(field.description), autocomplete: 'off', spellcheck: 'false'});
+    const input =
+      field.type === 'choice'
+        ? h(
+            'select',
+            {id},
+            field.choices.map((choice) => h('option', {selected: choice === value}, choice)),
+          )
+        : h('input', {
+            id,
+            type: 'text',
+            value: spell(value),
+            inputmode: field.type === 'array' ? 'text' : 'decimal',
+            title: text.named(field.description),
+            autocomplete: 'off',
+            spellcheck: 'false',
+          });
     input.addEventListener('change', () => {
       const typed = read(field, input.value);
       if (typed === undefined) return input.setAttribute('aria-invalid', 'true');
@@ -151,10 +231,25 @@ function moreFields(row, main, touch, text) {
     });
     return [h('label', {for: id}, title), input];
   };
-  const entries = rest.map((field) => entry(field.name, text.fields[field.name] ?? field.name, field, row.values[field.name], (value) => { row.values[field.name] = value; }));
-  entries.push(entry('end', text.fields.end, {type: 'number', nullable: true, above: 0, description: text.endHint}, row.end, (value) => { row.end = row.typed = value; }));
+  const entries = rest.map((field) =>
+    entry(field.name, text.fields[field.name] ?? field.name, field, row.values[field.name], (value) => {
+      row.values[field.name] = value;
+    }),
+  );
+  entries.push(
+    entry(
+      'end',
+      text.fields.end,
+      {type: 'number', nullable: true, above: 0, description: text.endHint},
+      row.end,
+      (value) => {
+        row.end = row.typed = value;
+      },
+    ),
+  );
   show();
   return {summary, entries: h('div', {class: 'entries'}, entries)};
 }
 
-const short = (value) => (Array.isArray(value) ? `${value.length}×` : typeof value === 'number' ? number(value, 3) : value);
+const short = (value) =>
+  Array.isArray(value) ? `${value.length}×` : typeof value === 'number' ? number(value, 3) : value;

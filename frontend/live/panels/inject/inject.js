@@ -24,19 +24,27 @@ export function mount(element, app) {
     if (!plant) return fill(element, heading(app.text.injectTitle));
     const channels = channelRows(app, plant, faults, rows);
     const outputs = outputRows(app, plant, faults, rows);
-    const toggle = link(app.text.moreFaults, () => {
-      show(!open);
-      if (open) outputs[0]?.element.scrollIntoView({block: 'nearest'});
-      if (open) list.scrollTop = Math.max(list.scrollTop, list.scrollHeight - list.clientHeight);
-    }, {'aria-expanded': 'false'});
+    const toggle = link(
+      app.text.moreFaults,
+      () => {
+        show(!open);
+        if (open) outputs[0]?.element.scrollIntoView({block: 'nearest'});
+        if (open) list.scrollTop = Math.max(list.scrollTop, list.scrollHeight - list.clientHeight);
+      },
+      {'aria-expanded': 'false'},
+    );
     const show = (now) => {
       open = now;
       toggle.setAttribute('aria-expanded', String(open));
       toggle.textContent = open ? app.text.fewerFaults : app.text.moreFaults;
       for (const {element: row, active} of outputs) row.hidden = !open && !active;
     };
-    fill(list, channels.map((row) => row.element), plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
-      plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]));
+    fill(
+      list,
+      channels.map((row) => row.element),
+      plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
+      plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]),
+    );
     fill(element, heading(app.text.injectTitle, tag, toggle), list, more);
     list.show = show;
     show(open);
@@ -44,7 +52,12 @@ export function mount(element, app) {
   };
   const update = () => {
     const {role, spec} = app.state;
-    for (const [subject, row] of rows) row.show(app.state.faults.filter((fault) => fault.subject === subject && !fault.ended), role, spec?.horizon);
+    for (const [subject, row] of rows)
+      row.show(
+        app.state.faults.filter((fault) => fault.subject === subject && !fault.ended),
+        role,
+        spec?.horizon,
+      );
     list.show?.(open);
   };
   const choose = (site) => {
@@ -58,15 +71,32 @@ export function mount(element, app) {
   };
   app.subscribe((state) => [state.plant, state.language, state.session], build);
   app.subscribe((state) => [state.faults, state.role], update);
-  app.subscribe((state) => state.site, (site) => choose(site));
+  app.subscribe(
+    (state) => state.site,
+    (site) => choose(site),
+  );
 }
 
 function channelRows(app, plant, shapes, rows) {
   const short = badges(plant.channels);
   const mine = shapes.filter((shape) => shape.on === 'channel');
   return plant.channels.map((channel) => {
-    const subject = {name: channel.name, onChannel: true, typical: channel.typical, bounds: channel.bounds, unit: channel.unit, level: 0, ...times(app)};
-    const row = createRow(app, () => subject, {title: titled(app.text.named(channel.title) || channel.name), description: app.text.named(channel.description), kind: app.text.kinds[channel.kind], badge: short.get(channel.name), shapes: mine});
+    const subject = {
+      name: channel.name,
+      onChannel: true,
+      typical: channel.typical,
+      bounds: channel.bounds,
+      unit: channel.unit,
+      level: 0,
+      ...times(app),
+    };
+    const row = createRow(app, () => subject, {
+      title: titled(app.text.named(channel.title) || channel.name),
+      description: app.text.named(channel.description),
+      kind: app.text.kinds[channel.kind],
+      badge: short.get(channel.name),
+      shapes: mine,
+    });
     rows.set(channel.name, row);
     return row;
   });
@@ -75,8 +105,21 @@ function channelRows(app, plant, shapes, rows) {
 function outputRows(app, plant, shapes, rows) {
   const mine = shapes.filter((shape) => shape.on === 'output');
   return plant.outputs.map((output) => {
-    const subject = () => ({name: output.name, onChannel: false, bounds: [null, null], unit: output.unit, ...size(app, output.name), ...times(app)});
-    const row = createRow(app, subject, {title: app.text.measurementOf(titled(app.text.named(output.description) || output.name)), description: '', kind: app.text.kinds.measurement, badge: split(output.name), shapes: mine});
+    const subject = () => ({
+      name: output.name,
+      onChannel: false,
+      bounds: [null, null],
+      unit: output.unit,
+      ...size(app, output.name),
+      ...times(app),
+    });
+    const row = createRow(app, subject, {
+      title: app.text.measurementOf(titled(app.text.named(output.description) || output.name)),
+      description: '',
+      kind: app.text.kinds.measurement,
+      badge: split(output.name),
+      shapes: mine,
+    });
     rows.set(output.name, row);
     return row;
   });
@@ -113,12 +156,32 @@ function noiseRow(app, output, ends) {
       made.show(noise().std);
     }
   });
-  const made = slider({name: text.noiseOf(called(output.name, app.state.plant, text)), scale: logarithmic(begin / 30, begin * 30, true), value: noise().std, low: 0, change: (std) => send(std)});
-  ends.push(app.subscribe((state) => [state.noise[output.name]?.std ?? 0, state.role], ([std, role]) => {
-    made.follow(std);
-    made.disable(role === 'view');
-  }));
+  const made = slider({
+    name: text.noiseOf(called(output.name, app.state.plant, text)),
+    scale: logarithmic(begin / 30, begin * 30, true),
+    value: noise().std,
+    low: 0,
+    change: (std) => send(std),
+  });
+  ends.push(
+    app.subscribe(
+      (state) => [state.noise[output.name]?.std ?? 0, state.role],
+      ([std, role]) => {
+        made.follow(std);
+        made.disable(role === 'view');
+      },
+    ),
+  );
   const hint = [text.noiseHeld(String(noise().sample_time)), output.unit].filter(Boolean).join(', ');
-  return h('div', {class: 'fault noise', role: 'group', 'aria-label': text.noiseOf(called(output.name, app.state.plant, text)), title: hint}, badge(split(output.name), {square: true}),
-    h('div', {class: 'control'}, h('span', {}, text.noise, ' ', h('i', {}, 'σ')), made.range, made.field));
+  return h(
+    'div',
+    {
+      class: 'fault noise',
+      role: 'group',
+      'aria-label': text.noiseOf(called(output.name, app.state.plant, text)),
+      title: hint,
+    },
+    badge(split(output.name), {square: true}),
+    h('div', {class: 'control'}, h('span', {}, text.noise, ' ', h('i', {}, 'σ')), made.range, made.field),
+  );
 }

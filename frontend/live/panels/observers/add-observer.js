@@ -5,19 +5,43 @@ import {fill, h} from '../../../common/dom.js';
 import {refusal} from '../../../widgets/controls.js';
 
 /** What an observer of a kind is called; of a kind that is not known here: the kind. */
-const SHORT = {'zhao-adaptive': 'adaptive', 'nonsmooth-adaptive': 'nonsmooth', 'linear-adaptive': 'linear', 'reduced-order': 'reduced', 'full-order': 'full',
-  'sandwich-nonsmooth': 'nonsmooth', 'sandwich-conventional': 'conventional', 'adaptive-kalman': 'kalman', 'adaptive-kalman-discrete': 'sampled', 'joint-ekf': 'ekf', 'joint-ukf': 'ukf'};
+const SHORT = {
+  'zhao-adaptive': 'adaptive',
+  'nonsmooth-adaptive': 'nonsmooth',
+  'linear-adaptive': 'linear',
+  'reduced-order': 'reduced',
+  'full-order': 'full',
+  'sandwich-nonsmooth': 'nonsmooth',
+  'sandwich-conventional': 'conventional',
+  'adaptive-kalman': 'kalman',
+  'adaptive-kalman-discrete': 'sampled',
+  'joint-ekf': 'ekf',
+  'joint-ukf': 'ukf',
+};
 
 /** Fill `element`, which is shown, with the form; `done` is called when it has been added or given up. */
 export function createAdder(element, app, kinds, done) {
   const {text} = app;
   const {plant, observers} = app.state;
   const discrete = plant?.time.kind === 'discrete';
-  const offered = kinds.filter((kind) => !(kind.time === 'continuous' && discrete) && !(kind.time === 'plant' && !discrete));
+  const offered = kinds.filter(
+    (kind) => !(kind.time === 'continuous' && discrete) && !(kind.time === 'plant' && !discrete),
+  );
   const others = kinds.filter((kind) => !offered.includes(kind));
   const option = (kind, disabled) => h('option', {value: kind.id, disabled}, text.kindNames[kind.id] ?? kind.title);
-  const menu = h('select', {'aria-label': text.kind}, offered.map((kind) => option(kind, false)), others.length > 0 && others.map((kind) => option(kind, true)));
-  const label = h('input', {type: 'text', 'aria-label': text.label, maxlength: 32, autocomplete: 'off', spellcheck: 'false'});
+  const menu = h(
+    'select',
+    {'aria-label': text.kind},
+    offered.map((kind) => option(kind, false)),
+    others.length > 0 && others.map((kind) => option(kind, true)),
+  );
+  const label = h('input', {
+    type: 'text',
+    'aria-label': text.label,
+    maxlength: 32,
+    autocomplete: 'off',
+    spellcheck: 'false',
+  });
   const about = h('p', {class: 'soft small'});
   const options = h('div', {class: 'entries'});
   const problem = h('p', {class: 'refused', role: 'alert'});
@@ -27,7 +51,9 @@ export function createAdder(element, app, kinds, done) {
   const inputs = new Map();
   let typed = false; // a label of one's own outlives another choice of kind
   let used = false; // what somebody has chosen or sent is not changed for him
-  label.addEventListener('input', () => { typed = true; });
+  label.addEventListener('input', () => {
+    typed = true;
+  });
 
   const chosen = () => offered.find((kind) => kind.id === menu.value);
   const choose = () => {
@@ -43,8 +69,16 @@ export function createAdder(element, app, kinds, done) {
     used = true;
     choose();
   });
-  const form = h('form', {class: 'add-form', 'aria-label': text.addObserver}, menu, about,
-    h('div', {class: 'entries'}, h('label', {}, text.label), label), options, problem, presses);
+  const form = h(
+    'form',
+    {class: 'add-form', 'aria-label': text.addObserver},
+    menu,
+    about,
+    h('div', {class: 'entries'}, h('label', {}, text.label), label),
+    options,
+    problem,
+    presses,
+  );
   form.addEventListener('keydown', (event) => {
     if (event.key !== 'Escape') return;
     event.preventDefault(); // the page's own Escape goes back to now
@@ -53,7 +87,9 @@ export function createAdder(element, app, kinds, done) {
   form.addEventListener('submit', async (event) => {
     event.preventDefault();
     used = true;
-    const given = Object.fromEntries([...inputs].map(([name, read]) => [name, read()]).filter(([, value]) => value !== null));
+    const given = Object.fromEntries(
+      [...inputs].map(([name, read]) => [name, read()]).filter(([, value]) => value !== null),
+    );
     add.disabled = true;
     try {
       await app.send({type: 'add-observer', observer: {label: label.value.trim(), kind: menu.value, options: given}});
@@ -68,12 +104,15 @@ export function createAdder(element, app, kinds, done) {
   menu.value = offered.find((kind) => kind.estimates_theta)?.id ?? menu.value;
   menu.focus();
   choose();
-  possible(plant).then((found) => {
-    if (!mark(menu, found, text) || used) return;
-    const left = [...menu.options].filter((one) => !one.disabled).map((one) => one.value);
-    menu.value = left.find((id) => kinds.find((kind) => kind.id === id).estimates_theta) ?? left[0] ?? '';
-    choose();
-  }, () => {}); // without it, the refusal says why
+  possible(plant).then(
+    (found) => {
+      if (!mark(menu, found, text) || used) return;
+      const left = [...menu.options].filter((one) => !one.disabled).map((one) => one.value);
+      menu.value = left.find((id) => kinds.find((kind) => kind.id === id).estimates_theta) ?? left[0] ?? '';
+      choose();
+    },
+    () => {},
+  ); // without it, the refusal says why
 }
 
 const checked = new Map();
@@ -81,7 +120,11 @@ const checked = new Map();
 /** Which kinds can be built for a plant, and why not: asked once a plant. */
 function possible(plant) {
   const key = JSON.stringify(plant);
-  if (!checked.has(key)) checked.set(key, post('/api/plants/check', plant).then(({observers}) => observers));
+  if (!checked.has(key))
+    checked.set(
+      key,
+      post('/api/plants/check', plant).then(({observers}) => observers),
+    );
   return checked.get(key);
 }
 
@@ -110,21 +153,45 @@ function optionFields(kind, plant, text, inputs) {
   const fields = [];
   if (kind.estimates_theta && plant.channels.length > 1) fields.push(channelField(plant, text, inputs));
   for (const option of kind.options) {
-    const input = option.kind === 'choice'
-      ? h('select', {}, option.choices.map((choice) => h('option', {selected: choice === option.default}, choice)))
-      : h('input', {type: 'text', inputmode: 'decimal', placeholder: option.default === null ? text.automatic : String(option.default)});
+    const input =
+      option.kind === 'choice'
+        ? h(
+            'select',
+            {},
+            option.choices.map((choice) => h('option', {selected: choice === option.default}, choice)),
+          )
+        : h('input', {
+            type: 'text',
+            inputmode: 'decimal',
+            placeholder: option.default === null ? text.automatic : String(option.default),
+          });
     input.setAttribute('aria-label', option.name);
-    inputs.set(option.name, () => (option.kind === 'choice' ? input.value : input.value.trim() === '' ? null : Number(input.value)));
+    inputs.set(option.name, () =>
+      option.kind === 'choice' ? input.value : input.value.trim() === '' ? null : Number(input.value),
+    );
     fields.push(h('label', {title: text.named(option.meaning)}, option.name.replaceAll('_', ' ')), input);
   }
   return fields;
 }
 
 function channelField(plant, text, inputs) {
-  const boxes = plant.channels.map((channel) => h('label', {class: 'box'}, h('input', {type: 'checkbox', value: channel.name, checked: true}), ` ${text.named(channel.title) || channel.name}`));
+  const boxes = plant.channels.map((channel) =>
+    h(
+      'label',
+      {class: 'box'},
+      h('input', {type: 'checkbox', value: channel.name, checked: true}),
+      ` ${text.named(channel.title) || channel.name}`,
+    ),
+  );
   inputs.set('channels', () => {
-    const picked = boxes.map((box) => box.firstChild).filter((box) => box.checked).map((box) => box.value);
+    const picked = boxes
+      .map((box) => box.firstChild)
+      .filter((box) => box.checked)
+      .map((box) => box.value);
     return picked.length === plant.channels.length || picked.length === 0 ? null : picked.join(',');
   });
-  return [h('span', {class: 'soft'}, text.estimates), h('details', {class: 'fold'}, h('summary', {}, text.whichChannels), h('div', {class: 'boxes'}, boxes))];
+  return [
+    h('span', {class: 'soft'}, text.estimates),
+    h('details', {class: 'fold'}, h('summary', {}, text.whichChannels), h('div', {class: 'boxes'}, boxes)),
+  ];
 }

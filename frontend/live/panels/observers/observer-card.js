@@ -9,11 +9,13 @@ const SHOWN = 2; // gains that are always in sight
 
 /** Every number of the gains that a running observer takes: a column gain is one for each entry. */
 function entries(kind, gains) {
-  return kind.gains.filter((gain) => gain.live !== false).flatMap((gain) => {
-    const now = gains[gain.name] ?? gain.default;
-    if (Array.isArray(now)) return now.map((value, place) => ({gain, place, value}));
-    return [{gain, place: null, value: now}];
-  });
+  return kind.gains
+    .filter((gain) => gain.live !== false)
+    .flatMap((gain) => {
+      const now = gains[gain.name] ?? gain.default;
+      if (Array.isArray(now)) return now.map((value, place) => ({gain, place, value}));
+      return [{gain, place: null, value: now}];
+    });
 }
 
 export function createCard(app, observer, kind) {
@@ -28,8 +30,26 @@ export function createCard(app, observer, kind) {
   const fold = h('details', {class: 'fold', hidden: true}, h('summary', {}, text.moreGains), more);
   const problem = h('p', {class: 'refused', role: 'alert'});
   const fallen = h('div', {class: 'fallen', hidden: true});
-  const cross = h('button', {type: 'button', class: 'plain control-only', title: text.removeObserver(observer.label), 'aria-label': text.removeObserver(observer.label)}, icon('close', 13));
-  const unfold = h('button', {type: 'button', class: 'unfold', title: `${text.gainsOf(observer.label)} (${text.kindNames[kind.id] ?? kind.title})`, onclick: () => open(body.hidden, true)}, h('b', {}, observer.label));
+  const cross = h(
+    'button',
+    {
+      type: 'button',
+      class: 'plain control-only',
+      title: text.removeObserver(observer.label),
+      'aria-label': text.removeObserver(observer.label),
+    },
+    icon('close', 13),
+  );
+  const unfold = h(
+    'button',
+    {
+      type: 'button',
+      class: 'unfold',
+      title: `${text.gainsOf(observer.label)} (${text.kindNames[kind.id] ?? kind.title})`,
+      onclick: () => open(body.hidden, true),
+    },
+    h('b', {}, observer.label),
+  );
   const body = h('div', {class: 'tuning'}, gains, fold);
   let chosen = false; // opened or closed by hand
   let listed = false; // the checks
@@ -38,9 +58,27 @@ export function createCard(app, observer, kind) {
     body.hidden = !on;
     unfold.setAttribute('aria-expanded', String(on));
   };
-  const element = h('section', {class: 'observer', 'aria-label': observer.label},
-    h('div', {class: 'observer-head'}, chip(observer.colour), unfold, h('span', {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`}, text.kindNames[kind.id] ?? kind.title), lights, cross),
-    checks, fallen, body, problem);
+  const element = h(
+    'section',
+    {class: 'observer', 'aria-label': observer.label},
+    h(
+      'div',
+      {class: 'observer-head'},
+      chip(observer.colour),
+      unfold,
+      h(
+        'span',
+        {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`},
+        text.kindNames[kind.id] ?? kind.title,
+      ),
+      lights,
+      cross,
+    ),
+    checks,
+    fallen,
+    body,
+    problem,
+  );
   const controls = new Map();
   cross.addEventListener('click', () => ask({type: 'remove-observer', label: observer.label}));
   checks.addEventListener('beforetoggle', ({newState}) => {
@@ -65,7 +103,8 @@ export function createCard(app, observer, kind) {
     if (controls.names !== names) build(now, names);
     for (const {gain, place, value} of now) {
       const control = controls.get(`${gain.name}.${place}`);
-      if (control && value !== null && value !== undefined && control.value !== value) control[force ? 'show' : 'follow'](value);
+      if (control && value !== null && value !== undefined && control.value !== value)
+        control[force ? 'show' : 'follow'](value);
     }
   };
   const build = (now, names) => {
@@ -80,7 +119,8 @@ export function createCard(app, observer, kind) {
     fold.hidden = rest.length === 0;
   };
   const card = {
-    element, label: observer.label,
+    element,
+    label: observer.label,
     update(next) {
       present = next ?? present;
       fill(fallen, present.diverged && fall(app, present));
@@ -88,15 +128,29 @@ export function createCard(app, observer, kind) {
       show();
       card.checks();
     },
-    lacks: (anew) => kind.gains.some((gain) => gain.live !== false && !(gain.name in present.gains) && (anew || !(gain.name in known)) && gain.default === null),
-    defaults(found) { known = {...found}; show(); },
+    lacks: (anew) =>
+      kind.gains.some(
+        (gain) =>
+          gain.live !== false &&
+          !(gain.name in present.gains) &&
+          (anew || !(gain.name in known)) &&
+          gain.default === null,
+      ),
+    defaults(found) {
+      known = {...found};
+      show();
+    },
     checks() {
       showLights(lights, checks, app.state.checks[observer.label] ?? [], listed, text);
       for (const control of controls.values()) control.disable(app.state.role === 'view');
       cross.hidden = app.state.role === 'view';
     },
-    end() { element.remove(); },
-    unfold(on) { if (!chosen) open(on); },
+    end() {
+      element.remove();
+    },
+    unfold(on) {
+      if (!chosen) open(on);
+    },
   };
   return card;
 }
@@ -108,28 +162,59 @@ function fall(app, {label, config, gains, diverged}) {
   const again = async (event) => {
     event.currentTarget.disabled = true;
     try {
-      await app.act.together([{type: 'remove-observer', label}, {type: 'add-observer', observer: {...config, gains}}]);
+      await app.act.together([
+        {type: 'remove-observer', label},
+        {type: 'add-observer', observer: {...config, gains}},
+      ]);
     } catch (error) {
       app.act.refused(error);
     }
   };
-  return [h('p', {class: 'alarm small'}, `${text.fellAt(seconds(diverged.t, app.state.spec?.horizon))}. ${words}${/[.。]$/.test(words) ? '' : text.stop}`),
-    app.state.broken === null && h('button', {type: 'button', class: 'press quiet-press control-only', title: text.startObserverHint, onclick: again}, text.startObserver)];
+  return [
+    h(
+      'p',
+      {class: 'alarm small'},
+      `${text.fellAt(seconds(diverged.t, app.state.spec?.horizon))}. ${words}${/[.。]$/.test(words) ? '' : text.stop}`,
+    ),
+    app.state.broken === null &&
+      h(
+        'button',
+        {type: 'button', class: 'press quiet-press control-only', title: text.startObserverHint, onclick: again},
+        text.startObserver,
+      ),
+  ];
 }
 
 /** A slider for one number of a gain; sent while it moves. */
 function gainLine(app, label, {gain, place, value}, controls, column, ask) {
   if (value === null || value === undefined) {
-    return h('div', {class: 'gain', title: app.text.named(gain.meaning)}, gainSymbol(gain, place), h('span', {class: 'soft'}, '…'));
+    return h(
+      'div',
+      {class: 'gain', title: app.text.named(gain.meaning)},
+      gainSymbol(gain, place),
+      h('span', {class: 'soft'}, '…'),
+    );
   }
   const send = throttled((next) => {
     const whole = place === null ? next : column().map((one, at) => (at === place ? next : one));
     return ask({type: 'set-gain', observer: label, gain: gain.name, value: whole});
   }, 160);
-  const made = slider({name: `${label}: ${gain.symbol || gain.name}${place === null ? '' : ` ${place + 1}`}, ${app.text.named(gain.meaning)}`, scale: gainScale(gain, value), value,
-    low: gain.low, high: gain.high, change: send});
+  const made = slider({
+    name: `${label}: ${gain.symbol || gain.name}${place === null ? '' : ` ${place + 1}`}, ${app.text.named(gain.meaning)}`,
+    scale: gainScale(gain, value),
+    value,
+    low: gain.low,
+    high: gain.high,
+    change: send,
+  });
   controls.set(`${gain.name}.${place}`, made);
-  return h('div', {class: 'gain', title: [app.text.named(gain.meaning), gain.unit].filter(Boolean).join(', ')}, gainSymbol(gain, place), made.range, made.field);
+  return h(
+    'div',
+    {class: 'gain', title: [app.text.named(gain.meaning), gain.unit].filter(Boolean).join(', ')},
+    gainSymbol(gain, place),
+    made.range,
+    made.field,
+  );
 }
 
 function gainSymbol(gain, place) {
@@ -142,8 +227,13 @@ function beside(button, list, card) {
   const {left, width} = card.getBoundingClientRect();
   const {top, bottom} = button.getBoundingClientRect();
   const below = innerHeight - bottom - 16;
-  Object.assign(list.style, {left: `${left}px`, width: `${width}px`,
-    ...(below > 0.4 * innerHeight ? {top: `${bottom + 4}px`, bottom: 'auto', maxHeight: `${below}px`} : {top: 'auto', bottom: `${innerHeight - top + 4}px`, maxHeight: `${top - 16}px`})});
+  Object.assign(list.style, {
+    left: `${left}px`,
+    width: `${width}px`,
+    ...(below > 0.4 * innerHeight
+      ? {top: `${bottom + 4}px`, bottom: 'auto', maxHeight: `${below}px`}
+      : {top: 'auto', bottom: `${innerHeight - top + 4}px`, maxHeight: `${top - 16}px`}),
+  });
 }
 
 const MARK = {holds: 'ok', fails: 'bad'};
@@ -151,8 +241,14 @@ const MARK = {holds: 'ok', fails: 'bad'};
 /** Lights, one a check, and the list that they open to. */
 function showLights(lights, list, found, listed, text) {
   const count = (verdict) => found.filter((check) => check.verdict === verdict).length;
-  const spoken = Object.keys(text.verdicts).filter(count).map((verdict) => `${count(verdict)} ${text.verdicts[verdict]}`).join(', ');
-  fill(lights, found.map((check) => h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`})));
+  const spoken = Object.keys(text.verdicts)
+    .filter(count)
+    .map((verdict) => `${count(verdict)} ${text.verdicts[verdict]}`)
+    .join(', ');
+  fill(
+    lights,
+    found.map((check) => h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`})),
+  );
   lights.hidden = found.length === 0;
   lights.title = spoken;
   lights.setAttribute('aria-label', `${text.assumptions}: ${spoken}`);
@@ -163,8 +259,25 @@ function showLights(lights, list, found, listed, text) {
     fill(list);
     return;
   }
-  fill(list, found.map((check) => h('li', {}, h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
-    h('b', {}, text.said(check.name)), ` ${text.verdicts[check.verdict]}`,
-    check.value === null || check.value === undefined ? null : h('span', {class: 'num'}, ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`),
-    h('span', {class: 'soft'}, text.said(check.text)), check.source && h('span', {class: 'soft source'}, check.source))));
+  fill(
+    list,
+    found.map((check) =>
+      h(
+        'li',
+        {},
+        h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
+        h('b', {}, text.said(check.name)),
+        ` ${text.verdicts[check.verdict]}`,
+        check.value === null || check.value === undefined
+          ? null
+          : h(
+              'span',
+              {class: 'num'},
+              ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`,
+            ),
+        h('span', {class: 'soft'}, text.said(check.text)),
+        check.source && h('span', {class: 'soft source'}, check.source),
+      ),
+    ),
+  );
 }

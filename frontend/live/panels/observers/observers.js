@@ -23,7 +23,11 @@ export function mount(element, app) {
     const toggle = (on = adder.hidden) => {
       adder.hidden = !on;
       add.setAttribute('aria-expanded', String(on));
-      if (on) createAdder(adder, app, kinds, () => { toggle(false); add.focus(); });
+      if (on)
+        createAdder(adder, app, kinds, () => {
+          toggle(false);
+          add.focus();
+        });
     };
     toggle(false);
     for (const card of cards.values()) card.end();
@@ -43,24 +47,46 @@ export function mount(element, app) {
     cards = kept;
     for (const card of cards.values()) card.unfold(cards.size < FOLDED);
     const wanted = [...cards.values()].map((card) => card.element);
-    if (wanted.some((one, place) => list.children[place] !== one) || list.children.length !== wanted.length) fill(list, wanted.length ? wanted : h('p', {class: 'soft'}, app.text.noObserver));
-    for (const [key, card] of cards) card.update(observers.find((one) => key.startsWith(`${one.label}/${one.kind}/${one.since}`)));
+    if (wanted.some((one, place) => list.children[place] !== one) || list.children.length !== wanted.length)
+      fill(list, wanted.length ? wanted : h('p', {class: 'soft'}, app.text.noObserver));
+    for (const [key, card] of cards)
+      card.update(observers.find((one) => key.startsWith(`${one.label}/${one.kind}/${one.since}`)));
     return filled();
   };
   /** Every gain's present value, with defaults that depend on plant and noise, from the server; `anew`: the noise is another now. */
   const filled = async (anew = false) => {
     const {spec, noise, observers} = app.state;
-    const mine = serial += 1;
+    const mine = (serial += 1);
     if (!spec || ![...cards.values()].some((card) => card.lacks(anew))) return;
     const plain = observers.map(({label, kind, gains, options}) => ({label, kind, gains, options}));
     try {
-      const {gains} = await post('/api/gains', {...spec, noise, commands: [], faults: [], figures: [], observers: plain});
+      const {gains} = await post('/api/gains', {
+        ...spec,
+        noise,
+        commands: [],
+        faults: [],
+        figures: [],
+        observers: plain,
+      });
       if (mine === serial) for (const card of cards.values()) card.defaults(gains[card.label]);
-    } catch { /* the gains that were set are shown all the same */ }
+    } catch {
+      /* the gains that were set are shown all the same */
+    }
   };
-  app.catalogue.then((catalogue) => { kinds = catalogue.observers; build(); }, app.act.refused);
+  app.catalogue.then((catalogue) => {
+    kinds = catalogue.observers;
+    build();
+  }, app.act.refused);
   app.subscribe((state) => [state.language, state.session], build);
   app.subscribe((state) => state.observers, update);
-  app.subscribe((state) => state.noise, () => filled(true));
-  app.subscribe((state) => [state.checks, state.role], () => { for (const card of cards.values()) card.checks(); });
+  app.subscribe(
+    (state) => state.noise,
+    () => filled(true),
+  );
+  app.subscribe(
+    (state) => [state.checks, state.role],
+    () => {
+      for (const card of cards.values()) card.checks();
+    },
+  );
 }

@@ -20,28 +20,48 @@ export function sandwich(plant) {
   const within = new Set(operators.flatMap((one) => [...mentioned(one.expression)]));
   const memory = states.filter((state) => within.has(state) && uses[state].size === 1 && !uses[state].has(state));
   const carries = new Set(operators.map((one) => one.name)); // what follows the hysteresis: its operators, then all that use it
-  for (const one of plant.definitions) if ([...mentioned(one.expression)].some((name) => carries.has(name))) carries.add(one.name);
+  for (const one of plant.definitions)
+    if ([...mentioned(one.expression)].some((name) => carries.has(name))) carries.add(one.name);
   const after = [];
   for (let found = true; found;) {
     found = false;
     for (const state of states) {
-      if (memory.includes(state) || after.includes(state) || ![...uses[state]].some((name) => carries.has(name))) continue;
+      if (memory.includes(state) || after.includes(state) || ![...uses[state]].some((name) => carries.has(name)))
+        continue;
       after.push(state);
       carries.add(state);
       found = true;
     }
   }
-  return {before: states.filter((state) => !memory.includes(state) && !after.includes(state)), memory, after: states.filter((state) => after.includes(state))};
+  return {
+    before: states.filter((state) => !memory.includes(state) && !after.includes(state)),
+    memory,
+    after: states.filter((state) => after.includes(state)),
+  };
 }
 
 /** @returns {Block[]} from the input to the output */
 export function blocks(plant) {
-  const site = (channel) => ({name: channel.name, title: channel.title || channel.name, subject: channel.name, onChannel: true});
+  const site = (channel) => ({
+    name: channel.name,
+    title: channel.title || channel.name,
+    subject: channel.name,
+    onChannel: true,
+  });
   const of = (kind) => plant.channels.filter((channel) => channel.kind === kind);
   const actuators = of('actuator').map(site);
   const first = plant.inputs.length || actuators.length ? [{id: 'actuator', states: [], sites: actuators}] : [];
-  const outputs = plant.outputs.map((one) => ({name: one.name, title: one.description || one.name, subject: one.name, onChannel: false}));
-  return [...first, ...middle(plant, of('process'), site), {id: 'sensor', states: [], sites: [...of('sensor').map(site), ...outputs]}];
+  const outputs = plant.outputs.map((one) => ({
+    name: one.name,
+    title: one.description || one.name,
+    subject: one.name,
+    onChannel: false,
+  }));
+  return [
+    ...first,
+    ...middle(plant, of('process'), site),
+    {id: 'sensor', states: [], sites: [...of('sensor').map(site), ...outputs]},
+  ];
 }
 
 function middle(plant, faults, site) {
@@ -79,8 +99,11 @@ export function layout(plant) {
     x += width + gap;
     return box;
   });
-  const rows = Math.max(1, ...placed.map((one) => Math.ceil(one.sites.filter((site) => site.onChannel).length / one.columns)));
-    const top = R + 1 + (rows - 1) * PITCH;
+  const rows = Math.max(
+    1,
+    ...placed.map((one) => Math.ceil(one.sites.filter((site) => site.onChannel).length / one.columns)),
+  );
+  const top = R + 1 + (rows - 1) * PITCH;
   const half = HALF;
   const axis = top + half + 2;
   for (const one of placed) Object.assign(one, {y: axis - half, height: 2 * half, top, spots: spots(one, top)});
@@ -91,15 +114,25 @@ export function layout(plant) {
 
 /** Channel sites in rows on the upper edge, upwards; output sites on the lower edge. */
 function spots(box, top) {
-  const spread = (sites, y, step) => sites.map((site, place) => {
-    const line = Math.floor(place / box.columns);
-    const count = Math.min(box.columns, sites.length - line * box.columns);
-    const pitch = Math.min(PITCH + 6, box.width / Math.max(count, 1));
-    return {...site, x: box.x + box.width / 2 + (place % box.columns - (count - 1) / 2) * Math.max(PITCH, pitch), y: y + line * step};
-  });
+  const spread = (sites, y, step) =>
+    sites.map((site, place) => {
+      const line = Math.floor(place / box.columns);
+      const count = Math.min(box.columns, sites.length - line * box.columns);
+      const pitch = Math.min(PITCH + 6, box.width / Math.max(count, 1));
+      return {
+        ...site,
+        x: box.x + box.width / 2 + ((place % box.columns) - (count - 1) / 2) * Math.max(PITCH, pitch),
+        y: y + line * step,
+      };
+    });
   const channels = box.sites.filter((site) => site.onChannel);
   const outputs = box.sites.filter((site) => !site.onChannel);
-  return [...spread(channels, top, -PITCH), ...outputs.map((site, place) => ({
-    ...site, x: box.x + box.width / 2 + (place - (outputs.length - 1) / 2) * 17, y: top + 2 + 2 * HALF,
-  }))];
+  return [
+    ...spread(channels, top, -PITCH),
+    ...outputs.map((site, place) => ({
+      ...site,
+      x: box.x + box.width / 2 + (place - (outputs.length - 1) / 2) * 17,
+      y: top + 2 + 2 * HALF,
+    })),
+  ];
 }

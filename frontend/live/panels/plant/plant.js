@@ -13,7 +13,11 @@ export function mount(element, app) {
   const tag = asOfNow(app);
   const draw = () => {
     const {plant} = app.state;
-    fill(element, heading(app.text.plant, tag, plant && link(app.text.equations, () => open('equations'))), plant && picture());
+    fill(
+      element,
+      heading(app.text.plant, tag, plant && link(app.text.equations, () => open('equations'))),
+      plant && picture(),
+    );
     light();
   };
   const picture = () => {
@@ -28,12 +32,18 @@ export function mount(element, app) {
     const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
     const on = alarms.filter((alarm) => alarm.over === null);
     for (const [subject, {group, title, onChannel}] of sites) {
-      const mine = on.filter((alarm) => (onChannel ? alarm.subjects.includes(subject) : !alarm.explained && alarm.subject === subject));
+      const mine = on.filter((alarm) =>
+        onChannel ? alarm.subjects.includes(subject) : !alarm.explained && alarm.subject === subject,
+      );
       const sure = mine.some((alarm) => alarm.subjects.length < 2);
       group.classList.toggle('on', active.has(subject));
       group.classList.toggle('found', sure);
       group.classList.toggle('perhaps', mine.length > 0 && !sure);
-      const said = [title, active.has(subject) && app.text.activeNow, mine.length > 0 && (sure ? app.text.namedNow : app.text.perhapsNow)];
+      const said = [
+        title,
+        active.has(subject) && app.text.activeNow,
+        mine.length > 0 && (sure ? app.text.namedNow : app.text.perhapsNow),
+      ];
       group.setAttribute('aria-label', said.filter(Boolean).join(', '));
     }
   };
@@ -46,9 +56,12 @@ export function mount(element, app) {
   app.subscribe((state) => [state.plant, state.language], draw);
   app.subscribe((state) => state.observers.map((one) => one.colour).join(), draw);
   app.subscribe((state) => [state.faults, state.alarms], light);
-  app.subscribe((state) => state.site, (site) => {
-    for (const [subject, {group}] of sites) group.setAttribute('aria-pressed', String(subject === site));
-  });
+  app.subscribe(
+    (state) => state.site,
+    (site) => {
+      for (const [subject, {group}] of sites) group.setAttribute('aria-pressed', String(subject === site));
+    },
+  );
   app.onTick(tick);
 }
 
@@ -59,24 +72,52 @@ function drawPlant(plant, app) {
   const values = [];
   const parts = place.blocks.map((box) => block(box, plant, app.text));
   const buttons = place.blocks.flatMap((box) => box.spots.map((spot) => button(spot, short, app, sites)));
-  const svg = s('svg', {class: 'plant', viewBox: `0 0 ${WIDTH} ${place.height}`, role: 'group', 'aria-label': app.text.plantPicture(app.text.named(plant.title))},
-    s('defs', {}, s('marker', {id: 'tip', viewBox: '0 0 8 8', refX: 7, refY: 4, markerWidth: 6, markerHeight: 6, orient: 'auto'},
-      s('path', {d: 'M0 0L8 4L0 8z', fill: 'var(--ink)'}))),
-    wires(place, plant, values, app.text.named), parts, watchers(place, app), buttons);
+  const svg = s(
+    'svg',
+    {
+      class: 'plant',
+      viewBox: `0 0 ${WIDTH} ${place.height}`,
+      role: 'group',
+      'aria-label': app.text.plantPicture(app.text.named(plant.title)),
+    },
+    s(
+      'defs',
+      {},
+      s(
+        'marker',
+        {id: 'tip', viewBox: '0 0 8 8', refX: 7, refY: 4, markerWidth: 6, markerHeight: 6, orient: 'auto'},
+        s('path', {d: 'M0 0L8 4L0 8z', fill: 'var(--ink)'}),
+      ),
+    ),
+    wires(place, plant, values, app.text.named),
+    parts,
+    watchers(place, app),
+    buttons,
+  );
   return {svg, values, sites};
 }
 
 /** Signal lines: through the blocks, and down to the observers; with the present values of u and y beside these. */
 function wires({blocks, axis, foot, left, right}, plant, values, named) {
   const wire = (d) => s('path', {class: 'wire', d, 'marker-end': 'url(#tip)'});
-  const between = blocks.slice(1).map((box, place) => wire(`M${blocks[place].x + blocks[place].width} ${axis}H${box.x - 1}`));
+  const between = blocks
+    .slice(1)
+    .map((box, place) => wire(`M${blocks[place].x + blocks[place].width} ${axis}H${box.x - 1}`));
   const out = wire(`M${right} ${axis + HALF}V${foot}H${WIDTH / 2 + 56}`);
   const parts = [...between, out, ...list(plant.outputs, 'y.', right - 7, foot, 'end', values, named)];
   if (blocks[0].id === 'actuator') {
     const x = 13;
-    parts.push(wire(`M2 ${axis}H${left - 1}`), wire(`M${x} ${axis}V${foot}H${WIDTH / 2 - 56}`), s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}),
-      ...list(plant.inputs, 'u.', x + 7, foot, 'start', values, named));
-    if (plant.inputs.length > 1) parts.push(s('path', {class: 'wire', d: `M5 ${axis + 5}l5 -10`}), s('text', {class: 'ts', x: 9, y: axis - 8}, String(plant.inputs.length)));
+    parts.push(
+      wire(`M2 ${axis}H${left - 1}`),
+      wire(`M${x} ${axis}V${foot}H${WIDTH / 2 - 56}`),
+      s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}),
+      ...list(plant.inputs, 'u.', x + 7, foot, 'start', values, named),
+    );
+    if (plant.inputs.length > 1)
+      parts.push(
+        s('path', {class: 'wire', d: `M5 ${axis + 5}l5 -10`}),
+        s('text', {class: 'ts', x: 9, y: axis - 8}, String(plant.inputs.length)),
+      );
   }
   return parts;
 }
@@ -87,8 +128,14 @@ function list(ports, prefix, x, foot, anchor, values, named) {
   return ports.map((port, place) => {
     const node = s('tspan', {class: 'num'});
     values.push({column: prefix + port.name, node, scale: Math.abs(port.default ?? 0)});
-    return s('text', {class: 'port', x, y: top + place * 14, 'text-anchor': anchor}, s('title', {}, [named(port.description), port.unit].filter(Boolean).join(', ')),
-      letters(port.name, 13), ' ', node);
+    return s(
+      'text',
+      {class: 'port', x, y: top + place * 14, 'text-anchor': anchor},
+      s('title', {}, [named(port.description), port.unit].filter(Boolean).join(', ')),
+      letters(port.name, 13),
+      ' ',
+      node,
+    );
   });
 }
 
@@ -103,9 +150,12 @@ function block(box, plant, text) {
   const discrete = plant.time.kind === 'discrete' && box.id === 'plant';
   const states = box.states.length ? summary(box.states, box.width, text) : [];
   const lift = (states.length ? 6 : -4) + (discrete ? 4 : 0);
-  return [frame, s('text', {class: box.width < 52 ? 't small' : 't', x, y: y - lift}, text.blocks[box.id]),
+  return [
+    frame,
+    s('text', {class: box.width < 52 ? 't small' : 't', x, y: y - lift}, text.blocks[box.id]),
     states.length && s('text', {class: 'ts', x, y: y - lift + 14}, states),
-    discrete && s('text', {class: 'ts', x, y: y - lift + 26}, text.every(plant.time.period))].filter(Boolean);
+    discrete && s('text', {class: 'ts', x, y: y - lift + 26}, text.every(plant.time.period)),
+  ].filter(Boolean);
 }
 
 /** The states of a block, as many as fit. */
@@ -116,7 +166,11 @@ function summary(names, width, text) {
 }
 
 /** A letter with its hat so much higher than a font puts it. */
-const hat = (letter, up) => [s('tspan', {class: 'letter'}, letter), s('tspan', {class: 'letter', dx: -5, dy: -up}, 'ˆ'), s('tspan', {dx: 1, dy: up}, '\u200b')];
+const hat = (letter, up) => [
+  s('tspan', {class: 'letter'}, letter),
+  s('tspan', {class: 'letter', dx: -5, dy: -up}, 'ˆ'),
+  s('tspan', {dx: 1, dy: up}, '\u200b'),
+];
 
 /** The observers below: they see u and y only. One stroke of colour each. */
 function watchers({foot, axis}, app) {
@@ -126,27 +180,89 @@ function watchers({foot, axis}, app) {
   const step = Math.min(16, (w - 16) / Math.max(observers.length, 1));
   const begin = WIDTH / 2 - (step * observers.length) / 2;
   const sees = plant.inputs.length ? app.text.fromInputs : app.text.fromOutputs;
-  return [s('rect', {class: 'blk eye', x, y: foot - 23, width: w, height: 46, rx: 6, style: observers[0] && `stroke:${observers[0].colour}`}),
+  return [
+    s('rect', {
+      class: 'blk eye',
+      x,
+      y: foot - 23,
+      width: w,
+      height: 46,
+      rx: 6,
+      style: observers[0] && `stroke:${observers[0].colour}`,
+    }),
     s('text', {class: 't', x: WIDTH / 2, y: foot - 9}, app.text.observersBlock),
-    s('text', {class: 'ts', x: WIDTH / 2, y: foot + 6.5}, ...hat('x', 0.6), ', ', ...hat('θ', 3.1), ' ', sees, s('tspan', {class: 'letter'}, plant.inputs.length ? ' u, y' : ' y')),
-    ...observers.map((one, place) => s('rect', {x: begin + place * step + 1.5, y: foot + 13, width: step - 3, height: 3.5, rx: 1.5, style: `fill:${one.colour}`}))];
+    s(
+      'text',
+      {class: 'ts', x: WIDTH / 2, y: foot + 6.5},
+      ...hat('x', 0.6),
+      ', ',
+      ...hat('θ', 3.1),
+      ' ',
+      sees,
+      s('tspan', {class: 'letter'}, plant.inputs.length ? ' u, y' : ' y'),
+    ),
+    ...observers.map((one, place) =>
+      s('rect', {
+        x: begin + place * step + 1.5,
+        y: foot + 13,
+        width: step - 3,
+        height: 3.5,
+        rx: 1.5,
+        style: `fill:${one.colour}`,
+      }),
+    ),
+  ];
 }
 
 /** One fault site: round for a channel, a small square for what can happen to a measurement. */
 function button(spot, short, app, sites) {
-  const press = () => { app.act.site(null); app.act.site(spot.subject); };
-  const title = spot.onChannel ? app.text.siteOf(app.text.named(spot.title)) : app.text.siteOfOutput(called(spot.name, app.state.plant, app.text));
-  const key = (event) => { if (event.key === 'Enter' || event.key === ' ') { event.preventDefault(); press(); } };
+  const press = () => {
+    app.act.site(null);
+    app.act.site(spot.subject);
+  };
+  const title = spot.onChannel
+    ? app.text.siteOf(app.text.named(spot.title))
+    : app.text.siteOfOutput(called(spot.name, app.state.plant, app.text));
+  const key = (event) => {
+    if (event.key === 'Enter' || event.key === ' ') {
+      event.preventDefault();
+      press();
+    }
+  };
   const [base, index] = short.get(spot.name) ?? ['', ''];
   const long = base.length + index.length > 2;
-  const group = s('g', {class: `site${spot.onChannel ? '' : ' output'}`, role: 'button', tabindex: 0, 'aria-label': title, 'aria-pressed': 'false',
-    transform: `translate(${spot.x.toFixed(1)} ${spot.y.toFixed(1)})`, onclick: press, onkeydown: key},
-  s('title', {}, title),
-  spot.onChannel ? s('circle', {r: 12.6, class: 'ring'}) : s('rect', {class: 'ring', x: -7, y: -7, width: 14, height: 14, rx: 2.5, transform: 'rotate(45)'}),
-  spot.onChannel ? [s('circle', {r: 14, class: 'hit'}), s('circle', {r: 10}), s('text', {y: 4, 'font-size': long ? 10 : 12}, s('tspan', {}, base),
-    index && s('tspan', {dy: 2.5, 'font-size': long ? 7 : 8.5}, index))]
-    : [s('circle', {r: 9, class: 'hit'}), s('rect', {x: -4.5, y: -4.5, width: 9, height: 9, rx: 1.5, transform: 'rotate(45)'})]);
+  const group = s(
+    'g',
+    {
+      class: `site${spot.onChannel ? '' : ' output'}`,
+      role: 'button',
+      tabindex: 0,
+      'aria-label': title,
+      'aria-pressed': 'false',
+      transform: `translate(${spot.x.toFixed(1)} ${spot.y.toFixed(1)})`,
+      onclick: press,
+      onkeydown: key,
+    },
+    s('title', {}, title),
+    spot.onChannel
+      ? s('circle', {r: 12.6, class: 'ring'})
+      : s('rect', {class: 'ring', x: -7, y: -7, width: 14, height: 14, rx: 2.5, transform: 'rotate(45)'}),
+    spot.onChannel
+      ? [
+          s('circle', {r: 14, class: 'hit'}),
+          s('circle', {r: 10}),
+          s(
+            'text',
+            {y: 4, 'font-size': long ? 10 : 12},
+            s('tspan', {}, base),
+            index && s('tspan', {dy: 2.5, 'font-size': long ? 7 : 8.5}, index),
+          ),
+        ]
+      : [
+          s('circle', {r: 9, class: 'hit'}),
+          s('rect', {x: -4.5, y: -4.5, width: 9, height: 9, rx: 1.5, transform: 'rotate(45)'}),
+        ],
+  );
   sites.set(spot.subject, {group, title, onChannel: spot.onChannel});
   return group;
 }
-

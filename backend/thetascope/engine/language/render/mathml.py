@@ -11,7 +11,15 @@ from html import escape
 from thetascope.engine.language.parser import Node, Parsed, parse
 from thetascope.engine.language.render.mathml_symbols import DOT, is_word, symbol
 
-NAMED = {"log": "ln", "asin": "arcsin", "acos": "arccos", "atan": "arctan", "sign": "sgn", "backlash": "play", "clip": "sat"}
+NAMED = {
+    "log": "ln",
+    "asin": "arcsin",
+    "acos": "arccos",
+    "atan": "arctan",
+    "sign": "sgn",
+    "backlash": "play",
+    "clip": "sat",
+}
 TIGHT, LOOSE = '<mspace width="0.14em"/>', '<mspace width="0.28em"/>'
 MINUS, EQUALS = "<mo>−</mo>", "<mo>=</mo>"
 
@@ -132,7 +140,9 @@ class Writer:
         return row(self.of(node.args[0]), "<mo>≤</mo>", self.of(node.args[1]))
 
     def joined(self, node: Node, sign: str) -> str:
-        return row(f"<mo>{sign}</mo>".join(fenced(self.of(a)) if a.kind in ("and", "or") else self.of(a) for a in node.args))
+        return row(
+            f"<mo>{sign}</mo>".join(fenced(self.of(a)) if a.kind in ("and", "or") else self.of(a) for a in node.args)
+        )
 
 
 setattr(Writer, "and", lambda self, node: self.joined(node, "∧"))
@@ -196,7 +206,12 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
 
 
 def _line(item: Mapping, inner: str) -> dict[str, str]:
-    return {"name": item["name"], "unit": item.get("unit", ""), "description": item.get("description", ""), "math": math(inner)}
+    return {
+        "name": item["name"],
+        "unit": item.get("unit", ""),
+        "description": item.get("description", ""),
+        "math": math(inner),
+    }
 
 
 def _rate(name: str, discrete: bool) -> str:

@@ -5,10 +5,47 @@ from html import escape
 
 GREEK = dict(
     pair.split(":")
-    for pair in ["alpha:α", "beta:β", "gamma:γ", "delta:δ", "epsilon:ε", "zeta:ζ", "eta:η", "theta:θ", "iota:ι", "kappa:κ", "lambda:λ", "mu:μ", "nu:ν", "xi:ξ", "pi:π", "rho:ρ", "sigma:σ", "tau:τ", "upsilon:υ", "phi:φ", "chi:χ", "psi:ψ", "omega:ω", "Gamma:Γ", "Delta:Δ", "Theta:Θ", "Lambda:Λ", "Xi:Ξ", "Pi:Π", "Sigma:Σ", "Upsilon:Υ", "Phi:Φ", "Psi:Ψ", "Omega:Ω"]
+    for pair in [
+        "alpha:α",
+        "beta:β",
+        "gamma:γ",
+        "delta:δ",
+        "epsilon:ε",
+        "zeta:ζ",
+        "eta:η",
+        "theta:θ",
+        "iota:ι",
+        "kappa:κ",
+        "lambda:λ",
+        "mu:μ",
+        "nu:ν",
+        "xi:ξ",
+        "pi:π",
+        "rho:ρ",
+        "sigma:σ",
+        "tau:τ",
+        "upsilon:υ",
+        "phi:φ",
+        "chi:χ",
+        "psi:ψ",
+        "omega:ω",
+        "Gamma:Γ",
+        "Delta:Δ",
+        "Theta:Θ",
+        "Lambda:Λ",
+        "Xi:Ξ",
+        "Pi:Π",
+        "Sigma:Σ",
+        "Upsilon:Υ",
+        "Phi:Φ",
+        "Psi:Ψ",
+        "Omega:Ω",
+    ]
 )
 HAT, DOT, TILDE, BAR = "ˆ", "˙", "˜", "¯"
-_INDEXED = re.compile(r"([A-Za-z]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?|_[A-Za-z0-9]+)\Z")
+_INDEXED = re.compile(
+    r"([A-Za-z]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?|_[A-Za-z0-9]+)\Z"
+)
 _UNDERSCORED = re.compile(r"([A-Za-z]+)_([A-Za-z0-9]+)\Z")
 
 

@@ -12,12 +12,23 @@ from html import escape
 from thetascope.engine.language.render.mathml_symbols import BAR, DOT, HAT, TILDE, accented
 
 ACCENTS = {"\u0302": HAT, "\u0303": TILDE, "\u0304": BAR, "\u0307": DOT}  # from the letter outwards
-PRECOMPOSED = {"ŷ": "y\u0302", "ẑ": "z\u0302", "ẋ": "x\u0307", "ẏ": "y\u0307", "ż": "z\u0307", "Ã": "A\u0303", "ỹ": "y\u0303", "Ṗ": "P\u0307"}
+PRECOMPOSED = {
+    "ŷ": "y\u0302",
+    "ẑ": "z\u0302",
+    "ẋ": "x\u0307",
+    "ẏ": "y\u0307",
+    "ż": "z\u0307",
+    "Ã": "A\u0303",
+    "ỹ": "y\u0303",
+    "Ṗ": "P\u0307",
+}
 SUB = dict(zip("₀₁₂₃₄₅₆₇₈₉₊₋ₐₑᵢⱼₖₘₙₚᵣₓ", "0123456789+−aeijkmnprx", strict=True))
 SUP = dict(zip("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻ᵀᵅⁿⁱ", "0123456789+−Tαni", strict=True))
 _TOKEN = re.compile(
     r"(?P<space>\s+)|(?P<word>diag|exp|sgn|log|min|max|det|sin|cos)|(?P<number>\d+(?:\.\d+)?)"
-    r"|(?P<letter>[^\W\d_][\u0300-\u036f]*)|(?P<other>.)", re.DOTALL)
+    r"|(?P<letter>[^\W\d_][\u0300-\u036f]*)|(?P<other>.)",
+    re.DOTALL,
+)
 _SPACED = set("=<>≤≥+−·∈≈→")
 _CLOSE = ' lspace="0" rspace="0.1em"'
 

@@ -44,10 +44,13 @@ def direction(model: Model, channels: Sequence[str]) -> tuple[list[Expr] | None,
     Phi = model.Phi(channels).xreplace(model.expansion)
     for j, channel in enumerate(channels):
         if Phi[0, j] == 0:
-            raise SpecError("options.channels", channel,
-                            f"the fault does not enter the equation of the measured state {model.states[0]}, so (8) of "
-                            "Shen & Hu 2015 leaves g = 0 and its estimate would never move",
-                            "leave it out of the channels, or use adaptive-kalman")  # fmt: skip
+            raise SpecError(
+                "options.channels",
+                channel,
+                f"the fault does not enter the equation of the measured state {model.states[0]}, so (8) of "
+                "Shen & Hu 2015 leaves g = 0 and its estimate would never move",
+                "leave it out of the channels, or use adaptive-kalman",
+            )
     d = [_ratio(Phi[i, 0], Phi[0, 0]) for i in range(model.n)]
     moving = set().union(*(e.free_symbols for e in d)) - set(model.parameters)
     if moving:

@@ -74,7 +74,9 @@ def brunovsky(blocks: Sequence[int]) -> tuple[ImmutableMatrix, ImmutableMatrix, 
 def block_column(gain: Sequence, blocks: Sequence[int]) -> ImmutableMatrix:
     """A gain given as one column, block after block, as the block diagonal matrix of its columns."""
     ends = [sum(blocks[: j + 1]) for j in range(len(blocks))]
-    return sympy.ImmutableMatrix(sum(blocks), len(blocks), lambda i, j: gain[i] if ends[j] - blocks[j] <= i < ends[j] else 0)
+    return sympy.ImmutableMatrix(
+        sum(blocks), len(blocks), lambda i, j: gain[i] if ends[j] - blocks[j] <= i < ends[j] else 0
+    )
 
 
 def normal_form(model: Model) -> NormalForm:
@@ -104,8 +106,10 @@ def _cached(key: _Key) -> NormalForm:
     blocks = tuple(len(chain) - 1 for chain in chains)
     if sum(blocks) != model.n:
         degrees = ", ".join(map(str, blocks))
-        raise _refused(model, f"its vector relative degree ({degrees}) sums to {sum(blocks)}, not to its {model.n} "
-                              "states (Assumption 1)")  # fmt: skip
+        raise _refused(
+            model,
+            f"its vector relative degree ({degrees}) sums to {sum(blocks)}, not to its {model.n} states (Assumption 1)",
+        )
     map_ = sympy.ImmutableMatrix([e for chain in chains for e in chain[:-1]])
     top = sympy.ImmutableMatrix([chain[-1] for chain in chains])
     jacobian = map_.jacobian(sympy.Matrix(model.x))
@@ -147,5 +151,9 @@ def _is_new(model: Model, chain: list[Expr], derivative: Expr) -> bool:
 
 
 def _refused(model: Model, why: str) -> SpecError:
-    return SpecError("observers.kind", model.id, f"this plant has no normal form (6): {why}",
-                     "use adaptive-kalman or joint-ekf, which need no normal form")  # fmt: skip
+    return SpecError(
+        "observers.kind",
+        model.id,
+        f"this plant has no normal form (6): {why}",
+        "use adaptive-kalman or joint-ekf, which need no normal form",
+    )

@@ -48,14 +48,20 @@ def canonical_form(model: Model) -> CanonicalForm:
     map_ = sympy.Matrix(lie)
     outside = map_.free_symbols - set(model.x) - set(model.parameters)
     if outside:
-        raise _refused(model, f"the Lie derivatives depend on {', '.join(sorted(s.name for s in outside))}, "
-                              "so the coordinates would move with time")  # fmt: skip
+        raise _refused(
+            model,
+            f"the Lie derivatives depend on {', '.join(sorted(s.name for s in outside))}, "
+            "so the coordinates would move with time",
+        )
     J = map_.jacobian(x).applyfunc(tidy)
     points = [sample(model, seed) for seed in range(8)]
     rank = max(rank_at(J, p) for p in points)
     if rank < model.n:
-        raise _refused(model, f"the Lie derivatives of the output have rank {rank}, less than its {model.n} states: "
-                              "some states cannot be told from the output")  # fmt: skip
+        raise _refused(
+            model,
+            f"the Lie derivatives of the output have rank {rank}, less than its {model.n} states: "
+            "some states cannot be told from the output",
+        )
     return CanonicalForm(
         sympy.ImmutableMatrix(map_),
         sympy.ImmutableMatrix(J),
@@ -73,8 +79,12 @@ def _is_chain(model: Model, f: Matrix) -> bool:
 
 
 def _refused(model: Model, why: str) -> SpecError:
-    return SpecError("observers.kind", model.id, f"this plant has no canonical form (Zhao, Li & Li 2012, eq. 2): {why}",
-                     "use adaptive-kalman, which needs no canonical form")  # fmt: skip
+    return SpecError(
+        "observers.kind",
+        model.id,
+        f"this plant has no canonical form (Zhao, Li & Li 2012, eq. 2): {why}",
+        "use adaptive-kalman, which needs no canonical form",
+    )
 
 
 def tidy(e: sympy.Expr) -> sympy.Expr:

@@ -84,7 +84,11 @@ def sandwich(model: Model) -> Sandwich:
     if model.time != "discrete":
         raise refused(model, "it is a continuous-time plant, and the operators remember from sample to sample")
     f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
-    operators = tuple(sorted(f.atoms(functions.Backlash) | h.atoms(functions.Backlash), key=lambda o: [f.has(o) and _first(f, o), str(o)]))
+    operators = tuple(
+        sorted(
+            f.atoms(functions.Backlash) | h.atoms(functions.Backlash), key=lambda o: [f.has(o) and _first(f, o), str(o)]
+        )
+    )
     if not operators:
         raise refused(model, "its text has no backlash operator")
     names = memory_names(model.data)
@@ -133,10 +137,13 @@ def _check_memory(model: Model, f: Matrix, h: Matrix, operators: tuple[Backlash,
 
 
 def refused(model: Model, why: str) -> SpecError:
-    return SpecError("observers.kind", model.id,
-                     f"this plant is no sandwich system with backlash (Zhou & Tan 2012): {why}",
-                     "write operators as backlash(x, x - x_before, z_before, m1, m2, D1, D2), with x the next value of "
-                     "x_before and the operator that of z_before, or choose another observer")  # fmt: skip
+    return SpecError(
+        "observers.kind",
+        model.id,
+        f"this plant is no sandwich system with backlash (Zhou & Tan 2012): {why}",
+        "write operators as backlash(x, x - x_before, z_before, m1, m2, D1, D2), with x the next value of "
+        "x_before and the operator that of z_before, or choose another observer",
+    )
 
 
 # ---- what the observers and their checks need ------------------------------------------------------------------------

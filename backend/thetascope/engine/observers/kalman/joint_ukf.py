@@ -56,7 +56,9 @@ def write(d: Draft) -> None:
     off, away = [s - z_minus for s in points], [d.let(f"away{i}", s - y_hat) for i, s in enumerate(seen)]
     Pyy = symmetric(m, lambda i, j: weighted(cov, [a[i] * a[j] for a in away]) + d.gain("r")[i] * int(i == j))
     Pyy = d.let_symmetric("Pyy", Pyy)
-    Pzy = d.let("Pzy", sympy.ImmutableMatrix(N, m, lambda i, j: weighted(cov, [o[i] * a[j] for o, a in zip(off, away)])))
+    Pzy = d.let(
+        "Pzy", sympy.ImmutableMatrix(N, m, lambda i, j: weighted(cov, [o[i] * a[j] for o, a in zip(off, away)]))
+    )
     K = solve(d, "K", Pyy, Pzy.T).T  # Pzy Pyy⁻¹
     innovation = d.let("innovation", d.measured(NOW) - y_hat)
     z_plus = z_minus + product(K, innovation)

@@ -32,8 +32,15 @@ def default_L(context: Context) -> list[float]:
     return [comb(rho, i) * 10.0**i for rho in blocks for i in range(1, rho + 1)]
 
 
-L = Gain("L", "output injection, block after block of the normal form; A − LC must be stable", default_L,
-         -1e6, 1e6, size="n", symbol="L")  # fmt: skip
+L = Gain(
+    "L",
+    "output injection, block after block of the normal form; A − LC must be stable",
+    default_L,
+    -1e6,
+    1e6,
+    size="n",
+    symbol="L",
+)
 
 
 def write(d: Draft) -> None:

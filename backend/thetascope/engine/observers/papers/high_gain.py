@@ -82,17 +82,31 @@ def form_checks(run: Observed) -> list[Check]:
     matrix[:, 0] -= [math.comb(n, i) / 2 for i in range(1, n + 1)]
     lipschitz = True if run.facts["affine"] else None
     return [
-        Check("canonical form", verdict(True), f"the plant {already} the form (3): z = ({coordinates})", source=f"{source}, eq. (2)"),
-        Check("uniform observability", verdict(run.facts["triangular"]),
-              "the inputs enter triangularly (checked at points near the initial state)" if run.facts["triangular"]
-              else "an input enters a canonical equation through a later state, so some input may hide a state",
-              source=f"{source}, eq. (5)"),
+        Check(
+            "canonical form",
+            verdict(True),
+            f"the plant {already} the form (3): z = ({coordinates})",
+            source=f"{source}, eq. (2)",
+        ),
+        Check(
+            "uniform observability",
+            verdict(run.facts["triangular"]),
+            "the inputs enter triangularly (checked at points near the initial state)"
+            if run.facts["triangular"]
+            else "an input enters a canonical equation through a later state, so some input may hide a state",
+            source=f"{source}, eq. (5)",
+        ),
         stable("A0 − k0 c0 stable", matrix, f"{source}, eq. (8)"),
-        Check("f globally Lipschitz", verdict(lipschitz), "f is affine in the states" if lipschitz else
-              "f is not affine; the model is saturated to the plant's domain, inside which it is Lipschitz if the domain is bounded",
-              source=f"{source}, Theorem 1"),
+        Check(
+            "f globally Lipschitz",
+            verdict(lipschitz),
+            "f is affine in the states"
+            if lipschitz
+            else "f is not affine; the model is saturated to the plant's domain, inside which it is Lipschitz if the domain is bounded",
+            source=f"{source}, Theorem 1",
+        ),
         gain_at_least(run, "rho", 1.0, f"{source}, Lemma 1", "the bound on Υ does not depend on ρ from 1 on"),
-    ]  # fmt: skip
+    ]
 
 
 OBSERVER = Observer(

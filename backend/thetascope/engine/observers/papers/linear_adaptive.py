@@ -69,9 +69,13 @@ def begin(d: Draft) -> tuple[ImmutableMatrix, ImmutableMatrix, ModelAt, Expr]:
 
 def require(condition: bool, model: Model, why: str) -> None:
     if not condition:
-        raise SpecError("observers.kind", model.id, f"this plant is not of the form (1) of Shen & Hu 2015: {why}",
-                        "list the measured state first and choose process or actuator faults (options.channels), "
-                        "or use adaptive-kalman")  # fmt: skip
+        raise SpecError(
+            "observers.kind",
+            model.id,
+            f"this plant is not of the form (1) of Shen & Hu 2015: {why}",
+            "list the measured state first and choose process or actuator faults (options.channels), "
+            "or use adaptive-kalman",
+        )
 
 
 def describe(d: Draft, at: ModelAt) -> None:
@@ -108,8 +112,11 @@ def checks(run: Observed) -> list[Check]:
 def chain_check(run: Observed) -> Check:
     """(1): A the chain of integrators. Another plant fits too, with the difference in γ."""
     chain = run.facts["chain"]
-    text = "every state's equation contains the next state with coefficient 1" if chain else \
-           "some state's equation does not contain the next state; γ = f − A x makes up for it"  # fmt: skip
+    text = (
+        "every state's equation contains the next state with coefficient 1"
+        if chain
+        else "some state's equation does not contain the next state; γ = f − A x makes up for it"
+    )
     return Check("chain of integrators", verdict(True if chain else None), text, source=f"{SOURCE}, eq. (1)")
 
 
@@ -171,8 +178,11 @@ def one_sided_lipschitz(run: Observed) -> Check:
             "γ one-sided Lipschitz", CANNOT_TELL, "no finite estimate was recorded", source=f"{SOURCE}, eq. (3)"
         )
     text = f"β1 ≥ {value:.4g} along the estimates of this run; "
-    text += "γ is affine in the state, so the bound is global" if run.facts["affine"] else \
-        "γ is not affine, and whether a bound holds everywhere is not decided"  # fmt: skip
+    text += (
+        "γ is affine in the state, so the bound is global"
+        if run.facts["affine"]
+        else "γ is not affine, and whether a bound holds everywhere is not decided"
+    )
     return Check(
         "γ one-sided Lipschitz", verdict(True if run.facts["affine"] else None), text, value, None, f"{SOURCE}, eq. (3)"
     )

@@ -34,9 +34,15 @@ GAINS = (
     K,
     LAMBDA,
     Gain("rho", "share of the nonsmooth injection", 0.8, 0.0, 1e3, symbol="ρ"),
-    Gain("alpha", "exponent α of the nonsmooth injection, above 1 − 1/n and below 1",
-         lambda context: 1 - 0.3 / context.n, 0.0, 1.0, symbol="α"),
-)  # fmt: skip
+    Gain(
+        "alpha",
+        "exponent α of the nonsmooth injection, above 1 − 1/n and below 1",
+        lambda context: 1 - 0.3 / context.n,
+        0.0,
+        1.0,
+        symbol="α",
+    ),
+)
 FORM = Option(
     "form", "the observer (11), or section 3's example as printed (n = 2)", "choice", GENERAL, (GENERAL, PAPER_EXAMPLE)
 )
@@ -44,7 +50,9 @@ FORM = Option(
 
 def F(k: ImmutableMatrix, alpha: Expr, e1: Expr) -> ImmutableMatrix:
     """The homogeneous injection, below (12)."""
-    return sympy.ImmutableMatrix([k[i - 1] * functions.SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)])
+    return sympy.ImmutableMatrix(
+        [k[i - 1] * functions.SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)]
+    )
 
 
 def write(d: Draft) -> None:
@@ -84,11 +92,17 @@ def checks(run: Observed) -> list[Check]:
     exponents = ", ".join(f"{i * alpha - (i - 1):.4g}" for i in range(1, n + 1))
     return [
         *shared_checks(run),
-        Check("1 − 1/n < α < 1", verdict(low < alpha < 1), f"α = {alpha:g}, n = {n}: exponents {exponents}"
-              + ("" if general else " in (11); the example as printed has 2α − 1 in all lines"),
-              alpha, low, f"{SOURCE}, below (12), read so that all exponents are positive"),
+        Check(
+            "1 − 1/n < α < 1",
+            verdict(low < alpha < 1),
+            f"α = {alpha:g}, n = {n}: exponents {exponents}"
+            + ("" if general else " in (11); the example as printed has 2α − 1 in all lines"),
+            alpha,
+            low,
+            f"{SOURCE}, below (12), read so that all exponents are positive",
+        ),
         as_printed(run),
-    ]  # fmt: skip
+    ]
 
 
 def as_printed(run: Observed) -> Check:

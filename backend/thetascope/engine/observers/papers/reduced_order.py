@@ -33,8 +33,15 @@ def default_H(context: Context) -> list[float]:
     return [comb(size, i) * 5.0**i for size in blocks for i in range(1, size + 1)]
 
 
-H = Gain("H", "output injection, block after block of unmeasured coordinates; Ã − HC̃ must be stable", default_H,
-         -1e6, 1e6, size="n-m", symbol="H")  # fmt: skip
+H = Gain(
+    "H",
+    "output injection, block after block of unmeasured coordinates; Ã − HC̃ must be stable",
+    default_H,
+    -1e6,
+    1e6,
+    size="n-m",
+    symbol="H",
+)
 
 
 def write(d: Draft) -> None:
@@ -113,8 +120,14 @@ def eigenvalues(run: Observed, name: str, gain: str, blocks: list[int], equation
 def relative_degree(run: Observed) -> Check:
     degrees, total = run.facts["relative degree"], sum(run.facts["relative degree"])
     text = f"({', '.join(map(str, degrees))}), which sums to n = {total}; {'; '.join(run.facts['coordinates'])}"
-    return Check("vector relative degree", verdict(True), text, float(total), float(run.context.n),
-                 f"{PAPER}, Definition 2 and Assumption 1")  # fmt: skip
+    return Check(
+        "vector relative degree",
+        verdict(True),
+        text,
+        float(total),
+        float(run.context.n),
+        f"{PAPER}, Definition 2 and Assumption 1",
+    )
 
 
 def decoupling(run: Observed) -> Check:
@@ -135,10 +148,14 @@ def decoupling(run: Observed) -> Check:
 def local(run: Observed) -> Check:
     """Assumption 2 and the region in which the observer converges."""
     affine = run.facts["affine"]
-    text = "they are affine in the state" if affine else (
-        "they are not affine in the state: locally at most, and a bound was not sought; the convergence is local, and "
-        "gains or initial estimates that are too far off may never converge"
-    )  # fmt: skip
+    text = (
+        "they are affine in the state"
+        if affine
+        else (
+            "they are not affine in the state: locally at most, and a bound was not sought; the convergence is local, and "
+            "gains or initial estimates that are too far off may never converge"
+        )
+    )
     return Check(
         "α and F Lipschitz", verdict(True if affine else None), text, source=f"{PAPER}, Assumption 2, Remark 4"
     )

@@ -32,8 +32,15 @@ def default_K(context: Context) -> list[float]:
     return [0.0 if i in parts.front else 0.1 for i in parts.linear_states]
 
 
-K = Gain("K", "output injection on the states of L1 and L2, in the plant's order; those of L1 should be 0 (Theorem 1)",
-         default_K, -1e3, 1e3, size=corrected, symbol="K")  # fmt: skip
+K = Gain(
+    "K",
+    "output injection on the states of L1 and L2, in the plant's order; those of L1 should be 0 (Theorem 1)",
+    default_K,
+    -1e3,
+    1e3,
+    size=corrected,
+    symbol="K",
+)
 
 
 def begin(d: Draft) -> Sandwich:
@@ -115,8 +122,9 @@ def rank_check(run: Observed) -> Check:
     text = f"rank {least} of {n} with any operator in a linear zone, {none} with none"
     if none < n:
         text += ": while all operators hold, L1 cannot be seen"
-    return Check("observable with an operator active", verdict(least == n), text, float(least), float(n),
-                 f"{SOURCE}, section 3")  # fmt: skip
+    return Check(
+        "observable with an operator active", verdict(least == n), text, float(least), float(n), f"{SOURCE}, section 3"
+    )
 
 
 def linear_parts(run: Observed) -> tuple[np.ndarray, ...]:

@@ -26,7 +26,9 @@ from thetascope.engine.observers.support.draft import Draft
 def write(d: Draft) -> None:
     parts = begin(d)
     plant, d.model = d.model, smooth(d.model)
-    made = d.states("xh", len(parts.linear_states), initial=sympy.ImmutableMatrix([d.x0[i] for i in parts.linear_states]))
+    made = d.states(
+        "xh", len(parts.linear_states), initial=sympy.ImmutableMatrix([d.x0[i] for i in parts.linear_states])
+    )
     x = dict(zip(parts.linear_states, made, strict=True))
     at = d.at([x.get(i, sympy.S.Zero) for i in range(d.n)])
     r = d.let("r", (d.measured() - at.h)[0])
@@ -68,7 +70,5 @@ OBSERVER = Observer(
         ("(22)", "x̂(k + 1) = Ax̂(k) + Bu(k) + K(y(k) − ŷ(k))"),
         ("", "v = ∑ᵢ mᵢx"),
     ),
-    where=(
-        ("v", "the hysteresis taken for a constant slope"),
-    ),
+    where=(("v", "the hysteresis taken for a constant slope"),),
 )

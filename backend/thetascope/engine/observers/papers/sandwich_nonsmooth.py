@@ -34,8 +34,13 @@ if TYPE_CHECKING:
 
 RISING, FALLING = 1, -1
 
-BEFORE = Option("before", "Δx̂(0): 0, as if x̂ had not moved before the start (hold), or by the initial estimate of the "
-                "previous x (given)", "choice", "hold", ("hold", "given"))  # fmt: skip
+BEFORE = Option(
+    "before",
+    "Δx̂(0): 0, as if x̂ had not moved before the start (hold), or by the initial estimate of the previous x (given)",
+    "choice",
+    "hold",
+    ("hold", "given"),
+)
 
 
 def write(d: Draft) -> None:

@@ -86,13 +86,24 @@ def persistent_excitation(run: Observed, level: np.ndarray, source: str) -> Chec
     finite = level[np.isfinite(level)]
     window, delta = run.gain("window"), run.gain("delta")
     if not len(finite):
-        return Check("persistent excitation", CANNOT_TELL, f"the run is shorter than the window of {window:g} s",
-                     None, delta, source)  # fmt: skip
+        return Check(
+            "persistent excitation",
+            CANNOT_TELL,
+            f"the run is shorter than the window of {window:g} s",
+            None,
+            delta,
+            source,
+        )
     settled = finite[len(finite) // 10 :]  # Υ starts at zero: the first windows are not yet those of the theorem
     value = float(settled.min())
-    return Check("persistent excitation", verdict(value >= delta),
-                 f"smallest eigenvalue of the Gramian of Ω over {window:g} s: {value:.3g}, asked for {delta:g}",
-                 value, delta, source)  # fmt: skip
+    return Check(
+        "persistent excitation",
+        verdict(value >= delta),
+        f"smallest eigenvalue of the Gramian of Ω over {window:g} s: {value:.3g}, asked for {delta:g}",
+        value,
+        delta,
+        source,
+    )
 
 
 def positive_definite(run: Observed, name: str, size: int, source: str) -> Check:
@@ -104,8 +115,14 @@ def positive_definite(run: Observed, name: str, size: int, source: str) -> Check
         return Check(f"{name} positive definite", CANNOT_TELL, why, None, 0.0, source)
     picked = finite[np.unique(np.linspace(0, len(finite) - 1, 200).astype(int))]
     value = float(np.linalg.eigvalsh(picked).min())
-    return Check(f"{name} positive definite", verdict(value > 0), f"smallest eigenvalue over the run: {value:.3g}",
-                 value, 0.0, source)  # fmt: skip
+    return Check(
+        f"{name} positive definite",
+        verdict(value > 0),
+        f"smallest eigenvalue over the run: {value:.3g}",
+        value,
+        0.0,
+        source,
+    )
 
 
 def gain_at_least(run: Observed, name: str, least: float, source: str, why: str) -> Check:

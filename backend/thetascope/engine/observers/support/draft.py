@@ -255,8 +255,10 @@ class Draft:
         if fraction in exact:
             return exact[fraction]
         by_middle, by_end = 4 * fraction * (1 - fraction), fraction * (2 * fraction - 1)
-        return [self._let(f"{prefix}.{n}.at{fraction}", a + by_middle * (b - a) + by_end * (c - a))
-                for n, a, b, c in zip(names, start, middle, end)]  # fmt: skip
+        return [
+            self._let(f"{prefix}.{n}.at{fraction}", a + by_middle * (b - a) + by_end * (c - a))
+            for n, a, b, c in zip(names, start, middle, end)
+        ]
 
     def _clipped(self, d: Definition, inside: dict, saturate: bool) -> Expr:
         value = d.expression.xreplace(inside)
@@ -290,11 +292,17 @@ class Draft:
         outputs = dict(self._outputs) | {f"init.{s.name}": self._initial[s] for s in self._states}
         times = (START,) if self.time == CONTINUOUS else (START, MIDDLE, END, NOW)
         model = self.model
-        inputs = [s for w in times for prefix, names in
-                  (("u", model.inputs), ("signal", model.signal_names), ("y", model.outputs))
-                  for s in symbols(w + prefix, names)]  # fmt: skip
-        gains = [s for g, size in self.gains.items() for s in
-                 (symbols("g", [g]) if size is None else symbols("g", [f"{g}.{i}" for i in range(size)]))]  # fmt: skip
+        inputs = [
+            s
+            for w in times
+            for prefix, names in (("u", model.inputs), ("signal", model.signal_names), ("y", model.outputs))
+            for s in symbols(w + prefix, names)
+        ]
+        gains = [
+            s
+            for g, size in self.gains.items()
+            for s in (symbols("g", [g]) if size is None else symbols("g", [f"{g}.{i}" for i in range(size)]))
+        ]
         if self.time != CONTINUOUS:
             gains.append(self.period)
         parameters = (*gains, *symbols("m", model.parameter_names), *self.x0, *self.theta0)

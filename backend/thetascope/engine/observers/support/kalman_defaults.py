@@ -157,7 +157,14 @@ Q_THETA = Gain(
     unit="fault/√s",
 )
 WINDOW = Gain(
-    "window", "window T over which excitation is judged", lambda c: 3 / pace(c.model), 1e-3, 1e6, symbol="T", unit="s", live=False
+    "window",
+    "window T over which excitation is judged",
+    lambda c: 3 / pace(c.model),
+    1e-3,
+    1e6,
+    symbol="T",
+    unit="s",
+    live=False,
 )
 DELTA = Gain(
     "delta",
