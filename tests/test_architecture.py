@@ -71,6 +71,7 @@ def test_observers_stand_on_the_mathematics_alone(imports: grimp.ImportGraph):
         ("thetascope_schemas", {"pydantic", "pydantic_core"}),
         ("thetascope.engine", {"numpy", "scipy", "sympy", "llvmlite"}),
         ("thetascope.diagnosis", {"numpy", "scipy"}),
+        ("thetascope.messages", {"babel"}),
         ("thetascope.client", {"numpy"}),
         ("thetascope.settings", set()),
     ],

@@ -41,7 +41,7 @@ def process(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess]:
 
     def run_one(*arguments: str, **options: object) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "thetascope.cli.main", *arguments]
-        environment = os.environ | {"PYTHONPATH": str(ROOT)}
+        environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT / "backend"), str(ROOT / "shared")])}
         return subprocess.run(
             command, check=False, capture_output=True, text=True, timeout=60, env=environment, **options
         )

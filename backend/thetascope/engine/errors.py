@@ -1,21 +1,27 @@
 """Errors that a user's input can cause. Each names the field, the value and the remedy."""
 
+from thetascope.messages import Message
+
 
 class ThetascopeError(Exception):
     """Base of all errors that the program raises on purpose."""
 
 
 class SpecError(ThetascopeError):
-    """A plant or experiment that cannot be meant as it stands.
+    """A plant, experiment or record that is refused.
 
     Args:
         field: path of the field, for example `dynamics.x1`.
-        value: what stands there.
-        problem: what is wrong with it.
-        remedy: what to do about it.
+        value: the value of that field.
+        problem: what is wrong with the value.
+        remedy: how to correct it; by default the message whose code is the problem's plus `.remedy`, with its arguments.
     """
 
-    def __init__(self, field: str, value: object, problem: str, remedy: str) -> None:
+    def __init__(self, field: str, value: object, problem: Message | str, remedy: Message | str | None = None) -> None:
+        if remedy is None:
+            if not isinstance(problem, Message):
+                raise TypeError("a problem that is not a Message needs a remedy")
+            remedy = Message(f"{problem.code}.remedy", **problem.args)
         super().__init__(field, value, problem, remedy)  # the arguments, so that the error survives pickling
         self.field, self.value, self.problem, self.remedy = field, value, problem, remedy
 
