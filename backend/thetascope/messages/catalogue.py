@@ -15,18 +15,27 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cache
 from gettext import c2py
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 from babel.core import negotiate_locale
 from babel.messages.catalog import Catalog
 from babel.messages.plurals import get_plural
 from babel.messages.pofile import read_po
 
-from thetascope.messages.message import Message
-
 FOLDER = Path(__file__).parent / "locales"
 DEFAULT = "en"
 _FIELD = re.compile(r"\{(\w+)(?::([^{}]*))?\}|\{\{|\}\}")
+
+
+@runtime_checkable
+class Coded(Protocol):
+    """Anything with a code and arguments: a Message."""
+
+    @property
+    def code(self) -> str: ...
+
+    @property
+    def args(self) -> Mapping[str, Any]: ...
 
 
 class Catalogue:
@@ -36,7 +45,7 @@ class Catalogue:
         self.language = language
         self.templates = dict(templates)
 
-    def render(self, message: Message) -> str:
+    def render(self, message: Coded) -> str:
         """Return the sentence of a message. An unknown code is shown with its arguments, so that nothing is lost."""
         template = self.template(message.code, message.args)
         if template is None:
@@ -59,7 +68,7 @@ class Catalogue:
         return found[min(_plural_index(self.language, number), len(found) - 1)]
 
     def _value(self, value: Any, format: str) -> str:
-        if isinstance(value, Message):
+        if isinstance(value, Coded):
             return self.render(value)
         if isinstance(value, tuple | list):
             return self._joined(
