@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from thetascope.diagnosis.evaluation import observer_comparison
 from thetascope.diagnosis.evaluation.observer_comparison import COVERED, FOUND, MISSED, MOST_WINDOWS, best, windows
 from thetascope.engine.model.result import ObserverReport, Result
+from thetascope_schemas.experiment.faults import Site
 
 T = np.linspace(0, 100, 1001)
 CHANNELS = ("a", "b")
@@ -32,6 +33,11 @@ class Fault:
     size: float = 1.0
     shape: str = "step"
 
+    @property
+    def site(self) -> Site:
+        """As the schemas have it."""
+        return Site("channel", self.channel)
+
 
 @dataclass
 class Stuck:
@@ -42,6 +48,11 @@ class Stuck:
     end: float | None = None
     shape: str = "stuck"
 
+    @property
+    def site(self) -> Site:
+        """As the schemas have it."""
+        return Site("output", self.output)
+
 
 def alarm(t: float, channel: str = "", *alternatives: str, output: str = "", cleared: float | None = None):
     kind = "fault" if channel else "unexplained"
@@ -51,7 +62,7 @@ def alarm(t: float, channel: str = "", *alternatives: str, output: str = "", cle
 def truth(faults, channel: str) -> np.ndarray:
     value = np.zeros(T.size)
     for f in faults:
-        if getattr(f, "channel", None) == channel:
+        if f.site == ("channel", channel):
             value += f.size * ((f.onset <= T) & (T < (np.inf if f.end is None else f.end)))
     return value
 

@@ -76,11 +76,11 @@ class Scene:
 
     def intervals(self, kind: str, name: str) -> list[tuple[float, float]]:
         """When a fault acts on that channel (kind "theta") or on that measurement (kind "y"), clipped to the run."""
-        field, end = ("channel" if kind == "theta" else "output"), float(self.t[-1])
+        end = float(self.t[-1])
         return [
             (fault.onset, min(end if fault.end is None else fault.end, end))
             for fault in self.spec.faults
-            if getattr(fault, field, None) == name and fault.onset < end
+            if (fault.site.prefix, fault.site.name) == (kind, name) and fault.onset < end
         ]
 
     def changes(self) -> list[float]:

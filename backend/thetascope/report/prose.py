@@ -120,8 +120,6 @@ def timeline(scene: Scene) -> str:
     """Faults in the order of their onset, and the noise."""
     rows = []
     for fault in sorted(scene.spec.faults, key=lambda fault: fault.onset):
-        name = getattr(fault, "channel", None) or fault.output
-        kind = "theta" if getattr(fault, "channel", None) else "y"
         known = {"channel", "output", "shape", "onset", "end"}
         details = ", ".join(
             f"{escape(key.replace('_', ' '))} {_brief(getattr(fault, key))}"
@@ -131,9 +129,9 @@ def timeline(scene: Scene) -> str:
         end = "" if fault.end is None else number(fault.end, 6)
         rows.append(
             [
-                symbol(name),
+                symbol(fault.site.name),
                 escape(fault.shape),
-                details + unit(scene.unit(kind, name)) * ("size" in details),
+                details + unit(scene.unit(fault.site.prefix, fault.site.name)) * ("size" in details),
                 number(fault.onset, 6),
                 end or "stays",
             ]

@@ -28,7 +28,7 @@ from thetascope_schemas.experiment.base import (
 )
 from thetascope_schemas.experiment.commands import MAX_COMMANDS, TimedCommand
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
-from thetascope_schemas.experiment.faults import ChannelFault, Fault
+from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.figures import Figure
 from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement
 from thetascope_schemas.experiment.observers import ObserverConfig
@@ -259,14 +259,11 @@ class Experiment(Strict):
         check_known(self.signals, plant.names("signals"), "signals", "a known signal of the plant")
         check_known(self.noise, plant.names("outputs"), "noise", "an output of the plant")
         for index, fault in enumerate(self.faults):
-            if isinstance(fault, ChannelFault):
-                field, name, known, what = "channel", fault.channel, plant.names("channels"), "a fault channel"
-            else:
-                field, name, known, what = "output", fault.output, plant.names("outputs"), "an output"
+            kind, name = fault.site
+            known = plant.names(f"{kind}s")
             if name not in known:
-                raise refuse(
-                    f"{name!r} is not {what} of the plant", suggest(name, known), f"faults[{index}].{field}", name
-                )
+                problem = f"{name!r} is not {'a fault channel' if kind == 'channel' else 'an output'} of the plant"
+                raise refuse(problem, suggest(name, known), f"faults[{index}].{kind}", name)
         if plant.time.kind == "discrete" and not math.isclose(self.step, plant.time.period, rel_tol=1e-9):
             raise refuse(
                 f"the plant is discrete with a period of {plant.time.period:g} s, and the step is {self.step:g} s",

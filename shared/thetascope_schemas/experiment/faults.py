@@ -1,6 +1,6 @@
 """Faults over time: on a channel (inside the model, θ) or on a measurement (outside the model, on y)."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
@@ -18,8 +18,20 @@ from thetascope_schemas.experiment.base import (
 from thetascope_schemas.experiment.signals import Interpolation, Points, check_increasing, check_lengths, check_width
 
 
+class Site(NamedTuple):
+    """The place where a fault acts: a fault channel inside the model, or an output as it is measured."""
+
+    kind: Literal["channel", "output"]
+    name: str
+
+    @property
+    def prefix(self) -> Literal["theta", "y"]:
+        """The first part of the name of the column that shows the fault: θ of a channel, y of an output."""
+        return "theta" if self.kind == "channel" else "y"
+
+
 class TimedFault(Strict):
-    """What all faults share: they act on [onset, end)."""
+    """Base of all faults, which act on [onset, end)."""
 
     onset: Instant = Field(description="Time in s at which the fault appears.")
     end: Instant | None = Field(None, description="Time in s at which it disappears; null: it stays.")
@@ -40,6 +52,11 @@ class ChannelFault(TimedFault):
     """A fault inside the model: the value θ(t) of one channel. τ = t − onset below."""
 
     channel: Reference = Field(description="Name of the plant's fault channel.")
+
+    @property
+    def site(self) -> Site:
+        """The channel that the fault acts on."""
+        return Site("channel", self.channel)
 
 
 class StepFault(ChannelFault):
@@ -144,9 +161,14 @@ class TableFault(ChannelFault):
 
 
 class MeasurementFault(TimedFault):
-    """A fault outside the model, on one output as it is measured. No observer is told of it."""
+    """A fault outside the model, on one output as it is measured. Observers see only the measurement."""
 
     output: Reference = Field(description="Name of the plant's output.")
+
+    @property
+    def site(self) -> Site:
+        """The output that the fault acts on."""
+        return Site("output", self.output)
 
 
 class StuckFault(MeasurementFault):

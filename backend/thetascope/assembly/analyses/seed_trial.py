@@ -76,7 +76,8 @@ def trial(
     """
     spec = prepared.spec.with_plant(prepared.plant)
     experiment = prepared.stages[0].experiment
-    faults = [(f.channel, f.onset) for f in spec.faults if hasattr(f, "channel") and 0 < f.onset < spec.horizon]
+    channel_faults = [f for f in spec.faults if f.site.kind == "channel" and 0 < f.onset < spec.horizon]
+    faults = [(f.site.name, f.onset) for f in channel_faults]
     inspect = inspector(spec)
     plain = replace(healthy(experiment), estimators=experiment.estimators)
     tallies: dict[str, Tally] = {}

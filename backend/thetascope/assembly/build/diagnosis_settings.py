@@ -27,7 +27,7 @@ def span(spec: Experiment) -> float:
 
 def calibration_key(spec: Experiment, observers: tuple[ObserverConfig, ...] = ()) -> str:
     """A hash of everything that a calibration depends on: the experiment without what may be found."""
-    there = tuple(f for f in spec.faults if hasattr(f, "channel") and f.onset == 0)
+    there = tuple(f for f in spec.faults if f.site.kind == "channel" and f.onset == 0)
     bare = {"seed": 0, "horizon": span(spec), "observers": observers, "commands": (), "figures": (), "faults": there}
     return spec.model_copy(update=bare).spec_hash()
 

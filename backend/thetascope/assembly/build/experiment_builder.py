@@ -80,7 +80,7 @@ def signals_of(
 
 
 def _plain(spec: Experiment, channel: str) -> list[dict]:
-    return [f.model_dump(mode="json") for f in spec.faults if getattr(f, "channel", None) == channel]
+    return [f.model_dump(mode="json") for f in spec.faults if f.site == ("channel", channel)]
 
 
 def _signal(given, field: str) -> signals.Signal:
@@ -94,7 +94,7 @@ def _signal(given, field: str) -> signals.Signal:
 def measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
     """The sensor side: noise, faults of the measurement, sampling."""
     noise = [spec.noise.get(o.name) for o in plant.outputs]
-    plain = [f.model_dump(mode="json") for f in spec.faults if hasattr(f, "output")]
+    plain = [f.model_dump(mode="json") for f in spec.faults if f.site.kind == "output"]
     for fault in plain:
         fault["output"] = f"y.{fault['output']}"
     every = None

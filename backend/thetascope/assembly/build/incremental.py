@@ -33,7 +33,7 @@ def adapted(spec: Experiment, since: dict[str, int], before: Experiment, made: E
 
 def _faults(spec: Experiment, kind: str, name: str | None) -> list:
     """The faults on a channel or an output; on all of them if no name is given."""
-    return [f for f in spec.faults if hasattr(f, kind) and name in (None, getattr(f, kind))]
+    return [f for f in spec.faults if f.site.kind == kind and name in (None, f.site.name)]
 
 
 def _kept_signals(spec: Experiment, before: Experiment, made: Engine) -> dict[str, Signal]:

@@ -91,9 +91,9 @@ def step_changes(faults: Iterable, horizon: float) -> list[tuple[str, float]]:
     """
     found = set()
     for fault in faults:
-        if getattr(fault, "channel", None) is None or fault.shape != "step":
+        if fault.site.kind != "channel" or fault.shape != "step":
             continue
-        found.update((fault.channel, at) for at in (fault.onset, fault.end) if at is not None and 0 < at < horizon)
+        found.update((fault.site.name, at) for at in (fault.onset, fault.end) if at is not None and 0 < at < horizon)
     return sorted(found, key=lambda event: event[1])
 
 

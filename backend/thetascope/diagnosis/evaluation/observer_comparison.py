@@ -207,10 +207,10 @@ def presences(result, faults: Sequence) -> tuple[Presence, ...]:
     """When which fault is there, in order of time, within the run."""
     t = result.column("t")
     horizon = float(t[-1])
-    outputs = [Presence("output", f.output, f.onset, _end(f, horizon)) for f in faults if hasattr(f, "output")]
+    outputs = [Presence(*f.site, f.onset, _end(f, horizon)) for f in faults if f.site.kind == "output"]
     channels = []
-    for name in sorted({f.channel for f in faults if hasattr(f, "channel")}):
-        mine = [f for f in faults if getattr(f, "channel", None) == name]
+    for name in sorted({f.site.name for f in faults if f.site.kind == "channel"}):
+        mine = [f for f in faults if f.site == ("channel", name)]
         edges = [at for at in event_times(mine) if at < horizon] + [np.inf]
         theta = result.column(f"theta.{name}")
         for start, end in pairwise(edges):
@@ -232,7 +232,7 @@ def onsets(faults: Sequence, there: Sequence[Presence]) -> list[Presence]:
 
     A fault on an output is to be found before the next one on that output begins.
     """
-    begun = {(kind, getattr(f, kind), f.onset) for f in faults for kind in ("channel", "output") if hasattr(f, kind)}
+    begun = {(*f.site, f.onset) for f in faults}
     one = {}
     for p in there:
         if (p.kind, p.name, p.onset) in begun:

@@ -43,8 +43,8 @@ def injected(spec: Experiment, command: Inject, at: float) -> Experiment:
     fault = command.fault
     end = None if fault.end is None else at + fault.end
     fault = fault.model_copy(update={"onset": at + fault.onset, "end": end})
-    where = "output" if hasattr(fault, "output") else "channel"
-    _known(spec, where, f"fault.{where}", getattr(fault, where))
+    where, name = fault.site
+    _known(spec, where, f"fault.{where}", name)
     return spec.model_copy(update={"faults": (*spec.faults, fault)})
 
 
@@ -65,18 +65,12 @@ def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
 
     Raises SpecError for unknown names.
     """
-    for where in ("channel", "output"):
-        if (name := getattr(command, where)) is not None:
-            _known(spec, where, where, name)
-    everything = command.channel is None and command.output is None
+    sites = [(where, name) for where in ("channel", "output") if (name := getattr(command, where)) is not None]
+    for where, name in sites:
+        _known(spec, where, where, name)
     kept = []
     for fault in spec.faults:
-        mine = everything or (
-            getattr(fault, "channel", None) == command.channel
-            if command.channel is not None
-            else getattr(fault, "output", None) == command.output
-        )
-        if not mine or (fault.end is not None and fault.end <= at):
+        if (sites and fault.site != sites[0]) or (fault.end is not None and fault.end <= at):
             kept.append(fault)
         elif fault.onset < at:
             kept.append(fault.model_copy(update={"end": at}))

@@ -38,7 +38,7 @@ def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record:
             if made.value not in told.get((made.kind, made.subject, row), []):
                 found.append(made)
     for fault in spec.faults:
-        name = getattr(fault, "channel", None) or fault.output
+        name = fault.site.name
         for kind, when, by_hand in (("fault-begins", fault.onset, ("inject",)), ("fault-ends", fault.end, ("clear",))):
             row = None if when is None else math.ceil(when / record - 1e-9)
             if row is None or not first <= row < last:
@@ -69,7 +69,7 @@ def event(command: object, row: int, t: float, given_up: int = 0) -> Event:
 def _told(command: object) -> tuple[str, str, object, str]:
     match command:
         case Inject(fault=fault):
-            name = getattr(fault, "channel", None) or fault.output
+            name = fault.site.name
             size = getattr(fault, "size", None)
             amount = "" if size is None else f" = {size:g}"
             return "inject", name, fault.model_dump(mode="json"), f"you injected {name}{amount}, {fault.shape}"
