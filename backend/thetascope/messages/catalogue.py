@@ -17,7 +17,7 @@ from gettext import c2py
 from pathlib import Path
 from typing import Any, Protocol, runtime_checkable
 
-from babel.core import negotiate_locale
+from babel.core import Locale, negotiate_locale
 from babel.messages.catalog import Catalog
 from babel.messages.plurals import get_plural
 from babel.messages.pofile import read_po
@@ -58,6 +58,14 @@ class Catalogue:
             return self._value(message.args.get(match[1]), match[2] or "") if match[1] in message.args else match[0]
 
         return _FIELD.sub(field, template)
+
+    def as_data(self) -> dict[str, Any]:
+        """Return the catalogue as plain data: language, templates, and the plural rule.
+
+        `plural` lists the categories of Unicode's CLDR (`one`, `other` …) in the order of the plural forms, so that a page
+        finds the form of n with `Intl.PluralRules`. A number that is not whole takes the form of 2.
+        """
+        return {"language": self.language, "plural": _plural_categories(self.language), "messages": self.templates}
 
     def template(self, code: str, args: Mapping[str, Any]) -> str | None:
         """Return the template of a code, in the plural form that the argument `n` asks for."""
@@ -108,7 +116,7 @@ def languages() -> tuple[str, ...]:
 
 def negotiate(wanted: Iterable[str]) -> str:
     """Return the first language of a list of tags (`zh-CN`, `en;q=0.5` in their order) that has a catalogue."""
-    tags = [tag.split(";")[0].strip().replace("-", "_") for tag in wanted]
+    tags = [tag.split(";")[0].strip().replace("-", "_").lower() for tag in wanted]
     return negotiate_locale([tag for tag in tags if tag], languages(), sep="_") or DEFAULT
 
 
@@ -127,3 +135,10 @@ def _plural_index(language: str, number: Any) -> int:
     """Return which plural form a number takes; a fraction takes that of 2."""
     whole = isinstance(number, int) or (isinstance(number, float) and number.is_integer())
     return _plural_rule(language)(abs(int(number)) if whole else 2)
+
+
+def _plural_categories(language: str) -> list[str]:
+    """Return the CLDR category of each plural form of a language, in gettext's order."""
+    category, index = Locale(language).plural_form, _plural_rule(language)
+    forms = {index(number): category(number) for number in reversed(range(200))}
+    return [forms[form] for form in range(len(forms))]

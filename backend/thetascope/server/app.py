@@ -21,6 +21,7 @@ from thetascope.api.routes import (
     equations,
     gain_defaults,
     lessons,
+    messages,
     plants,
     records,
     run_results,
@@ -80,7 +81,7 @@ def _api() -> APIRouter:
             {"status": "ok", "schema": SCHEMA_VERSION, "engine": engine_version(), "runs": services.runs.usage()}
         )
 
-    for part in (catalogue, plants, equations, gain_defaults, lessons, records, runs, run_results, sessions):
+    for part in (catalogue, plants, equations, gain_defaults, lessons, messages, records, runs, run_results, sessions):
         api.include_router(part.router)
 
     return api

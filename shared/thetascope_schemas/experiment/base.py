@@ -6,9 +6,9 @@ import re
 import reprlib
 from collections.abc import Iterable, Mapping, Sequence
 from difflib import get_close_matches
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any, ClassVar, Protocol
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
 from pydantic_core import PydanticCustomError
 
 SCHEMA_VERSION = 1
@@ -178,6 +178,31 @@ ExpressionText = Annotated[
 Bounds = Annotated[tuple[Number | None, Number | None], AfterValidator(ordered)]
 """[low, high]; null leaves a side open."""
 UNBOUNDED: tuple[None, None] = (None, None)
+
+
+class Worded(Protocol):
+    """A message that can be rendered: `thetascope.messages.Message`, without importing it."""
+
+    def as_data(self) -> dict[str, Any]: ...
+
+    def text(self, language: str = "en") -> str: ...
+
+
+class Text(Strict):
+    """A message: code, arguments, and the sentence in the asked language."""
+
+    model_config = example(code="common.states", args={"n": 2}, text="2 states")
+
+    code: str = Field(description="Key of the sentence in the catalogues, GET /api/messages/{language}.")
+    args: dict[str, JsonValue] = Field(
+        default_factory=dict, description="Arguments of the sentence by name; a nested message is {code, args}."
+    )
+    text: str = Field("", description="The sentence in the asked language.")
+
+    @classmethod
+    def of(cls, message: Worded, language: str = "en") -> "Text":
+        """Return a message with its sentence in a language."""
+        return cls(**message.as_data(), text=message.text(language))
 
 
 class FieldError(Strict):
