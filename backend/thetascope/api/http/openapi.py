@@ -11,7 +11,7 @@ from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.record import Record
 
-_BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest)
+BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest)
 
 
 def install(app: FastAPI) -> None:
@@ -22,7 +22,7 @@ def install(app: FastAPI) -> None:
         if app.openapi_schema is None:
             made = derive()
             _, bodies = models_json_schema(
-                [(model, "validation") for model in _BODIES], ref_template="#/components/schemas/{model}"
+                [(model, "validation") for model in BODIES], ref_template="#/components/schemas/{model}"
             )
             schemas = made.setdefault("components", {}).setdefault("schemas", {})
             for name, schema in bodies["$defs"].items():

@@ -12,11 +12,12 @@ from thetascope import library
 from thetascope.api.routes.plants import experiment_line, plant_line
 from thetascope_schemas.experiment.faults import ChannelFault, Fault
 from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.service.answers import Catalogue
 
 router = APIRouter(tags=["catalogue"])
 
 
-@router.get("/catalogue", response_model=None)
+@router.get("/catalogue", response_model=Catalogue)
 def get_catalogue() -> Response:
     """Plants, experiments, observers with their gains, fault shapes and signals with their fields."""
     return Response(_catalogue(), media_type="application/json", headers={"Cache-Control": "no-cache"})

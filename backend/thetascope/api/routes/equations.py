@@ -18,6 +18,7 @@ from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.experiment import PlantChoice
 from thetascope_schemas.experiment.observers import Kind
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.answers import Equations
 
 router = APIRouter(tags=["equations"])
 
@@ -29,13 +30,13 @@ class Question(Strict):
     observers: tuple[Kind, ...] | None = None
 
 
-@router.get("/equations/{id}", response_model=None, responses=documented(404))
+@router.get("/equations/{id}", response_model=Equations, responses=documented(404))
 def get_equations(id: str) -> Response:
     """The equations of a library plant and of every kind of observer."""
     return json_response(_answer(library_plant(id), kinds()))
 
 
-@router.post("/equations", response_model=None, responses=documented(404, 413, 415, 422))
+@router.post("/equations", response_model=Equations, responses=documented(404, 413, 415, 422))
 async def post_equations(request: Request, services: Use) -> Response:
     """The equations of a plant (in full, or a library id) and of the kinds of observers that are named (all, if none)."""
 

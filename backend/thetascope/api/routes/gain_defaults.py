@@ -11,12 +11,13 @@ from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
 from thetascope.runs.specs.refusals import validated
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.answers import PresentGains
 
 router = APIRouter(tags=["catalogue"])
 
 
 @router.post(
-    "/gains", response_model=None, openapi_extra=body_schema("Experiment"), responses=documented(413, 415, 422)
+    "/gains", response_model=PresentGains, openapi_extra=body_schema("Experiment"), responses=documented(413, 415, 422)
 )
 async def gains(request: Request, services: Use) -> Response:
     """Per observer of an experiment, every gain: what a form shows before anything is changed."""

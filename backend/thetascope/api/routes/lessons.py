@@ -9,6 +9,7 @@ from thetascope import library
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.problems import documented
 from thetascope.runs.specs.refusals import Unknown
+from thetascope_schemas.service.answers import LessonList, LessonPlan
 from thetascope_schemas.service.lesson import Lesson
 
 router = APIRouter(tags=["lessons"])
@@ -28,13 +29,13 @@ def plain(lesson: Lesson) -> dict[str, Any]:
     }
 
 
-@router.get("/lessons", response_model=None)
+@router.get("/lessons", response_model=LessonList)
 def list_lessons() -> Response:
     """All lessons."""
     return json_response({"lessons": [plain(lesson) for lesson in library.lessons().values()]})
 
 
-@router.get("/lessons/{id}", response_model=None, responses=documented(404))
+@router.get("/lessons/{id}", response_model=LessonPlan, responses=documented(404))
 def get_lesson(id: str) -> Response:
     """The questions about one experiment."""
     found = library.lessons().get(id)

@@ -14,6 +14,7 @@ from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.resolve_spec import library_experiment, library_plant
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.answers import ExperimentList, PlantCheck, PlantList
 
 router = APIRouter()
 
@@ -49,7 +50,7 @@ def experiment_line(experiment: Experiment) -> dict[str, object]:
     }
 
 
-@router.get("/plants", response_model=None, tags=["plants"])
+@router.get("/plants", response_model=PlantList, tags=["plants"])
 def list_plants() -> Response:
     """The plants of the library."""
     return json_response({"plants": [plant_line(plant) for plant in library.plants().values()]})
@@ -63,7 +64,7 @@ def get_plant(id: str) -> Response:
 
 @router.post(
     "/plants/check",
-    response_model=None,
+    response_model=PlantCheck,
     openapi_extra=body_schema("Plant"),
     responses=documented(413, 415, 422),
     tags=["plants"],
@@ -79,7 +80,7 @@ async def check_plant(request: Request, services: Use) -> Response:
     return json_response(await parsed(request, services.settings.max_body, check))
 
 
-@router.get("/experiments", response_model=None, tags=["experiments"])
+@router.get("/experiments", response_model=ExperimentList, tags=["experiments"])
 def list_experiments() -> Response:
     """The experiments of the library."""
     return json_response({"experiments": [experiment_line(item) for item in library.experiments().values()]})

@@ -17,6 +17,7 @@ from thetascope.runs.run_report import report_html
 from thetascope.runs.specs.refusals import Unknown
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope_schemas.experiment.base import suggest
+from thetascope_schemas.service.answers import FigureList, PlotlyFigure
 from thetascope_schemas.service.comparison import Comparison
 
 router = APIRouter(prefix="/runs/{id}", tags=["results"])
@@ -83,7 +84,7 @@ async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] 
     return await from_result(services, id, make)
 
 
-@router.get("/figures", response_model=None, responses=documented(404, 409))
+@router.get("/figures", response_model=FigureList, responses=documented(404, 409))
 async def list_figures(id: str, services: Use) -> Response:
     """The figures there are of this run: name, title and address."""
     from thetascope import figures
@@ -96,7 +97,7 @@ async def list_figures(id: str, services: Use) -> Response:
     return await from_result(services, id, make)
 
 
-@router.get("/figures/{name}", response_model=None, responses=documented(404, 409))
+@router.get("/figures/{name}", response_model=PlotlyFigure, responses=documented(404, 409))
 async def get_figure(id: str, name: str, services: Use, theme: Literal["light", "dark"] = "light") -> Response:
     """One figure as Plotly's JSON: `{"data": […], "layout": {…}}`, arrays as base64 (`bdata`)."""
     from thetascope import figures

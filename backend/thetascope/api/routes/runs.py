@@ -12,6 +12,7 @@ from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.run_requests import asked
+from thetascope_schemas.service.answers import RunList
 from thetascope_schemas.service.run import Progress, Run
 
 router = APIRouter(prefix="/runs", tags=["runs"])
@@ -52,7 +53,7 @@ async def create_run(request: Request, services: Use, wait: Wait = None) -> Resp
     return progress_response(started.snapshot(), 202)
 
 
-@router.get("", response_model=None)
+@router.get("", response_model=RunList)
 def list_runs(
     services: Use, limit: Annotated[int, Query(ge=1, le=1000)] = 100, offset: Annotated[int, Query(ge=0)] = 0
 ) -> Response:

@@ -21,6 +21,7 @@ from thetascope.live.scheduling.hub import TooMany
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.refusals import NotReady, Unknown, invalid, validated
 from thetascope_schemas.experiment.diagnosis import InputProposal
+from thetascope_schemas.service.answers import SessionOpened, SessionState
 from thetascope_schemas.service.run import Problem, Progress, Run
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
@@ -38,7 +39,7 @@ def links(id: str) -> dict[str, str]:
 @router.post(
     "",
     status_code=201,
-    response_model=None,
+    response_model=SessionOpened,
     openapi_extra=body_schema("SessionRequest"),
     responses=documented(404, 413, 415, 422, 503),
 )
@@ -51,7 +52,7 @@ async def create_session(request: Request, services: Use) -> Response:
         return _full(error)
 
 
-@router.get("/{id}", response_model=None, responses=documented(404))
+@router.get("/{id}", response_model=SessionState, responses=documented(404))
 async def get_session(id: str, services: Use) -> Response:
     """How a session stands, and its experiment with everything done so far."""
     room = _room(services, id)
@@ -86,7 +87,7 @@ async def end_session(id: str, services: Use, token: Annotated[str, Header(alias
 @router.post(
     "/{id}/fork",
     status_code=201,
-    response_model=None,
+    response_model=SessionOpened,
     openapi_extra=body_schema("ForkRequest"),
     responses=documented(404, 413, 422, 503),
 )

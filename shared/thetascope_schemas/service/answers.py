@@ -1,0 +1,344 @@
+"""Answers of the REST interface that are neither a spec nor a run: lists, forms, equations, sessions.
+
+The routes build these answers as plain data. The models document them in OpenAPI, and the types of the page are
+generated from there (`tools/page_types.py`). A test validates the real answers against the models.
+"""
+
+from datetime import datetime
+from typing import Literal
+
+from pydantic import Field, JsonValue
+
+from thetascope_schemas.experiment.base import Number, Strict
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.service.lesson import Words
+from thetascope_schemas.service.run import Status
+
+TimeKind = Literal["continuous", "discrete"]
+
+
+class PlantLine(Strict):
+    """A plant in a list."""
+
+    id: str
+    title: str
+    description: str
+    source: str
+    time: TimeKind
+    states: int
+    outputs: int
+    channels: tuple[str, ...] = Field(description="Names of the fault channels.")
+    href: str
+
+
+class PlantList(Strict):
+    """The plants of the library."""
+
+    plants: tuple[PlantLine, ...]
+
+
+class ExperimentLine(Strict):
+    """An experiment in a list."""
+
+    id: str
+    title: str
+    description: str
+    source: str
+    plant: str = Field(description="Id of the plant.")
+    horizon: Number
+    step: Number
+    observers: tuple[str, ...] = Field(description="Labels.")
+    href: str
+
+
+class ExperimentList(Strict):
+    """The experiments of the library."""
+
+    experiments: tuple[ExperimentLine, ...]
+
+
+class GainForm(Strict):
+    """A gain of an observer: its meaning, default and bounds."""
+
+    name: str
+    meaning: str
+    default: Number | tuple[Number, ...] | None = Field(description="null: it depends on the plant and its noise.")
+    low: Number
+    high: Number
+    size: str | None = Field(description="Length of a column (n, m, p, …), null for a number.")
+    symbol: str
+    unit: str
+    live: bool = Field(description="Whether moving it during a run has an effect.")
+
+
+class OptionForm(Strict):
+    """A structural option of an observer. Another value means other equations."""
+
+    name: str
+    meaning: str
+    kind: str
+    default: JsonValue
+    choices: tuple[str, ...]
+    low: int
+    high: int
+
+
+class ObserverKind(Strict):
+    """A kind of observer with its gains and options."""
+
+    id: str
+    title: str
+    source: str
+    summary: str
+    time: str
+    estimates_theta: bool
+    gains: tuple[GainForm, ...]
+    options: tuple[OptionForm, ...]
+
+
+class FormField(Strict):
+    """A field of a fault or signal as a form shows it."""
+
+    name: str
+    type: str = Field(description="JSON type, or choice.")
+    required: bool
+    nullable: bool
+    description: str
+    default: JsonValue = None
+    minimum: Number | None = None
+    above: Number | None = Field(None, description="Exclusive lower bound.")
+    maximum: Number | None = None
+    choices: tuple[str, ...] | None = None
+
+
+class FaultForm(Strict):
+    """A fault shape with its fields."""
+
+    shape: str
+    on: Literal["channel", "output"]
+    description: str
+    fields: tuple[FormField, ...]
+    example: dict[str, JsonValue]
+
+
+class SignalForm(Strict):
+    """A kind of signal with its fields."""
+
+    kind: str
+    description: str
+    fields: tuple[FormField, ...]
+    example: dict[str, JsonValue]
+
+
+class Catalogue(Strict):
+    """Everything that a form needs."""
+
+    plants: tuple[PlantLine, ...]
+    experiments: tuple[ExperimentLine, ...]
+    observers: tuple[ObserverKind, ...]
+    faults: tuple[FaultForm, ...]
+    signals: tuple[SignalForm, ...]
+
+
+class EquationChannel(Strict):
+    """A fault channel beside the equations."""
+
+    name: str
+    title: str
+    kind: str
+    unit: str
+
+
+class EquationLine(Strict):
+    """One equation of a plant as MathML."""
+
+    name: str
+    unit: str
+    description: str
+    math: str
+
+
+class PlantEquations(Strict):
+    """The equations of a plant with its faults in them."""
+
+    id: str
+    title: str
+    source: str
+    time: TimeKind
+    channels: tuple[EquationChannel, ...]
+    states: tuple[EquationLine, ...]
+    definitions: tuple[EquationLine, ...]
+    outputs: tuple[EquationLine, ...]
+
+
+class NumberedEquation(Strict):
+    """One equation of an observer as MathML, with its number in the paper."""
+
+    number: str
+    math: str
+
+
+class WhereLine(Strict):
+    """A symbol of an observer's equations and its meaning."""
+
+    math: str
+    text: str
+
+
+class ObserverEquations(Strict):
+    """The equations of one kind of observer."""
+
+    title: str
+    source: str
+    equations: tuple[NumberedEquation, ...]
+    where: tuple[WhereLine, ...]
+
+
+class Equations(Strict):
+    """The equations of a plant and of kinds of observers."""
+
+    plant: PlantEquations
+    observers: dict[str, ObserverEquations]
+
+
+class PlantSizes(Strict):
+    """Dimensions of a plant."""
+
+    states: int
+    inputs: int
+    outputs: int
+    channels: int
+
+
+class StructuralGroup(Strict):
+    """Faults and states that no input distinguishes."""
+
+    channels: tuple[str, ...]
+    states: tuple[str, ...]
+    text: str
+
+
+class StructuralObservability(Strict):
+    """The structural rank of states and faults."""
+
+    decided: bool
+    rank: int | None
+    size: int
+    state_rank: int | None
+    states: int
+    not_identifiable: tuple[str, ...]
+    groups: tuple[StructuralGroup, ...]
+    text: str
+
+
+class PossibleObserver(Strict):
+    """Whether a kind of observer can be built for a plant, and the reason if not."""
+
+    kind: str
+    title: str
+    possible: bool
+    why: str
+
+
+class PlantCheck(Strict):
+    """The report on a plant's text."""
+
+    id: str
+    valid: Literal[True]
+    time: TimeKind
+    sizes: PlantSizes
+    channels: tuple[str, ...]
+    Phi: tuple[tuple[str, ...], ...]
+    Psi: tuple[tuple[str, ...], ...]
+    affine: dict[str, bool]
+    observability: StructuralObservability
+    observers: tuple[PossibleObserver, ...]
+
+
+class PresentGains(Strict):
+    """Every gain of every observer of an experiment, by label and name."""
+
+    gains: dict[str, dict[str, Number | tuple[Number, ...]]]
+
+
+class FigureLine(Strict):
+    """A figure of a run."""
+
+    name: str
+    title: str
+    href: str
+
+
+class FigureList(Strict):
+    """The figures of a run."""
+
+    figures: tuple[FigureLine, ...]
+
+
+class PlotlyFigure(Strict):
+    """One figure as Plotly's JSON, its arrays as base64."""
+
+    data: tuple[dict[str, JsonValue], ...]
+    layout: dict[str, JsonValue]
+
+
+class RunLine(Strict):
+    """A run in a list."""
+
+    id: str
+    title: str
+    status: Status
+    created: datetime
+    pinned: bool
+    links: dict[str, str]
+
+
+class RunList(Strict):
+    """Runs, newest first, and what the store holds."""
+
+    runs: tuple[RunLine, ...]
+    store: dict[str, int]
+
+
+class SessionOpened(Strict):
+    """A new session. The token grants control."""
+
+    id: str
+    token: str
+    parent: str | None
+    links: dict[str, str]
+
+
+class SessionState(Strict):
+    """The state of a session, and its experiment with all faults and timed commands so far."""
+
+    id: str
+    spec: Experiment
+    row: int
+    t: Number
+    playing: bool
+    speed: Number | None
+    viewers: int
+    ended: bool
+    parent: str | None
+    links: dict[str, str]
+
+
+class LessonQuestion(Strict):
+    """A question, and the commands of a live session that show its answer. The sender numbers them."""
+
+    question: Words
+    do: tuple[dict[str, JsonValue], ...]
+
+
+class LessonPlan(Strict):
+    """The questions about one experiment."""
+
+    id: str
+    questions: tuple[LessonQuestion, ...]
+
+
+class LessonList(Strict):
+    """All lessons."""
+
+    lessons: tuple[LessonPlan, ...]
