@@ -37,7 +37,8 @@ class Watching:
         return watched
 
     def alarms(self, seed: int = 1, faults: bool = True) -> list[dict]:
-        return [alarm(f, self.made, 0.95) for f in self.watched(seed, faults).standing.found]
+        found = self.watched(seed, faults).standing.found
+        return [alarm(f, self.made, 0.95, place) for place, f in enumerate(found)]
 
     def rows(self, seed: int = 1, faults: bool = True) -> tuple[np.ndarray, np.ndarray]:
         """What the filter is given along a run, and when."""

@@ -10,6 +10,7 @@ from thetascope_schemas.experiment.signals import Signal
 Test = Literal["glr", "cusum", "threshold"]
 
 _ALARM = {
+    "id": "adaptive-1",
     "observer": "adaptive",
     "t": 20.6,
     "kind": "fault",
@@ -90,6 +91,9 @@ class Alarm(Strict):
 
     model_config = example(**_ALARM)
 
+    id: str = Field(
+        "", description="Id within the run or session: it stays while the alarm is revised. Empty in old results."
+    )
     observer: str = Field(description="Label of the observer; empty: the detector, which watches the plant itself.")
     t: Number = Field(description="Time in s at which the alarm was raised.")
     kind: Literal["fault", "unexplained"] = Field(description="In a channel of the model, or not explained by it.")

@@ -21,8 +21,8 @@ def quantile(confidence: float) -> float:
     return NormalDist().inv_cdf(0.5 + confidence / 2)
 
 
-def alarm(found: Found, made: Detector, confidence: float) -> dict:
-    """One finding of the detector."""
+def alarm(found: Found, made: Detector, confidence: float, place: int) -> dict:
+    """Return one finding of the detector; `place` is its place among all findings and makes its id, which never changes."""
     dt, cal = made.interval, made.calibrated
     times = {
         "t": found.at * dt,
@@ -58,7 +58,7 @@ def alarm(found: Found, made: Detector, confidence: float) -> dict:
             "test": "glr",
             "threshold": cal.glr,
         }
-    told = {"observer": "", "statistic": found.statistic} | times | more
+    told = {"id": f"detector-{place + 1}", "observer": "", "statistic": found.statistic} | times | more
     return told | {"text": _sentence(told)}
 
 
@@ -172,7 +172,7 @@ def of_detector(d: Diagnosed, confidence: float, accuracy: float, horizon: float
         return {"observer": "", "note": d.note, "sentence": f"no diagnosis: {d.note}"}
     made, watched = d.detector, d.watched
     begin = made.calibrated.begin if begin is None else begin
-    alarms = [alarm(f, made, confidence) for f in watched.standing.found]
+    alarms = [alarm(f, made, confidence, place) for place, f in enumerate(watched.standing.found)]
     J, length = window_of(made, watched.sums, horizon)
     seen = seen_in(made, J, accuracy)
     return {
@@ -208,7 +208,7 @@ def of_observer(own: Own, interval: float, confidence: float, rate: float) -> di
     """What the tests on one observer's estimates say."""
     if own.judged is None:
         return {"observer": own.label, "note": own.note}
-    alarms = [_raised(own, r, interval, confidence) for r in own.raised]
+    alarms = [_raised(own, r, interval, confidence, place) for place, r in enumerate(own.raised)]
     begin = own.judged.begin * interval
     told = {
         "false_alarms": rate,
@@ -227,12 +227,13 @@ def of_observer(own: Own, interval: float, confidence: float, rate: float) -> di
     }
 
 
-def _raised(own: Own, r, interval: float, confidence: float) -> dict:
+def _raised(own: Own, r, interval: float, confidence: float, place: int) -> dict:
     end = len(own.theta) if r.cleared is None else r.cleared
     body = slice(min(r.at, end - 1), max(end, r.at + 1))
     size, sigma = float(np.nanmean(own.theta[body, r.channel])), float(np.nanmean(own.sigma[body, r.channel]))
     width = quantile(confidence) * sigma
     told = {
+        "id": f"{own.label}-{place + 1}",
         "observer": own.label,
         "t": (r.at + 1) * interval,
         "kind": "fault",

@@ -114,16 +114,16 @@ class Watch:
         for i, found in enumerate(now.found):
             old = before[i] if i < len(before) else None
             if old is None:
-                yield self._event(_as_named(replace(found, cleared=None)), found.at, "alarm")
+                yield self._event(_as_named(replace(found, cleared=None)), i, found.at, "alarm")
             elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
                 yield self._event(
-                    _as_named(found), now.at, "alarm"
+                    _as_named(found), i, now.at, "alarm"
                 )  # it has got another name, or was not over after all
             if found.cleared is not None and (old is None or old.cleared is None):
-                yield self._event(found, found.cleared, "alarm-over")
+                yield self._event(found, i, found.cleared, "alarm-over")
 
-    def _event(self, found: Found, decision: int, kind: str) -> Event:
-        told = alarm(found, self.made, self.settings.confidence)
+    def _event(self, found: Found, place: int, decision: int, kind: str) -> Event:
+        told = alarm(found, self.made, self.settings.confidence, place)
         row = decision * self.made.stride
         told["estimate"] = told["size"]
         told["sigma"] = None if found.channel is None else found.deviation
