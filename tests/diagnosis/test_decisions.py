@@ -83,7 +83,7 @@ def test_a_fault_that_ends_and_comes_back(name, channel, size, onset, end, again
         assert names([first, second]) == [channel, channel] and first["cleared"] and second["cleared"] is None
         assert end <= first["cleared"] <= end + 0.03 * horizon
         assert all(abs(a["size"] / size - 1) < 0.1 for a in (first, second))
-        standing = seen.watched(seed).standing
+        standing = seen.watched(seed).decisions
         assert np.count_nonzero(standing.known.level) == 1
 
 
@@ -182,9 +182,9 @@ def test_cutting_rows_changes_no_decision(pieces, kind):
     while at < len(t):
         cut = made.advance(cut, table[at : at + pieces[k % len(pieces)]], t[at : at + pieces[k % len(pieces)]])
         at, k = at + pieces[k % len(pieces)], k + 1
-    assert repr(cut.standing.found) == repr(whole.standing.found)
+    assert repr(cut.decisions.findings) == repr(whole.decisions.findings)
     np.testing.assert_array_equal(cut.states[-1], whole.states[-1])
-    np.testing.assert_array_equal(cut.standing.known.level, whole.standing.known.level)
+    np.testing.assert_array_equal(cut.decisions.known.level, whole.decisions.known.level)
 
 
 @pytest.mark.parametrize("row", [7413, 7626, 8265])

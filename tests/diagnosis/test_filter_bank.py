@@ -5,7 +5,7 @@ import pytest
 
 from tests.diagnosis.watching import watching
 from thetascope.diagnosis.isolation.decision_state import Event
-from thetascope.diagnosis.residuals.filter_bank import Courses
+from thetascope.diagnosis.residuals.filter_bank import HypothesisCourses
 
 SETTLED = 150  # decisions
 PLANTS = ["zhao-2012", "dc-motor", "quadruple-tank", "dts200"]
@@ -16,17 +16,17 @@ class Rows:
 
     def __init__(self, name: str, decisions: int = 120):
         made = watching(name).made
-        self.filter, self.stride, self.supposing, self.backwards = (
+        self.filter, self.stride, self.bank, self.backward_pass = (
             made.filter,
             made.stride,
-            made.supposing,
-            made.backwards,
+            made.bank,
+            made.backward_pass,
         )
         table, t = watching(name).rows()
         rows, self.p, self.m = decisions * self.stride, self.filter.p, self.filter.m
         before, here = slice(0, SETTLED * self.stride), slice(SETTLED * self.stride, SETTLED * self.stride + rows)
         settled = self.filter.run(self.filter.start(), np.zeros(self.p), table[before], t[before]).states[-1]
-        self.begin = self.filter.unanswered(settled)
+        self.begin = self.filter.without_sensitivity(settled)
         self.table, self.t, self.d = table[here], t[here], np.arange(rows) / self.stride
 
     def run(
@@ -71,11 +71,13 @@ def test_omega_is_what_the_innovations_lose_when_a_fault_is_known(rows):
 
 def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
     """J and s of steps and of even and bent rises from four onsets, in one pass backwards and by running the filter from there."""
-    heed, known = np.ones(rows.m), np.zeros((len(rows.d), rows.p))
-    handed = rows.backwards.handed(rows.begin, rows.filter.held(known, rows.table), rows.t, heed)
-    ahead = rows.backwards.ahead(handed, heed, rows.stride)
+    trusted_outputs, known = np.ones(rows.m), np.zeros((len(rows.d), rows.p))
+    handed = rows.backward_pass.backward_inputs(
+        rows.begin, rows.filter.held(known, rows.table), rows.t, trusted_outputs
+    )
+    ahead = rows.backward_pass.future_information(handed, trusted_outputs, rows.stride)
     tau = 17.0
-    bent = rows.backwards.bending(handed, heed, rows.stride, tau)
+    bent = rows.backward_pass.exponential_rises(handed, trusted_outputs, rows.stride, tau)
     for onset in (0, 1, 40, 110):
         J, s, *_ = rows.run(onset, course=Event(0, onset))
         close(ahead.ww[onset], J)
@@ -83,7 +85,7 @@ def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
         J, s, *_ = rows.run(onset, course=Event(0, onset, np.inf))
         close(ahead.rr[onset], np.diag(J))
         close(ahead.r[onset], s)
-        J, s, *_ = rows.run(onset, course=Event(0, onset, tau, bent=True))
+        J, s, *_ = rows.run(onset, course=Event(0, onset, tau, exponential=True))
         close(bent[0][onset], np.diag(J))
         close(bent[1][onset], s)
 
@@ -91,12 +93,12 @@ def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
 def test_a_rise_goes_on_from_where_it_ended(rows):
     """What follows the end of a rise, from V and the course there, against the filter run along all of it."""
     begin, end = 20, 60
-    handed = rows.backwards.handed(
+    handed = rows.backward_pass.backward_inputs(
         rows.begin, rows.filter.held(np.zeros((len(rows.d), rows.p)), rows.table), rows.t, np.ones(rows.m)
     )
-    ahead = rows.backwards.ahead(handed, np.ones(rows.m), rows.stride)
+    ahead = rows.backward_pass.future_information(handed, np.ones(rows.m), rows.stride)
     seen = rows.run(begin, course=Event(0, begin, float(end - begin)))[3]
-    V = rows.filter.answers(seen.states[end * rows.stride - 1])
+    V = rows.filter.sensitivity(seen.states[end * rows.stride - 1])
     D, s = ahead.after(np.array([end]), V[None], np.ones((1, rows.p)))
     late = rows.d >= end
     omega, nu = seen.omega[late].reshape(-1, rows.p), seen.nu[late].ravel()
@@ -107,20 +109,20 @@ def test_a_rise_goes_on_from_where_it_ended(rows):
 def test_suppositions_are_runs_of_the_filter(rows):
     """Nine suppositions of all shapes side by side: sums and states of each as the filter has them alone."""
     typical = [0.05 * (c.get("typical") or 1.0) for c in rows.filter.context.model["channels"]]
-    shapes = [{}, {"rise": np.inf}, {"rise": 25.0}, {"rise": 9.0, "bent": True}]
+    shapes = [{}, {"rise_time": np.inf}, {"rise_time": 25.0}, {"rise_time": 9.0, "exponential": True}]
     events = [
         Event(k % rows.p, 10.0 + 7 * k, size=typical[k % rows.p] / (20 if k % 4 == 1 else 1), **shapes[k % 4])
         for k in range(9)
     ]
     numbers = np.empty((9, rows.p, 7))
     for k, e in enumerate(events):
-        numbers[k] = [e.onset, *Event(0, 0).form, 0.0]
-        numbers[k, e.channel] = [e.onset, *e.form, e.size]
+        numbers[k] = [e.onset, *Event(0, 0).course_parameters, 0.0]
+        numbers[k, e.channel] = [e.onset, *e.course_parameters, e.size]
     numbers[:, :, 5] = np.exp(-numbers[:, :, 5] / rows.stride)
     onset = np.array([e.onset for e in events])
-    courses = Courses(numbers, np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
-    told = rows.supposing.told(np.zeros((len(rows.d), rows.p)), rows.table, rows.d)
-    found = rows.supposing.run(
+    courses = HypothesisCourses(numbers, np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
+    told = rows.bank.row_inputs(np.zeros((len(rows.d), rows.p)), rows.table, rows.d)
+    found = rows.bank.run(
         np.repeat(rows.begin[None], 9, axis=0), told, rows.t, courses, np.ones(rows.m), np.array([len(rows.d)])
     )
     for k, e in enumerate(events):

@@ -8,7 +8,7 @@ from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.diagnosis.input_design.excitation import excitation
 from thetascope.diagnosis.input_design.input_proposal import Proposal, propose
-from thetascope.diagnosis.residuals.innovation_filter import Filter
+from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.simulation import Simulation, row_values
 from thetascope_schemas import Experiment, InputProposal, Signal
@@ -28,12 +28,12 @@ def constant(value: float) -> dict:
 
 def proposed(e: Engine, window: float, among=None, k: int = 0) -> Proposal:
     x = e.x0 if k == 0 else list(Simulation(e).spans(k))[-1][0].plant
-    return propose(Filter(e, e.context), e, x, k, window, 0.1, among)
+    return propose(InnovationFilter(e, e.context), e, x, k, window, 0.1, among)
 
 
 def information(e: Engine, window: float) -> np.ndarray:
     """J over the last window of a run, as the detector sums it up."""
-    made = Filter(e, e.context)
+    made = InnovationFilter(e, e.context)
     rows = [r for _, r in Simulation(e).spans(e.steps + 1)]
     index, plant = np.concatenate([r.index for r in rows]), np.concatenate([r.plant for r in rows])
     table = made.table(index, np.concatenate([r.y for r in rows]), row_values(e, index, plant))

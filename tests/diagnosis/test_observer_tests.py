@@ -5,7 +5,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from thetascope.diagnosis.evaluation.observer_tests import Judged, alarms, prepare, statistic
+from thetascope.diagnosis.evaluation.observer_tests import CalibratedTest, alarms, prepare, statistic
 from thetascope_schemas.experiment.diagnosis import Test
 
 RATE, INTERVAL, BEGIN = 1.0, 0.1, 10
@@ -37,7 +37,7 @@ def test_thresholds_keep_the_rate_asked_for(test: str):
 
 def test_a_sum_is_pages():
     """CUSUM by hand: 0.5 is taken off each value, the sum never falls below zero, the onset is where it last was there."""
-    judged = Judged("cusum", 3.0, 0, np.array([1]), np.array([1.0]))
+    judged = CalibratedTest("cusum", 3.0, 0, np.array([1]), np.array([1.0]))
     z = np.array([0.0, 2.0, 0.0, -4.0, 2.5, 2.0])[:, None]
     g, onset = statistic(z, judged)
     assert g[:, 0].tolist() == [0.0, 1.5, 1.0, 3.5, 2.0, 3.5]
@@ -46,7 +46,7 @@ def test_a_sum_is_pages():
 
 def test_a_glr_is_the_largest_of_all_windows():
     """Against every window looked at one by one."""
-    judged = Judged("glr", 9.0, 0, np.array([1, 2, 5]), np.array([1.0, 0.5, 0.2]))
+    judged = CalibratedTest("glr", 9.0, 0, np.array([1, 2, 5]), np.array([1.0, 0.5, 0.2]))
     z = noise(1, 40)[0]
     g, _ = statistic(z, judged)
     for k in range(40):

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from thetascope.diagnosis.detection.thresholds import calibrate, level
-from thetascope.diagnosis.detection.window_tests import Range, Sums, scan
+from thetascope.diagnosis.detection.window_tests import ThetaBounds, WindowSums, scan
 
-NO_BOUNDS = Range(np.array([-np.inf]), np.array([np.inf]))
+NO_BOUNDS = ThetaBounds(np.array([-np.inf]), np.array([np.inf]))
 
 
 @pytest.mark.parametrize("rate", [20.0, 4.0, 1.0])
@@ -18,10 +18,10 @@ def test_a_level_is_crossed_as_often_as_asked(rate):
     assert 1 / 1.6 < again.sum() / 4000 / rate < 1.6
 
 
-def white(seeds: int, decisions: int, rng: np.random.Generator) -> list[Sums]:
+def white(seeds: int, decisions: int, rng: np.random.Generator) -> list[WindowSums]:
     """Runs without a fault: Ω is 1, x white with variance 4 in place of one."""
     ones = np.ones((decisions, 1, 1, 1))
-    return [Sums.none(1, 1).extended(ones, 2.0 * rng.standard_normal((decisions, 1, 1))) for _ in range(seeds)]
+    return [WindowSums.empty(1, 1).extended(ones, 2.0 * rng.standard_normal((decisions, 1, 1))) for _ in range(seeds)]
 
 
 def test_noise_is_taken_as_it_was_simulated():
@@ -45,16 +45,17 @@ def test_what_the_first_guess_does_is_left_out():
     rng = np.random.default_rng(3)
     loud = np.where(np.arange(1000) < 100, 8.0, 1.0)[:, None, None]
     runs = [
-        Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(30)
+        WindowSums.empty(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1)))
+        for _ in range(30)
     ]
     assert 100 <= calibrate(runs, 0.1, 1.0, 2, NO_BOUNDS).begin <= 160
 
 
-def swelling(seeds: int, decisions: int, rng: np.random.Generator) -> list[Sums]:
+def swelling(seeds: int, decisions: int, rng: np.random.Generator) -> list[WindowSums]:
     """Runs without a fault whose noise has four times the variance in a tenth of each."""
     loud = np.where(np.arange(decisions) // (decisions // 20) % 10 == 7, 2.0, 1.0)[:, None, None]
     ones = np.ones((decisions, 1, 1, 1))
-    return [Sums.none(1, 1).extended(ones, loud * rng.standard_normal((decisions, 1, 1))) for _ in range(seeds)]
+    return [WindowSums.empty(1, 1).extended(ones, loud * rng.standard_normal((decisions, 1, 1))) for _ in range(seeds)]
 
 
 def test_noise_that_swells_raises_no_more_alarms_than_asked():
@@ -66,7 +67,7 @@ def test_noise_that_swells_raises_no_more_alarms_than_asked():
         over += (scan(run, ends, found.begin, np.inf, found.noise, NO_BOUNDS)[0] > found.glr).any()
     hours = 500 * len(ends) * 0.1 / 3600
     assert over <= 3 * 0.9 * 0.5 * hours
-    assert found.noise.loud[0] == pytest.approx(4.0, rel=0.2) and found.noise.v[0] == pytest.approx(1.3, rel=0.1)
+    assert found.noise.largest_v[0] == pytest.approx(4.0, rel=0.2) and found.noise.v[0] == pytest.approx(1.3, rel=0.1)
 
 
 def test_a_filter_that_is_not_yet_sure_is_believed_less():
@@ -74,7 +75,8 @@ def test_a_filter_that_is_not_yet_sure_is_believed_less():
     rng = np.random.default_rng(6)
     loud = np.where(np.arange(1000) < 100, 1.5**0.5, 1.0)[:, None, None]
     runs = [
-        Sums.none(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1))) for _ in range(60)
+        WindowSums.empty(1, 1).extended(np.ones((1000, 1, 1, 1)), loud * rng.standard_normal((1000, 1, 1)))
+        for _ in range(60)
     ]
     noise = calibrate(runs, 0.1, 1.0, 2, NO_BOUNDS, ready=100).noise
-    assert noise.ready == 100 and noise.first[0] == pytest.approx(1.5, rel=0.15)
+    assert noise.ready == 100 and noise.early_v[0] == pytest.approx(1.5, rel=0.15)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.diagnosis.watching import names, step, watching
-from thetascope.diagnosis.detection.window_tests import Sums
+from thetascope.diagnosis.detection.window_tests import WindowSums
 
 ZHAO = {
     "stuck": {"value": 0.1},
@@ -87,24 +87,24 @@ def test_readings_that_no_filter_survives_are_reported():
 
 
 def test_repeated_numbers_are_counted():
-    """`still` counts rows that repeat the one before, on from one piece to the next."""
+    """`repeats` counts rows that repeat the one before, on from one piece to the next."""
     y = np.array([1.0, 1, 1, 2, 2, 3, 3, 3, 3])[:, None]
-    none = Sums.none(1, 1)
+    none = WindowSums.empty(1, 1)
     whole = none.extended(np.zeros((8, 1, 1, 1)), np.zeros((8, 1, 1)), y=y)
-    assert whole.still[:, 0].tolist() == [0, 1, 2, 0, 1, 0, 1, 2, 3]
+    assert whole.repeats[:, 0].tolist() == [0, 1, 2, 0, 1, 0, 1, 2, 3]
     cut = none.extended(np.zeros((2, 1, 1, 1)), np.zeros((2, 1, 1)), y=y[:3])
     cut = cut.extended(np.zeros((6, 1, 1, 1)), np.zeros((6, 1, 1)), y=y[2:])
-    np.testing.assert_array_equal(cut.still, whole.still)
+    np.testing.assert_array_equal(cut.repeats, whole.repeats)
 
 
 def test_coarse_sensors_are_not_stuck():
     """A sensor that repeats numbers as a matter of course is not called stuck for doing so."""
     filter_ = watching("zhao-2012").made.filter
-    before = filter_.patience.copy()
+    before = filter_.stuck_after.copy()
     try:
         draw = np.random.default_rng(1)
         y = np.repeat(draw.normal(size=200), draw.integers(5, 40, 200))[:, None]
-        filter_.get_used(y)
-        assert filter_.patience[0] >= 39
+        filter_.learn_repeats(y)
+        assert filter_.stuck_after[0] >= 39
     finally:
-        filter_.patience = before
+        filter_.stuck_after = before

@@ -7,9 +7,9 @@ import numpy as np
 
 from thetascope import library
 from thetascope.assembly import prepare
-from thetascope.assembly.build.diagnosis_settings import asked, calibration_key
-from thetascope.diagnosis.monitor.detector import Detector, detector, healthy
-from thetascope.diagnosis.outcome.diagnose_run import follow
+from thetascope.assembly.build.diagnosis_settings import calibration_key, detector_settings
+from thetascope.diagnosis.monitor.detector import Detector, healthy, prepare_detector
+from thetascope.diagnosis.outcome.diagnose_run import advance_over_rows
 from thetascope.diagnosis.outcome.findings import alarm
 from thetascope.engine.execution.run_experiment import spans_of
 from thetascope.engine.simulation.batch import with_seed
@@ -26,18 +26,20 @@ class Watching:
         prepared = prepare(Experiment.model_validate(spec))
         self.spec = prepared.spec.with_plant(prepared.plant)
         self.engine: Engine = prepared.stages[0].experiment
-        self.made: Detector = detector(self.engine, self.engine.context, asked(self.spec), calibration_key(self.spec))
+        self.made: Detector = prepare_detector(
+            self.engine, self.engine.context, detector_settings(self.spec), calibration_key(self.spec)
+        )
 
     def watched(self, seed: int = 1, faults: bool = True):
         """What was watched after a whole run."""
         experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
         watched = self.made.begin()
         for now, rows in spans_of(experiment, 1):
-            watched = follow(self.made, watched, now, rows)
+            watched = advance_over_rows(self.made, watched, now, rows)
         return watched
 
     def alarms(self, seed: int = 1, faults: bool = True) -> list[dict]:
-        found = self.watched(seed, faults).standing.found
+        found = self.watched(seed, faults).decisions.findings
         return [alarm(f, self.made, 0.95, place) for place, f in enumerate(found)]
 
     def rows(self, seed: int = 1, faults: bool = True) -> tuple[np.ndarray, np.ndarray]:

@@ -14,15 +14,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 from pydantic import ValidationError
 
-from thetascope.assembly.build.diagnosis_settings import asked, calibration_key
+from thetascope.assembly.build.diagnosis_settings import calibration_key, detector_settings
 from thetascope.assembly.build.prepare import prepare
-from thetascope.diagnosis.detection.window_tests import Sums
-from thetascope.diagnosis.isolation.decision_state import Standing
-from thetascope.diagnosis.monitor.detector import Detector, detector, unwatchable
-from thetascope.diagnosis.monitor.monitor import Watched
-from thetascope.diagnosis.outcome.diagnose_run import Diagnosed
+from thetascope.diagnosis.detection.window_tests import WindowSums
+from thetascope.diagnosis.isolation.decision_state import DecisionState
+from thetascope.diagnosis.monitor.detector import Detector, prepare_detector, unwatchable
+from thetascope.diagnosis.monitor.monitor import MonitorState
+from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis
 from thetascope.diagnosis.outcome.findings import of_detector
-from thetascope.diagnosis.residuals.innovation_filter import Filter
+from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.engine.errors import SpecError, Unwatchable
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.simulation import row_values
@@ -151,17 +151,17 @@ def diagnose_recording(
     measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
     spec = Experiment.model_validate(spec.model_dump() | {"noise": measured})
     try:
-        made = detector(experiment, experiment.context, asked(spec), calibration_key(spec))
+        made = prepare_detector(experiment, experiment.context, detector_settings(spec), calibration_key(spec))
     except Unwatchable as error:
         raise SpecError("plant", plant.id, str(error), "check the plant's initial state and bounds") from None
-    watched = _watched(made, experiment, record, learn)
-    found = Diagnosed(made, watched, (), made.interval, _defaults(plant, record))
+    state = _monitor_record(made, experiment, record, learn)
+    found = RunDiagnosis(made, state, (), made.interval, _defaults(plant, record))
     told = of_detector(
         found,
         settings.confidence,
         settings.accuracy,
         spec.horizon,
-        max(_learnt_until(made, record, learn), made.calibrated.begin),
+        max(_learnt_until(made, record, learn), made.thresholds.begin),
     )
     told["noise"] = [{"output": n, "declared": None, "estimated": float(s)} for n, s in noise.items()]
     return ObserverDiagnosis.model_validate(told)
@@ -198,7 +198,7 @@ def _with_noise(experiment: Engine, record: Recording, doubt: float) -> Engine:
     known = np.zeros(sum(n.startswith("theta.") for n in experiment.plant.inputs))
     for _ in range(_ROUNDS):
         experiment = replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
-        made = Filter(experiment, experiment.context, _SURE * doubt)
+        made = InnovationFilter(experiment, experiment.context, _SURE * doubt)
         index, table = _table(experiment, record, made)
         nu = made.run(made.start(), known, table, index * experiment.step).nu
         std = std * np.maximum(_scatter(nu), 1e-6)
@@ -225,27 +225,27 @@ def _fresh(record: Recording) -> Recording:
     return record
 
 
-def _table(experiment: Engine, record: Recording, made: Filter) -> tuple[np.ndarray, np.ndarray]:
+def _table(experiment: Engine, record: Recording, made: InnovationFilter) -> tuple[np.ndarray, np.ndarray]:
     index = np.arange(len(record.t)) * experiment.every
     values = row_values(experiment, index, np.zeros((len(index), len(experiment.plant.states))))
     return index, made.table(index, record.y, values)
 
 
-def _watched(made: Detector, experiment: Engine, record: Recording, learn: float) -> Watched:
+def _monitor_record(made: Detector, experiment: Engine, record: Recording, learn: float) -> MonitorState:
     """The record watched, from what was learnt of its beginning on."""
     index, table = _table(experiment, record, made.filter)
     t = index * experiment.step
-    made.filter.get_used(record.y)
+    made.filter.learn_repeats(record.y)
     first = _learnt_until(made, record, learn)
-    if first <= made.calibrated.begin:
+    if first <= made.thresholds.begin:
         return made.advance(made.begin(), table, t)
     rows = first * made.stride
     state, base = _learnt(made, table[:rows], t[:rows])
     made.filter.base = base
-    beginning = Standing.beginning(replace(made.calibrated, begin=first), made.filter.p, made.filter.m)
-    none = Sums.none(made.filter.p, made.filter.m)
-    watched = Watched(beginning, replace(none, first=first), state[None, :], table[:0], t[:0], made.stride)
-    return made.advance(watched, table[rows:], t[rows:])
+    initial = DecisionState.initial(replace(made.thresholds, begin=first), made.filter.p, made.filter.m)
+    none = WindowSums.empty(made.filter.p, made.filter.m)
+    state = MonitorState(initial, replace(none, first=first), state[None, :], table[:0], t[:0], made.stride)
+    return made.advance(state, table[rows:], t[rows:])
 
 
 def _learnt_until(made: Detector, record: Recording, learn: float) -> int:
@@ -266,11 +266,11 @@ def _defaults(plant: Plant, record: Recording) -> str:
 
 def _learnt(made: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The filter after a sound stretch, and the θ that fits it (zero where the stretch tells nothing)."""
-    filter_, cal = made.filter, made.calibrated
+    filter_, cal = made.filter, made.thresholds
     seen = filter_.run(filter_.start(), np.zeros(filter_.p), table, t)
     rows = slice(cal.begin * made.stride, None)
     omega, nu = seen.omega[rows].reshape(-1, filter_.p), seen.nu[rows].ravel()
     typical = np.array([float(c.get("typical", 1.0)) for c in filter_.context.model["channels"]])
     base = np.linalg.solve(omega.T @ omega + np.diag(typical**-2.0), omega.T @ nu)
     last = seen.states[-1]
-    return filter_.moved(last, base), base
+    return filter_.shifted(last, base), base

@@ -4,8 +4,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
-from thetascope.diagnosis.monitor.detector import Asked
-from thetascope.diagnosis.outcome.diagnose_run import Wanted, diagnose
+from thetascope.diagnosis.monitor.detector import DetectorSettings
+from thetascope.diagnosis.outcome.diagnose_run import DiagnosisRequest, diagnose
 from thetascope.diagnosis.outcome.findings import of_detector, of_observer
 from thetascope.diagnosis.yield_points import pausing
 from thetascope.engine.errors import Cancelled
@@ -15,9 +15,9 @@ from thetascope_schemas import Experiment, ObserverConfig
 from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
 
 
-def asked(spec: Experiment) -> Asked:
+def detector_settings(spec: Experiment) -> DetectorSettings:
     """What is asked of the detector."""
-    return Asked(spec.diagnosis.false_alarms, spec.diagnosis.doubt)
+    return DetectorSettings(spec.diagnosis.false_alarms, spec.diagnosis.doubt)
 
 
 def span(spec: Experiment) -> float:
@@ -47,8 +47,8 @@ def inspector(
             raise Cancelled("the run was cancelled")
 
     def inspect(parts: Parts, result: Result) -> Result:
-        wanted = Wanted(
-            asked(spec),
+        request = DiagnosisRequest(
+            detector_settings(spec),
             spec.diagnosis.test,
             calibration_key(spec),
             calibration_key(spec, spec.observers),
@@ -56,7 +56,7 @@ def inspector(
         )
         columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
         with pausing(check):
-            found = diagnose(parts, columns, result.substeps, wanted)
+            found = diagnose(parts, columns, result.substeps, request)
         confidence = spec.diagnosis.confidence
         told = {
             "detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.special import gammaincinv
 
-from thetascope.diagnosis.detection.window_tests import Noise, Range, Sums, lengths, scan
+from thetascope.diagnosis.detection.window_tests import ThetaBounds, WindowNoise, WindowSums, lengths, scan
 
 FLOOR = 0.01  # of v: noise is not believed to be smaller than a tenth of what was declared
 PARTS = (0.9, 0.1)  # of the false alarms that are put up with: for the GLR, for the residual
@@ -24,14 +24,14 @@ _SEGMENTS = 40  # of a run, for each of which the noise of windows is looked at
 
 
 @dataclass(frozen=True)
-class Calibrated:
+class Thresholds:
     """What decisions need to know: the noise of windows, the thresholds, and when to begin.
 
     ``begin``: decision from which on is judged; ``settle``: decisions that a fault's effect takes to take its form.
     """
 
-    noise: Noise
-    within: Range
+    noise: WindowNoise
+    bounds: ThetaBounds
     glr: float
     residual: float
     begin: int
@@ -41,21 +41,23 @@ class Calibrated:
     rate: float
 
 
-def calibrate(runs: list[Sums], interval: float, rate: float, settle: int, within: Range, ready: int = 0) -> Calibrated:
+def calibrate(
+    runs: list[WindowSums], interval: float, rate: float, settle: int, bounds: ThetaBounds, ready: int = 0
+) -> Thresholds:
     """From runs without faults: sums of each over decisions of ``interval`` seconds. ``rate``: false alarms per hour. ``ready``: the
     decision from which on the filter is as sure of its state as later."""
     count = runs[0].last
-    begin = _settled(runs, count)
+    begin = _start_of_tests(runs, count)
     # half the room is left to count crossings of the longest window
     noise = _noise(runs, begin, max(ready, begin + 1), lengths(max(1, (count - begin) // 2)))
     ends = np.arange(begin + 1, count + 1)
-    found = [scan(r, ends, begin, np.inf, noise, within) for r in runs]
+    found = [scan(r, ends, begin, np.inf, noise, bounds) for r in runs]
     hours = len(runs) * len(ends) * interval / 3600
     levels = [level(np.array([f[k] for f in found]), hours, part * rate) for k, part in enumerate(PARTS)]
-    return Calibrated(noise, within, *levels, begin, settle, len(runs), hours, rate)
+    return Thresholds(noise, bounds, *levels, begin, settle, len(runs), hours, rate)
 
 
-def _settled(runs: list[Sums], count: int) -> int:
+def _start_of_tests(runs: list[WindowSums], count: int) -> int:
     """The decision from which on a run looks as runs do later: what the first guess of the state does is over."""
     increments = np.array([np.diff(r.q.sum(axis=1)) for r in runs])
     late = np.quantile(increments[:, count // 2 :], 0.99)
@@ -65,7 +67,7 @@ def _settled(runs: list[Sums], count: int) -> int:
     return min(count // 2, calm + (int(quiet[0]) if len(quiet) else count))
 
 
-def _noise(runs: list[Sums], begin: int, ready: int, sizes: np.ndarray) -> Noise:
+def _noise(runs: list[WindowSums], begin: int, ready: int, sizes: np.ndarray) -> WindowNoise:
     v, loud, first, energy, scatter = [], [], [], [], []
     count = runs[0].last
     D, s, e = (np.array(each) for each in zip(*((np.einsum("dii->di", r.J), r.s, r.e) for r in runs), strict=True))
@@ -76,11 +78,11 @@ def _noise(runs: list[Sums], begin: int, ready: int, sizes: np.ndarray) -> Noise
         energy.append(q.mean())
         scatter.append(max(q.std(), 1e-9 * abs(q.mean()), 1e-12))
         v.append(np.maximum(explained.mean(axis=(0, 1)), FLOOR))
-        loud.append(np.maximum(_loudest(explained), FLOOR))
+        loud.append(np.maximum(_largest_mean(explained), FLOOR))
         ends = np.arange(begin + length, min(ready + length, count + 1), max(1, length // 8)) - runs[0].first
         early = _energies(D[:, ends] - D[:, ends - length], s[:, ends] - s[:, ends - length])
-        first.append(np.maximum(_loudest(early), loud[-1]))
-    return Noise(sizes, np.array(v), np.array(loud), np.array(first), ready, np.array(energy), np.array(scatter))
+        first.append(np.maximum(_largest_mean(early), loud[-1]))
+    return WindowNoise(sizes, np.array(v), np.array(loud), np.array(first), ready, np.array(energy), np.array(scatter))
 
 
 def _energies(D: np.ndarray, s: np.ndarray) -> np.ndarray:
@@ -88,7 +90,7 @@ def _energies(D: np.ndarray, s: np.ndarray) -> np.ndarray:
     return np.where(D > 0, s**2 / np.where(D > 0, D, 1.0), 0.0)
 
 
-def _loudest(explained: np.ndarray) -> np.ndarray:
+def _largest_mean(explained: np.ndarray) -> np.ndarray:
     """The largest mean over runs in any part of them, of numbers that are χ² but for a factor (runs × windows × p), less what chance
     makes of the largest of so many means."""
     runs, windows, _ = explained.shape

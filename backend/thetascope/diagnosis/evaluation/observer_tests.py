@@ -33,7 +33,7 @@ _BACK = 3.0  # standard deviations within which an estimate is back
 
 
 @dataclass(frozen=True)
-class Judged:
+class CalibratedTest:
     """A test and its threshold; ``begin``: the decision from which on it judges; ``v``: variance of means (lengths)."""
 
     test: str
@@ -48,12 +48,12 @@ class Judged:
         return vars(self) | {"lengths": self.lengths.tolist(), "v": self.v.tolist()}
 
     @classmethod
-    def from_json(cls, data: dict) -> "Judged":
+    def from_json(cls, data: dict) -> "CalibratedTest":
         return cls(**data | {"lengths": np.array(data["lengths"]), "v": np.array(data["v"])})
 
 
 @dataclass(frozen=True)
-class Raised:
+class EstimateAlarm:
     """An alarm of one channel; times are decisions."""
 
     channel: int
@@ -63,12 +63,12 @@ class Raised:
     cleared: int | None
 
 
-def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) -> Judged:
+def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) -> CalibratedTest:
     """From runs without faults: z (runs × decisions × channels). ``rate``: false alarms per hour of the whole observer."""
     count = z.shape[1]
     sizes = lengths(max(1, (count - begin) // 2))
     v = np.array([max(_variance(_means(z[:, begin:], int(n))), _FLOOR) for n in sizes])
-    bare = Judged(test, np.inf, begin, sizes, v)
+    bare = CalibratedTest(test, np.inf, begin, sizes, v)
     stretch = max(1, memory(z[:, begin:]))
     louder = _louder(len(z) * max(1.0, (count - begin) / _PARTS / stretch))
     found = np.stack([statistic(run * louder, bare)[0].max(axis=1, initial=0.0) for run in z])[:, begin:]
@@ -81,7 +81,7 @@ def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) 
         threshold = max(threshold, least * louder * _variance(z[:, begin:]) ** 0.5)
     elif test == "glr":
         threshold = max(threshold, (least * louder) ** 2)
-    return Judged(test, threshold, begin, sizes, v, len(z), hours)
+    return CalibratedTest(test, threshold, begin, sizes, v, len(z), hours)
 
 
 def _variance(means: np.ndarray) -> float:
@@ -120,23 +120,23 @@ def _level(found: np.ndarray, stretch: int, hours: float, rate: float) -> float:
     return high + mean * max(0.0, float(np.log(len(above) / hours / rate)))
 
 
-def statistic(z: np.ndarray, judged: Judged) -> tuple[np.ndarray, np.ndarray]:
+def statistic(z: np.ndarray, calibrated: CalibratedTest) -> tuple[np.ndarray, np.ndarray]:
     """The statistic (decisions × channels) and the onset that goes with it (decisions × channels); zero before begin."""
     z = np.nan_to_num(z, nan=0.0, posinf=0.0, neginf=0.0)
-    g, onset = {"threshold": _threshold, "cusum": _cusum, "glr": _glr}[judged.test](z, judged)
-    g[: judged.begin] = 0.0
+    g, onset = {"threshold": _threshold, "cusum": _cusum, "glr": _glr}[calibrated.test](z, calibrated)
+    g[: calibrated.begin] = 0.0
     return g, onset
 
 
-def _threshold(z: np.ndarray, judged: Judged) -> tuple[np.ndarray, np.ndarray]:
+def _threshold(z: np.ndarray, calibrated: CalibratedTest) -> tuple[np.ndarray, np.ndarray]:
     return np.abs(z), np.broadcast_to(np.arange(len(z))[:, None], z.shape).copy()
 
 
-def _cusum(z: np.ndarray, judged: Judged) -> tuple[np.ndarray, np.ndarray]:
+def _cusum(z: np.ndarray, calibrated: CalibratedTest) -> tuple[np.ndarray, np.ndarray]:
     g, onset = np.zeros_like(z), np.zeros(z.shape, dtype=int)
-    sums, since = np.zeros((2, z.shape[1])), np.full((2, z.shape[1]), judged.begin)
+    sums, since = np.zeros((2, z.shape[1])), np.full((2, z.shape[1]), calibrated.begin)
     columns = np.arange(z.shape[1])
-    for k in range(judged.begin, len(z)):
+    for k in range(calibrated.begin, len(z)):
         sums = np.maximum(sums + np.stack([z[k], -z[k]]) - DRIFT, 0.0)
         since = np.where(sums == 0.0, k + 1, since)
         side = sums.argmax(axis=0)
@@ -144,11 +144,11 @@ def _cusum(z: np.ndarray, judged: Judged) -> tuple[np.ndarray, np.ndarray]:
     return g, onset
 
 
-def _glr(z: np.ndarray, judged: Judged) -> tuple[np.ndarray, np.ndarray]:
+def _glr(z: np.ndarray, calibrated: CalibratedTest) -> tuple[np.ndarray, np.ndarray]:
     g, onset = np.zeros_like(z), np.zeros(z.shape, dtype=int)
     total = np.concatenate([np.zeros((1, z.shape[1])), np.cumsum(z, axis=0)])
-    for n, v in zip(judged.lengths, judged.v, strict=True):
-        ends = np.arange(judged.begin + n, len(z) + 1)
+    for n, v in zip(calibrated.lengths, calibrated.v, strict=True):
+        ends = np.arange(calibrated.begin + n, len(z) + 1)
         if not len(ends):
             break
         value = ((total[ends] - total[ends - n]) / n) ** 2 / v
@@ -165,24 +165,24 @@ def _means(z: np.ndarray, n: int) -> np.ndarray:
     return (total[:, ends] - total[:, ends - n]) / n
 
 
-def alarms(z: np.ndarray, judged: Judged) -> list[Raised]:
+def alarms(z: np.ndarray, calibrated: CalibratedTest) -> list[EstimateAlarm]:
     """All alarms along a run: z (decisions × channels)."""
-    g, onset = statistic(z, judged)
+    g, onset = statistic(z, calibrated)
     found = []
     for channel in range(z.shape[1]):
-        k = judged.begin
+        k = calibrated.begin
         while True:
-            over = np.flatnonzero(g[k:, channel] > judged.threshold)
+            over = np.flatnonzero(g[k:, channel] > calibrated.threshold)
             if not len(over):
                 break
             at = k + int(over[0])
-            quiet = (g[at:, channel] < 0.5 * judged.threshold) | (np.abs(z[at:, channel]) < _BACK)
+            quiet = (g[at:, channel] < 0.5 * calibrated.threshold) | (np.abs(z[at:, channel]) < _BACK)
             end = _lasting(quiet, max(2, (at - int(onset[at, channel])) // 2))
             cleared = None if end is None else at + end
-            found.append(Raised(channel, at, int(onset[at, channel]), float(g[at, channel]), cleared))
+            found.append(EstimateAlarm(channel, at, int(onset[at, channel]), float(g[at, channel]), cleared))
             if cleared is None:
                 break
-            still = np.flatnonzero(g[cleared:, channel] < judged.threshold)  # a sum takes its time to come down
+            still = np.flatnonzero(g[cleared:, channel] < calibrated.threshold)  # a sum takes its time to come down
             k = cleared + (int(still[0]) if len(still) else len(z))
     return sorted(found, key=lambda a: (a.at, a.channel))
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from thetascope.diagnosis.input_design.excitation import excitation
-from thetascope.diagnosis.residuals.innovation_filter import Filter
+from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.engine.inputs.signals import constant, signal
 from thetascope.engine.observability.identifiability import Structure, structure
 from thetascope.engine.observers.support.kalman_defaults import state_scales
@@ -45,7 +45,7 @@ class Proposal:
 
 
 def propose(
-    filter_: Filter,
+    filter_: InnovationFilter,
     experiment: Experiment,
     x: np.ndarray,
     k: int,
@@ -91,7 +91,7 @@ def _alike(a: Mapping, b: Mapping) -> bool:
 class _Trial:
     def __init__(
         self,
-        filter_: Filter,
+        filter_: InnovationFilter,
         experiment: Experiment,
         x: np.ndarray,
         k: int,

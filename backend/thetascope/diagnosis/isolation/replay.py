@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from thetascope.diagnosis.detection.window_tests import Range
-from thetascope.diagnosis.isolation.decision_state import Event, Known, Look
-from thetascope.diagnosis.residuals.backward_pass import Ahead
-from thetascope.diagnosis.residuals.filter_bank import Courses, Supposed
-from thetascope.diagnosis.residuals.segment import Replay, Stretch
+from thetascope.diagnosis.detection.window_tests import ThetaBounds
+from thetascope.diagnosis.isolation.decision_state import Event, Evidence, KnownTheta
+from thetascope.diagnosis.residuals.backward_pass import FutureInformation
+from thetascope.diagnosis.residuals.filter_bank import BankResult, HypothesisCourses
+from thetascope.diagnosis.residuals.segment import ReplayResult, Segment
 from thetascope.diagnosis.yield_points import once
 from thetascope.engine.estimation.hypothesis_bank import COURSE
 
@@ -16,113 +16,144 @@ _FADE = COURSE.index("fade")
 
 
 @dataclass(frozen=True)
-class Scene:
-    """The data between decisions ``begin`` and ``at`` given what is known; ``track``: the filter along them."""
+class ReplayWindow:
+    """The data between decisions ``begin`` and ``end`` given what is known; ``replay``: the filter along them."""
 
-    look: Look
-    base: Known
+    evidence: Evidence
+    base: KnownTheta
     fixed: tuple[Event, ...]
     begin: int
-    at: int
-    heed: np.ndarray
-    stretch: Stretch
-    track: Replay
+    end: int
+    trusted_outputs: np.ndarray
+    segment: Segment
+    replay: ReplayResult
 
     @classmethod
-    def of(cls, look: Look, base: Known, fixed: tuple[Event, ...], begin: int, at: int, heed: np.ndarray) -> "Scene":
+    def of(
+        cls,
+        evidence: Evidence,
+        base: KnownTheta,
+        fixed: tuple[Event, ...],
+        begin: int,
+        end: int,
+        trusted_outputs: np.ndarray,
+    ) -> "ReplayWindow":
         def known(d):
             return _course(base, fixed, d)
 
-        state, change = look.state(begin), np.zeros(len(base.level))
-        if begin == look.calibrated.begin:
-            for e in fixed:  # see `first`
-                change[e.channel] += e.size * (e.onset == begin and not e.rise)
-            state = look.filter.moved(state, change) if change.any() else state
-        stretch = look.stretch(begin, at, known)
-        return cls(look, base, fixed, begin, at, heed, stretch, stretch.replay(state, begin, heed, False))
+        state, change = evidence.filter_state(begin), np.zeros(len(base.level))
+        if begin == evidence.thresholds.begin:
+            for e in fixed:  # see `from_start`
+                change[e.channel] += e.size * (e.onset == begin and not e.rise_time)
+            state = evidence.filter.shifted(state, change) if change.any() else state
+        segment = evidence.segment(begin, end, known)
+        return cls(
+            evidence,
+            base,
+            fixed,
+            begin,
+            end,
+            trusted_outputs,
+            segment,
+            segment.replay(state, begin, trusted_outputs, False),
+        )
 
     @once
-    def _handed(self) -> np.ndarray:
-        return self.stretch.handed(self.track.states[0], self.heed)
+    def _backward_inputs(self) -> np.ndarray:
+        return self.segment.backward_inputs(self.replay.states[0], self.trusted_outputs)
 
     @once
-    def ahead(self) -> Ahead:
-        """The evidence still to come at each decision from ``begin`` to ``at``."""
-        return self.look.backwards.ahead(self._handed, self.heed, self.look.rows)
+    def future(self) -> FutureInformation:
+        """The evidence still to come at each decision from ``begin`` to ``end``."""
+        return self.evidence.backward_pass.future_information(
+            self._backward_inputs, self.trusted_outputs, self.evidence.rows_per_decision
+        )
 
-    def bending(self, tau: float) -> tuple[np.ndarray, np.ndarray]:
+    def exponential_rises(self, tau: float) -> tuple[np.ndarray, np.ndarray]:
         """D and s (decisions × p) of rises that bend to their end within ``tau`` decisions."""
-        return self.look.backwards.bending(self._handed, self.heed, self.look.rows, tau)
+        return self.evidence.backward_pass.exponential_rises(
+            self._backward_inputs, self.trusted_outputs, self.evidence.rows_per_decision, tau
+        )
 
-    def first(self, onset: int, abrupt: bool) -> bool:
+    def from_start(self, onset: int, abrupt: bool) -> bool:
         """Whether what begins there is taken to have been there from t = 0 on: where watching begins, if it is ``abrupt``."""
-        return onset == self.look.calibrated.begin and abrupt
+        return onset == self.evidence.thresholds.begin and abrupt
 
-    def supposing(self, tries: list[tuple[Event, ...]], size: np.ndarray) -> Supposed:
+    def run_bank(self, tries: list[tuple[Event, ...]], size: np.ndarray) -> BankResult:
         """The filter from the onset of each try on, as if its events were so, of sizes ``size`` (tries × events); Ω answers them, and
         constants in other channels."""
-        onset = np.array([min(e.first for e in events) for events in tries])
-        p, count, start = len(self.base.level), len(tries), min(int(onset.min()), self.at - 1)
-        told = self._told(onset, p, Event(0, 0))
+        onset = np.array([min(e.onset_decision for e in events) for events in tries])
+        p, count, start = len(self.base.level), len(tries), min(int(onset.min()), self.end - 1)
+        told = self._uniform_courses(onset, p, Event(0, 0))
         for k, events in enumerate(tries):
             for e, v in zip(events, size[k], strict=True):
-                told[k, e.channel] = (e.onset, *e.form, v)
-        states = np.repeat(self.look.filter.unanswered(self.track.states[start - self.begin])[None], count, axis=0)
-        for k, events in enumerate(tries if start == self.look.calibrated.begin else ()):
-            if onset[k] == start and self.first(start, not any(e.rise for e in events)):
+                told[k, e.channel] = (e.onset, *e.course_parameters, v)
+        states = np.repeat(
+            self.evidence.filter.without_sensitivity(self.replay.states[start - self.begin])[None], count, axis=0
+        )
+        for k, events in enumerate(tries if start == self.evidence.thresholds.begin else ()):
+            if onset[k] == start and self.from_start(start, not any(e.rise_time for e in events)):
                 change = np.zeros(p)
                 for e, v in zip(events, size[k], strict=True):
                     change[e.channel] += v * (e.onset == start)
-                states[k] = self.look.filter.moved(self.track.states[start - self.begin], change)
-        return self._suppose(states, start, told, onset, np.array([self.at - start]))
+                states[k] = self.evidence.filter.shifted(self.replay.states[start - self.begin], change)
+        return self._run_bank(states, start, told, onset, np.array([self.end - start]))
 
-    def rising(self, onsets: list[int], stops: np.ndarray) -> Supposed:
+    def run_drifts(self, onsets: list[int], stops: np.ndarray) -> BankResult:
         """The filter with Ω answering rises without end, of one a decision, from ``onsets`` on in all channels; at decisions ``stops``."""
         p, count, start = len(self.base.level), len(onsets), min(onsets)
-        told = self._told(np.array(onsets), p, Event(0, 0, np.inf))
-        states = np.repeat(self.look.filter.unanswered(self.track.states[start - self.begin])[None], count, axis=0)
-        return self._suppose(states, start, told, np.array(onsets), stops - start)
+        told = self._uniform_courses(np.array(onsets), p, Event(0, 0, np.inf))
+        states = np.repeat(
+            self.evidence.filter.without_sensitivity(self.replay.states[start - self.begin])[None], count, axis=0
+        )
+        return self._run_bank(states, start, told, np.array(onsets), stops - start)
 
-    def _told(self, onset: np.ndarray, channels: int, shape: Event) -> np.ndarray:
+    def _uniform_courses(self, onset: np.ndarray, channels: int, shape: Event) -> np.ndarray:
         """The same course of size 0 from each onset on in all channels: suppositions × channels × numbers."""
         told = np.empty((len(onset), channels, len(COURSE)))
-        told[:], told[:, :, 0] = (0.0, *shape.form, 0.0), onset[:, None]
+        told[:], told[:, :, 0] = (0.0, *shape.course_parameters, 0.0), onset[:, None]
         return told
 
-    def _suppose(
+    def _run_bank(
         self, states: np.ndarray, start: int, told: np.ndarray, onset: np.ndarray, stops: np.ndarray
-    ) -> Supposed:
-        cal = self.look.calibrated
-        told[:, :, _FADE] = np.exp(-told[:, :, _FADE] / self.look.rows)
-        courses = Courses(told, cal.within.low, cal.within.high, onset * 1.0, onset + 2.0 * cal.settle)
-        return self.stretch.suppose(states, start, courses, self.heed, stops)
+    ) -> BankResult:
+        cal = self.evidence.thresholds
+        told[:, :, _FADE] = np.exp(-told[:, :, _FADE] / self.evidence.rows_per_decision)
+        courses = HypothesisCourses(told, cal.bounds.low, cal.bounds.high, onset * 1.0, onset + 2.0 * cal.settle)
+        return self.segment.run_bank(states, start, courses, self.trusted_outputs, stops)
 
-    def unheeded(self, onset: int, heed: np.ndarray) -> Replay:
+    def replay_trusting(self, onset: int, trusted_outputs: np.ndarray) -> ReplayResult:
         """The filter from an onset on, following other outputs."""
-        return self.stretch.replay(self.track.states[onset - self.begin], onset, heed, not self.first(onset, True))
+        return self.segment.replay(
+            self.replay.states[onset - self.begin], onset, trusted_outputs, not self.from_start(onset, True)
+        )
 
     @once
     def energy(self) -> np.ndarray:
         """Of the outputs heeded, from the beginning to each decision."""
-        return self.track.energy
+        return self.replay.energy
 
-    def expected(self, length: int, heed: np.ndarray | None = None) -> tuple[float, float]:
+    def expected_energy(self, length: int, trusted_outputs: np.ndarray | None = None) -> tuple[float, float]:
         """Energy that noise has over so many decisions, and its standard deviation."""
-        return self.look.calibrated.noise.expected(length, self.heed if heed is None else heed)
+        return self.evidence.thresholds.noise.expected_energy(
+            length, self.trusted_outputs if trusted_outputs is None else trusted_outputs
+        )
 
     @once
-    def unit(self) -> float:
+    def noise_unit(self) -> float:
         """Energy of one number that noise is."""
-        numbers = (self.at - self.begin) * self.look.rows * float(self.heed.sum())
-        return max(self.expected(self.at - self.begin)[0], 1e-300) / max(numbers, 1.0)
+        numbers = (self.end - self.begin) * self.evidence.rows_per_decision * float(self.trusted_outputs.sum())
+        return max(self.expected_energy(self.end - self.begin)[0], 1e-300) / max(numbers, 1.0)
 
     @once
-    def within(self) -> Range:
+    def bounds(self) -> ThetaBounds:
         """Bounds of what θ may be besides what is known at the end."""
-        return self.look.calibrated.within.given(_course(self.base, self.fixed, np.array([float(self.at)]))[0])
+        return self.evidence.thresholds.bounds.relative_to(
+            _course(self.base, self.fixed, np.array([float(self.end)]))[0]
+        )
 
 
-def _course(base: Known, events: tuple[Event, ...], d: np.ndarray) -> np.ndarray:
+def _course(base: KnownTheta, events: tuple[Event, ...], d: np.ndarray) -> np.ndarray:
     values = base.course(d)
     for e in events:
         values[:, e.channel] += e.size * e.course(d)

@@ -6,11 +6,19 @@ from itertools import pairwise
 import numpy as np
 
 from thetascope.diagnosis.detection.window_tests import LONGEST
-from thetascope.diagnosis.isolation.decision_state import NEVER, Look, Standing, Young
-from thetascope.diagnosis.isolation.isolate import YOUNG, latest_open, next_look, price_of, raised, seen_as, together
-from thetascope.diagnosis.isolation.known_faults import remembered, take, withdrawn
-from thetascope.diagnosis.isolation.likelihood_fit import Explained, fitted, price
-from thetascope.diagnosis.isolation.replay import Scene
+from thetascope.diagnosis.isolation.decision_state import NEVER, DecisionState, Evidence, TentativeEvent
+from thetascope.diagnosis.isolation.isolate import (
+    YOUNG,
+    accept_leader,
+    alternatives_of,
+    coupled_events,
+    latest_open,
+    next_review,
+    penalty_of,
+)
+from thetascope.diagnosis.isolation.known_faults import commit_fit, drop_stale, withdraw
+from thetascope.diagnosis.isolation.likelihood_fit import Explanation, event_penalty, fit_sizes
+from thetascope.diagnosis.isolation.replay import ReplayWindow
 
 SLOW = (
     LONGEST - 50
@@ -18,69 +26,77 @@ SLOW = (
 _APART = 8  # times as long ago as they were apart: events that began at about the same time
 
 
-def reviewed(now: Standing, look: Look) -> Standing:
+def revise_tentative(state: DecisionState, evidence: Evidence) -> DecisionState:
     """What is pending, with the data that came since: what else it may have been, and how large it is."""
-    now = remembered(now, look)
-    if now.pending is None or now.pending.settled:
-        return now
-    now, fit = _pruned(now, look)
-    pending, last = now.pending, now.pending.young[-1]
+    state = drop_stale(state, evidence)
+    if state.tentative is None or state.tentative.settled:
+        return state
+    state, fit = _pruned(state, evidence)
+    tentative, last = state.tentative, state.tentative.entries[-1]
     for group in dict.fromkeys(
-        (*(group for y in latest_open(pending) for group in (together(pending, y), (y,))), *_neighbours(now))
+        (
+            *(group for entry in latest_open(tentative) for group in (coupled_events(tentative, entry), (entry,))),
+            *_close_pairs(state),
+        )
     ):
-        choice = seen_as(now, look, group)
-        better = len(group) == 1 or choice.leader.cost < _present(now, look) + price_of(group)
+        choice = alternatives_of(state, evidence, group)
+        better = len(group) == 1 or choice.leader.cost < _current_residual(state, evidence) + penalty_of(group)
         if choice.leader.output is None and len(choice.leader.events) == 1 and better:
-            return _settled(raised(now, look, choice))
-    now = replace(now, pending=replace(now.pending, review=next_look(now, last.event.first)))
-    return _settled(take(now, look, fit))
+            return _settled(accept_leader(state, evidence, choice))
+    state = replace(state, tentative=replace(state.tentative, review_at=next_review(state, last.event.onset_decision)))
+    return _settled(commit_fit(state, evidence, fit))
 
 
-def _pruned(now: Standing, look: Look) -> tuple[Standing, Explained]:
+def _pruned(state: DecisionState, evidence: Evidence) -> tuple[DecisionState, Explanation]:
     """Without events that are not needed: the others explain as much, but for what it costs. And the sizes of these."""
-    fit = _refitted(now, look, now.pending.young)
-    while len(young := now.pending.young) > 1:
-        rest = [tuple(y for y in young if y is not without) for without in young]
-        fits = [_refitted(now, look, others) for others in rest]
-        more = [f.energy - fit.energy - price(y.event) for f, y in zip(fits, young, strict=True)]
+    fit = _refit(state, evidence, state.tentative.entries)
+    while len(entries := state.tentative.entries) > 1:
+        rest = [tuple(entry for entry in entries if entry is not without) for without in entries]
+        fits = [_refit(state, evidence, others) for others in rest]
+        more = [f.energy - fit.energy - event_penalty(entry.event) for f, entry in zip(fits, entries, strict=True)]
         k = int(np.argmin(more))
         if more[k] >= 0:
             break
-        pending = replace(now.pending, young=rest[k])
-        alone = all(y.found != young[k].found for y in rest[k])
-        now, fit = replace(withdrawn(now, young[k]) if alone else now, pending=pending), fits[k]
-    return now, fit
+        tentative = replace(state.tentative, entries=rest[k])
+        alone = all(entry.finding != entries[k].finding for entry in rest[k])
+        state, fit = replace(withdraw(state, entries[k]) if alone else state, tentative=tentative), fits[k]
+    return state, fit
 
 
-def _refitted(now: Standing, look: Look, young: tuple[Young, ...]) -> Explained:
+def _refit(state: DecisionState, evidence: Evidence, entries: tuple[TentativeEvent, ...]) -> Explanation:
     """Each channel's latest event estimated anew; what came before it in the same channel stays."""
-    latest = {y.event.channel: y.event for y in young}
-    fixed = tuple(y.event for y in young if y.event not in latest.values())
-    scene = Scene.of(look, now.pending.base, fixed, now.pending.begin, now.at, now.heed)
-    return fitted(scene, [tuple(latest.values())]).explained(0)
+    latest = {entry.event.channel: entry.event for entry in entries}
+    fixed = tuple(entry.event for entry in entries if entry.event not in latest.values())
+    window = ReplayWindow.of(
+        evidence, state.tentative.base, fixed, state.tentative.begin, state.at, state.trusted_outputs
+    )
+    return fit_sizes(window, [tuple(latest.values())]).explained(0)
 
 
-def _present(now: Standing, look: Look) -> float:
+def _current_residual(state: DecisionState, evidence: Evidence) -> float:
     """What is left by what is pending, in twice the log of a likelihood."""
-    pending = now.pending
-    scene = Scene.of(look, pending.base, pending.events, pending.begin, now.at, now.heed)
-    return float(scene.energy[-1]) / scene.unit
+    tentative = state.tentative
+    window = ReplayWindow.of(
+        evidence, tentative.base, tentative.events, tentative.begin, state.at, state.trusted_outputs
+    )
+    return float(window.energy[-1]) / window.noise_unit
 
 
-def _settled(now: Standing) -> Standing:
-    """With what is pending left as it is, if that is no longer young: what comes may have begun before."""
-    last = None if now.pending is None else now.pending.young[-1].event
-    if last is None or now.at - last.first <= (SLOW if last.rise else YOUNG):
-        return now
-    return replace(now, pending=replace(now.pending, settled=True, review=NEVER))
+def _settled(state: DecisionState) -> DecisionState:
+    """With what is pending left as it is, if that is no longer entries: what comes may have begun before."""
+    last = None if state.tentative is None else state.tentative.entries[-1].event
+    if last is None or state.at - last.onset_decision <= (SLOW if last.rise_time else YOUNG):
+        return state
+    return replace(state, tentative=replace(state.tentative, settled=True, review_at=NEVER))
 
 
-def _neighbours(now: Standing) -> list[tuple[Young, ...]]:
+def _close_pairs(state: DecisionState) -> list[tuple[TentativeEvent, ...]]:
     """Events of two findings that began at about the same time: one may have been made up to mend the other."""
-    young = now.pending.young
+    entries = state.tentative.entries
     return [
         (a, b)
-        for a, b in pairwise(young)
-        if a.found != b.found
-        and abs(a.event.first - b.event.first) * _APART < now.at - max(a.event.first, b.event.first)
+        for a, b in pairwise(entries)
+        if a.finding != b.finding
+        and abs(a.event.onset_decision - b.event.onset_decision) * _APART
+        < state.at - max(a.event.onset_decision, b.event.onset_decision)
     ]

@@ -11,10 +11,10 @@ from pathlib import Path
 
 import numpy as np
 
-from thetascope.diagnosis.detection.thresholds import Calibrated, calibrate
-from thetascope.diagnosis.detection.window_tests import Noise, Range, Sums
-from thetascope.diagnosis.monitor.monitor import Watcher
-from thetascope.diagnosis.residuals.innovation_filter import MOST_STATES, Filter
+from thetascope.diagnosis.detection.thresholds import Thresholds, calibrate
+from thetascope.diagnosis.detection.window_tests import ThetaBounds, WindowNoise, WindowSums
+from thetascope.diagnosis.monitor.monitor import Monitor
+from thetascope.diagnosis.residuals.innovation_filter import MOST_STATES, InnovationFilter
 from thetascope.diagnosis.yield_points import pause
 from thetascope.engine.compiler import cache
 from thetascope.engine.errors import Unwatchable
@@ -35,18 +35,18 @@ _UNRECORDED = 0.5  # of what an input does may go on between rows
 
 
 @dataclass(frozen=True)
-class Asked:
-    """What is asked of a detector: false alarms per hour, and the doubt about the model (`Filter`)."""
+class DetectorSettings:
+    """What is asked of a detector: false alarms per hour, and the doubt about the model (`InnovationFilter`)."""
 
     false_alarms: float
     doubt: float
 
 
-class Detector(Watcher):
+class Detector(Monitor):
     """A watcher made ready for an experiment."""
 
-    def __init__(self, filter_: Filter, calibrated: Calibrated, stride: int):
-        super().__init__(filter_, calibrated, stride)
+    def __init__(self, filter_: InnovationFilter, thresholds: Thresholds, stride: int):
+        super().__init__(filter_, thresholds, stride)
         self.interval = stride * filter_.interval  # s between decisions
 
 
@@ -82,17 +82,17 @@ def _unrecorded(experiment: Experiment) -> str:
     return ""
 
 
-def detector(experiment: Experiment, context: Context, asked: Asked, key: str) -> Detector:
+def prepare_detector(experiment: Experiment, context: Context, settings: DetectorSettings, key: str) -> Detector:
     """Make the detector for an experiment as it begins. ``key``: what its calibration depends on, as a hash (`cached`)."""
     stride = _stride(experiment)
-    made = Filter(experiment, context, asked.doubt)
-    within = _range(context)
-    calibrated = _kept(key) if key else None
-    if calibrated is None or calibrated.noise.v.shape[1] != made.p:
-        calibrated = _calibrated(experiment, made, asked, stride, within)
+    filter_ = InnovationFilter(experiment, context, settings.doubt)
+    bounds = _theta_bounds(context)
+    thresholds = _stored(key) if key else None
+    if thresholds is None or thresholds.noise.v.shape[1] != filter_.p:
+        thresholds = _simulate_thresholds(experiment, filter_, settings, stride, bounds)
         if key:
-            cache.write("calibration", kept_name(key), _packed(calibrated))
-    return Detector(made, calibrated, stride)
+            cache.write("calibration", stored_name(key), _packed(thresholds))
+    return Detector(filter_, thresholds, stride)
 
 
 def _stride(experiment: Experiment) -> int:
@@ -102,9 +102,9 @@ def _stride(experiment: Experiment) -> int:
     return max(1, min(rows // DECISIONS, simulated // 200))
 
 
-def _range(context: Context) -> Range:
+def _theta_bounds(context: Context) -> ThetaBounds:
     limits = [c.get("bounds") or (None, None) for c in context.model["channels"]]
-    return Range(
+    return ThetaBounds(
         np.array([-np.inf if low is None else low for low, _ in limits]),
         np.array([np.inf if high is None else high for _, high in limits]),
     )
@@ -128,62 +128,71 @@ def healthy(experiment: Experiment) -> Experiment:
     )
 
 
-def _calibrated(experiment: Experiment, made: Filter, asked: Asked, stride: int, within: Range) -> Calibrated:
-    plain = _noisy(replace(healthy(experiment), steps=min(experiment.steps, _LONGEST)), made)
+def _simulate_thresholds(
+    experiment: Experiment, filter_: InnovationFilter, settings: DetectorSettings, stride: int, bounds: ThetaBounds
+) -> Thresholds:
+    plain = _noisy(replace(healthy(experiment), steps=min(experiment.steps, _LONGEST)), filter_)
     seeds = int(np.clip(_STEPS // max(plain.steps, 10 * plain.steps // plain.every), *SEEDS))
-    known = np.array([float(plain.signals[c](np.zeros(1), np.zeros(1))[0]) for c in made.channels])
+    known = np.array([float(plain.signals[c](np.zeros(1), np.zeros(1))[0]) for c in filter_.channels])
     runs = []
     for seed in range(seeds):
         pause()
-        table, t = _rows(with_seed(plain, _SEED + seed), made)
-        seen = made.run(made.start(), known, table, t)
+        table, t = _rows(with_seed(plain, _SEED + seed), filter_)
+        seen = filter_.run(filter_.start(), known, table, t)
         count = len(t) // stride
         rows = count * stride
         omega, nu = (
-            seen.omega[:rows].reshape(count, stride, made.m, made.p),
-            seen.nu[:rows].reshape(count, stride, made.m),
+            seen.omega[:rows].reshape(count, stride, filter_.m, filter_.p),
+            seen.nu[:rows].reshape(count, stride, filter_.m),
         )
-        runs.append(Sums.none(made.p, made.m).extended(omega, nu))
+        runs.append(WindowSums.empty(filter_.p, filter_.m).extended(omega, nu))
     runs = [r for r in runs if np.isfinite(r.q).all()]
     if len(runs) < seeds // 2:
         raise Unwatchable("the filter does not stay finite along this plant's runs")
-    settle = _settling(made, known, table, t, seen.states) // stride
-    ready = -(-_sure(made, seen.states) // stride)
+    settle = _settling_rows(filter_, known, table, t, seen.states) // stride
+    ready = -(-_rows_until_sure(filter_, seen.states) // stride)
     return calibrate(
-        runs, stride * made.interval, asked.false_alarms, int(np.clip(settle, 2, max(2, count // 20))), within, ready
+        runs,
+        stride * filter_.interval,
+        settings.false_alarms,
+        int(np.clip(settle, 2, max(2, count // 20))),
+        bounds,
+        ready,
     )
 
 
-def _noisy(experiment: Experiment, made: Filter) -> Experiment:
+def _noisy(experiment: Experiment, filter_: InnovationFilter) -> Experiment:
     """With the noise that is assumed where none is declared, so that thresholds are never zero."""
     m = experiment.measurement
-    hold = [t if std > 0 else made.interval for t, std in zip(m.sample_time, m.std, strict=True)]
-    std = tuple(float(s) for s in noise_stds(m, made.context))
+    hold = [t if std > 0 else filter_.interval for t, std in zip(m.sample_time, m.std, strict=True)]
+    std = tuple(float(s) for s in noise_stds(m, filter_.context))
     return replace(experiment, measurement=replace(m, std=std, sample_time=tuple(hold)))
 
 
-def _rows(experiment: Experiment, made: Filter) -> tuple[np.ndarray, np.ndarray]:
+def _rows(experiment: Experiment, filter_: InnovationFilter) -> tuple[np.ndarray, np.ndarray]:
     """What the filter is given along a run."""
     parts = [rows for _, rows in Simulation(experiment, experiment.substeps or 1).spans(experiment.steps + 1)]
     index = np.concatenate([r.index for r in parts])
     values = row_values(experiment, index, np.concatenate([r.plant for r in parts]))
-    return made.table(index, np.concatenate([r.y for r in parts]), values), index * experiment.step
+    return filter_.table(index, np.concatenate([r.y for r in parts]), values), index * experiment.step
 
 
-def _settling(made: Filter, known: np.ndarray, table: np.ndarray, t: np.ndarray, states: np.ndarray) -> int:
+def _settling_rows(
+    filter_: InnovationFilter, known: np.ndarray, table: np.ndarray, t: np.ndarray, states: np.ndarray
+) -> int:
     """Rows after which Ω of a fault that has just begun is that of one that has long been there, within a half."""
     half = len(t) // 2
-    fresh = made.run(made.unanswered(states[half - 1]), known, table[half:], t[half:]).omega
-    long = made.run(states[half - 1], known, table[half:], t[half:]).omega
+    fresh = filter_.run(filter_.without_sensitivity(states[half - 1]), known, table[half:], t[half:]).omega
+    long = filter_.run(states[half - 1], known, table[half:], t[half:]).omega
     size = np.abs(long).sum(axis=1)
     apart = np.abs(fresh - long).sum(axis=1) > 0.5 * np.maximum(size, np.median(size, axis=0))
     return int(np.median(np.argmin(apart, axis=0)))
 
 
-def _sure(made: Filter, states: np.ndarray) -> int:
+def _rows_until_sure(filter_: InnovationFilter, states: np.ndarray) -> int:
     """Rows after which the filter's variances are what they are later, within a tenth: what it is less sure of at first moves slowly,
     and would be taken for a fault that does."""
-    variances = made.variances(states)
+    variances = filter_.variances(states)
     late = variances[len(states) // 2 :].max(axis=0)
     unsure = np.flatnonzero((variances > 1.1 * late).any(axis=1))
     return int(unsure[-1]) + 1 if len(unsure) else 0
@@ -198,35 +207,35 @@ def _source() -> str:
     return f"{cache.package_digest()} {cache.digest_of(Path(__file__).parents[1])}"
 
 
-def kept_name(key: str) -> str:
+def stored_name(key: str) -> str:
     """The name of a file with a calibration: never found again after the code has changed."""
     return hashlib.sha256(f"{key} {_source()}".encode()).hexdigest()
 
 
-def _packed(c: Calibrated) -> bytes:
+def _packed(c: Thresholds) -> bytes:
     file = io.BytesIO()
     np.savez(
         file,
         lengths=c.noise.lengths,
         v=c.noise.v,
-        loud=c.noise.loud,
-        first=c.noise.first,
+        largest_v=c.noise.largest_v,
+        early_v=c.noise.early_v,
         energy=c.noise.energy,
-        scatter=c.noise.scatter,
-        low=c.within.low,
-        high=c.within.high,
+        energy_std=c.noise.energy_std,
+        low=c.bounds.low,
+        high=c.bounds.high,
         numbers=[c.glr, c.residual, c.hours, c.rate],
         counts=[c.begin, c.settle, c.seeds, c.noise.ready],
     )
     return file.getvalue()
 
 
-def _kept(key: str) -> Calibrated | None:
-    found = cache.read("calibration", kept_name(key))
+def _stored(key: str) -> Thresholds | None:
+    found = cache.read("calibration", stored_name(key))
     if found is None:
         return None
     with np.load(io.BytesIO(found), allow_pickle=False) as a:
         glr, residual, hours, rate = (float(v) for v in a["numbers"])
         begin, settle, seeds, ready = (int(v) for v in a["counts"])
-        noise = Noise(a["lengths"], a["v"], a["loud"], a["first"], ready, a["energy"], a["scatter"])
-        return Calibrated(noise, Range(a["low"], a["high"]), glr, residual, begin, settle, seeds, hours, rate)
+        noise = WindowNoise(a["lengths"], a["v"], a["largest_v"], a["early_v"], ready, a["energy"], a["energy_std"])
+        return Thresholds(noise, ThetaBounds(a["low"], a["high"]), glr, residual, begin, settle, seeds, hours, rate)

@@ -7,9 +7,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from thetascope.diagnosis.evaluation import observer_tests
-from thetascope.diagnosis.monitor.detector import Asked, Detector, detector, healthy, kept_name, unwatchable
-from thetascope.diagnosis.monitor.monitor import Watched, Watcher
-from thetascope.diagnosis.residuals.innovation_filter import Filter
+from thetascope.diagnosis.monitor.detector import (
+    Detector,
+    DetectorSettings,
+    healthy,
+    prepare_detector,
+    stored_name,
+    unwatchable,
+)
+from thetascope.diagnosis.monitor.monitor import Monitor, MonitorState
+from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.diagnosis.yield_points import pause
 from thetascope.engine.compiler import cache
 from thetascope.engine.errors import Unwatchable
@@ -27,28 +34,28 @@ _STEPS = 100_000  # base steps of one of them at most
 
 
 @dataclass(frozen=True)
-class Wanted:
-    """What is asked: of the detector (`Asked`), and which test is to look at observers' estimates.
+class DiagnosisRequest:
+    """What is asked: of the detector (`DetectorSettings`), and which test is to look at observers' estimates.
 
-    ``key``: a hash of what the detector's calibration depends on; ``own_key``: of what that of the observers' tests does;
+    ``key``: a hash of what the detector's calibration depends on; ``estimates_key``: of what that of the observers' tests does;
     ``steps``: base steps that thresholds are simulated over.
     """
 
-    detector: Asked
+    detector: DetectorSettings
     test: str
     key: str
-    own_key: str
+    estimates_key: str
     steps: int
 
 
 @dataclass(frozen=True)
-class Own:
+class EstimateDiagnosis:
     """What the tests found in one observer's estimates; ``note``: why there is nothing."""
 
     label: str
     channels: tuple[str, ...]
-    raised: tuple[observer_tests.Raised, ...] = ()
-    judged: observer_tests.Judged | None = None
+    alarms: tuple[observer_tests.EstimateAlarm, ...] = ()
+    test: observer_tests.CalibratedTest | None = None
     theta: np.ndarray | None = None  # decisions × channels
     sigma: np.ndarray | None = None
     typical: tuple[float, ...] = ()
@@ -56,96 +63,108 @@ class Own:
 
 
 @dataclass(frozen=True)
-class Diagnosed:
-    """``detector`` and what it watched; None with a ``note`` where the experiment cannot be watched. What else is to be known of how it
+class RunDiagnosis:
+    """``prepare_detector`` and what it watched; None with a ``note`` where the experiment cannot be watched. What else is to be known of how it
     was watched is in ``note``, too."""
 
     detector: Detector | None
-    watched: Watched | None
-    observers: tuple[Own, ...]
+    monitor_state: MonitorState | None
+    observers: tuple[EstimateDiagnosis, ...]
     interval: float  # s between decisions
     note: str = ""
 
 
-def follow(made: Watcher, watched: Watched, experiment: Experiment, rows: Rows, values: dict | None = None) -> Watched:
+def advance_over_rows(
+    detector: Monitor, monitor_state: MonitorState, experiment: Experiment, rows: Rows, values: dict | None = None
+) -> MonitorState:
     """The watcher taken over recorded rows of an experiment; ``values``: signals along them, where they are known."""
     values = values or row_values(experiment, rows.index, rows.plant)
-    return made.advance(watched, made.filter.table(rows.index, rows.y, values), rows.index * experiment.step)
+    return detector.advance(
+        monitor_state, detector.filter.table(rows.index, rows.y, values), rows.index * experiment.step
+    )
 
 
-def refitted(made: Detector, experiment: Experiment, doubt: float) -> Detector:
+def with_noise_of(detector: Detector, experiment: Experiment, doubt: float) -> Detector:
     """The detector with its filter for an experiment whose noise has been changed while it ran."""
-    old = made.filter.experiment
+    old = detector.filter.experiment
     if (old.measurement.std, old.measurement.sample_time) == (
         experiment.measurement.std,
         experiment.measurement.sample_time,
     ):
-        return made
-    return Detector(Filter(experiment, experiment.context, doubt), made.calibrated, made.stride)
+        return detector
+    return Detector(InnovationFilter(experiment, experiment.context, doubt), detector.thresholds, detector.stride)
 
 
-def diagnose(parts: Parts, columns: dict[str, np.ndarray], substeps: int, wanted: Wanted) -> Diagnosed:
+def diagnose(parts: Parts, columns: dict[str, np.ndarray], substeps: int, request: DiagnosisRequest) -> RunDiagnosis:
     """Diagnose a run from its spans; ``columns`` are those of its result."""
-    first = replace(parts[0][0], steps=wanted.steps)
-    made, watched, note = None, None, unwatchable(first, first.context)
+    first = replace(parts[0][0], steps=request.steps)
+    detector, monitor_state, note = None, None, unwatchable(first, first.context)
     if not note:
         try:
-            made = detector(first, first.context, wanted.detector, wanted.key)
-            watched = _watched(made, parts, wanted.detector.doubt)
+            detector = prepare_detector(first, first.context, request.detector, request.key)
+            monitor_state = _monitor_run(detector, parts, request.detector.doubt)
         except Unwatchable as error:
-            made, note = None, str(error)
-    stride = made.stride if made else max(1, first.steps // first.every // 1000)
+            detector, note = None, str(error)
+    stride = detector.stride if detector else max(1, first.steps // first.every // 1000)
     interval = stride * first.every * first.step
-    return Diagnosed(made, watched, _own(first, columns, substeps, wanted, stride), interval, note)
+    return RunDiagnosis(
+        detector, monitor_state, _diagnose_estimates(first, columns, substeps, request, stride), interval, note
+    )
 
 
-def _watched(made: Detector, parts: Parts, doubt: float) -> Watched:
-    watched = made.begin()
+def _monitor_run(detector: Detector, parts: Parts, doubt: float) -> MonitorState:
+    monitor_state = detector.begin()
     for experiment, rows in parts:
         finite = np.isfinite(rows.y).all(axis=1)
         count = int(np.argmin(finite)) if not finite.all() else len(finite)
-        watched = follow(refitted(made, experiment, doubt), watched, experiment, rows.part(0, count))
+        monitor_state = advance_over_rows(
+            with_noise_of(detector, experiment, doubt), monitor_state, experiment, rows.part(0, count)
+        )
         if count < len(finite):
             break
-    return watched
+    return monitor_state
 
 
 # ---- observers' own estimates --------------------------------------------------------------------------------------------
 
 
-def _own(first: Experiment, columns: dict, substeps: int, wanted: Wanted, stride: int) -> tuple[Own, ...]:
-    watching = [e for e in first.estimators if has_spread(e) and e.since == 0]
-    judgements = _judgements(first, watching, substeps, wanted, stride) if watching else {}
+def _diagnose_estimates(
+    first: Experiment, columns: dict, substeps: int, request: DiagnosisRequest, stride: int
+) -> tuple[EstimateDiagnosis, ...]:
+    with_spread = [e for e in first.estimators if has_spread(e) and e.since == 0]
+    judgements = _tests_of(first, with_spread, substeps, request, stride) if with_spread else {}
     found = []
     for estimator in first.estimators:
         label, channels = estimator.label, estimator.channels
-        if estimator not in watching:
-            found.append(Own(label, channels, note="it estimates no fault"))
+        if estimator not in with_spread:
+            found.append(EstimateDiagnosis(label, channels, note="it estimates no fault"))
             continue
         theta, sigma = (
             _thinned([columns[f"{label}.{what}.{c}"] for c in channels], stride) for what in ("theta", "sigma")
         )
         raised = observer_tests.alarms(_scaled(theta, sigma), judgements[label])
         typical = tuple(typical_sizes(estimator.context))
-        found.append(Own(label, channels, tuple(raised), judgements[label], theta, sigma, typical))
+        found.append(EstimateDiagnosis(label, channels, tuple(raised), judgements[label], theta, sigma, typical))
     return tuple(found)
 
 
-def _judgements(
-    first: Experiment, watching: list[Estimator], substeps: int, wanted: Wanted, stride: int
-) -> dict[str, observer_tests.Judged]:
+def _tests_of(
+    first: Experiment, with_spread: list[Estimator], substeps: int, request: DiagnosisRequest, stride: int
+) -> dict[str, observer_tests.CalibratedTest]:
     """The calibrated test of every observer's estimates: kept on disk, else from runs without faults."""
-    name = kept_name(wanted.own_key)
+    name = stored_name(request.estimates_key)
     stored = cache.read("judgement", name)
     if stored is not None:
-        return {label: observer_tests.Judged.from_json(data) for label, data in json.loads(stored).items()}
+        return {label: observer_tests.CalibratedTest.from_json(data) for label, data in json.loads(stored).items()}
     interval = stride * first.every * first.step
-    made = {}
-    for label, (theta, sigma) in _quiet(first, substeps, stride).items():
+    detector = {}
+    for label, (theta, sigma) in _healthy_runs(first, substeps, stride).items():
         z = _scaled(theta, sigma)
-        made[label] = observer_tests.prepare(z, wanted.test, interval, wanted.detector.false_alarms, _calm(z))
-    cache.write("judgement", name, json.dumps({label: j.to_json() for label, j in made.items()}).encode())
-    return made
+        detector[label] = observer_tests.prepare(
+            z, request.test, interval, request.detector.false_alarms, _start_of_test(z)
+        )
+    cache.write("judgement", name, json.dumps({label: j.to_json() for label, j in detector.items()}).encode())
+    return detector
 
 
 def _thinned(rows: Sequence[np.ndarray], stride: int) -> np.ndarray:
@@ -158,7 +177,7 @@ def _scaled(theta: np.ndarray, sigma: np.ndarray) -> np.ndarray:
         return np.where(sigma > 0, theta / sigma, 0.0)
 
 
-def _calm(z: np.ndarray) -> int:
+def _start_of_test(z: np.ndarray) -> int:
     """The decision from which on estimates of runs without faults stay within what noise explains."""
     size = np.nanmax(np.nan_to_num(np.abs(z)), axis=(0, 2))
     count = len(size)
@@ -166,7 +185,7 @@ def _calm(z: np.ndarray) -> int:
     return min(count // 2, (int(loud[-1]) + 1 if len(loud) else 0) + max(2, count // 50))
 
 
-def _quiet(first: Experiment, substeps: int, stride: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
+def _healthy_runs(first: Experiment, substeps: int, stride: int) -> dict[str, tuple[np.ndarray, np.ndarray]]:
     """θ̂ − θ and σ at decisions in runs without faults, by observer: runs × decisions × channels each."""
     plain = replace(healthy(first), estimators=first.estimators, steps=min(first.steps, _STEPS))
     count = int(np.clip(_TOTAL // max(plain.steps, 1), *_RUNS))

@@ -4,13 +4,13 @@ from statistics import NormalDist
 
 import numpy as np
 
-from thetascope.diagnosis.detection.thresholds import Calibrated
-from thetascope.diagnosis.detection.window_tests import Sums
+from thetascope.diagnosis.detection.thresholds import Thresholds
+from thetascope.diagnosis.detection.window_tests import WindowSums
 from thetascope.diagnosis.input_design.excitation import Excitation, excitation
-from thetascope.diagnosis.isolation.decision_state import Found
+from thetascope.diagnosis.isolation.decision_state import Finding
 from thetascope.diagnosis.monitor.detector import Detector
-from thetascope.diagnosis.monitor.monitor import Watched
-from thetascope.diagnosis.outcome.diagnose_run import Diagnosed, Own
+from thetascope.diagnosis.monitor.monitor import MonitorState
+from thetascope.diagnosis.outcome.diagnose_run import EstimateDiagnosis, RunDiagnosis
 
 WINDOW = 0.1  # of the horizon: over which excitation is judged
 _MOST_COLOURED = 1.0
@@ -21,18 +21,18 @@ def quantile(confidence: float) -> float:
     return NormalDist().inv_cdf(0.5 + confidence / 2)
 
 
-def alarm(found: Found, made: Detector, confidence: float, place: int) -> dict:
+def alarm(finding: Finding, detector: Detector, confidence: float, place: int) -> dict:
     """Return one finding of the detector; `place` is its place among all findings and makes its id, which never changes."""
-    dt, cal = made.interval, made.calibrated
+    dt, cal = detector.interval, detector.thresholds
     times = {
-        "t": found.at * dt,
-        "onset": found.onset * dt,
-        "onset_from": found.onset_from * dt,
-        "onset_to": found.onset_to * dt,
-        "cleared": None if found.cleared is None else found.cleared * dt,
+        "t": finding.raised_at * dt,
+        "onset": finding.onset * dt,
+        "onset_from": finding.onset_from * dt,
+        "onset_to": finding.onset_to * dt,
+        "cleared": None if finding.cleared is None else finding.cleared * dt,
     }
-    if found.channel is None:
-        output = made.filter.outputs[found.output or 0]
+    if finding.channel is None:
+        output = detector.filter.outputs[finding.output or 0]
         more = {
             "kind": "unexplained",
             "channel": "",
@@ -45,21 +45,21 @@ def alarm(found: Found, made: Detector, confidence: float, place: int) -> dict:
             "threshold": cal.residual,
         }
     else:
-        names = [c.removeprefix("theta.") for c in made.filter.channels]
-        width = quantile(confidence) * found.deviation
+        names = [c.removeprefix("theta.") for c in detector.filter.channels]
+        width = quantile(confidence) * finding.deviation
         more = {
             "kind": "fault",
-            "channel": names[found.channel],
+            "channel": names[finding.channel],
             "output": "",
-            "alternatives": tuple(names[i] for i in found.alternatives),
-            "size": found.size,
-            "size_from": found.size - width,
-            "size_to": found.size + width,
+            "alternatives": tuple(names[i] for i in finding.alternatives),
+            "size": finding.size,
+            "size_from": finding.size - width,
+            "size_to": finding.size + width,
             "test": "glr",
             "threshold": cal.glr,
         }
-    told = {"id": f"detector-{place + 1}", "observer": "", "statistic": found.statistic} | times | more
-    return told | {"text": _sentence(told)}
+    record = {"id": f"detector-{place + 1}", "observer": "", "statistic": finding.statistic} | times | more
+    return record | {"text": _sentence(record)}
 
 
 def _sentence(a: dict) -> str:
@@ -85,7 +85,7 @@ def sentence(alarms: list[dict], settled: float) -> str:
     return f"no fault found since {settled:.3g} s" if not alarms else "; ".join(a["text"] for a in alarms[-3:])
 
 
-def calibration(cal: Calibrated, interval: float) -> dict:
+def calibration(cal: Thresholds, interval: float) -> dict:
     return {
         "false_alarms": cal.rate,
         "thresholds": {"glr": cal.glr, "residual": cal.residual},
@@ -96,23 +96,23 @@ def calibration(cal: Calibrated, interval: float) -> dict:
     }
 
 
-def window_of(made: Detector, sums: Sums, horizon: float) -> tuple[np.ndarray, float]:
+def window_of(detector: Detector, sums: WindowSums, horizon: float) -> tuple[np.ndarray, float]:
     """J of the last window over which excitation is judged, and its length in s."""
-    length = max(2, min(round(WINDOW * horizon / made.interval), sums.last - sums.first))
-    return sums.over(max(sums.last - length, sums.first), sums.last)[0], length * made.interval
+    length = max(2, min(round(WINDOW * horizon / detector.interval), sums.last - sums.first))
+    return sums.over(max(sums.last - length, sums.first), sums.last)[0], length * detector.interval
 
 
-def resolution(made: Detector, seen: Excitation) -> list[dict]:
+def resolution(detector: Detector, seen: Excitation) -> list[dict]:
     """For each channel the smallest fault that a window like the last one shows, other faults unknown."""
-    noise, threshold = made.calibrated.noise, made.calibrated.glr
-    declared = all(std > 0 for std in made.filter.experiment.measurement.std)
+    noise, threshold = detector.thresholds.noise, detector.thresholds.glr
+    declared = all(std > 0 for std in detector.filter.experiment.measurement.std)
     answer = []
-    for j, c in enumerate(made.filter.context.model["channels"]):
+    for j, c in enumerate(detector.filter.context.model["channels"]):
         name, typical = c["name"], float(c.get("typical", 1.0))
         deviation = seen.deviations.get(name, np.inf) * noise.v[-1, j] ** 0.5
         sigma = float(deviation) if np.isfinite(deviation) else None
         smallest = (
-            None if sigma is None else sigma * float((threshold * noise.loud[-1, j] / noise.v[-1, j]) ** 0.5)
+            None if sigma is None else sigma * float((threshold * noise.largest_v[-1, j] / noise.v[-1, j]) ** 0.5)
         )  # as tests go by it
         text = _able(name, smallest, typical, declared)
         answer.append(_resolved(name, sigma, typical, smallest, seen.identifiable.get(name, False), text))
@@ -146,17 +146,24 @@ def _able(name: str, smallest: float | None, typical: float, declared: bool) -> 
     )
 
 
-def noise_levels(made: Detector, watched: Watched) -> list[dict]:
+def noise_levels(detector: Detector, monitor_state: MonitorState) -> list[dict]:
     """Noise of each output as declared, and as the quieter half of the innovations shows it."""
-    experiment = made.filter.experiment
-    each = np.diff(watched.sums.q, axis=0)[max(0, made.calibrated.begin - watched.sums.first) :] / made.stride
-    expected = made.calibrated.noise.energy[0] / made.calibrated.noise.lengths[0] / (made.stride * made.filter.m)
+    experiment = detector.filter.experiment
+    each = (
+        np.diff(monitor_state.sums.q, axis=0)[max(0, detector.thresholds.begin - monitor_state.sums.first) :]
+        / detector.stride
+    )
+    expected = (
+        detector.thresholds.noise.energy[0]
+        / detector.thresholds.noise.lengths[0]
+        / (detector.stride * detector.filter.m)
+    )
     answer = []
-    for k, name in enumerate(made.filter.outputs):
+    for k, name in enumerate(detector.filter.outputs):
         declared = experiment.measurement.std[k]
         median = float(np.median(each[:, k])) if len(each) else None
-        std = made.filter.stds[k]
-        estimated = None if median is None else float(std * np.sqrt(median / expected / _median_share(made.stride)))
+        std = detector.filter.stds[k]
+        estimated = None if median is None else float(std * np.sqrt(median / expected / _median_share(detector.stride)))
         answer.append({"output": name.removeprefix("y."), "declared": declared or None, "estimated": estimated})
     return answer
 
@@ -166,23 +173,23 @@ def _median_share(rows: int) -> float:
     return (1 - 2 / (9 * rows)) ** 3
 
 
-def of_detector(d: Diagnosed, confidence: float, accuracy: float, horizon: float, begin: int | None = None) -> dict:
+def of_detector(d: RunDiagnosis, confidence: float, accuracy: float, horizon: float, begin: int | None = None) -> dict:
     """What the detector says; ``begin``: the decision from which on is judged, if that is not its own."""
-    if d.detector is None or d.watched is None:
+    if d.detector is None or d.monitor_state is None:
         return {"observer": "", "note": d.note, "sentence": f"no diagnosis: {d.note}"}
-    made, watched = d.detector, d.watched
-    begin = made.calibrated.begin if begin is None else begin
-    alarms = [alarm(f, made, confidence, place) for place, f in enumerate(watched.standing.found)]
-    J, length = window_of(made, watched.sums, horizon)
-    seen = seen_in(made, J, accuracy)
+    detector, monitor_state = d.detector, d.monitor_state
+    begin = detector.thresholds.begin if begin is None else begin
+    alarms = [alarm(f, detector, confidence, place) for place, f in enumerate(monitor_state.decisions.findings)]
+    J, length = window_of(detector, monitor_state.sums, horizon)
+    seen = seen_in(detector, J, accuracy)
     return {
         "observer": "",
         "alarms": alarms,
-        "sentence": sentence(alarms, begin * made.interval),
+        "sentence": sentence(alarms, begin * detector.interval),
         "note": d.note,
-        "calibration": calibration(made.calibrated, made.interval) | {"from_time": begin * made.interval},
-        "noise": noise_levels(made, watched),
-        "resolution": resolution(made, seen),
+        "calibration": calibration(detector.thresholds, detector.interval) | {"from_time": begin * detector.interval},
+        "noise": noise_levels(detector, monitor_state),
+        "resolution": resolution(detector, seen),
         "excitation": {
             "window": length,
             "level": seen.level,
@@ -194,9 +201,9 @@ def of_detector(d: Diagnosed, confidence: float, accuracy: float, horizon: float
     }
 
 
-def seen_in(made: Detector, J: np.ndarray, accuracy: float) -> Excitation:
+def seen_in(detector: Detector, J: np.ndarray, accuracy: float) -> Excitation:
     """What a window tells about the plant's faults."""
-    channels = made.filter.context.model["channels"]
+    channels = detector.filter.context.model["channels"]
     typical = [float(c.get("typical", 1.0)) for c in channels]
     return excitation(J, [c["name"] for c in channels], typical, accuracy)
 
@@ -204,17 +211,17 @@ def seen_in(made: Detector, J: np.ndarray, accuracy: float) -> Excitation:
 # ---- observers' own estimates --------------------------------------------------------------------------------------------
 
 
-def of_observer(own: Own, interval: float, confidence: float, rate: float) -> dict:
+def of_observer(own: EstimateDiagnosis, interval: float, confidence: float, rate: float) -> dict:
     """What the tests on one observer's estimates say."""
-    if own.judged is None:
+    if own.test is None:
         return {"observer": own.label, "note": own.note}
-    alarms = [_raised(own, r, interval, confidence, place) for place, r in enumerate(own.raised)]
-    begin = own.judged.begin * interval
-    told = {
+    alarms = [_raised(own, r, interval, confidence, place) for place, r in enumerate(own.alarms)]
+    begin = own.test.begin * interval
+    record = {
         "false_alarms": rate,
-        "thresholds": {own.judged.test: own.judged.threshold},
-        "seeds": own.judged.runs,
-        "hours": own.judged.hours,
+        "thresholds": {own.test.test: own.test.threshold},
+        "seeds": own.test.runs,
+        "hours": own.test.hours,
         "from_time": begin,
         "note": "",
     }
@@ -222,17 +229,17 @@ def of_observer(own: Own, interval: float, confidence: float, rate: float) -> di
         "observer": own.label,
         "alarms": alarms,
         "sentence": sentence(alarms, begin),
-        "calibration": told,
+        "calibration": record,
         "resolution": _own_resolution(own),
     }
 
 
-def _raised(own: Own, r, interval: float, confidence: float, place: int) -> dict:
+def _raised(own: EstimateDiagnosis, r, interval: float, confidence: float, place: int) -> dict:
     end = len(own.theta) if r.cleared is None else r.cleared
     body = slice(min(r.at, end - 1), max(end, r.at + 1))
     size, sigma = float(np.nanmean(own.theta[body, r.channel])), float(np.nanmean(own.sigma[body, r.channel]))
     width = quantile(confidence) * sigma
-    told = {
+    record = {
         "id": f"{own.label}-{place + 1}",
         "observer": own.label,
         "t": (r.at + 1) * interval,
@@ -246,19 +253,19 @@ def _raised(own: Own, r, interval: float, confidence: float, place: int) -> dict
         "size": size,
         "size_from": size - width,
         "size_to": size + width,
-        "test": own.judged.test,
+        "test": own.test.test,
         "statistic": r.statistic,
-        "threshold": own.judged.threshold,
+        "threshold": own.test.threshold,
         "cleared": None if r.cleared is None else (r.cleared + 1) * interval,
     }
-    return told | {"text": _sentence(told)}
+    return record | {"text": _sentence(record)}
 
 
-def _own_resolution(own: Own) -> list[dict]:
+def _own_resolution(own: EstimateDiagnosis) -> list[dict]:
     """How small a constant fault the observer's estimate shows, averaged over the longest window of its test."""
     answer = []
-    longest = float(np.sqrt(own.judged.v[-1])) if own.judged.test == "glr" else _MOST_COLOURED
-    reach = longest * (own.judged.threshold**0.5 if own.judged.test == "glr" else own.judged.threshold)
+    longest = float(np.sqrt(own.test.v[-1])) if own.test.test == "glr" else _MOST_COLOURED
+    reach = longest * (own.test.threshold**0.5 if own.test.test == "glr" else own.test.threshold)
     for k, name in enumerate(own.channels):
         sigma = float(own.sigma[-1, k])
         typical = own.typical[k]

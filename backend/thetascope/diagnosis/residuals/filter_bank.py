@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from thetascope.diagnosis.residuals.innovation_filter import Filter, rowwise
+from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter, rowwise
 from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import Layout, kernel
 from thetascope.engine.estimation.hypothesis_bank import sums, suppositions
@@ -15,11 +15,11 @@ LOST = 1e120  # energy of a supposition under which the filter leaves what numbe
 
 
 @dataclass(frozen=True)
-class Courses:
-    """Suppositions (the first axis of ``told``) of each channel (the second) in the numbers COURSE of engine/estimation/hypothesis_bank.py, and the
+class HypothesisCourses:
+    """Suppositions (the first axis of ``parameters``) of each channel (the second) in the numbers COURSE of engine/estimation/hypothesis_bank.py, and the
     bounds of each channel; d from ``begin`` on counts, what comes before ``until`` is early (both of each supposition)."""
 
-    told: np.ndarray
+    parameters: np.ndarray
     least: np.ndarray
     most: np.ndarray
     begin: np.ndarray
@@ -27,10 +27,10 @@ class Courses:
 
     def lanes(self, own: np.ndarray) -> np.ndarray:
         """Numbers × suppositions, in the order of the program's parameters; of the last some more than there are, to fill the vectors."""
-        count, p, numbers = self.told.shape
+        count, p, numbers = self.parameters.shape
         lanes = np.empty((p * (numbers + 3) + 2, -(-count // WIDTH) * WIDTH))
         channels = lanes[:-2].reshape(p, numbers + 3, -1)
-        channels[:, :numbers, :count] = self.told.transpose(1, 2, 0)
+        channels[:, :numbers, :count] = self.parameters.transpose(1, 2, 0)
         channels[:, numbers], channels[:, numbers + 1], channels[:, numbers + 2] = (
             self.least[:, None],
             self.most[:, None],
@@ -42,7 +42,7 @@ class Courses:
 
 
 @dataclass(frozen=True)
-class Supposed:
+class BankResult:
     """What suppositions come to: the first axis; the second, times. J (p × p), s (p), q (m), the diagonal of what of J is early (p),
     the filter's states."""
 
@@ -53,10 +53,10 @@ class Supposed:
     states: np.ndarray
 
 
-class Supposing:
+class FilterBank:
     """The suppositions of one filter."""
 
-    def __init__(self, filter_: Filter):
+    def __init__(self, filter_: InnovationFilter):
         self.filter = filter_
         self.program = suppositions(filter_.program, filter_.p, filter_.m)
         used = variables(self.program.graph, list(self.program.update))
@@ -74,7 +74,7 @@ class Supposing:
         """Have the kernel at hand: compiling it takes up to a second."""
         kernel(self.program, self.layout)
 
-    def told(self, base: np.ndarray, table: np.ndarray, d: np.ndarray) -> np.ndarray:
+    def row_inputs(self, base: np.ndarray, table: np.ndarray, d: np.ndarray) -> np.ndarray:
         """What all suppositions are given at each row: ``base`` (rows × p) is known of θ, ``d`` is the time in decisions."""
         names, given = len(self.filter.names), {"d": d} | {f"base.{j}": base[:, j] for j in range(self.filter.p)}
         told = np.empty((len(d), len(self.layout.held)))
@@ -84,12 +84,22 @@ class Supposing:
         return told
 
     def run(
-        self, states: np.ndarray, told: np.ndarray, t: np.ndarray, courses: Courses, heed: np.ndarray, stops: np.ndarray
-    ) -> Supposed:
+        self,
+        states: np.ndarray,
+        told: np.ndarray,
+        t: np.ndarray,
+        courses: HypothesisCourses,
+        trusted_outputs: np.ndarray,
+        stops: np.ndarray,
+    ) -> BankResult:
         """Along the same rows under several suppositions: ``states`` (suppositions × states); sums and states are given after so many
         rows as ``stops`` are."""
         count = len(states)
-        run, params, segments = kernel(self.program, self.layout), self.filter.params(heed), rowwise(t, stops)
+        run, params, segments = (
+            kernel(self.program, self.layout),
+            self.filter.params(trusted_outputs),
+            rowwise(t, stops),
+        )
         own = courses.lanes(self.filter.base)
         found = np.empty((own.shape[1], len(stops), len(self.program.states)))
         for first in range(0, count, WIDTH):
@@ -112,7 +122,7 @@ class Supposing:
             found[first : first + WIDTH] = out.transpose(2, 0, 1)
         return self._parted(found[:count])
 
-    def _parted(self, found: np.ndarray) -> Supposed:
+    def _parted(self, found: np.ndarray) -> BankResult:
         p, m = self.filter.p, self.filter.m
         n = found.shape[-1] - len(sums(p, m))
         if not np.isfinite(found.sum()):
@@ -126,4 +136,4 @@ class Supposing:
             )
         J = found[:, :, self._entries].reshape(*found.shape[:2], p, p)
         s, early, q = (found[:, :, a:b] for a, b in pairwise(self._ends))
-        return Supposed(J, s, q, early, found[:, :, :n])
+        return BankResult(J, s, q, early, found[:, :, :n])

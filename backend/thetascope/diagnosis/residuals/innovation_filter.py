@@ -31,10 +31,10 @@ class Innovations:
     states: np.ndarray
 
 
-class Filter:
+class InnovationFilter:
     """The filter of one plant with one noise: values that do not change along a stretch of rows.
 
-    ``patience`` (m): rows after which an output that shows the same number stands still, ∞ where no noise is declared.
+    ``stuck_after`` (m): rows after which an output that shows the same number stands still, ∞ where no noise is declared.
     ``doubt``: share of a state's size by which its equation may be off within the plant's time constant.
     """
 
@@ -58,7 +58,7 @@ class Filter:
         self.interval = experiment.every * experiment.step
         self._measured = [self.names.index(f"measured.{o}") for o in self.outputs]
         hold = np.maximum(1.0, holds(experiment.measurement, experiment.step) / self.interval)
-        self.patience = np.where(np.array(experiment.measurement.std) > 0, REPEATS * hold, np.inf)
+        self.stuck_after = np.where(np.array(experiment.measurement.std) > 0, REPEATS * hold, np.inf)
         values = experiment.parameters | {"interval": self.interval}
         values |= {f"q.{i}": v * (doubt / DOUBT) ** 2 for i, v in enumerate(process_noise(context))}
         values |= {f"R.{k}": float(v) for k, v in enumerate(self._variance())}
@@ -72,7 +72,7 @@ class Filter:
             }
         order = self.layout.shared_params(self.program)
         self._params = np.array([values[p] for p in order] or [0.0])
-        self._heed = [order.index(f"heed.{k}") for k in range(self.m)]
+        self._trust_places = [order.index(f"heed.{k}") for k in range(self.m)]
 
     def _variance(self) -> np.ndarray:
         """Of one row's y, so that rows count as independent: noise that holds for several rows counts once."""
@@ -105,29 +105,31 @@ class Filter:
         table: np.ndarray,
         t: np.ndarray,
         profile: np.ndarray | None = None,
-        heed: np.ndarray | None = None,
+        trusted_outputs: np.ndarray | None = None,
     ) -> Innovations:
         """Along rows with inputs ``table`` at times ``t``, θ₀ = ``known`` (p, or rows × p).
 
-        ``profile`` (rows × p): the course of the θ − θ₀ that Ω answers, constant by default; ``heed`` (m): outputs that the
+        ``profile`` (rows × p): the course of the θ − θ₀ that Ω answers, constant by default; ``trusted_outputs`` (m): outputs that the
         filter follows, all by default.
         """
-        return self.along(state, self.held(known, table, profile), t, heed)
+        return self.run_held(state, self.held(known, table, profile), t, trusted_outputs)
 
-    def along(self, state: np.ndarray, held: np.ndarray, t: np.ndarray, heed: np.ndarray | None = None) -> Innovations:
+    def run_held(
+        self, state: np.ndarray, held: np.ndarray, t: np.ndarray, trusted_outputs: np.ndarray | None = None
+    ) -> Innovations:
         """Along rows with what is `held` at each."""
         rows, emitted, out = len(t), np.empty((len(t), 1, len(self.layout.emitted))), np.empty((len(t), len(state)))
         kernel(self.program, self.layout)(
-            rowwise(t), state.copy(), self.params(heed), 1, out, held=held, emitted=emitted
+            rowwise(t), state.copy(), self.params(trusted_outputs), 1, out, held=held, emitted=emitted
         )
         shown = emitted[:, 0, :].reshape(rows, self.m, self.p + 1)  # of each output its Ω, then its ν
         return Innovations(shown[:, :, : self.p], shown[:, :, self.p], out)
 
-    def params(self, heed: np.ndarray | None = None) -> np.ndarray:
+    def params(self, trusted_outputs: np.ndarray | None = None) -> np.ndarray:
         """The program's parameters, with the outputs that are heeded."""
         params = self._params.copy()
-        if heed is not None:
-            params[self._heed] = heed
+        if trusted_outputs is not None:
+            params[self._trust_places] = trusted_outputs
         return params
 
     def held(self, known: np.ndarray, table: np.ndarray, profile: np.ndarray | None = None) -> np.ndarray:
@@ -143,13 +145,13 @@ class Filter:
         """What the outputs showed (rows × m), from a table."""
         return table[:, self._measured]
 
-    def unanswered(self, state: np.ndarray) -> np.ndarray:
+    def without_sensitivity(self, state: np.ndarray) -> np.ndarray:
         """The filter's state with V = 0: as if faults began here."""
         fresh = state.copy()
         fresh[self.n : self.n * (1 + self.p)] = 0.0
         return fresh
 
-    def answers(self, state: np.ndarray) -> np.ndarray:
+    def sensitivity(self, state: np.ndarray) -> np.ndarray:
         """V (n × p) of the filter's state, or states (the last axis)."""
         return state[..., self.n : self.n * (1 + self.p)].reshape(*state.shape[:-1], self.n, self.p)
 
@@ -158,18 +160,18 @@ class Filter:
         i, j = np.triu_indices(self.n)
         return states[..., self.n * (1 + self.p) :][..., i == j]
 
-    def moved(self, state: np.ndarray, change: np.ndarray) -> np.ndarray:
+    def shifted(self, state: np.ndarray, change: np.ndarray) -> np.ndarray:
         """The filter's state (or states, the last axis) had it known of a change of θ (p), to which its V is the answer."""
         told = state.copy()
-        told[..., : self.n] += (self.answers(state) @ change[..., None])[..., 0]
+        told[..., : self.n] += (self.sensitivity(state) @ change[..., None])[..., 0]
         return told
 
-    def get_used(self, y: np.ndarray) -> None:
+    def learn_repeats(self, y: np.ndarray) -> None:
         """Take it as usual that outputs repeat numbers as often as in a record (rows, m): coarse sensors do."""
         for k, column in enumerate(y.T):
             ends = np.flatnonzero(np.diff(column) != 0)
             if len(ends) > 1:
-                self.patience[k] = max(self.patience[k], _USUAL * np.quantile(np.diff(ends), 0.99))
+                self.stuck_after[k] = max(self.stuck_after[k], _USUAL * np.quantile(np.diff(ends), 0.99))
 
 
 def rowwise(t: np.ndarray, stops: np.ndarray | None = None) -> Segments:

@@ -12,7 +12,7 @@ from thetascope.live.session.live_detector import Seen
 from thetascope_schemas.service.session import Assumptions, DiagnosisNow, Event
 
 if TYPE_CHECKING:
-    from thetascope.diagnosis.monitor.monitor import Watched
+    from thetascope.diagnosis.monitor.monitor import MonitorState
     from thetascope.live.room.room_parts import RoomParts
     from thetascope.live.session.session import Session
 
@@ -36,7 +36,7 @@ class Inspection:
             return None
         return partial(self._room.session.watch.caught_up, seen), partial(self._watched, seen)
 
-    def _watched(self, seen: Seen, after: "Watched | None", error: Exception | None) -> None:
+    def _watched(self, seen: Seen, after: "MonitorState | None", error: Exception | None) -> None:
         room = self._room
         if room.closed:
             return
@@ -85,7 +85,7 @@ def unwatched(session: "Session") -> Seen | None:
     return seen if seen is not None and seen.waiting else None
 
 
-def take_watched(session: "Session", seen: Seen, after: "Watched") -> list[Event]:
+def take_watched(session: "Session", seen: Seen, after: "MonitorState") -> list[Event]:
     """Tell a session what was found in rows that waited, unless it has gone back meanwhile; what is new in it."""
     if session.now.watched is None or not session.now.watched.follows(seen):
         return []

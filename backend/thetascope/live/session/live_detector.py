@@ -5,12 +5,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from threading import Lock
 
-from thetascope.assembly.build.diagnosis_settings import asked, calibration_key, span
+from thetascope.assembly.build.diagnosis_settings import calibration_key, detector_settings, span
 from thetascope.diagnosis.input_design.input_proposal import propose
-from thetascope.diagnosis.isolation.decision_state import Found, Standing
-from thetascope.diagnosis.monitor.detector import Asked, Detector, detector, unwatchable
-from thetascope.diagnosis.monitor.monitor import Watched
-from thetascope.diagnosis.outcome.diagnose_run import Diagnosed, follow, refitted
+from thetascope.diagnosis.isolation.decision_state import DecisionState, Finding
+from thetascope.diagnosis.monitor.detector import Detector, DetectorSettings, prepare_detector, unwatchable
+from thetascope.diagnosis.monitor.monitor import MonitorState
+from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis, advance_over_rows, with_noise_of
 from thetascope.diagnosis.outcome.findings import WINDOW, alarm, of_detector
 from thetascope.engine.errors import Unwatchable
 from thetascope.engine.simulation.experiment import Experiment as Engine
@@ -30,7 +30,7 @@ _lock = Lock()
 class Seen:
     """What was watched, and rows that wait to be: (experiment, rows, values along them)."""
 
-    watched: Watched
+    watched: MonitorState
     waiting: tuple[tuple[Engine, Rows, dict], ...] = ()
 
     @property
@@ -53,7 +53,7 @@ class Watch:
     """What watches a session: the detector, or why there is none."""
 
     made: Detector | None
-    asked: Asked
+    detector_settings: DetectorSettings
     settings: DiagnosisSettings
     horizon: float
     record: float
@@ -62,7 +62,7 @@ class Watch:
     @classmethod
     def over(cls, spec: Experiment, experiment: Engine, record: float) -> "Watch":
         """For a session on a spec (with its plant in full) that begins as ``experiment``."""
-        settings, wanted = spec.diagnosis, asked(spec)
+        settings, wanted = spec.diagnosis, detector_settings(spec)
         note = (
             "none is asked for"
             if not settings.enabled
@@ -99,22 +99,24 @@ class Watch:
         after = self.caught_up(seen)
         return Seen(after), self.events(seen, after)
 
-    def events(self, seen: "Seen", after: Watched) -> list[Event]:
+    def events(self, seen: "Seen", after: MonitorState) -> list[Event]:
         """What was found in rows that waited."""
-        return list(self._events(seen.watched.standing.found, after.standing))
+        return list(self._events(seen.watched.decisions.findings, after.decisions))
 
-    def caught_up(self, seen: "Seen") -> Watched:
+    def caught_up(self, seen: "Seen") -> MonitorState:
         """With the rows that waited."""
         watched = seen.watched
         for experiment, rows, values in seen.waiting:
-            watched = follow(refitted(self.made, experiment, self.asked.doubt), watched, experiment, rows, values)
+            watched = advance_over_rows(
+                with_noise_of(self.made, experiment, self.detector_settings.doubt), watched, experiment, rows, values
+            )
         return watched
 
-    def _events(self, before: tuple[Found, ...], now: Standing) -> Iterator[Event]:
-        for i, found in enumerate(now.found):
+    def _events(self, before: tuple[Finding, ...], now: DecisionState) -> Iterator[Event]:
+        for i, found in enumerate(now.findings):
             old = before[i] if i < len(before) else None
             if old is None:
-                yield self._event(_as_named(replace(found, cleared=None)), i, found.at, "alarm")
+                yield self._event(_as_named(replace(found, cleared=None)), i, found.raised_at, "alarm")
             elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
                 yield self._event(
                     _as_named(found), i, now.at, "alarm"
@@ -122,7 +124,7 @@ class Watch:
             if found.cleared is not None and (old is None or old.cleared is None):
                 yield self._event(found, i, found.cleared, "alarm-over")
 
-    def _event(self, found: Found, place: int, decision: int, kind: str) -> Event:
+    def _event(self, found: Finding, place: int, decision: int, kind: str) -> Event:
         told = alarm(found, self.made, self.settings.confidence, place)
         row = decision * self.made.stride
         told["estimate"] = told["size"]
@@ -138,7 +140,7 @@ class Watch:
         """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""
         if self.made is None:
             raise Unwatchable(self.note)
-        made = refitted(self.made, experiment, self.asked.doubt)
+        made = with_noise_of(self.made, experiment, self.detector_settings.doubt)
         among = tuple(dict.fromkeys(c for e in experiment.estimators for c in e.channels)) or None
         window = WINDOW * self.horizon
         found = propose(made.filter, experiment, state.plant, state.k, window, self.settings.accuracy, among)
@@ -147,14 +149,14 @@ class Watch:
     def told(self, seen: "Seen | None", left: bool) -> DiagnosisNow:
         """The diagnosis as it stands; rows that are ``left`` to somebody else are not waited for."""
         watched = (seen.watched if left else self.caught_up(seen)) if seen else None
-        found = Diagnosed(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
+        found = RunDiagnosis(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
         told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
         return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
 
 
-def _as_named(found: Found) -> Found:
+def _as_named(found: Finding) -> Finding:
     """With the size that it was named with, whatever was found out since: an event does not depend on how rows come in."""
-    size, deviation = found.first or (found.size, found.deviation)
+    size, deviation = found.initial or (found.size, found.deviation)
     return replace(found, size=size, deviation=deviation)
 
 
@@ -169,9 +171,9 @@ def bare(seen: Seen | None) -> Seen | None:
         return None
     watched = seen.watched
     rest = len(watched.t) - (watched.sums.last - watched.sums.first) * watched.stride
-    now = watched.standing
-    left = Watched(
-        replace(now, start=max(now.start, watched.sums.last), detected=None, pending=None),
+    now = watched.decisions
+    left = MonitorState(
+        replace(now, start=max(now.start, watched.sums.last), detected=None, tentative=None),
         watched.sums.recent(1),
         watched.states[-1:].copy(),
         watched.table[len(watched.t) - rest :].copy(),
@@ -181,7 +183,7 @@ def bare(seen: Seen | None) -> Seen | None:
     return Seen(left, seen.waiting)
 
 
-def _shared(spec: Experiment, experiment: Engine, wanted: Asked) -> Detector:
+def _shared(spec: Experiment, experiment: Engine, wanted: DetectorSettings) -> Detector:
     key = calibration_key(spec)
     with _lock:
         found = _made.get(key)
@@ -189,7 +191,7 @@ def _shared(spec: Experiment, experiment: Engine, wanted: Asked) -> Detector:
             _made.move_to_end(key)
             return found
     whole = replace(experiment, steps=round(span(spec) / spec.step))
-    found = detector(whole, whole.context, wanted, key)
+    found = prepare_detector(whole, whole.context, wanted, key)
     found.prepare()
     with _lock:
         _made[key] = found
