@@ -23,9 +23,12 @@ test: ## Check everything, in a browser too
 	@browser=$$($(BIN)/python tools/browser.py) || exit 1; \
 	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(ARGS)
 
-lint: ## Check style
+lint: ## Check style and types
 	$(HERE)@$(PYTHON) tools/environment.py dev
 	@$(BIN)/ruff check --output-format concise .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/node node_modules/prettier/bin/prettier.cjs --check --log-level warn .
+	@$(BIN)/node node_modules/pyright/index.js --project pyproject.toml
 
 bench: ## Measure speed
 	$(HERE)@$(PYTHON) tools/environment.py bench
@@ -42,7 +45,7 @@ pins: ## Choose versions anew from pyproject.toml (needs uv)
 PIN := --universal --python-version 3.11 --fork-strategy fewest --generate-hashes --upgrade --custom-compile-command "make pins"
 
 clean: ## Remove the environment and what tools left behind
-	rm -rf .venv build dist *.egg-info backend/*.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
+	rm -rf .venv node_modules build dist *.egg-info backend/*.egg-info .pytest_cache .ruff_cache .hypothesis .import_linter_cache
 	find . -name __pycache__ -not -path './.git/*' -prune -exec rm -rf {} +
 
 help:

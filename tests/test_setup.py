@@ -1,5 +1,6 @@
 """Set-up: what is installed is pinned, and what decides about it works."""
 
+import json
 import os
 import re
 import subprocess
@@ -9,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from tools import browser, environment
+from tools import browser, environment, page_tools
 
 ROOT = Path(__file__).parents[1]
 PIN = re.compile(r"^([a-z0-9-]+)==([^ ;]+)( ; .+)? \\$")
@@ -55,13 +56,20 @@ def test_what_the_project_asks_for_is_pinned():
         assert names <= set(pins(environment.LEVELS[level])), level
 
 
+def checkout(folder: Path, monkeypatch) -> tuple[Path, Path]:
+    """Let the set-up work in `folder`, with the files that decide about it; return its Python and its note."""
+    for name in ("pyproject.toml", *environment.LEVELS.values(), *environment.PAGE_TOOLS):
+        (folder / name).write_text((ROOT / name).read_text())
+    python, note = folder / "python", folder / "installed"
+    page_note = folder / "node_modules" / ".package-lock.json"
+    for name, value in {"ROOT": folder, "PYTHON": python, "NOTE": note, "PAGE_NOTE": page_note}.items():
+        monkeypatch.setattr(environment, name, value)
+    return python, note
+
+
 def test_an_environment_counts_as_made_only_for_the_requirements_it_was_made_for(tmp_path, monkeypatch):
     """A second set-up has nothing to do; a changed pin, another folder or a lost Python sets up again."""
-    for name in ("pyproject.toml", *environment.LEVELS.values()):
-        (tmp_path / name).write_text((ROOT / name).read_text())
-    python, note = tmp_path / "python", tmp_path / "installed"
-    for name, value in {"ROOT": tmp_path, "PYTHON": python, "NOTE": note}.items():
-        monkeypatch.setattr(environment, name, value)
+    python, note = checkout(tmp_path, monkeypatch)
     assert not environment.installed("run")
     python.symlink_to(sys.executable)
     note.write_text(environment.digest("run"))
@@ -73,6 +81,59 @@ def test_an_environment_counts_as_made_only_for_the_requirements_it_was_made_for
     python.unlink()
     python.symlink_to(tmp_path / "gone")
     assert not environment.installed("run")
+
+
+def test_developers_get_the_tools_from_npm_as_locked(tmp_path, monkeypatch):
+    """The level dev runs `npm ci`, and again after a changed lock or a lost node_modules; the level run never does."""
+    python, _ = checkout(tmp_path, monkeypatch)
+    python.symlink_to(sys.executable)
+    commands: list[tuple[str, ...]] = []
+
+    def call(*command: str) -> None:
+        commands.append(command)
+        if "ci" in command:
+            (tmp_path / "node_modules").mkdir(exist_ok=True)
+            environment.PAGE_NOTE.write_text("{}")
+
+    monkeypatch.setattr(environment, "call", call)
+    monkeypatch.setattr(environment, "create", lambda: ["pip"])
+    environment.install("run")
+    assert environment.installed("run")
+    assert not [c for c in commands if "ci" in c]
+
+    environment.install("dev")
+    assert commands[-1][:2] == (str(environment.NPM), "ci")
+    assert "--ignore-scripts" in commands[-1]
+    assert environment.installed("dev")
+    environment.PAGE_NOTE.unlink()
+    assert not environment.installed("dev")
+    assert environment.installed("run")
+
+    environment.install("dev")
+    lock = tmp_path / "package-lock.json"
+    lock.write_text(lock.read_text().replace("sha512-", "sha512-0", 1))
+    assert not environment.installed("dev")
+    assert environment.installed("run")
+
+
+def test_tools_from_npm_are_versions_with_hashes():
+    """package.json names exact versions, which the lock holds with hashes and without the address of a registry."""
+    package, lock = (json.loads((ROOT / name).read_text()) for name in ("package.json", "package-lock.json"))
+    locked = {name.removeprefix("node_modules/"): entry for name, entry in lock["packages"].items() if name}
+    assert package["devDependencies"].keys() >= page_tools.PROGRAMS.keys() - {"tsc"}
+    for name, version in package["devDependencies"].items():
+        assert locked[name]["version"] == version
+    for name, entry in locked.items():
+        assert entry["integrity"].startswith("sha512-"), name
+        assert "resolved" not in entry, name
+
+
+@pytest.mark.parametrize("tool", page_tools.PROGRAMS)
+def test_every_tool_from_npm_starts(tool: str):
+    """Each tool runs with the environment's node and prints the version that package.json names."""
+    answer = subprocess.run(page_tools.command(tool, "--version"), capture_output=True, text=True, check=True)
+    package = "typescript" if tool == "tsc" else tool
+    assert json.loads((ROOT / "package.json").read_text())["devDependencies"][package] in answer.stdout
 
 
 def test_a_python_that_cannot_make_environments_is_told_what_to_install(tmp_path, monkeypatch, capsys):

