@@ -91,16 +91,14 @@ function row(one, plant, short) {
 function found(told, plant, columns) {
   const t = columns.t ?? columns.time;
   const begin = t?.[0] ?? 0; // the diagnosis counts from the first row on
-  const alarms = told.alarms
-    .map(alarmFrom)
-    .map((one) => ({
-      ...one,
-      t: one.t + begin,
-      onset: one.onset + begin,
-      from: one.from + begin,
-      to: one.to + begin,
-      over: one.over === null ? null : one.over + begin,
-    }));
+  const alarms = told.alarms.map(alarmFrom).map((one) => ({
+    ...one,
+    t: one.t + begin,
+    onset: one.onset + begin,
+    from: one.from + begin,
+    to: one.to + begin,
+    over: one.over === null ? null : one.over + begin,
+  }));
   const short = badges(plant.channels);
   const heads = [text.fault, text.size, text.since, text.between, text.noticed, text.overAt];
   const table =
