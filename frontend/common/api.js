@@ -1,22 +1,41 @@
 // The REST interface. Every refusal becomes a Problem; a server that does not answer is waited for.
 
-/** A refusal as the server words it (RFC 9457). */
+/** @import * as service from '../types/service.js' */
+
+/**
+ * @typedef {object} Request
+ * @property {unknown} [body]   sent as JSON
+ * @property {AbortSignal} [signal]
+ * @property {{[name: string]: string}} [headers]
+ */
+
+/** A refusal by the server (RFC 9457). */
 export class Problem extends Error {
+  /** @param {Partial<service.Problem>} problem */
   constructor({title = '', detail = '', status = 0, errors = []}) {
     super(detail || title);
-    Object.assign(this, {title, detail, status, errors});
+    this.title = title;
+    this.detail = detail;
+    this.status = status;
+    this.errors = errors;
   }
 }
 
 /** Whether the server answers; a `change` event tells when that changes. */
 export const connection = Object.assign(new EventTarget(), {lost: false});
 
+/** @param {boolean} lost */
 function mark(lost) {
   if (connection.lost === lost) return;
   connection.lost = lost;
   connection.dispatchEvent(new Event('change'));
 }
 
+/**
+ * @param {number} seconds
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<void>}
+ */
 const pause = (seconds, signal) =>
   new Promise((done, stop) => {
     const timer = setTimeout(done, seconds * 1000);
@@ -30,7 +49,15 @@ const pause = (seconds, signal) =>
     );
   });
 
-/** The answer to a request, as JSON. Waits for a lost server: every request of this page may be repeated. */
+/**
+ * The answer to a request, as JSON. Waits for a lost server: every request of this page may be repeated.
+ * @template T   type of the answer
+ * @param {string} method
+ * @param {string} url
+ * @param {Request} [options]
+ * @returns {Promise<T>}
+ * @throws {Problem} where the server refuses it
+ */
 export async function request(method, url, {body, signal, headers = {}} = {}) {
   for (let wait = 0.5; ; wait = Math.min(wait * 1.5, 4)) {
     try {
@@ -50,6 +77,7 @@ export async function request(method, url, {body, signal, headers = {}} = {}) {
   }
 }
 
+/** @param {Response} answer */
 async function read(answer) {
   const kind = answer.headers.get('content-type') ?? '';
   if (answer.ok) return kind.includes('json') ? answer.json() : null;
@@ -58,13 +86,35 @@ async function read(answer) {
   throw new Problem(await answer.json());
 }
 
+/**
+ * @template T
+ * @param {string} url
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<T>}
+ */
 export const get = (url, signal) => request('GET', url, {signal});
+
+/**
+ * @template T
+ * @param {string} url
+ * @param {unknown} [body]
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<T>}
+ */
 export const post = (url, body, signal) => request('POST', url, {body, signal});
 
+/** @type {Set<service.Run['status']>} */
 const ACTIVE = new Set(['queued', 'running']);
 
-/** Start a run and follow it: `progress` is told each state of it; the answer is the run at its end. */
+/**
+ * Start a run and follow it: `progress` gets each of its states. Returns the finished run.
+ * @param {service.RunRequest | service.ExperimentInput} body
+ * @param {(state: service.Run | service.Progress) => void} progress
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<service.Run>}
+ */
 export async function run(body, progress, signal) {
+  /** @type {service.Run | service.Progress} */
   let state = await post('/api/runs', body, signal);
   while (ACTIVE.has(state.status)) {
     progress(state);

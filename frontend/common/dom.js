@@ -2,29 +2,65 @@
 
 import {split, word} from './names.js';
 
-/** An element: h('button', {class: 'run', onclick: f}, 'Run'). Properties that are null or false are left out. */
+/** @import {Child, ElementOf, Properties} from '../types/dom.js' */
+
+const SVG = new Set(['svg', 'path', 'line', 'rect', 'circle', 'g', 'text', 'title']);
+
+/**
+ * Make an element: h('button', {class: 'run', onclick: f}, 'Run'). Properties that are null or false are left out.
+ * @template {string} K
+ * @param {K} tag
+ * @param {Properties} [properties]
+ * @param {...Child} children
+ * @returns {ElementOf<K>}
+ */
 export function h(tag, properties = {}, ...children) {
-  const element =
-    tag === 'svg' || SVG.has(tag)
-      ? document.createElementNS('http://www.w3.org/2000/svg', tag)
-      : document.createElement(tag);
+  const element = SVG.has(tag)
+    ? document.createElementNS('http://www.w3.org/2000/svg', tag)
+    : document.createElement(tag);
+  assign(element, properties);
+  element.append(...shown(children));
+  return /** @type {ElementOf<K>} */ (element);
+}
+
+/**
+ * Set attributes, and add event handlers.
+ * @param {Element} element
+ * @param {Properties} properties
+ */
+export function assign(element, properties) {
   for (const [name, value] of Object.entries(properties)) {
     if (value === null || value === undefined || value === false) continue;
-    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
-    else element.setAttribute(name, value === true ? '' : value);
+    if (typeof value === 'function') element.addEventListener(name.slice(2), /** @type {EventListener} */ (value));
+    else element.setAttribute(name, value === true ? '' : String(value));
   }
-  element.append(
-    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
-  );
-  return element;
 }
-const SVG = new Set(['path', 'line', 'rect', 'circle', 'g', 'text', 'title']);
 
-/** An italic letter with the hat of an estimate, which sits lower on a letter without ascender. */
+/**
+ * The children that are shown, as `append` takes them.
+ * @param {readonly Child[]} children
+ * @returns {(Node | string)[]}
+ */
+export function shown(children) {
+  return children.flatMap((child) => {
+    if (child instanceof Node) return [child];
+    if (typeof child === 'string' || typeof child === 'number') return [String(child)];
+    return Array.isArray(child) ? shown(child) : [];
+  });
+}
+
+/**
+ * An italic letter with the hat of an estimate, which sits lower on a letter without ascender.
+ * @param {string} letter
+ */
 export const hatted = (letter) =>
   h('i', {class: `hat${/^[acegm-su-zαγεηικμνοπρστυφχψω]/.test(letter) ? ' low' : ''}`}, letter);
 
-/** A name as mathematics: theta1 becomes an italic θ with the index 1; `hat` puts the hat of an estimate on it. */
+/**
+ * A name as mathematics: theta1 becomes an italic θ with the index 1; `hat` puts the hat of an estimate on it.
+ * @param {string} name
+ * @param {boolean} [hat]
+ */
 export function symbol(name, hat = false) {
   const [base, index] = split(name);
   const letter = word(base);
@@ -36,7 +72,11 @@ export function symbol(name, hat = false) {
   );
 }
 
-/** A number to four significant digits, powers of ten as such. */
+/**
+ * A number to four significant digits, a power of ten where it is long; '–' where it is missing.
+ * @param {number | null | undefined} value
+ * @param {number} [digits]
+ */
 export function number(value, digits = 4) {
   if (value === null || value === undefined || !Number.isFinite(value)) return '–';
   if (value === 0) return '0';
@@ -47,10 +87,26 @@ export function number(value, digits = 4) {
   return `${Number(mantissa)}·10${raised}`.replace('-', '−');
 }
 
-/** Replace an element's children. */
+/**
+ * The first element that a selector matches, which must be there.
+ * @param {string} selector
+ * @param {ParentNode} [within]
+ * @returns {HTMLElement}
+ */
+export function query(selector, within = document) {
+  const found = within.querySelector(selector);
+  if (!(found instanceof HTMLElement)) throw new Error(`the page has no ${selector}`);
+  return found;
+}
+
+/**
+ * Replace an element's children.
+ * @template {Element} E
+ * @param {E} element
+ * @param {...Child} children
+ * @returns {E}
+ */
 export function fill(element, ...children) {
-  element.replaceChildren(
-    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
-  );
+  element.replaceChildren(...shown(children));
   return element;
 }

@@ -1,17 +1,23 @@
 // Names as symbols or words, and the short badges of fault channels.
 
+/** @import {Plant, Words} from '../live/types.js' */
+
 const PAIRS =
   'alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ ' +
   'sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π Sigma Σ Phi Φ Psi Ψ Omega Ω';
 
-/** Greek letters by name. */
+/** @type {{[name: string]: string}} Greek letters by name. */
 export const GREEK = Object.fromEntries(
   PAIRS.split(' ')
     .map((word, place, all) => [word, all[place + 1]])
     .filter((_, place) => place % 2 === 0),
 );
 
-/** Letter (or word) and index of a name: theta1 → ['θ', '1'], gain_loss → ['gain loss', '']. */
+/**
+ * Letter (or word) and index of a name: theta1 → ['θ', '1'], gain_loss → ['gain loss', ''].
+ * @param {string} name
+ * @returns {[string, string]}
+ */
 export function split(name) {
   const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
   const [base, index] =
@@ -19,41 +25,60 @@ export function split(name) {
   return [Object.hasOwn(GREEK, base) ? GREEK[base] : base.replaceAll('_', ' '), index];
 }
 
-/** A name as plain text: theta3 → θ₃. */
+/**
+ * A name as plain text: theta3 → θ₃.
+ * @param {string} name
+ */
 export function plain(name) {
   const [base, index] = split(name);
   if (/^[A-Za-z]{2}/.test(index)) return `${base}_${index}`;
-  return base + [...index].map((digit) => '₀₁₂₃₄₅₆₇₈₉'[digit] ?? digit).join('');
+  return base + [...index].map((digit) => '₀₁₂₃₄₅₆₇₈₉'[Number(digit)] ?? digit).join('');
 }
 
-/** Whether a name is a symbol: a letter, perhaps with a short index; y_speed is a word. */
+/**
+ * Whether a name is a symbol: a letter, perhaps with a short index; y_speed is a word.
+ * @param {string} name
+ */
 export const symbolic = (name) => split(name)[0].length === 1 && !/^[A-Za-z]{2}/.test(split(name)[1]);
 
 /** Names that are words, in Chinese: where a symbol would stand there is room for two to five characters. */
-const WORDS = {
-  current: '电流',
-  speed: '转速',
-  voltage: '电压',
-  torque: '转矩',
-  acceleration: '加速度',
-  biomass: '生物量',
-  enzyme: '酶',
-  friction: '摩擦',
-  load: '负载',
-  'gain loss': '增益损失',
-  'load torque': '负载转矩',
-  'friction increase': '摩擦增大',
-  'current bias': '电流偏差',
-  'speed bias': '转速偏差',
-};
+const WORDS = new Map(
+  Object.entries({
+    current: '电流',
+    speed: '转速',
+    voltage: '电压',
+    torque: '转矩',
+    acceleration: '加速度',
+    biomass: '生物量',
+    enzyme: '酶',
+    friction: '摩擦',
+    load: '负载',
+    'gain loss': '增益损失',
+    'load torque': '负载转矩',
+    'friction increase': '摩擦增大',
+    'current bias': '电流偏差',
+    'speed bias': '转速偏差',
+  }),
+);
 
-/** A word of a name, in the page's language. */
-export const word = (text) => (document.documentElement.lang.startsWith('zh') ? (WORDS[text] ?? text) : text);
+/**
+ * A word of a name, in the page's language.
+ * @param {string} text
+ */
+export const word = (text) => (document.documentElement.lang.startsWith('zh') ? (WORDS.get(text) ?? text) : text);
 
-/** What plants call something beyond its name: a channel's title, else the beginning of the description. */
+/**
+ * What plants call something beyond its name: a channel's title, else the beginning of the description.
+ * @param {{title?: string, description?: string}} item
+ */
 export const titleOf = (item) => item.title || (item.description ?? '').split(/[,;(]/)[0].trim();
 
-/** What the page calls a channel, an output, an input, a signal or a state wherever it names it: its symbol, or where that is a word what the plant says it is. */
+/**
+ * What the page calls a channel, an output, an input, a signal or a state wherever it names it: its symbol, or where that is a word what the plant says it is.
+ * @param {string} name
+ * @param {Plant | null} plant
+ * @param {Words} text
+ */
 export function called(name, plant, text) {
   if (symbolic(name) || !plant) return plain(name);
   const item = [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...plant.states].find(
@@ -62,7 +87,12 @@ export function called(name, plant, text) {
   return (item && text.named(titleOf(item))) || plain(name);
 }
 
-/** A sentence of the server, in the page's language already, with what the page calls them for the plant's names: theta1 and leak1 → θ₁ and leak in tank 1. */
+/**
+ * A sentence of the server, in the page's language already, with what the page calls them for the plant's names: theta1 and leak1 → θ₁ and leak in tank 1.
+ * @param {string} words
+ * @param {Plant | null} plant
+ * @param {Words} text
+ */
 export function spoken(words, plant, text) {
   const names = plant
     ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name)
@@ -72,7 +102,10 @@ export function spoken(words, plant, text) {
   );
 }
 
-/** With a capital letter at its beginning; a symbol stays as it is. */
+/**
+ * With a capital letter at its beginning; a symbol stays as it is.
+ * @param {string} words
+ */
 export const capital = (words) => words.replace(/^[a-z](?=[a-z ])/, (first) => first.toUpperCase());
 
 /**
@@ -82,23 +115,39 @@ export const capital = (words) => words.replace(/^[a-z](?=[a-z ])/, (first) => f
  * @returns {Map<string, [string, string]>} name → [letters, index]
  */
 export function badges(channels) {
+  /** @type {Map<string, [string, string]>} */
   const found = new Map();
-  const words = new Map(); // the part before the number → its letters
+  /** @type {Map<string, string>} the part before the number → its letters */
+  const words = new Map();
   for (const {name} of channels) {
     const [base, index] = split(name);
     if (base.length === 1) found.set(name, [base, index]);
-    else words.set(/^(.*?)_?(\d*)$/.exec(name)[1], '');
+    else words.set(numbered(name)[0], '');
   }
   for (const word of words.keys()) words.set(word, shortened(word, [...words.keys()]));
   for (const {name} of channels) {
     if (found.has(name)) continue;
-    const [, word, index] = /^(.*?)_?(\d*)$/.exec(name);
-    found.set(name, [words.get(word), index]);
+    const [word, index] = numbered(name);
+    found.set(name, [words.get(word) ?? word, index]);
   }
   return found;
 }
 
-/** Initials of several words; of one word its first letter, and where others begin alike a consonant that they lack. */
+/**
+ * The part of a name before its number, and the number: level1 → ['level', '1'].
+ * @param {string} name
+ * @returns {[string, string]}
+ */
+function numbered(name) {
+  const number = /\d*$/.exec(name)?.[0] ?? '';
+  return [name.slice(0, name.length - number.length).replace(/_$/, ''), number];
+}
+
+/**
+ * Initials of several words; of one word its first letter, and where others begin alike a consonant that they lack.
+ * @param {string} word
+ * @param {string[]} all
+ */
 function shortened(word, all) {
   if (word.includes('_'))
     return word

@@ -13,12 +13,12 @@
     const theme = kept() ?? (system.matches ? 'dark' : 'light');
     if (document.documentElement.dataset.theme === theme) return;
     document.documentElement.dataset.theme = theme;
-    document.querySelector('meta[name=theme-color]').content = theme === 'dark' ? '#0e1216' : '#f6f5f1';
+    document.querySelector('meta[name=theme-color]')?.setAttribute('content', theme === 'dark' ? '#0e1216' : '#f6f5f1');
     dispatchEvent(new CustomEvent('theme', {detail: theme}));
   };
   window.theme = {
     get now() {
-      return document.documentElement.dataset.theme;
+      return document.documentElement.dataset.theme === 'dark' ? 'dark' : 'light';
     },
     toggle() {
       const next = this.now === 'dark' ? 'light' : 'dark';

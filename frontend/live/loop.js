@@ -3,7 +3,11 @@
 const TICK = 200; // ms between the numbers beside the curves
 const CATCH_UP = 5; // per s: how firmly the edge is drawn to the newest sample
 
-/** What a listener answers; one that fails must not stop the others. */
+/**
+ * What a listener answers; one that fails must not stop the others.
+ * @param {(now: number) => unknown} fn
+ * @param {number} now
+ */
 function guarded(fn, now) {
   try {
     return fn(now);
@@ -15,23 +19,28 @@ function guarded(fn, now) {
 
 /** Runs its listeners in the next frame after `wake()`, and goes on while one of them returns true. */
 export function createLoop() {
+  /** @type {Set<(now: number) => unknown>} */
   const frames = new Set();
+  /** @type {Set<(now: number) => unknown>} */
   const ticks = new Set();
   let asked = 0;
   let ticked = -Infinity;
+  /** @type {ReturnType<typeof setTimeout> | 0} */
   let late = 0;
 
+  /** @param {number} now */
   function run(now) {
     asked = 0;
     let more = false;
-    for (const fn of frames) more = guarded(fn, now) || more;
+    for (const fn of frames) more = Boolean(guarded(fn, now)) || more;
     if (now - ticked >= TICK) tick(now);
     else if (!late) late = setTimeout(() => tick(performance.now()), TICK - (now - ticked)); // the last numbers are shown, too
     if (more) wake();
   }
 
+  /** @param {number} now */
   function tick(now) {
-    clearTimeout(late);
+    if (late) clearTimeout(late);
     late = 0;
     ticked = now;
     for (const fn of ticks) guarded(fn, now);
@@ -43,7 +52,9 @@ export function createLoop() {
 
   return {
     wake,
+    /** @param {(now: number) => unknown} fn */
     onFrame: (fn) => (frames.add(fn), wake(), () => frames.delete(fn)),
+    /** @param {(now: number) => unknown} fn */
     onTick: (fn) => (ticks.add(fn), wake(), () => ticks.delete(fn)),
   };
 }
@@ -58,7 +69,13 @@ export class Edge {
     this.at = 0;
   }
 
-  /** Bring the edge to time `now` (ms); whether it is still on its way. */
+  /**
+   * Bring the edge to time `now` (ms); whether it is still on its way.
+   * @param {number} now
+   * @param {number} newest
+   * @param {number} speed
+   * @param {boolean} playing
+   */
   move(now, newest, speed, playing) {
     const passed = Math.min(0.1, (now - this.at) / 1000);
     this.at = now;

@@ -35,6 +35,8 @@ export interface AddObserverNow {
 
 /** One fault that an observer's tests found. */
 export interface Alarm {
+  /** Id within the run or session: it stays while the alarm is revised. Empty in old results. */
+  id: string;
   /** Label of the observer; empty: the detector, which watches the plant itself. */
   observer: string;
   /** Time in s at which the alarm was raised. */

@@ -4,7 +4,11 @@ const RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 
 const LONGEST = 9; // characters
 
-/** A value with so many decimals and a true minus, as a power of ten where that is too long; '–' for none. */
+/**
+ * A value with so many decimals and a true minus, as a power of ten where that is too long; '–' for none.
+ * @param {number} value
+ * @param {number} places
+ */
 export function fixed(value, places) {
   if (!Number.isFinite(value)) return '–';
   const text = value.toFixed(places);
@@ -12,17 +16,25 @@ export function fixed(value, places) {
   return (Number(text) === 0 ? text.replace('-', '') : text).replace('-', '−');
 }
 
-/** 3.2·10⁻⁷ */
+/**
+ * 3.2·10⁻⁷
+ * @param {number} value
+ */
 export function power(value) {
   if (value === 0) return '0';
   const [mantissa, exponent] = value.toExponential(1).split('e');
   return `${mantissa}·10${raised(Number(exponent))}`.replace('-', '−');
 }
 
+/** @param {number} exponent */
 export const raised = (exponent) =>
-  (exponent < 0 ? '⁻' : '') + [...String(Math.abs(exponent))].map((digit) => RAISED[digit]).join('');
+  (exponent < 0 ? '⁻' : '') + [...String(Math.abs(exponent))].map((digit) => RAISED[Number(digit)]).join('');
 
-/** A time for a clock or an axis whose marks are `step` apart: 78.4, 1:02:05 never; plain seconds are what the papers use. */
+/**
+ * A time for a clock or an axis whose marks are `step` apart: 78.4, 1:02:05 never; plain seconds are what the papers use.
+ * @param {number} t
+ * @param {number} [step]
+ */
 export function seconds(t, step = 0.1) {
   const places = Math.max(0, Math.min(4, Math.ceil(-Math.log10(step) - 1e-9)));
   return t.toFixed(places);
@@ -31,5 +43,8 @@ export function seconds(t, step = 0.1) {
 /** Speeds to choose from, by menu and by key; null: as fast as possible. */
 export const SPEEDS = [0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, null];
 
-/** 0.1×, 10×; ∞ for as fast as possible. */
+/**
+ * 0.1×, 10×; ∞ for as fast as possible.
+ * @param {number | null} speed
+ */
 export const times = (speed) => (speed === null ? '∞' : `${Number(speed.toPrecision(3))}×`);

@@ -5,13 +5,28 @@ const ZERO = 20; // positions at the left end that stand for 0 on a logarithmic 
 
 /** @typedef {{min: number, max: number, kind: 'linear'|'log', zero: boolean}} Scale */
 
-/** @returns {Scale} */
+/**
+ *
+ * @param {number} min
+ * @param {number} max
+ * @returns {Scale}
+ */
 export const linear = (min, max) => ({min, max, kind: 'linear', zero: false});
 
-/** @returns {Scale} */
+/**
+ *
+ * @param {number} min
+ * @param {number} max
+ * @param {boolean} [zero]
+ * @returns {Scale}
+ */
 export const logarithmic = (min, max, zero = false) => ({min, max, kind: 'log', zero});
 
-/** The position of a value; beyond the ends: the end. */
+/**
+ * The position of a value; beyond the ends: the end.
+ * @param {Scale} scale
+ * @param {number} value
+ */
 export function position(scale, value) {
   if (scale.kind === 'linear') return clamp(((value - scale.min) / (scale.max - scale.min)) * ENDS);
   if (!(value > 0)) return 0;
@@ -19,7 +34,11 @@ export function position(scale, value) {
   return scale.zero ? clamp(ZERO + share * (ENDS - ZERO)) : clamp(share * ENDS);
 }
 
-/** The value at a position, rounded to what a slider can tell apart. */
+/**
+ * The value at a position, rounded to what a slider can tell apart.
+ * @param {Scale} scale
+ * @param {number} place
+ */
 export function value(scale, place) {
   if (scale.kind === 'linear') {
     const size = Math.max(Math.abs(scale.min), Math.abs(scale.max));
@@ -33,7 +52,11 @@ export function value(scale, place) {
   return Number((scale.min * (scale.max / scale.min) ** share).toPrecision(3));
 }
 
-/** The scale of a gain around the value it begins with, within its bounds. */
+/**
+ * The scale of a gain around the value it begins with, within its bounds.
+ * @param {{low: number, high: number}} bounds
+ * @param {number} begin
+ */
 export function gainScale({low, high}, begin) {
   const size = Math.abs(begin) || 1;
   if (high - low <= 10) return linear(low, high);
@@ -42,7 +65,10 @@ export function gainScale({low, high}, begin) {
   return logarithmic(Math.max(low, size / 30), Math.min(high, size * 30), zero);
 }
 
-/** 1, 2 or 5 times a power of ten, the nearest. */
+/**
+ * 1, 2 or 5 times a power of ten, the nearest.
+ * @param {number} number
+ */
 export function nice(number) {
   if (!Number.isFinite(number) || number === 0) return 0;
   const power = 10 ** Math.floor(Math.log10(Math.abs(number)));
@@ -50,4 +76,5 @@ export function nice(number) {
   return Number((Math.sign(number) * (lead < 1.5 ? 1 : lead < 3.5 ? 2 : lead < 7.5 ? 5 : 10) * power).toPrecision(1));
 }
 
+/** @param {number} place */
 const clamp = (place) => Math.round(Math.min(ENDS, Math.max(0, place)));

@@ -1,20 +1,24 @@
 // SVG elements, icons, and symbols set as SVG text.
 
+import {assign, shown} from '../common/dom.js';
 import {GREEK, split, word} from '../common/names.js';
+
+/** @import {Child, Properties} from '../types/dom.js' */
 
 const SPACE = 'http://www.w3.org/2000/svg';
 
-/** An SVG element: s('path', {d: …}, children). Properties that are null or false are left out. */
+/**
+ * Make an SVG element: s('path', {d: …}, children). Properties that are null or false are left out.
+ * @template {keyof SVGElementTagNameMap} K
+ * @param {K} tag
+ * @param {Properties} [properties]
+ * @param {...Child} children
+ * @returns {SVGElementTagNameMap[K]}
+ */
 export function s(tag, properties = {}, ...children) {
   const element = document.createElementNS(SPACE, tag);
-  for (const [name, value] of Object.entries(properties)) {
-    if (value === null || value === undefined || value === false) continue;
-    if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
-    else element.setAttribute(name, value === true ? '' : value);
-  }
-  element.append(
-    ...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false),
-  );
+  assign(element, properties);
+  element.append(...shown(children));
   return element;
 }
 
@@ -32,7 +36,11 @@ const ICONS = {
   theme: 'M8 2.500a5.500 5.500 0 0 1 0 11z',
 };
 
-/** One of the page's icons, 16 × 16, drawn with the colour of the text around it. */
+/**
+ * One of the page's icons, 16 × 16, in the colour of the text around it.
+ * @param {keyof typeof ICONS} name
+ * @param {number} [size]
+ */
 export function icon(name, size = 15) {
   return s(
     'svg',
@@ -52,13 +60,19 @@ export function icon(name, size = 15) {
   );
 }
 
-/** A name as mathematics within SVG text: tspans, the index lower and smaller. */
+/**
+ * A name as mathematics within SVG text: tspans, the index lower and smaller.
+ * @param {string} name
+ * @param {number} [size]
+ */
 export function letters(name, size = 13) {
   const [base, index] = split(name);
   const worded = base.length > 1 && !Object.values(GREEK).includes(base);
+  const letter = s('tspan', {class: worded ? 'word' : 'letter'}, word(base));
+  if (!index) return [letter];
   return [
-    s('tspan', {class: worded ? 'word' : 'letter'}, word(base)),
-    index && s('tspan', {dy: size * 0.22, 'font-size': size * 0.7, class: 'index'}, word(index)),
-    index && s('tspan', {dy: -size * 0.22, 'font-size': size}, '\u200b'),
-  ].filter(Boolean);
+    letter,
+    s('tspan', {dy: size * 0.22, 'font-size': size * 0.7, class: 'index'}, word(index)),
+    s('tspan', {dy: -size * 0.22, 'font-size': size}, '\u200b'),
+  ];
 }

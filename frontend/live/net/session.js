@@ -2,13 +2,24 @@
 
 import {get, post, Problem, request} from '../../common/api.js';
 
+/** @import {Experiment, KeptSession, Run} from '../types.js' */
+/** @import * as service from '../../types/service.js' */
+
 const KEPT = 'thetascope.sessions';
 const MOST = 8; // sessions that are remembered
 
-/** Begin a session. `play`: time runs at once; `t`: begin at that time. */
+/**
+ * Begin a session. `play`: time runs at once; `t`: begin at that time.
+ * @param {service.SessionRequest} body
+ * @returns {Promise<service.SessionOpened>}
+ */
 export const create = (body) => post('/api/sessions', body);
 
-/** How a session stands, or null where there is none (any more). */
+/**
+ * How a session stands, or null where there is none (any more).
+ * @param {string} id
+ * @returns {Promise<service.SessionState | null>}
+ */
 export async function look(id) {
   try {
     return await get(`/api/sessions/${encodeURIComponent(id)}`);
@@ -18,48 +29,89 @@ export async function look(id) {
   }
 }
 
-const controlled = (method, id, what, token, body) =>
-  request(method, `/api/sessions/${encodeURIComponent(id)}${what}`, {
+/**
+ * @template T
+ * @param {string} method
+ * @param {string} id
+ * @param {string} path
+ * @param {string | null} token
+ * @param {unknown} [body]
+ * @returns {Promise<T>}
+ */
+const controlled = (method, id, path, token, body) =>
+  request(method, `/api/sessions/${encodeURIComponent(id)}${path}`, {
     body,
     headers: token ? {'X-Control-Token': token} : {},
   });
 
+/**
+ * @param {string} id
+ * @param {string | null} token
+ * @param {number | undefined} t
+ * @returns {Promise<service.SessionOpened>}
+ */
 export const fork = (id, token, t) => controlled('POST', id, '/fork', token, t === undefined ? {} : {t});
+/**
+ * @param {string} id
+ * @param {string | null} token
+ * @returns {Promise<service.Run>}
+ */
 export const save = (id, token) => controlled('POST', id, '/save', token, {});
+/**
+ * @param {string} id
+ * @param {string | null} token
+ * @returns {Promise<null>}
+ */
 export const end = (id, token) => controlled('DELETE', id, '', token);
 
-const asked = new Map();
+/** @type {Map<string, Promise<Experiment>>} */
+const requested = new Map();
 
-/** An experiment of the library with its plant in full. */
+/**
+ * An experiment of the library with its plant in full.
+ * @param {string} id
+ * @returns {Promise<Experiment>}
+ */
 export function library(id) {
-  if (!asked.has(id)) {
+  const known = requested.get(id);
+  if (!known) {
     const whole = (async () => {
+      /** @type {service.Experiment} */
       const spec = await get(`/api/experiments/${encodeURIComponent(id)}`);
-      return {
-        ...spec,
-        plant: typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant,
-      };
+      /** @type {service.Plant} */
+      const plant =
+        typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant;
+      return {...spec, plant};
     })();
-    whole.catch(() => asked.delete(id));
-    asked.set(id, whole);
+    whole.catch(() => requested.delete(id));
+    requested.set(id, whole);
+    return whole;
   }
-  return asked.get(id);
+  return known;
 }
 
 /** What this tab controls, {id, token, address, experiment, plain, parent}, so that loading the page again and going back in it do not lose it; the newest last. */
 export const kept = {
+  /** @returns {KeptSession[]} */
   all() {
     try {
-      return JSON.parse(sessionStorage.getItem(KEPT)) ?? [];
+      return JSON.parse(sessionStorage.getItem(KEPT) ?? '[]');
     } catch {
       return [];
     }
   },
   /** The one that was shown last. */
   read: () => kept.all().at(-1) ?? null,
+  /** @param {string} id */
+  /** @param {string} id */
   of: (id) => kept.all().find((one) => one.id === id) ?? null,
-  /** The newest that was forked from a session. */
+  /**
+   * The newest that was forked from a session.
+   * @param {string | null} id
+   * @returns {KeptSession | null}
+   */
   forkOf: (id) => kept.all().findLast((one) => one.parent?.id === id) ?? null,
+  /** @param {KeptSession} value */
   write(value) {
     try {
       sessionStorage.setItem(

@@ -1,19 +1,38 @@
 // The connection to a session: commands and their answers, samples, coming back after a loss. Knows no page.
 
+/** @import {Ack, Command, Connection as ConnectionState, Frame, ServerMessage} from '../types.js' */
+/** @import {Refused as Refusal} from '../../types/service.js' */
+
 const HEADER = 24;
-const CLOSED = {4404: 'ended', 4410: 'ended', 4429: 'full', 4401: 'failed', 4403: 'failed'}; // shared/thetascope_schemas/service/session.py
+/** @type {Map<number, ConnectionState>} close codes of shared/thetascope_schemas/service/session.py */
+const CLOSED = new Map([
+  [4404, 'ended'],
+  [4410, 'ended'],
+  [4429, 'full'],
+  [4401, 'failed'],
+  [4403, 'failed'],
+]);
 const SILENCE = 15_000; // ms without any message after which an offline browser's connection counts as lost
 const LONGEST = 8000; // ms between two tries
 
 /** A command that was not carried out. */
 export class Refused extends Error {
+  /** @param {{field?: string, value?: unknown, problem: string, remedy?: string}} refusal */
   constructor({field = '', value = null, problem, remedy = ''}) {
     super(problem);
-    Object.assign(this, {name: 'Refused', field, value, problem, remedy});
+    this.name = 'Refused';
+    this.field = field;
+    this.value = value;
+    this.problem = problem;
+    this.remedy = remedy;
   }
 }
 
-/** A binary message as {sequence, epoch, first, count, columns, data}; data is column after column. */
+/**
+ * Decode a binary message.
+ * @param {ArrayBuffer} buffer
+ * @returns {Frame}
+ */
 export function decode(buffer) {
   const view = new DataView(buffer);
   return {
@@ -27,31 +46,43 @@ export function decode(buffer) {
 }
 
 /**
- * Connect to a session and stay connected.
- * @param {object} options
- * @param {string} options.session
- * @param {string | null} options.token
- * @param {(message: object) => void} options.onMessage   every event of the server, in order
- * @param {(frame: object) => void} options.onFrame       every frame of samples, in order with the events
- * @param {(state: string) => void} options.onConnection  live, reconnecting, ended, full, failed
+ * @typedef {object} Options
+ * @property {string} session
+ * @property {string | null} token
+ * @property {(message: ServerMessage) => void} onMessage   gets every event of the server, in order
+ * @property {(frame: Frame) => void} onFrame               gets every frame of samples, in order with the events
+ * @property {(state: ConnectionState) => void} onConnection
+ */
+
+/** @typedef {{done: (ack: Ack) => void, fail: (refusal: Refused) => void}} Waiting   for the answer to a command */
+
+/**
+ * Connect to a session, and connect again whenever the connection is lost.
+ * @param {Options} options
  */
 export const connect = (options) => new Connection(options);
 
 class Connection {
-  constructor(options) {
-    Object.assign(this, options, {
-      waiting: new Map(),
-      sequence: 0,
-      next: 1,
-      tries: 0,
-      stopped: false,
-      timer: 0,
-      heard: 0,
-    });
+  /** @param {Options} options */
+  constructor({session, token, onMessage, onFrame, onConnection}) {
+    this.session = session;
+    this.token = token;
+    this.onMessage = onMessage;
+    this.onFrame = onFrame;
+    this.onConnection = onConnection;
+    /** @type {Map<number, Waiting>} */
+    this.waiting = new Map();
+    this.sequence = 0;
+    this.next = 1;
+    this.tries = 0;
+    this.stopped = false;
+    /** @type {ReturnType<typeof setTimeout> | undefined} */
+    this.timer = undefined;
+    this.heard = 0;
     this.hurry = this.hurry.bind(this);
     addEventListener('online', this.hurry);
     this.watch = setInterval(() => this.listen(), 2000);
-    this.open();
+    this.socket = this.open();
   }
 
   open() {
@@ -60,13 +91,15 @@ class Connection {
       location.origin.replace(/^http/, 'ws'),
     );
     if (this.token) address.searchParams.set('token', this.token);
-    address.searchParams.set('after', this.sequence);
-    this.socket = new WebSocket(address);
-    this.socket.binaryType = 'arraybuffer';
-    this.socket.onmessage = ({data}) => this.receive(data);
-    this.socket.onclose = ({code}) => this.closed(code);
+    address.searchParams.set('after', String(this.sequence));
+    const socket = new WebSocket(address);
+    socket.binaryType = 'arraybuffer';
+    socket.onmessage = ({data}) => this.receive(data);
+    socket.onclose = ({code}) => this.closed(code);
+    return socket;
   }
 
+  /** @param {string | ArrayBuffer} data */
   receive(data) {
     this.heard = performance.now();
     if (typeof data !== 'string') {
@@ -75,6 +108,7 @@ class Connection {
       this.onFrame(frame);
       return;
     }
+    /** @type {ServerMessage} */
     const message = JSON.parse(data);
     if (message.type === 'ack' || message.type === 'refused') this.answer(message);
     this.onMessage(message);
@@ -83,36 +117,43 @@ class Connection {
     this.onConnection('live');
   }
 
+  /** @param {Ack | Refusal} message */
   answer(message) {
-    const asked = this.waiting.get(message.id);
-    if (!asked) return;
+    const waiting = message.id === null ? undefined : this.waiting.get(message.id);
+    if (!waiting || message.id === null) return;
     this.waiting.delete(message.id);
-    if (message.type === 'ack') asked.done(message);
-    else asked.fail(new Refused(message));
+    if (message.type === 'ack') waiting.done(message);
+    else waiting.fail(new Refused(message));
   }
 
+  /** @param {number} code */
   closed(code) {
     for (const {fail} of this.waiting.values())
       fail(new Refused({problem: 'the connection was lost before the answer came', remedy: 'try again'}));
     this.waiting.clear();
     if (this.stopped) return;
-    if (CLOSED[code]) {
+    const end = CLOSED.get(code);
+    if (end) {
       this.stop();
-      this.onConnection(CLOSED[code]);
+      this.onConnection(end);
       return;
     }
     this.onConnection('reconnecting');
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.open(), Math.min(LONGEST, 250 * 2 ** this.tries) * (0.75 + Math.random() / 2));
+    this.timer = setTimeout(() => this.reopen(), Math.min(LONGEST, 250 * 2 ** this.tries) * (0.75 + Math.random() / 2));
     this.tries += 1;
   }
 
-  /** Come back at once when the network does, rather than at the end of a long wait. */
+  /** Reconnect as soon as the network is back, rather than at the end of a long wait. */
   hurry() {
     if (this.stopped || this.socket.readyState !== WebSocket.CLOSED) return;
     clearTimeout(this.timer);
     this.tries = 0;
-    this.open();
+    this.reopen();
+  }
+
+  reopen() {
+    this.socket = this.open();
   }
 
   /** A browser that went offline may hold a dead connection open for minutes. */
@@ -125,7 +166,12 @@ class Connection {
       this.socket.close();
   }
 
-  /** Send a command (without its id); the answer is the Ack. */
+  /**
+   * Send a command.
+   * @param {Command} command
+   * @returns {Promise<Ack>}
+   * @throws {Refused}
+   */
   send(command) {
     if (this.socket.readyState !== WebSocket.OPEN) {
       return Promise.reject(

@@ -1,5 +1,7 @@
 // Axes that are calm: marks at round numbers, and ranges that widen when they must, shrink only after a while, and glide.
 
+/** @import {Bins, Samples} from '../types.js' */
+
 const GLIDE = 380; // ms
 const PATIENCE = 3000; // ms for which a range must be too wide before it shrinks
 const MUCH = 0.7; // how little of it must be used
@@ -7,7 +9,11 @@ const ROOM = 0.12; // of the range, added where it widens
 const EDGE = 0.015; // of it, which nothing may enter for long
 const still = matchMedia('(prefers-reduced-motion: reduce)');
 
-/** The round step of which about `count` fit between two values: 1, 2 or 5 times a power of ten. */
+/**
+ * The round step of which about `count` fit between two values: 1, 2 or 5 times a power of ten.
+ * @param {number} span
+ * @param {number} count
+ */
 export function niceStep(span, count) {
   if (!(span > 0) || !Number.isFinite(span)) return 1;
   const raw = span / Math.max(1, count);
@@ -16,7 +22,12 @@ export function niceStep(span, count) {
   return power * (lead <= 1 ? 1 : lead <= 2 ? 2 : lead <= 5 ? 5 : 10);
 }
 
-/** Multiples of a step between two values. */
+/**
+ * Multiples of a step between two values.
+ * @param {number} low
+ * @param {number} high
+ * @param {number} step
+ */
 export function marks(low, high, step) {
   const found = [];
   for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i += 1)
@@ -24,7 +35,12 @@ export function marks(low, high, step) {
   return found;
 }
 
-/** A range with a little room about two values, its ends at round numbers, and the step between these. */
+/**
+ * A range with a little room about two values, its ends at round numbers, and the step between these.
+ * @param {number} low
+ * @param {number} high
+ * @returns {[[number, number], number]}
+ */
 function rounded(low, high) {
   const span = high - low || Math.abs(high) * 0.1 || 1;
   const step = niceStep(span, 8);
@@ -36,12 +52,20 @@ export class Range {
   constructor() {
     this.low = NaN;
     this.high = NaN;
+    /** @type {[number, number] | null} */
     this.target = null;
+    /** @type {{at: number, low: number, high: number} | null} */
     this.start = null;
     this.wide = 0; // since when it has been too wide
   }
 
-  /** Values between low and high should be seen. `at once` where the old range means nothing (another plant, another window). */
+  /**
+   * Values between low and high should be seen. `at once` where the old range means nothing (another plant, another window).
+   * @param {number} low
+   * @param {number} high
+   * @param {number} now
+   * @param {boolean} [atOnce]
+   */
   aim(low, high, now, atOnce = false) {
     if (!(high >= low)) return;
     const [wanted, step] = rounded(low, high);
@@ -61,12 +85,14 @@ export class Range {
         now,
       );
     }
-    const used = (wanted[1] - wanted[0]) / (this.target[1] - this.target[0]);
+    const [bottom, top] = this.target;
+    const used = (wanted[1] - wanted[0]) / (top - bottom);
     if (used > MUCH) this.wide = 0;
     else if (this.wide === 0) this.wide = now;
     else if (now - this.wide > PATIENCE) this.glide(wanted, now);
   }
 
+  /** @param {[number, number]} wanted */
   jump(wanted) {
     this.target = wanted;
     [this.low, this.high] = wanted;
@@ -74,14 +100,21 @@ export class Range {
     this.wide = 0;
   }
 
-  /** Show just these values now, however long the range has been too wide. */
+  /**
+   * Show just these values now, however long the range has been too wide.
+   * @param {number} low
+   * @param {number} high
+   * @param {number} now
+   */
   show(low, high, now) {
     if (!(high >= low)) return;
     if (this.target === null) this.jump(rounded(low, high)[0]);
     else this.glide(rounded(low, high)[0], now);
   }
 
+  /** @param {[number, number]} wanted @param {number} now */
   glide(wanted, now) {
+    if (this.target === null) return;
     if (wanted[0] === this.target[0] && wanted[1] === this.target[1]) return;
     if (still.matches) {
       this.jump(wanted);
@@ -92,9 +125,12 @@ export class Range {
     this.wide = 0;
   }
 
-  /** Bring the range to where it is at time now; whether it is still moving. */
+  /**
+   * Bring the range to where it is at time now; whether it is still moving.
+   * @param {number} now
+   */
   move(now) {
-    if (this.start === null) return false;
+    if (this.start === null || this.target === null) return false;
     const share = Math.min(1, (now - this.start.at) / GLIDE);
     const eased = 1 - (1 - share) ** 3;
     this.low = this.start.low + (this.target[0] - this.start.low) * eased;
@@ -104,7 +140,14 @@ export class Range {
   }
 }
 
-/** A column between two rows as minima and maxima of at most some 120 bins, the first of which is number `from`; null without any. */
+/**
+ * A column between two rows as minima and maxima of at most some 120 bins, the first of which is number `from`; null without any.
+ * @param {Samples} samples
+ * @param {string} name
+ * @param {number} first
+ * @param {number} last
+ * @returns {Bins | null}
+ */
 export function bins(samples, name, first, last) {
   const power = samples.power(first, last, 120);
   const source = samples.source(name, power);
@@ -120,8 +163,14 @@ export function bins(samples, name, first, last) {
   return {low, high, each, from};
 }
 
-/** The range of bins without the outermost `share` of them on either side; null where none has a value. */
+/**
+ * The range of bins without the outermost `share` of them on either side; null where none has a value.
+ * @param {Bins | null} found
+ * @param {number} share
+ * @returns {[number, number] | null}
+ */
 export function quantiles(found, share) {
+  /** @param {number[]} values */
   const known = (values) => values.filter((value) => value === value).sort((a, b) => a - b);
   const low = known(found?.low ?? []);
   const high = known(found?.high ?? []);

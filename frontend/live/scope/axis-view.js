@@ -3,13 +3,21 @@
 import {bins, marks, niceStep, quantiles} from './axes.js';
 import {fixed, power, raised} from '../../widgets/number-format.js';
 
+/** @import {DrawnStrip, Leaving, Range, Samples, Strip, Trace} from '../types.js' */
+
 const TRIMMED = 0.12; // share of an estimate's outermost moments that do not set the scale: starts, and what other faults throw it to
 const BEYOND = 0.6; // of that scale: what lies within it on either side is shown whole, so that noise is never cut
 const BAND = 0.35; // the same for a confidence band, which may be as wide as it likes
 const DIGITS = 7; // that fit beside an axis
 const NEAR = 24; // of the window's width: what leaves the axis again within a share of it has one mark
 
-/** Rows of the samples between two times: [first, last). */
+/**
+ * Rows of the samples between two times: [first, last).
+ * @param {Samples} samples
+ * @param {number} t0
+ * @param {number} t1
+ * @returns {[number, number]}
+ */
 function rowsOf(samples, t0, t1) {
   return [Math.max(0, Math.floor(t0 / samples.record)), Math.min(samples.rows, Math.ceil(t1 / samples.record) + 1)];
 }
@@ -17,19 +25,30 @@ function rowsOf(samples, t0, t1) {
 /**
  * What a strip should show between two times: all of the truth, the bulk of the estimates with all of its noise, and their bands as far as they
  * leave the curves readable. A short throw far out stays off the axis and gets a mark (`leaving`); `whole` shows that, too.
+ * @param {Strip} strip
+ * @param {Samples} samples
+ * @param {number} t0
+ * @param {number} t1
+ * @param {boolean} [whole]
+ * @returns {[number, number]}
  */
 export function wanted(strip, samples, t0, t1, whole = false) {
   const [first, last] = rowsOf(samples, t0, t1);
+  /** @type {[number, number] | null} */
   let range = strip.base;
+  /** @param {[number, number] | null} found */
   const take = (found) => {
     if (found) range = range ? [Math.min(range[0], found[0]), Math.max(range[1], found[1])] : found;
   };
   if (last > first) {
-    const traces = strip.traces.map(({column}) => bins(samples, column, first, last)).filter(Boolean);
+    const traces = strip.traces.flatMap(({column}) => bins(samples, column, first, last) ?? []);
     if (strip.truth) take(quantiles(bins(samples, strip.truth, first, last), 0));
     for (const found of traces) take(quantiles(found, whole ? 0 : TRIMMED));
     if (range && !whole) {
-      const within = (share) => [range[0] - share * (range[1] - range[0]), range[1] + share * (range[1] - range[0])];
+      const [bottom, top] = range;
+      const tall = top - bottom;
+      /** @param {number} share @returns {[number, number]} */
+      const within = (share) => [bottom - share * tall, top + share * tall];
       const [fence, edge] = [within(BEYOND), within(BAND)];
       for (const {low, high} of traces)
         for (const value of [...low, ...high]) if (value >= fence[0] && value <= fence[1]) take([value, value]);
@@ -39,15 +58,34 @@ export function wanted(strip, samples, t0, t1, whole = false) {
   return range ? opened(strip, ...range) : [0, 1];
 }
 
+/**
+ * @param {Samples} samples
+ * @param {Trace} trace
+ * @param {number} first
+ * @param {number} last
+ * @returns {[number, number] | null}
+ */
 const bandOf = (samples, {low, high}, first, last) => {
+  if (low === undefined || high === undefined) return null;
   const under = quantiles(bins(samples, low, first, last), TRIMMED);
   const over = quantiles(bins(samples, high, first, last), TRIMMED);
   return under && over ? [under[0], over[1]] : null;
 };
 
+/**
+ * @param {[number, number] | null} found
+ * @param {[number, number]} limits
+ * @returns {[number, number] | null}
+ */
 const clipped = (found, [low, high]) => found && [Math.max(low, found[0]), Math.min(high, found[1])];
 
-/** Residuals about zero, and no range narrower than it makes sense. */
+/**
+ * Residuals about zero, and no range narrower than it makes sense.
+ * @param {Strip} strip
+ * @param {number} low
+ * @param {number} high
+ * @returns {[number, number]}
+ */
 function opened(strip, low, high) {
   if (strip.kind === 'residual') [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
   const least = Math.max(strip.least, 0.02 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
@@ -55,19 +93,29 @@ function opened(strip, low, high) {
   return high - low < least ? [middle - least / 2, middle + least / 2] : [low, high];
 }
 
-/** Where curves are beyond an axis: [{from, to} times, up, place of the colour, trace]. */
+/**
+ * Where curves are beyond an axis: [{from, to} times, up, place of the colour, trace].
+ * @param {Strip} strip
+ * @param {Samples} samples
+ * @param {number} t0
+ * @param {number} t1
+ * @param {[number, number]} limits
+ * @returns {Leaving[]}
+ */
 export function leaving(strip, samples, t0, t1, [low, high]) {
   const [first, last] = rowsOf(samples, t0, t1);
+  /** @type {Leaving[]} */
   const found = [];
   if (last <= first) return found;
   const near = (t1 - t0) / NEAR;
   strip.traces.forEach(({column, place}, trace) => {
     const seen = bins(samples, column, first, last);
     if (!seen) return;
-    for (const [values, up] of [
-      [seen.high, true],
-      [seen.low, false],
+    for (const {values, up} of [
+      {values: seen.high, up: true},
+      {values: seen.low, up: false},
     ]) {
+      /** @type {Leaving | null} */
       let open = null;
       values.forEach((value, i) => {
         if (up ? !(value > high) : !(value < low)) return;
@@ -80,7 +128,12 @@ export function leaving(strip, samples, t0, t1, [low, high]) {
   return found;
 }
 
-/** Two to four marks on a vertical axis, whole powers of ten on a logarithmic one, each as text that fits beside it. */
+/**
+ * Two to four marks on a vertical axis, whole powers of ten on a logarithmic one, each as text that fits beside it.
+ * @param {DrawnStrip} strip
+ * @param {Range} range
+ * @param {number} height
+ */
 export function setTicks(strip, range, height) {
   const span = range.high - range.low;
   if (!(span > 0)) return;
@@ -94,9 +147,15 @@ export function setTicks(strip, range, height) {
     : spelt(strip.ticks, step);
 }
 
-/** Marks in plain figures where they fit, else with one power of ten for all of them. */
+/**
+ * Marks in plain figures where they fit, else with one power of ten for all of them.
+ * @param {number[]} ticks
+ * @param {number} step
+ * @returns {[string[], string]}
+ */
 export function spelt(ticks, step) {
   const most = Math.max(...ticks.map(Math.abs));
+  /** @param {number} unit @param {number} places */
   const write = (unit, places) =>
     ticks.map((value) => (value === 0 ? '0' : (value / unit).toFixed(places).replace('-', '−')));
   const plain = write(1, placesOf(step));
@@ -106,9 +165,14 @@ export function spelt(ticks, step) {
   return [write(unit, Math.min(DIGITS - 3, placesOf(step / unit))), `·10${raised(exponent)}`];
 }
 
+/** @param {number} step */
 const placesOf = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
 
-/** How the numbers beside a strip are written: all in one form, which goes by the axis. */
+/**
+ * How the numbers beside a strip are written: all in one form, which goes by the axis.
+ * @param {{low: number, high: number}} range
+ * @returns {(value: number) => string}
+ */
 export function written({low, high}) {
   const places = Math.ceil(-Math.log10(high - low) + 2.05);
   if (places > 6 || Math.max(Math.abs(low), Math.abs(high)) >= 1e6)

@@ -3,12 +3,15 @@
 import {marks} from './axes.js';
 import {bandPath, PIECE, strokeTrace, WHOLE} from './traces.js';
 
+/** @import {DrawnStrip, Palette, Place, Range, Samples, Scale, View} from '../types.js' */
+
 const SLIVER = 3; // px
 const FILLED = 2; // bands; more of them are paler
 
 /** Colours and fonts as the style sheet has them, read once a theme. */
 export function palette() {
   const style = getComputedStyle(document.documentElement);
+  /** @param {string} name */
   const read = (name) => style.getPropertyValue(name).trim();
   const size = parseFloat(style.fontSize) / 13.5;
   return {
@@ -32,15 +35,16 @@ export function palette() {
 /**
  * Draw a strip.
  * @param {CanvasRenderingContext2D} ctx
- * @param {object} strip      as strips.js makes it
- * @param {object} place      {left, width, height} of the plot area within the canvas, {full} width of the canvas
- * @param {object} view       {t0, t1, step} of the time axis; {samples, ghost, now, row} of the data, row the time between two; marks: {faults, alarms}
- * @param {import('./axes.js').Range} range
- * @param {object} colours    palette()
+ * @param {DrawnStrip} strip
+ * @param {Place} place
+ * @param {View} view
+ * @param {Range} range
+ * @param {Palette} colours
  */
 export function drawStrip(ctx, strip, place, view, range, colours) {
   const {left, width, height} = place;
   ctx.clearRect(0, 0, place.full, height);
+  /** @type {Scale} */
   const scale = {
     x: (t) => left + ((t - view.t0) / (view.t1 - view.t0)) * width,
     y: (value) => height - ((value - range.low) / (range.high - range.low)) * height,
@@ -60,7 +64,15 @@ export function drawStrip(ctx, strip, place, view, range, colours) {
   ctx.strokeRect(left + 0.5, 0.5, width - 1, height - 1);
 }
 
-/** The times at which a fault acts, each once however many act together; one injected while time stands still shows as a sliver at the edge. */
+/**
+ * The times at which a fault acts, each once however many act together; one injected while time stands still shows as a sliver at the edge.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {DrawnStrip} strip
+ * @param {{left: number, right: number, height: number}} options
+ * @param {View} view
+ * @param {Scale} scale
+ * @param {Palette} colours
+ */
 function drawTint(ctx, strip, {left, right, height}, view, scale, colours) {
   if (strip.kind !== 'theta' && strip.kind !== 'residual') return;
   ctx.fillStyle = colours.tint;
@@ -80,7 +92,16 @@ function drawTint(ctx, strip, {left, right, height}, view, scale, colours) {
   ctx.fill();
 }
 
-/** Grid, zero line, threshold, marks of the vertical axis. */
+/**
+ * Grid, zero line, threshold, marks of the vertical axis.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {DrawnStrip} strip
+ * @param {Place} options
+ * @param {View} view
+ * @param {Range} range
+ * @param {Scale} scale
+ * @param {Palette} colours
+ */
 function drawGround(ctx, strip, {left, width, height}, view, range, scale, colours) {
   const right = left + width;
   drawTint(ctx, strip, {left, right, height}, view, scale, colours);
@@ -114,6 +135,12 @@ function drawGround(ctx, strip, {left, width, height}, view, range, scale, colou
   ctx.setLineDash([]);
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} from
+ * @param {number} to
+ * @param {number} y
+ */
 function line(ctx, from, to, y) {
   ctx.beginPath();
   ctx.moveTo(from, y);
@@ -121,6 +148,15 @@ function line(ctx, from, to, y) {
   ctx.stroke();
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {DrawnStrip} strip
+ * @param {Place} options
+ * @param {View} view
+ * @param {Range} range
+ * @param {Palette} colours
+ * @param {boolean} faint
+ */
 function drawTraces(ctx, strip, {left, width, height}, view, range, colours, faint) {
   const {samples} = view;
   const dx = (samples.record / (view.t1 - view.t0)) * width;
@@ -131,7 +167,9 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
   const last = Math.min(samples.rows, Math.ceil(view.t1 / samples.record) + 2);
   if (last <= first) return;
   const power = samples.power(first, last, ((last - first) * dx) / 1.25);
+  /** @type {[number, number]} how far beyond the strip curves are drawn */
   const limits = [-40, height + 40];
+  /** @param {string} column @param {number} piece */
   const draw = (column, piece) => {
     const source = samples.source(column, power);
     if (source) strokeTrace(ctx, piece, source, first, last, power, x0, dx, y0, dy, ...limits);
@@ -157,10 +195,21 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
   ctx.globalAlpha = 1;
 }
 
-/** Confidence bands, the first observer's on top; many of them are paler. (Outlines would cost the square of what crosses in them.) */
+/** @typedef {[first: number, last: number, power: number, x0: number, dx: number, y0: number, dy: number, top: number, bottom: number]} Geometry */
+
+/**
+ * Confidence bands, the first observer's on top; many of them are paler. (Outlines would cost the square of what crosses in them.)
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {DrawnStrip} strip
+ * @param {View} view
+ * @param {Samples} samples
+ * @param {Geometry} geometry
+ * @param {Palette} colours
+ */
 function drawBands(ctx, strip, view, samples, geometry, colours) {
   const shown = strip.traces.filter((trace) => trace.low && view.bands.has(trace.label)).reverse();
   for (const trace of shown) {
+    if (trace.low === undefined || trace.high === undefined) continue;
     const lower = samples.source(trace.low, geometry[2]);
     const upper = samples.source(trace.high, geometry[2]);
     if (!lower || !upper) continue;
@@ -173,7 +222,15 @@ function drawBands(ctx, strip, view, samples, geometry, colours) {
   }
 }
 
-/** Where faults begin and end, on all strips; where curves end; alarms. */
+/**
+ * Where faults begin and end, on all strips; where curves end; alarms.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {DrawnStrip} strip
+ * @param {Place} options
+ * @param {View} view
+ * @param {Scale} scale
+ * @param {Palette} colours
+ */
 function drawMarks(ctx, strip, {left, width, height}, view, scale, colours) {
   const right = left + width;
   ctx.strokeStyle = colours.fault;
@@ -197,7 +254,14 @@ function drawMarks(ctx, strip, {left, width, height}, view, scale, colours) {
   drawAlarms(ctx, strip, {left, right, height}, view, scale, colours);
 }
 
-/** Arrows at the edge where a curve is beyond the axis, in its colour. */
+/**
+ * Arrows at the edge where a curve is beyond the axis, in its colour.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {DrawnStrip} strip
+ * @param {{left: number, right: number, height: number}} options
+ * @param {Scale} scale
+ * @param {Palette} colours
+ */
 function drawLeaving(ctx, strip, {left, right, height}, scale, colours) {
   const arm = 3.6 * colours.size;
   for (const {from, to, up, place, trace} of strip.leaving ?? []) {
@@ -217,7 +281,15 @@ function drawLeaving(ctx, strip, {left, right, height}, scale, colours) {
   }
 }
 
-/** Alarms on the strip that they name: a flag where it was raised, a line above for as long as it is on, and at the foot when the fault began. */
+/**
+ * Alarms on the strip that they name: a flag where it was raised, a line above for as long as it is on, and at the foot when the fault began.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {DrawnStrip} strip
+ * @param {{left: number, right: number, height: number}} options
+ * @param {View} view
+ * @param {Scale} scale
+ * @param {Palette} colours
+ */
 function drawAlarms(ctx, strip, {left, right, height}, view, scale, colours) {
   if (strip.kind !== 'theta' && strip.kind !== 'residual') return;
   const size = 5 * colours.size;
@@ -252,7 +324,13 @@ function drawAlarms(ctx, strip, {left, right, height}, view, scale, colours) {
   }
 }
 
-/** Where an observer's curve ends because it diverged. */
+/**
+ * Where an observer's curve ends because it diverged.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x
+ * @param {Palette} colours
+ * @param {number} place
+ */
 function cross(ctx, x, colours, place) {
   const arm = 4 * colours.size;
   const y = 3 + arm;
@@ -266,7 +344,13 @@ function cross(ctx, x, colours, place) {
   ctx.stroke();
 }
 
-/** The time axis under the strips. */
+/**
+ * The time axis under the strips.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {Place} options
+ * @param {View} view
+ * @param {Palette} colours
+ */
 export function drawTimeAxis(ctx, {left, width, full, height}, view, colours) {
   ctx.clearRect(0, 0, full, height);
   ctx.fillStyle = colours.soft;

@@ -1,10 +1,20 @@
 // What the small marks on a strip say, where the pointer is on one.
 
+/** @import {App, Row} from '../types.js' */
+
 const NEAR = 6; // px
 
-/** Words for the mark at (x, y) of a strip's plot, of which `timeAt(x)` is the time; '' where there is none. */
+/**
+ * Words for the mark at (x, y) of a strip's plot, of which `timeAt(x)` is the time; '' where there is none.
+ * @param {Row} row
+ * @param {number} x
+ * @param {number} y
+ * @param {(x: number) => number} timeAt
+ * @param {App} app
+ */
 export function markWords({strip, place}, x, y, timeAt, {state, text, samples}) {
   const [from, t, to] = [timeAt(x - NEAR), timeAt(x), timeAt(x + NEAR)];
+  /** @param {string} name @param {...number} times */
   const said = (name, ...times) =>
     `${times.map((one) => one.toFixed(state.record >= 1 ? 0 : 1)).join('–')} s: ${text.marks[name]}`;
   const gone = strip.leaving?.find(

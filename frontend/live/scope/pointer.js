@@ -4,16 +4,37 @@ import {fill, h} from '../../common/dom.js';
 import {seconds} from '../../widgets/number-format.js';
 import {markWords} from './mark-words.js';
 
+/** @import {App, Scope} from '../types.js' */
+
 const DRAG = 6; // px before it counts as one
 
+/**
+ * @param {HTMLElement} plots
+ * @param {App} app
+ * @param {Scope} scope
+ */
 export const mountPointer = (plots, app, scope) => new Pointer(plots, app, scope);
 
 class Pointer {
+  /**
+   * @param {HTMLElement} plots
+   * @param {App} app
+   * @param {Scope} scope
+   */
   constructor(plots, app, scope) {
-    this.line = h('div', {class: 'cursor', hidden: true}, h('span', {class: 'cursor-time'}));
+    this.time = h('span', {class: 'cursor-time'});
+    this.line = h('div', {class: 'cursor', hidden: true}, this.time);
     this.area = h('div', {class: 'zoom-area', hidden: true});
-    this.mark = h('div', {class: 'cursor looked', hidden: true}, h('span', {class: 'cursor-time'}));
-    Object.assign(this, {plots, app, scope, left: 0, width: 1, drag: null, over: 0});
+    this.markTime = h('span', {class: 'cursor-time'});
+    this.mark = h('div', {class: 'cursor looked', hidden: true}, this.markTime);
+    this.plots = plots;
+    this.app = app;
+    this.scope = scope;
+    this.left = 0;
+    this.width = 1;
+    this.over = 0;
+    /** @type {{from: number, span: [number, number], far: boolean} | null} */
+    this.drag = null;
     plots.append(this.line, this.mark, this.area);
     plots.addEventListener('pointermove', (event) => this.move(event));
     plots.addEventListener('pointerdown', (event) => this.press(event));
@@ -27,12 +48,23 @@ class Pointer {
     );
   }
 
-  /** A double click on an axis shows all of its strip, one on the curves ends the zoom. */
+  /**
+   * A double click on an axis shows all of its strip, one on the curves ends the zoom.
+   * @param {MouseEvent} event
+   */
   back(event) {
-    const name = event.target.closest('.strip')?.dataset.strip;
-    const row = this.x(event) < 0 ? this.scope.rows.get(name) : null;
+    const row = this.x(event) < 0 ? this.row(event) : undefined;
     if (row && event.target === row.canvas) this.scope.showAll(row);
     else if (this.x(event) >= 0) this.app.act.select(null);
+  }
+
+  /**
+   * The row of the strip under the pointer.
+   * @param {MouseEvent} event
+   */
+  row({target}) {
+    const strip = target instanceof Element ? target.closest('.strip') : null;
+    return this.scope.rows.get(strip?.getAttribute('data-strip') ?? '');
   }
 
   /** The time that is looked back to, over all strips. */
@@ -42,10 +74,14 @@ class Pointer {
     if (looking === null) return;
     const [t0, t1] = this.scope.span();
     this.mark.style.transform = `translateX(${this.left + this.clamped(((looking - t0) / (t1 - t0)) * this.width)}px)`;
-    fill(this.mark.firstChild, `${seconds(looking, record >= 1 ? 1 : 0.1)} s`);
+    fill(this.markTime, `${seconds(looking, record >= 1 ? 1 : 0.1)} s`);
   }
 
-  /** Where the plot areas begin, and how wide they are, in the list's own pixels. */
+  /**
+   * Where the plot areas begin, and how wide they are, in the list's own pixels.
+   * @param {number} from
+   * @param {number} wide
+   */
   measure(from, wide) {
     this.left = from;
     this.width = Math.max(1, wide);
@@ -57,18 +93,22 @@ class Pointer {
     if (!this.line.hidden && this.drag === null) this.show(this.over);
   }
 
+  /** @param {MouseEvent} event */
   x(event) {
     return event.clientX - this.plots.getBoundingClientRect().left - this.left;
   }
 
+  /** @param {number} x */
   clamped(x) {
     return Math.min(this.width, Math.max(0, x));
   }
 
+  /** @param {number} x @param {[number, number]} [span] */
   timeAt(x, [t0, t1] = this.scope.span()) {
     return t0 + (this.clamped(x) / this.width) * (t1 - t0);
   }
 
+  /** @param {number} x */
   show(x) {
     const inside = x >= -2 && x <= this.width + 2;
     this.over = x;
@@ -77,7 +117,7 @@ class Pointer {
     if (!inside) return;
     const [t0, t1] = this.scope.span();
     this.line.style.transform = `translateX(${this.left + this.clamped(x)}px)`;
-    fill(this.line.firstChild, `${seconds(this.timeAt(x), (t1 - t0) / 500)} s`);
+    fill(this.time, `${seconds(this.timeAt(x), (t1 - t0) / 500)} s`);
   }
 
   hide() {
@@ -85,6 +125,7 @@ class Pointer {
     this.app.cursor(null);
   }
 
+  /** @param {PointerEvent} event */
   press(event) {
     const x = this.x(event);
     if (
@@ -92,13 +133,14 @@ class Pointer {
       x < 0 ||
       x > this.width ||
       event.pointerType === 'touch' ||
-      event.target.closest('button')
+      (event.target instanceof Element && event.target.closest('button'))
     )
       return;
     this.drag = {from: x, span: this.scope.span(), far: false}; // the window as it was: it may move on meanwhile
     this.plots.setPointerCapture(event.pointerId);
   }
 
+  /** @param {PointerEvent} event */
   move(event) {
     const x = this.x(event);
     this.show(x);
@@ -111,14 +153,19 @@ class Pointer {
     Object.assign(this.area.style, {left: `${this.left + a}px`, width: `${b - a}px`});
   }
 
-  /** What the mark under the pointer says, as a hint. */
-  say({target, offsetY}, x) {
-    const row = this.scope.rows.get(target.closest?.('.strip')?.dataset.strip);
-    if (!row || target !== row.canvas) return;
-    const words = x >= 0 ? markWords(row, x, offsetY, (at) => this.timeAt(at), this.app) : '';
+  /**
+   * What the mark under the pointer says, as a hint.
+   * @param {PointerEvent} event
+   * @param {number} x
+   */
+  say(event, x) {
+    const row = this.row(event);
+    if (!row || event.target !== row.canvas) return;
+    const words = x >= 0 ? markWords(row, x, event.offsetY, (at) => this.timeAt(at), this.app) : '';
     if (row.canvas.title !== words) row.canvas.title = words;
   }
 
+  /** @param {PointerEvent} event */
   release(event) {
     if (this.drag === null) return;
     const {from, span, far} = this.drag;

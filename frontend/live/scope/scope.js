@@ -69,7 +69,7 @@ export function mountScope(root, app) {
   return scope;
 }
 
-class Scope {
+export class Scope {
   constructor(root, app) {
     Object.assign(this, {app, rows: new Map(), strips: [], colours: palette(), aimed: 0, atOnce: true, still: ''});
     this.head = h('div', {class: 'scope-head'});

@@ -1,5 +1,7 @@
 // Columns as curves and bands on a canvas. The code that runs most often of all.
 
+/** @import {Source} from '../types.js' */
+
 // A browser strokes a path in time that grows with the square of what crosses in it: a noisy curve in one piece takes 17 ms without a graphics
 // card, in pieces 1 ms. Pieces share their end points and are opaque, so nobody sees where they meet.
 // They begin at rows of their own, not at the edge of the window: a curve that scrolls does not shimmer.
@@ -9,6 +11,18 @@ export const WHOLE = -1;
 /**
  * Stroke a column, put together in bins of 2^power rows, in pieces (PIECE, or WHOLE). x = x0 + row·dx, y = y0 + value·dy; y is kept between the
  * limits, so that a curve that has left all bounds still ends at the edge.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} piece
+ * @param {Source} source
+ * @param {number} first
+ * @param {number} last
+ * @param {number} power
+ * @param {number} x0
+ * @param {number} dx
+ * @param {number} y0
+ * @param {number} dy
+ * @param {number} top
+ * @param {number} bottom
  */
 export function strokeTrace(ctx, piece, source, first, last, power, x0, dx, y0, dy, top, bottom) {
   ctx.beginPath();
@@ -17,6 +31,20 @@ export function strokeTrace(ctx, piece, source, first, last, power, x0, dx, y0, 
   ctx.stroke();
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} piece
+ * @param {Source} source
+ * @param {number} first
+ * @param {number} last
+ * @param {number} power
+ * @param {number} x0
+ * @param {number} dx
+ * @param {number} y0
+ * @param {number} dy
+ * @param {number} top
+ * @param {number} bottom
+ */
 function strokeBins(ctx, piece, {low, high, mask, pair}, first, last, power, x0, dx, y0, dy, top, bottom) {
   const each = 1 << power;
   const end = Math.floor((last - 1) / each);
@@ -56,6 +84,19 @@ function strokeBins(ctx, piece, {low, high, mask, pair}, first, last, power, x0,
   }
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} piece
+ * @param {Source} source
+ * @param {number} first
+ * @param {number} last
+ * @param {number} x0
+ * @param {number} dx
+ * @param {number} y0
+ * @param {number} dy
+ * @param {number} top
+ * @param {number} bottom
+ */
 function strokePoints(ctx, piece, {low, mask}, first, last, x0, dx, y0, dy, top, bottom) {
   let down = false;
   for (let row = Math.max(0, Math.floor(first)); row < last; row += 1) {
@@ -75,11 +116,26 @@ function strokePoints(ctx, piece, {low, mask}, first, last, x0, dx, y0, dy, top,
   }
 }
 
-/** The area between two columns (a confidence band) as one path. */
+/**
+ * The area between two columns (a confidence band) as one path.
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {Source} lower
+ * @param {Source} upper
+ * @param {number} first
+ * @param {number} last
+ * @param {number} power
+ * @param {number} x0
+ * @param {number} dx
+ * @param {number} y0
+ * @param {number} dy
+ * @param {number} top
+ * @param {number} bottom
+ */
 export function bandPath(ctx, lower, upper, first, last, power, x0, dx, y0, dy, top, bottom) {
   const each = 1 << power;
   const from = Math.floor(first / each);
   const end = Math.floor((last - 1) / each);
+  /** @type {number[]} */
   const back = [];
   let open = false;
   const close = () => {

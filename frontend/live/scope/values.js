@@ -3,10 +3,20 @@
 import {power} from '../../widgets/number-format.js';
 import {written} from './axis-view.js';
 
-/** The time whose values are shown. */
+/** @import {App, Row, State, Strip, Words} from '../types.js' */
+
+/**
+ * The time whose values are shown.
+ * @param {Pick<State, 'cursor' | 'looking' | 'selection'>} state
+ * @param {number} now
+ */
 export const moment = ({cursor, looking, selection}, now) => Math.min(now, cursor ?? looking ?? selection?.[1] ?? now);
 
-/** Fill the cells beside every row of the scope. */
+/**
+ * Fill the cells beside every row of the scope.
+ * @param {Iterable<Row>} rows
+ * @param {App} app
+ */
 export function showValues(rows, app) {
   const {state, samples, text} = app;
   const row = Math.min(samples.rows - 1, Math.round(moment(state, samples.now) / samples.record));
@@ -29,13 +39,21 @@ export function showValues(rows, app) {
   }
 }
 
+/** @param {Element | undefined} cell @param {string} words */
 const put = (cell, words) => {
   if (cell && cell.textContent !== words) cell.textContent = words;
 };
 
+/** @param {number} value */
 const excitation = (value) => (value === value ? power(10 ** value) : '–');
 
-/** Whether the one observer's excitation suffices. */
+/**
+ * Whether the one observer's excitation suffices.
+ * @param {Element | undefined} cell
+ * @param {number} value
+ * @param {Strip} strip
+ * @param {Words} text
+ */
 function judge(cell, value, {threshold}, text) {
   const words = value !== value || threshold === null ? '' : value >= threshold ? text.excited : text.notExcited;
   put(cell, words);

@@ -5,34 +5,56 @@
 //   /#s=<base64url of deflate of {experiment, changed: {spec fields that differ}, t}>
 //   /?session=<id>            watch this very session (no control)
 
+/** @import {Experiment} from '../types.js' */
+
+/**
+ * What an address asks for.
+ * @typedef {object} Asked
+ * @property {string | null} session
+ * @property {string | null} experiment
+ * @property {number} t   s
+ * @property {Partial<Experiment>} [changed]   fields that differ from the library experiment
+ * @property {Experiment} [spec]
+ */
+
 const PROSE = ['figures', 'errata', 'description', 'source'];
 
+/** @param {unknown} a @param {unknown} b */
 const same = (a, b) => JSON.stringify(sorted(a)) === JSON.stringify(sorted(b));
 
+/** @param {unknown} value @returns {unknown} */
 function sorted(value) {
   if (Array.isArray(value)) return value.map(sorted);
   if (value === null || typeof value !== 'object') return value;
-  return Object.fromEntries(
-    Object.keys(value)
-      .sort()
-      .map((key) => [key, sorted(value[key])]),
-  );
+  const entries = Object.entries(value).sort(([a], [b]) => (a < b ? -1 : 1));
+  return Object.fromEntries(entries.map(([key, item]) => [key, sorted(item)]));
 }
 
-/** The fields of a spec that the library's experiment does not have so. `base` has its plant in full. */
+/**
+ * The fields of a spec that the library's experiment does not have so. `base` has its plant in full.
+ * @param {Experiment} spec
+ * @param {Experiment} base
+ * @returns {Partial<Experiment>}
+ */
 export function changed(spec, base) {
+  /** @type {{[field: string]: unknown}} */
+  const known = base;
   return Object.fromEntries(
-    Object.entries(spec).filter(([key, value]) => !PROSE.includes(key) && !same(value, base[key])),
+    Object.entries(spec).filter(([key, value]) => !PROSE.includes(key) && !same(value, known[key])),
   );
 }
 
-/** The address of a spec at a time. `base`: the library's experiment it began with, plant in full, or null. */
+/**
+ * The address of a spec at a time. `base`: the library's experiment it began with, plant in full, or null.
+ * @param {{spec: Experiment, t: number, experiment: string | null, base: Experiment | null}} session
+ * @returns {Promise<string>}
+ */
 export async function write({spec, t, experiment, base}) {
   const time = Number(t.toPrecision(12));
   if (base) {
     const differs = changed(spec, base);
     if (Object.keys(differs).length === 0)
-      return `?experiment=${encodeURIComponent(experiment)}${time > 0 ? `&t=${time}` : ''}`;
+      return `?experiment=${encodeURIComponent(experiment ?? '')}${time > 0 ? `&t=${time}` : ''}`;
     return `#s=${await pack({experiment, changed: differs, t: time})}`;
   }
   return `#s=${await pack({spec, t: time})}`;
@@ -41,6 +63,8 @@ export async function write({spec, t, experiment, base}) {
 /**
  * What an address asks for: {experiment, changed?, spec?, t, session}. `from` is a Location or URL.
  * @throws {Error} where the fragment is damaged
+ * @param {{search: string, hash: string}} from
+ * @returns {Promise<Asked>}
  */
 export async function read(from) {
   const query = new URLSearchParams(from.search);
@@ -57,27 +81,41 @@ export async function read(from) {
   return {...asked, ...found};
 }
 
-/** Whether what a fragment held says which experiment, and how it differs. */
+/**
+ * Whether a fragment holds an experiment, and how it differs.
+ * @param {unknown} found
+ * @returns {found is Partial<Asked>}
+ */
 function isSession(found) {
-  const object = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
-  return (
-    object(found) &&
-    (object(found.spec) || (object(found.changed) && typeof found.experiment === 'string')) &&
-    Number.isFinite(found.t ?? 0)
-  );
+  if (!isObject(found)) return false;
+  const {spec, changed: differs, experiment, t = 0} = found;
+  return (isObject(spec) || (isObject(differs) && typeof experiment === 'string')) && Number.isFinite(t);
 }
 
-/** The spec that an address with a fragment means; `load(id)` gives a library experiment with its plant in full. */
+/**
+ * @param {unknown} value
+ * @returns {value is {[name: string]: unknown}}
+ */
+const isObject = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
+
+/**
+ * The spec that an address with a fragment means; `load(id)` gives a library experiment with its plant in full.
+ * @param {Asked} asked
+ * @param {(id: string) => Promise<Experiment>} load
+ * @returns {Promise<Experiment | null>}
+ */
 export async function specOf(asked, load) {
   if (asked.spec) return asked.spec;
-  if (!asked.changed) return null;
+  if (!asked.changed || !asked.experiment) return null;
   return {...(await load(asked.experiment)), ...asked.changed};
 }
 
+/** @param {Uint8Array<ArrayBuffer>} bytes @param {CompressionStream | DecompressionStream} through */
 async function pipe(bytes, through) {
   return new Uint8Array(await new Response(new Blob([bytes]).stream().pipeThrough(through)).arrayBuffer());
 }
 
+/** @param {unknown} value */
 export async function pack(value) {
   const bytes = await pipe(new TextEncoder().encode(JSON.stringify(value)), new CompressionStream('deflate-raw'));
   let text = '';
@@ -85,6 +123,7 @@ export async function pack(value) {
   return btoa(text).replaceAll('+', '-').replaceAll('/', '_').replaceAll('=', '');
 }
 
+/** @param {string} text @returns {Promise<unknown>} */
 export async function unpack(text) {
   const bytes = Uint8Array.from(atob(text.replaceAll('-', '+').replaceAll('_', '/')), (letter) => letter.charCodeAt(0));
   return JSON.parse(new TextDecoder().decode(await pipe(bytes, new DecompressionStream('deflate-raw'))));

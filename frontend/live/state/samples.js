@@ -3,6 +3,8 @@
 // Memory is bounded: every array is a ring whose capacity is a power of two, so a row's place is `row & mask`. Minima and maxima belong to
 // absolute row numbers, not to the screen: a curve that scrolls does not shimmer.
 
+/** @import {DerivedColumn, Source} from '../types.js' */
+
 const BITS = 2; // each level gathers 4 of the one below
 const LEVELS = 9; // up to 4⁹ = 262 144 rows in one
 const BUCKETS = 16384; // per level: more than a screen has columns of pixels
@@ -10,9 +12,12 @@ const SMALLEST = 4096;
 const MEMORY = 64e6; // bytes for the rows at full rate
 
 class Column {
+  /** @param {number} capacity */
   constructor(capacity) {
     this.values = new Float32Array(capacity).fill(NaN);
+    /** @type {Float32Array<ArrayBuffer>[]} */
     this.low = [];
+    /** @type {Float32Array<ArrayBuffer>[]} */
     this.high = [];
     for (let level = 0; level < LEVELS; level += 1) {
       this.low.push(new Float32Array(256).fill(NaN));
@@ -20,7 +25,12 @@ class Column {
     }
   }
 
-  /** Gather rows first … last − 1 into all levels; `rows` is where the known rows end. */
+  /**
+   * Gather rows first … last − 1 into all levels; `rows` is where the known rows end.
+   * @param {number} first
+   * @param {number} last
+   * @param {number} rows
+   */
   gather(first, last, rows) {
     let {values: low, values: high} = this;
     let from = first;
@@ -39,7 +49,12 @@ class Column {
   }
 }
 
-/** A ring of at least this size with the same entries; it must not have wrapped yet. */
+/**
+ * A ring of at least this size with the same entries; it must not have wrapped yet.
+ * @param {Float32Array<ArrayBuffer>} ring
+ * @param {number} size
+ * @returns {Float32Array<ArrayBuffer>}
+ */
 function grown(ring, size) {
   if (ring.length >= size) return ring;
   const larger = new Float32Array(2 ** Math.ceil(Math.log2(size))).fill(NaN);
@@ -47,6 +62,15 @@ function grown(ring, size) {
   return larger;
 }
 
+/**
+ * @param {Float32Array} low
+ * @param {Float32Array} high
+ * @param {Float32Array} lows
+ * @param {Float32Array} highs
+ * @param {number} from
+ * @param {number} to
+ * @param {number} end
+ */
 function gatherLevel(low, high, lows, highs, from, to, end) {
   const mask = low.length - 1;
   const own = lows.length - 1;
@@ -70,19 +94,28 @@ export class Samples {
   constructor(record, memory = MEMORY) {
     this.record = record;
     this.memory = memory;
+    /** @type {Map<string, Column>} */
     this.columns = new Map();
-    this.sent = []; // names of the columns as they arrive
-    this.derived = []; // [name, fn(values of sent columns …), …]
+    /** @type {string[]} names of the columns as they arrive */
+    this.sent = [];
+    /** @type {DerivedColumn[]} */
+    this.derived = [];
     this.rows = 0;
     this.capacity = SMALLEST;
     this.floor = 0; // rows before it were overwritten by rows that are void now
     this.floors = new Array(LEVELS).fill(0); // the same in buckets of each level
+    /** @type {number | undefined} of the session, as its messages have it */
+    this.epoch = undefined;
+    this.held = false; // frames wait for rows that are being fetched
+    this.most = SMALLEST;
     this.version = 0; // changes with everything that is to be drawn
   }
 
   /**
    * The columns that arrive from now on, and those that are computed of them: [{name, of: [names], make: (a, b) => value}].
    * What is there already under the same name is kept.
+   * @param {string[]} names
+   * @param {DerivedColumn[]} [derived]
    */
   setColumns(names, derived = []) {
     const known = new Set(names);
@@ -96,7 +129,10 @@ export class Samples {
     this.version += 1;
   }
 
-  /** Rows from this one on are void. */
+  /**
+   * Rows from this one on are void.
+   * @param {number} row
+   */
   truncate(row) {
     if (row < this.rows) {
       this.floor = Math.min(row, this.oldest);
@@ -107,7 +143,12 @@ export class Samples {
     this.version += 1;
   }
 
-  /** Rows `first` … of all columns, one column after the other. Rows that are there already are replaced. */
+  /**
+   * Rows `first` … of all columns, one column after the other. Rows that are there already are replaced.
+   * @param {number} first
+   * @param {number} count
+   * @param {Float32Array} data
+   */
   push(first, count, data) {
     if (count === 0) return;
     const end = first + count;
@@ -115,7 +156,7 @@ export class Samples {
     const skip = Math.max(0, count - this.capacity); // of more than fit, the newest
     const gap = Math.min(first - this.rows, this.capacity);
     for (let place = 0; place < this.sent.length; place += 1) {
-      const {values} = this.columns.get(this.sent[place]);
+      const {values} = this.column(this.sent[place]);
       if (gap > 0) for (let row = first - gap; row < first; row += 1) values[row & (this.capacity - 1)] = NaN;
       write(values, first + skip, data.subarray(place * count + skip, (place + 1) * count));
     }
@@ -126,11 +167,28 @@ export class Samples {
     this.version += 1;
   }
 
+  /**
+   * @param {string} name
+   * @param {string[]} of
+   * @param {DerivedColumn['make']} make
+   * @param {number} first
+   * @param {number} end
+   */
   derive(name, of, make, first, end) {
     const mask = this.capacity - 1;
-    const {values} = this.columns.get(name);
-    const [a, b] = of.map((one) => this.columns.get(one).values);
+    const {values} = this.column(name);
+    const [a, b] = of.map((one) => this.column(one).values);
     for (let row = first; row < end; row += 1) values[row & mask] = make(a[row & mask], b?.[row & mask]);
+  }
+
+  /**
+   * A column that is known to be there.
+   * @param {string} name
+   */
+  column(name) {
+    const column = this.columns.get(name);
+    if (!column) throw new RangeError(`no column ${name}`);
+    return column;
   }
 
   grow() {
@@ -138,6 +196,7 @@ export class Samples {
     for (const column of this.columns.values()) column.values = grown(column.values, this.capacity);
   }
 
+  /** @param {string} name */
   has(name) {
     return this.columns.has(name);
   }
@@ -147,7 +206,10 @@ export class Samples {
     return Math.max(this.floor, this.rows - this.capacity);
   }
 
-  /** The first bucket of a level that is kept. */
+  /**
+   * The first bucket of a level that is kept.
+   * @param {number} level
+   */
   firstBucket(level) {
     return Math.max(this.floors[level], ((this.rows - 1) >> (BITS * (level + 1))) - BUCKETS + 1);
   }
@@ -157,11 +219,16 @@ export class Samples {
     return this.rows === 0 ? 0 : (this.rows - 1) * this.record;
   }
 
+  /** @param {string} name */
   latest(name) {
     return this.value(name, this.rows - 1);
   }
 
-  /** Value of a row, NaN where there is none (any more). */
+  /**
+   * Value of a row, NaN where there is none (any more).
+   * @param {string} name
+   * @param {number} row
+   */
   value(name, row) {
     const column = this.columns.get(name);
     if (!column || row < this.oldest || row >= this.rows || row < 0)
@@ -169,7 +236,11 @@ export class Samples {
     return column.values[row & (this.capacity - 1)];
   }
 
-  /** What the finest level that still has it knows of a row: the middle between its minimum and maximum. */
+  /**
+   * What the finest level that still has it knows of a row: the middle between its minimum and maximum.
+   * @param {Column} column
+   * @param {number} row
+   */
   coarse(column, row) {
     for (let level = 0; level < LEVELS; level += 1) {
       const bucket = row >> (BITS * (level + 1));
@@ -181,26 +252,38 @@ export class Samples {
     return NaN;
   }
 
+  /** @param {string} name @param {number} t */
   at(name, t) {
     return this.value(name, Math.round(t / this.record));
   }
 
-  /** Copies of what is kept at full rate between two times: {t, v}. */
+  /**
+   * Copies of what is kept at full rate between two times: {t, v}.
+   * @param {string} name
+   * @param {number} t0
+   * @param {number} t1
+   */
   window(name, t0, t1) {
     const column = this.columns.get(name);
     const first = Math.max(this.oldest, Math.ceil(t0 / this.record - 1e-6));
     const last = Math.min(this.rows - 1, Math.floor(t1 / this.record + 1e-6));
+    const values = column?.values ?? new Float32Array(0);
     const count = column ? Math.max(0, last - first + 1) : 0;
     const t = new Float64Array(count);
     const v = new Float32Array(count);
     for (let i = 0; i < count; i += 1) {
       t[i] = (first + i) * this.record;
-      v[i] = column.values[(first + i) & (this.capacity - 1)];
+      v[i] = values[(first + i) & (this.capacity - 1)];
     }
     return {t, v};
   }
 
-  /** {min, max, mean, count} between two times; the mean is of the full rate only. */
+  /**
+   * {min, max, mean, count} between two times; the mean is of the full rate only.
+   * @param {string} name
+   * @param {number} t0
+   * @param {number} t1
+   */
   range(name, t0, t1) {
     const {v} = this.window(name, t0, t1);
     let min = Infinity;
@@ -220,6 +303,9 @@ export class Samples {
   /**
    * How to draw rows first … last on so many pixels: the number of rows that are put together, as a power of two. One bin is at least a
    * pixel wide, and its level still reaches back to `first`.
+   * @param {number} first
+   * @param {number} last
+   * @param {number} pixels
    */
   power(first, last, pixels) {
     let power = Math.max(0, Math.ceil(Math.log2(Math.max(1, (last - first) / Math.max(1, pixels)))));
@@ -227,13 +313,21 @@ export class Samples {
     return power;
   }
 
-  /** The first row that is known in bins of 2^power rows. */
+  /**
+   * The first row that is known in bins of 2^power rows.
+   * @param {number} power
+   */
   reach(power) {
     const level = power >> 1;
     return level === 0 ? this.oldest : this.firstBucket(level - 1) << (BITS * level);
   }
 
-  /** The arrays that hold bins of 2^power rows: entry i stands for rows i·rows … and is found at i & mask. */
+  /**
+   * The arrays that hold bins of 2^power rows: entry i stands for rows i·rows … and is found at i & mask.
+   * @param {string} name
+   * @param {number} power
+   * @returns {Source | null}
+   */
   source(name, power) {
     const column = this.columns.get(name);
     if (!column) return null;
@@ -244,7 +338,12 @@ export class Samples {
   }
 }
 
-/** Write values into a ring from a row on. */
+/**
+ * Write values into a ring from a row on.
+ * @param {Float32Array} ring
+ * @param {number} row
+ * @param {Float32Array} values
+ */
 function write(ring, row, values) {
   const at = row & (ring.length - 1);
   const straight = Math.min(values.length, ring.length - at);

@@ -1,71 +1,8 @@
-// The state of the live page and who is told of its changes. How events change it is in reduce.js.
+// The state of the live page (types.d.ts) and its subscribers. How events change it is in reduce.js.
 
-/**
- * @typedef {object} ObserverState
- * @property {string} label
- * @property {string} kind          as in the catalogue
- * @property {string} colour        'var(--o0)' …: kept as long as it watches
- * @property {number} place         number of the colour
- * @property {object} gains         present values of those that were set (the catalogue has the defaults)
- * @property {object} options
- * @property {object} config        ObserverConfig with which it began to watch
- * @property {number} since         time in s from which it watches
- * @property {{t: number, text: string} | null} diverged
- *
- * @typedef {object} FaultState     one fault of the spec, on a channel or on a measurement
- * @property {string} subject       channel or output
- * @property {boolean} onChannel
- * @property {string} shape
- * @property {object} fault         as the spec has it, times of the session
- * @property {number} onset
- * @property {number | null} end
- * @property {boolean} active       from the next row on: what was injected while time stands still counts already
- *
- * @typedef {object} State
- * @property {'starting'|'live'|'reconnecting'|'ended'|'full'|'failed'} connection
- * @property {string | null} session      id
- * @property {'control'|'view'} role      a viewer may look, not touch
- * @property {string | null} experiment   id of the library experiment it began with (null: a spec of one's own)
- * @property {object | null} spec         Experiment with everything done so far, plant in full
- * @property {object | null} plant        spec.plant
- * @property {string[]} columns
- * @property {number} epoch
- * @property {number} step                of the integration, s
- * @property {number} record              s between rows
- * @property {number} row                 rows so far (from status: a few times a second)
- * @property {number} t                   time now (the same)
- * @property {boolean} playing
- * @property {number | null} speed        null: as fast as possible
- * @property {number | null} rate         measured
- * @property {number} viewers
- * @property {boolean} ended              at the horizon, or the plant escaped
- * @property {object[]} log               Events, oldest first
- * @property {import('../../diagnosis/alarms.js').Alarm[]} alarms   of the detector, oldest first, of the past that stands
- * @property {object | null} diagnosis    ObserverDiagnosis: how the detector sees the session (a little ahead of what is shown)
- * @property {Object<string, object[]>} checks    observer label → assumption checks
- * @property {ObserverState[]} observers
- * @property {FaultState[]} faults        oldest first
- * @property {Object<string, {std: number, sample_time: number}>} noise   of every output now: what the spec began with, and what was set since
- * @property {number | null} broken       when the plant itself broke down
- * @property {Object<string, number>} places    observer label → number of its colour, of those that have gone, too
- * @property {{id: string, t: number} | null} parent    the session that this one was forked from
- * @property {{observers: ObserverState[], faults: FaultState[], alarms: object[]} | null} origin   what is known of that one
- * @property {number | null} window       length of the scope's window in s; null: all
- * @property {number[]} windows           those to choose from
- * @property {boolean} begunPlain         began with a library experiment as it is
- * @property {[number, number] | null} selection    zoomed to
- * @property {number | null} cursor       time under the pointer
- * @property {number | null} looking      time that is looked back to on the timeline
- * @property {string | null} band         observer whose band alone is drawn; null: all of them
- * @property {Object<string, boolean>} strips   strip name → shown, where chosen by hand
- * @property {string | null} site         fault site that was chosen in the plant
- * @property {boolean} presentation
- * @property {string} desk                the tab that is open while presenting
- * @property {'light'|'dark'} theme
- * @property {'en'|'zh'} language
- * @property {{title: string, detail: string} | null} problem    why there is no session
- * @property {{text: string, kind: 'note'|'problem', action: {words: string, act: () => void, alone?: boolean} | null, at: number} | null} told   alone: offered while nobody else watches
- */
+/** @import {Event} from '../types.js' */
+
+/** @import {State, StateEvent, Store} from '../types.js' */
 
 /** @type {State} */
 export const initial = Object.freeze({
@@ -114,7 +51,11 @@ export const initial = Object.freeze({
   told: null,
 });
 
-/** Equal, or alike one level down: a select may build an array or an object. */
+/**
+ * Equal, or alike one level down: a select may build an array or an object.
+ * @param {unknown} a
+ * @param {unknown} b
+ */
 export function alike(a, b) {
   if (Object.is(a, b)) return true;
   if (
@@ -125,30 +66,41 @@ export function alike(a, b) {
     Array.isArray(a) !== Array.isArray(b)
   )
     return false;
-  const keys = Object.keys(a);
-  return keys.length === Object.keys(b).length && keys.every((key) => Object.is(a[key], b[key]));
+  const [one, other] = /** @type {{[key: string]: unknown}[]} */ ([a, b]);
+  const keys = Object.keys(one);
+  return keys.length === Object.keys(other).length && keys.every((key) => Object.is(one[key], other[key]));
 }
 
 /**
+ * @template T
+ * @typedef {{select: (state: State) => T, fn: (value: T, before: T | undefined) => unknown, value: T}} Watcher
+ */
+
+/**
  * @param {State} begin
- * @param {(state: State, event: object) => State} reduce
+ * @param {(state: State, event: StateEvent) => State} reduce
+ * @returns {Store}
  */
 export function createStore(begin, reduce) {
   let state = begin;
+  /** @type {Set<Watcher<unknown>>} */
   const watchers = new Set();
   return {
     get state() {
       return state;
     },
 
-    /** Tell `fn(value, before)` now and whenever `select(state)` has changed. Returns a function that ends it. */
+    /** Call `fn(value, before)` now and whenever `select(state)` has changed. Returns a function that ends it. */
     subscribe(select, fn) {
       const watcher = {select, fn, value: select(state)};
-      watchers.add(watcher);
+      watchers.add(/** @type {Watcher<unknown>} */ (/** @type {unknown} */ (watcher)));
       fn(watcher.value, undefined);
-      return () => watchers.delete(watcher);
+      return () => {
+        watchers.delete(/** @type {Watcher<unknown>} */ (/** @type {unknown} */ (watcher)));
+      };
     },
 
+    /** @param {Event} event */
     dispatch(event) {
       const next = reduce(state, event);
       if (next === state) return;

@@ -1,38 +1,22 @@
 // Which strips a session has and what each of them draws: one per fault channel, per state, per output's residual, and the excitation.
 
+/** @import {DerivedColumn, FaultState, ObserverState, Plant, State, Strip, Trace} from '../types.js' */
+
 const MOST_STATES = 4;
 const MOST_CHANNELS = 6;
 const BAND = 2; // standard deviations on either side
 
-/**
- * @typedef {object} Trace
- * @property {string} label    observer
- * @property {string} colour   'var(--o0)'
- * @property {number} place
- * @property {number | null} fallen   when it diverged
- * @property {string} column
- * @property {string} [low]    columns between which the band lies
- * @property {string} [high]
- *
- * @typedef {object} Strip
- * @property {string} name     'theta.theta1', 'x.x1', 'residual.y', 'excitation'
- * @property {'theta'|'state'|'residual'|'excitation'} kind
- * @property {string} symbol   name to be set as mathematics
- * @property {string} subject  channel, state or output
- * @property {string} title    what it is in words
- * @property {string} unit
- * @property {string | null} truth   column
- * @property {Trace[]} traces
- * @property {[number, number] | null} base   values that are always in sight
- * @property {number} least    smallest height of the axis
- * @property {boolean} log     values are powers of ten (the columns hold logarithms)
- * @property {number | null} threshold
- * @property {number} weight   of its height
- * @property {boolean} usual   shown unless hidden by hand
- */
+/** @typedef {(make: (observer: ObserverState) => {column: string, low?: string, high?: string}) => Trace[]} MakeTraces */
+/** @typedef {Omit<Strip, 'shown'>} UsualStrip   a strip before the choices by hand */
+/** @typedef {Omit<UsualStrip, 'usual'>} Draft   a strip before the usual ones are chosen */
 
-/** Columns that are computed of those that arrive: bands, residuals, logarithms. For Samples.setColumns. */
+/**
+ * Columns that are computed of those that arrive: bands, residuals, logarithms. For Samples.setColumns.
+ * @param {string[]} columns
+ * @returns {DerivedColumn[]}
+ */
 export function derivedColumns(columns) {
+  /** @type {DerivedColumn[]} */
   const derived = [];
   const known = new Set(columns);
   for (const column of columns) {
@@ -59,10 +43,15 @@ export function derivedColumns(columns) {
   return derived;
 }
 
-/** All strips of a session in their order. */
+/**
+ * All strips of a session in their order.
+ * @param {State} state
+ * @returns {Strip[]}
+ */
 export function stripsOf({plant, columns, observers, faults, checks, strips: chosen, noise, presentation}) {
   if (!plant) return [];
   const known = new Set(columns);
+  /** @param {Parameters<MakeTraces>[0]} make @returns {Trace[]} */
   const traces = (make) =>
     observers
       .map((observer) => ({
@@ -73,6 +62,7 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
         ...make(observer),
       }))
       .filter(({column}) => known.has(column) || column.includes('.residual.') || column.endsWith('.excitation'));
+  /** @type {UsualStrip[]} */
   const all = [
     ...channelStrips(plant, known, faults, traces),
     ...stateStrips(plant, traces),
@@ -83,16 +73,28 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
   return all.map((strip) => ({...strip, shown: chosen[strip.name] ?? (strip.usual && few(strip))}));
 }
 
-/** What a projector shows: the fault channels and a state; where no observer estimates a fault, what shows it otherwise: two states and a residual. */
+/**
+ * What a projector shows: the fault channels and a state; where no observer estimates a fault, what shows it otherwise: two states and a residual.
+ * @param {UsualStrip[]} all
+ * @returns {(strip: UsualStrip) => boolean}
+ */
 function fewer(all) {
   const estimated = all.some((strip) => strip.kind === 'theta' && strip.traces.length > 0);
+  /** @param {Strip['kind']} kind @param {number} count */
   const first = (kind, count) => all.filter((strip) => strip.kind === kind).slice(0, count);
   const chosen = new Set([...first('state', estimated ? 1 : 2), ...first('residual', estimated ? 0 : 1)]);
   return (strip) => strip.kind === 'theta' || chosen.has(strip);
 }
 
+/**
+ * @param {Plant} plant
+ * @param {Set<string>} known
+ * @param {FaultState[]} faults
+ * @param {MakeTraces} traces
+ */
 function channelStrips(plant, known, faults, traces) {
   const stirred = new Set(faults.map(({subject}) => subject));
+  /** @type {Draft[]} */
   const made = plant.channels.map((channel) => {
     const {name, typical} = channel;
     const size = Math.abs(typical ?? 1);
@@ -108,7 +110,7 @@ function channelStrips(plant, known, faults, traces) {
         column: `${label}.theta.${name}`,
         ...(known.has(`${label}.sigma.${name}`) ? {low: `${label}.low.${name}`, high: `${label}.high.${name}`} : {}),
       })),
-      base: typical < 0 ? [-1.5 * size, 0.7 * size] : [-0.7 * size, 1.5 * size],
+      base: (typical ?? 1) < 0 ? [-1.5 * size, 0.7 * size] : [-0.7 * size, 1.5 * size],
       least: size,
       log: false,
       threshold: null,
@@ -120,10 +122,12 @@ function channelStrips(plant, known, faults, traces) {
   const first = new Set(
     [...order.filter((strip) => strip.stirred), ...order.filter((strip) => !strip.stirred)].slice(0, MOST_CHANNELS),
   );
-  return made.map((strip) => ({...strip, usual: first.has(strip) || strip.stirred}));
+  return made.map((strip) => ({...strip, usual: first.has(strip) || strip.stirred === true}));
 }
 
+/** @param {Plant} plant @param {MakeTraces} traces */
 function stateStrips(plant, traces) {
+  /** @type {Draft[]} */
   const made = plant.states.map(({name, unit, description}) => ({
     name: `x.${name}`,
     kind: 'state',
@@ -144,6 +148,14 @@ function stateStrips(plant, traces) {
   return made.map((strip) => ({...strip, usual: first.has(strip)}));
 }
 
+/**
+ * @param {Plant} plant
+ * @param {State['noise']} present
+ * @param {Set<string>} known
+ * @param {ObserverState[]} observers
+ * @param {MakeTraces} traces
+ * @returns {UsualStrip[]}
+ */
 function residualStrips(plant, present, known, observers, traces) {
   if (observers.length === 0) return [];
   return plant.outputs.map(({name, unit, description}, place) => {
@@ -169,13 +181,20 @@ function residualStrips(plant, present, known, observers, traces) {
   });
 }
 
+/**
+ * @param {Set<string>} known
+ * @param {ObserverState[]} observers
+ * @param {State['checks']} checks
+ * @param {MakeTraces} traces
+ * @returns {UsualStrip[]}
+ */
 function excitationStrip(known, observers, checks, traces) {
   const exciting = traces(({label}) => ({column: `${label}.excitation`})).filter(({label}) => known.has(`${label}.pe`));
   if (exciting.length === 0) return [];
   const [{label}] = exciting;
-  const {gains} = observers.find((one) => one.label === label);
+  const gain = observers.find((one) => one.label === label)?.gains.delta;
   const check = (checks[label] ?? []).find(({name, threshold}) => /excit/i.test(name) && threshold !== null);
-  const delta = check?.threshold ?? gains.delta ?? null;
+  const delta = check?.threshold ?? (typeof gain === 'number' ? gain : 0);
   return [
     {
       name: 'excitation',
@@ -196,5 +215,8 @@ function excitationStrip(known, observers, checks, traces) {
   ];
 }
 
-/** The beginning of a description, short enough for a label. */
+/**
+ * The beginning of a description, short enough for a label.
+ * @param {string | undefined} description
+ */
 const short = (description) => (description ?? '').split(/[,;(]/)[0].trim();
