@@ -107,15 +107,22 @@ export const post = (url, body, signal) => request('POST', url, {body, signal});
 const ACTIVE = new Set(['queued', 'running']);
 
 /**
- * Start a run and follow it: `progress` gets each of its states. Returns the finished run.
+ * Start a run and follow it to its end. `progress` receives each state on the way.
  * @param {service.RunRequest | service.ExperimentInput} body
  * @param {(state: service.Run | service.Progress) => void} progress
  * @param {AbortSignal} [signal]
  * @returns {Promise<service.Run>}
  */
-export async function run(body, progress, signal) {
-  /** @type {service.Run | service.Progress} */
-  let state = await post('/api/runs', body, signal);
+export const run = async (body, progress, signal) => follow(await post('/api/runs', body, signal), progress, signal);
+
+/**
+ * Follow a run that the server has accepted until it ends: a 202 answer holds its progress, not yet its spec and summary.
+ * @param {service.Run | service.Progress} state
+ * @param {(state: service.Run | service.Progress) => void} [progress]
+ * @param {AbortSignal} [signal]
+ * @returns {Promise<service.Run>}
+ */
+export async function follow(state, progress = () => {}, signal = undefined) {
   while (ACTIVE.has(state.status)) {
     progress(state);
     await pause(0.2, signal);

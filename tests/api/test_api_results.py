@@ -4,6 +4,7 @@ import base64
 import csv
 import io
 import json
+import re
 
 import numpy as np
 import pytest
@@ -143,3 +144,20 @@ def test_problem_documents_of_parameters_name_the_parameter(client, run):
         assert refusal.value.status == 422
         assert refusal.value.problem["errors"][0]["field"] == field
         assert json.dumps(refusal.value.problem["errors"][0]["remedy"]) != '""'
+
+
+def test_an_observer_added_while_the_run_goes_on_is_in_report_and_figures(client):
+    """A run with an add-observer command, as a live session saves it, has a report and figures with the added observer."""
+    spec = client.get("/api/experiments/zhao-2012")
+    added = {
+        "command": "add-observer",
+        "at": 1.0,
+        "observer": {"label": "late", "kind": "joint-ekf", "gains": {"r": 1e-5}},
+    }
+    spec |= {"horizon": 4.0, "figures": [], "commands": [added], "diagnosis": {"enabled": False}}
+    run = client.run(spec)
+    status, _, page = client.request("GET", run["links"]["report"])
+    assert status == 200 and "late" in re.findall(r"<h3>.*?</h3>", page.decode())[-1]
+    names = [one["name"] for one in client.get(run["links"]["figures"])["figures"]]
+    drawn = {name: json.dumps(client.get(f"{run['links']['figures']}/{name}")) for name in names}
+    assert "errors" in drawn and "late" in drawn["errors"] and "late" in drawn["faults"]

@@ -108,6 +108,14 @@ def test_files_that_are_no_records_are_refused(call, tmp_path):
     assert "did you mean" in call("diagnose", "friction-moter", "a.csv")[2]
 
 
+@pytest.mark.parametrize("row", ["7", "7,8", "7,8,9,10", ",7,8", "7,,9"])
+def test_a_row_of_another_length_is_refused_with_its_line(row):
+    """One cell is not taken for the whole row, and none is filled in."""
+    with pytest.raises(SpecError, match="line 3") as caught:
+        columns_of_csv(f"t,u,y\n0,1,2\n{row}\n2,3,4")
+    assert caught.value.value == row
+
+
 def test_a_trial_counts_false_and_right_alarms(call):
     """Five seeds of the friction example: no false alarm, five faults found; the locked band is judged beside it."""
     code, shown, _ = call("trial", "friction-motor", "--seeds", "5", "--lock", "7", "--quiet")

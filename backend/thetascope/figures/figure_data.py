@@ -21,7 +21,7 @@ class Scene:
         self.t = result.column("t")
         self.time = Abscissa(self.t, "time (s)")
         self.columns = set(result.names)
-        self.labels = [observer.label for observer in spec.observers]
+        self.labels = list(spec.observer_configs())
         self._rows = {name: row for row, name in enumerate(result.names)}
 
     def values(self, column: str) -> np.ndarray:

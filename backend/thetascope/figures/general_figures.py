@@ -25,7 +25,7 @@ def _excitation_columns(columns: Sequence[str], labels: Sequence[str]) -> list[t
 def available(spec, columns: Sequence[str]) -> list[tuple[str, str]]:
     """(name, title) of the general figures that a result with these columns can fill."""
     kinds = {column.split(".")[0] for column in columns}
-    labels = [observer.label for observer in spec.observers]
+    labels = list(spec.observer_configs())
     observed = bool(labels)
     estimated = any(column.startswith(f"{label}.theta.") for column in columns for label in labels)
     offered = [

@@ -15,7 +15,7 @@ _CLASSES = {HOLDS: "holds", FAILS: "fails"}
 
 def observers(scene: Scene) -> str:
     """Each observer: kind, gains, what it reports, how its theorem's assumptions fare here."""
-    configured = {config.label: config for config in scene.spec.observers}
+    configured = scene.spec.observer_configs()
     return "".join(_observer(scene, report, configured[report.label]) for report in scene.result.observers)
 
 

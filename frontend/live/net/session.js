@@ -1,6 +1,6 @@
 // Sessions over REST, and what this tab remembers of the one that it began.
 
-import {get, post, Problem, request} from '../../common/api.js';
+import {follow, get, post, Problem, request} from '../../common/api.js';
 
 /** @import {Experiment, KeptSession, Run} from '../types.js' */
 /** @import * as service from '../../types/service.js' */
@@ -51,12 +51,19 @@ const controlled = (method, id, path, token, body) =>
  * @returns {Promise<service.SessionOpened>}
  */
 export const fork = (id, token, t) => controlled('POST', id, '/fork', token, t === undefined ? {} : {t});
+
 /**
+ * Save a session as a run. The promise settles when the run has ended, and rejects with a Problem where it has no result.
  * @param {string} id
  * @param {string | null} token
  * @returns {Promise<service.Run>}
  */
-export const save = (id, token) => controlled('POST', id, '/save', token, {});
+export async function save(id, token) {
+  const run = await follow(await controlled('POST', id, '/save', token, {}));
+  if (run.status !== 'done') throw new Problem(run.problem ?? {title: run.status});
+  return run;
+}
+
 /**
  * @param {string} id
  * @param {string | null} token

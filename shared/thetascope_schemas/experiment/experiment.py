@@ -26,7 +26,7 @@ from thetascope_schemas.experiment.base import (
     refuse,
     suggest,
 )
-from thetascope_schemas.experiment.commands import MAX_COMMANDS, TimedCommand
+from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, TimedCommand
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.figures import Figure
@@ -167,6 +167,14 @@ class Experiment(Strict):
                 self._check_columns(self.plant, f"figures[{index}]", figure)
         return self
 
+    def observer_configs(self) -> dict[str, ObserverConfig]:
+        """Return every observer that runs at some time, by label: those from the start, then those that commands add.
+
+        Where a label is removed and added again, the configuration is the last one, as in the result.
+        """
+        added = [command.observer for command in self.commands if isinstance(command, AddObserver)]
+        return {config.label: config for config in (*self.observers, *added)}
+
     def _check_times(self) -> None:
         if self.step > self.horizon:
             raise refuse(
@@ -276,7 +284,7 @@ class Experiment(Strict):
         """Figures draw columns that a result has; of an observer's columns only the label is known here."""
         groups = {"u": "inputs", "signal": "signals", "x": "states", "theta": "channels", "y": "outputs"}
         own = ["t"] + [f"{prefix}.{name}" for prefix, group in groups.items() for name in plant.names(group)]
-        labels = [item.label for item in self.observers]
+        labels = list(self.observer_configs())
         for field, column in figure.columns():
             label, _, rest = column.partition(".")
             if column in own or (label in labels and rest):

@@ -29,6 +29,8 @@ def columns_of_csv(text: str) -> dict[str, np.ndarray]:
     data = np.empty((len(rows), len(names)))
     for place, (number, line) in enumerate(rows):
         try:
+            if len(line) != len(names):  # NumPy would repeat a single cell along the row
+                raise ValueError
             data[place] = [float(cell) for cell in line]
         except ValueError:
             raise SpecError(

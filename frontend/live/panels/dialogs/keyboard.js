@@ -55,6 +55,19 @@ export function faster(speed, by) {
   return SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, place + by))];
 }
 
+/**
+ * Buttons that keep the focus although nobody navigates by keyboard: one that was clicked, and one that gets the focus back
+ * when Escape closes what it had opened. Space is the page's there; Enter still presses them, and Tab makes them ordinary again.
+ */
+let resting = new WeakSet();
+
+const BUTTONS = 'button:not([role=tab]), a, summary, [role=button]';
+
+function rest(element) {
+  const button = element?.closest?.(BUTTONS);
+  if (button) resting.add(button);
+}
+
 /** Whether an element has its own use for a key. */
 function own(element, key) {
   const dialog = element.closest('dialog');
@@ -62,10 +75,24 @@ function own(element, key) {
   if (element.matches('input:not([type=range]), textarea, select, [contenteditable]')) return true;
   if (element.matches('input[type=range], [role=slider], [role=tab], [role=listbox] *'))
     return key.startsWith('Arrow') || ['Home', 'End', 'PageUp', 'PageDown'].includes(key);
-  return element.matches('button:not([role=tab]), a, summary, [role=button]') && (key === ' ' || key === 'Enter');
+  return element.matches(BUTTONS) && (key === 'Enter' || (key === ' ' && !resting.has(element)));
 }
 
 export function mount(element, app) {
+  let taken = false; // Space was taken when it went down: a button must not act on its release (Firefox)
+  element.addEventListener('pointerdown', (event) => rest(event.target), true);
+  element.addEventListener(
+    'keydown',
+    (event) => {
+      if (event.key === 'Tab') resting = new WeakSet();
+      if (event.key === 'Escape') setTimeout(() => rest(document.activeElement));
+    },
+    true,
+  );
+  element.addEventListener('keyup', (event) => {
+    if (event.key === ' ' && taken) event.preventDefault();
+    taken = false;
+  });
   element.addEventListener('keydown', (event) => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || own(event.target, event.key))
       return;
@@ -75,6 +102,7 @@ export function mount(element, app) {
     const found = KEYS.find((one) => one.act && one.keys.includes(name));
     if (!channel && !found) return;
     event.preventDefault();
+    taken = name === 'Space';
     if (channel) {
       app.act.site(null);
       app.act.site(channel.name);
