@@ -1,8 +1,9 @@
-"""What the library's experiments need, made once beside the service: kernels and thresholds of one take seconds where none is kept.
+"""Compile the kernels and find the thresholds of the library's experiments in advance, in a process beside the service.
 
     python -m thetascope.server.prewarm
 
-It is a process of its own and of the lowest priority, so that it takes nothing from sessions, and ends with the service.
+One experiment takes seconds the first time. The process has the lowest priority, so that sessions are not slowed down. Its standard
+input is a pipe from the service: when the service ends, however and whenever that is, the pipe closes and the process exits.
 """
 
 import logging
@@ -11,6 +12,7 @@ import signal
 import subprocess
 import sys
 import time
+from threading import Thread
 
 from thetascope import library
 from thetascope.engine.compiler import cache
@@ -19,51 +21,64 @@ from thetascope.runs.results.engine_version import engine_version
 log = logging.getLogger(__name__)
 
 _DONE = "warmed"
-_LATER = 10.0  # s, for the first page, which is being opened
+_LATER = 10.0  # s; the first page is being opened meanwhile
 
 
-def begin() -> subprocess.Popen | None:
-    """Start the process, unless everything is there already."""
+def begin() -> subprocess.Popen[bytes] | None:
+    """Start the process and return it; None if everything is in the cache already."""
     if cache.read(_DONE, _key()) is not None:
         return None
     try:
         return subprocess.Popen(
-            [sys.executable, "-m", "thetascope.server.prewarm"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL
+            [sys.executable, "-m", "thetascope.server.prewarm"], stdin=subprocess.PIPE, stdout=subprocess.DEVNULL
         )
     except OSError as error:
-        log.warning("the library is not prepared ahead: %s", error)
+        log.warning("the library is not compiled in advance: %s", error)
         return None
 
 
-def end(process: subprocess.Popen | None) -> None:
-    """Stop the process, if there is one."""
-    if process is not None and process.poll() is None:
+def end(process: subprocess.Popen[bytes] | None) -> None:
+    """Stop the process and wait for it, if there is one."""
+    if process is None:
+        return
+    if process.poll() is None:
         process.terminate()
         process.wait()
+    if process.stdin is not None:
+        process.stdin.close()
 
 
 def _key() -> str:
-    """The name under which it is noted that all is there: another once the numerics or the library have changed."""
+    """Return the cache entry that says that all is done. It changes with the numerics and with the library."""
     return f"{engine_version()}-{library.digest()[:16]}"
 
 
 def main() -> None:
-    """Open each experiment as a live session would be; stop where the service that began this has gone."""
-    from thetascope.engine.errors import ThetascopeError
-    from thetascope.live.session.session import Session  # SymPy comes with it, so the service starts without
+    """Exit with the service; until then open each experiment of the library as a live session would."""
+    Thread(target=_exit_with_service, daemon=True).start()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the service, which ends this process
+    prepare()
 
-    parent = os.getppid()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the service, which ends this
+
+def _exit_with_service() -> None:
+    """Wait until the service's end of the pipe is closed. Then exit without delay: the caches are written atomically."""
+    sys.stdin.buffer.read()
+    os._exit(0)
+
+
+def prepare() -> None:
+    """Advance a session of every experiment by one row, and note that it is done."""
+    from thetascope.engine.errors import ThetascopeError
+    from thetascope.live.session.session import Session  # imports SymPy, which the service starts without
+
     if hasattr(os, "nice"):
         os.nice(19)
     time.sleep(_LATER)
     for spec in library.experiments().values():
-        if os.getppid() != parent:
-            return
         try:
             Session(spec).advance(1)
         except ThetascopeError as error:
-            log.warning("%s is not prepared ahead: %s", spec.id, error)
+            log.warning("%s is not compiled in advance: %s", spec.id, error)
     cache.write(_DONE, _key(), b"")
 
 
