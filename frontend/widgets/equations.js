@@ -2,6 +2,7 @@
 
 import {post} from '../common/api.js';
 import {fill, h, symbol} from '../common/dom.js';
+import {focusWhenScrolling} from '../common/scroll-focus.js';
 import {chip} from './controls.js';
 
 const ALLOWED = new Set([
@@ -69,15 +70,17 @@ export async function showEquations(body, app) {
 
 function plantPart(answer, plant, text) {
   const lines = (items) =>
-    h(
-      'div',
-      {class: 'equations'},
-      items.map((item) =>
-        h(
-          'div',
-          {class: 'equation'},
-          mathml(item.math),
-          h('span', {class: 'soft'}, [text.named(item.description), item.unit].filter(Boolean).join(', ')),
+    focusWhenScrolling(
+      h(
+        'div',
+        {class: 'equations'},
+        items.map((item) =>
+          h(
+            'div',
+            {class: 'equation'},
+            mathml(item.math),
+            h('span', {class: 'soft'}, [text.named(item.description), item.unit].filter(Boolean).join(', ')),
+          ),
         ),
       ),
     );
@@ -111,11 +114,13 @@ function observerPart(observer, answer, text) {
     {},
     h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${text.named(answer.title)}`)),
     h('p', {class: 'soft'}, answer.source),
-    h(
-      'div',
-      {class: 'equations'},
-      answer.equations.map(({number, math}) =>
-        h('div', {class: 'equation'}, mathml(math), h('span', {class: 'soft'}, number)),
+    focusWhenScrolling(
+      h(
+        'div',
+        {class: 'equations'},
+        answer.equations.map(({number, math}) =>
+          h('div', {class: 'equation'}, mathml(math), h('span', {class: 'soft'}, number)),
+        ),
       ),
     ),
     answer.where.length > 0 &&

@@ -2,6 +2,14 @@
 
 import time
 
+#: Narrow, wide, and with Chinese characters of the same font; the content policy forbids style elements.
+FONTS = ("", "DejaVu Sans", "Noto Sans CJK SC")
+SET_FONT = """(font) => {
+  const sheet = new CSSStyleSheet();
+  sheet.replaceSync(font ? `body * {font-family: '${font}' !important}` : '');
+  document.adoptedStyleSheets = [sheet];
+}"""
+
 
 def until(page, expression: str, seconds: float = 20.0):
     """Wait until an expression is true on the page (whose content policy forbids Playwright's own waiting by eval)."""

@@ -5,7 +5,7 @@ from pathlib import Path
 import axe_playwright_python
 import pytest
 
-from tests.browser.live_helpers import opened
+from tests.browser.live_helpers import FONTS, SET_FONT, opened
 
 AXE = (Path(axe_playwright_python.__file__).parent / "axe.min.js").read_text() + ";0"
 UNFOLD = "for (const one of document.querySelectorAll('.lights, .heading .link[aria-expanded], .dots')) one.click()"
@@ -94,7 +94,9 @@ def test_nothing_serious_on_a_phone(page, path, theme, language):
     live.click(".more-actions")
     live.keyboard.press("e")
     live.wait_for_selector("dialog[open] math")
-    found["equations"] = serious(live)
+    for font in FONTS:
+        live.evaluate(SET_FONT, font)
+        found[f"equations {font}"] = serious(live)
     assert {name: what for name, what in found.items() if what} == {}
 
 
@@ -110,3 +112,17 @@ def test_nothing_serious_on_the_page_of_records(page, theme, width):
     shown.click("button.run")
     shown.wait_for_selector(".found", timeout=60_000)
     assert before == serious(shown) == []
+
+
+def test_nothing_serious_on_the_page_of_plants(page):
+    """All plants unfolded at 390 pixels, in narrow and wide fonts: equations that scroll can be focused."""
+    shown = page("/plants/", width=390, height=844)
+    shown.wait_for_selector(".plant-card")
+    shown.evaluate("for (const one of document.querySelectorAll('.plant-card')) one.open = true")
+    shown.wait_for_selector(".plant-card:last-of-type math", timeout=60_000)
+    shown.evaluate(AXE)
+    found = {}
+    for font in FONTS:
+        shown.evaluate(SET_FONT, font)
+        found[font] = serious(shown)
+    assert {name: what for name, what in found.items() if what} == {}

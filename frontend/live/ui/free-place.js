@@ -1,24 +1,27 @@
-// Where something may stand for a while and cover nothing that is looked at: in the empty middle of the header, else over the scope's legend.
+// Places for notices that cover nothing: the empty middle of the header, else over the scope's legend.
 
 import {query} from '../../common/dom.js';
 
 const WIDE = '(min-width: 1180px)'; // narrower pages have their own places for it (live.css)
-const LEAST = 300; // px of the header's middle from which on words may break in it
+const LEAST = 300; // px of the header's middle in which text may wrap; less where the legend's place is taken
+const ROUNDING = 1; // px: an element as wide as its room may measure a fraction more
 
 /**
- * Put an element there; `narrow` may make it narrower where it does not fit. While presenting, and on narrow pages, the style sheet places it.
+ * Put an element in the first place with room for it. While presenting, and on narrow pages, the style sheet places it.
  * @param {HTMLElement} element
- * @param {{breaks?: boolean, taken?: boolean, narrow?: (on: boolean) => void}} [options]
+ * @param {{breaks?: boolean, taken?: boolean, crowded?: boolean, narrow?: (on: boolean) => void}} [options]
+ *   breaks: its text may wrap; taken: the header holds something else; crowded: the legend's place does; narrow: makes it
+ *   narrower, for a header without room
  */
-export function stand(element, {breaks = false, taken = false, narrow = () => {}} = {}) {
+export function stand(element, {breaks = false, taken = false, crowded = false, narrow = () => {}} = {}) {
   Object.assign(element.style, {left: '', top: '', bottom: '', maxWidth: '', transform: ''});
   narrow(false);
   if (!matchMedia(WIDE).matches || document.documentElement.classList.contains('presentation')) return;
   const gap = document.querySelector('.top .grow')?.getBoundingClientRect();
   const header = query('.top').getBoundingClientRect();
   const room = gap ? gap.width - 16 : 0;
-  const fits = () => element.offsetWidth <= room;
-  if (breaks && room > LEAST) element.style.maxWidth = `${room}px`;
+  const fits = () => element.getBoundingClientRect().width <= room + ROUNDING;
+  if (breaks && room > (crowded ? 0 : LEAST)) element.style.maxWidth = `${room}px`;
   if (!taken && !fits()) narrow(true);
   if (gap && !taken && fits())
     put(element, gap.left + gap.width / 2, header.top + (header.height - element.offsetHeight) / 2);
@@ -46,12 +49,14 @@ function put(element, middle, top) {
 }
 
 /**
- * Whether something stands in the header already.
+ * Whether the first element of a selector is shown within the header (true), below it (false), or not at all (null).
  * @param {string} selector
  */
-export const standsInHeader = (selector) =>
-  (document.querySelector(selector)?.getBoundingClientRect().top ?? Infinity) <
-  query('.top').getBoundingClientRect().bottom;
+export function isInHeader(selector) {
+  const element = document.querySelector(selector);
+  if (!element) return null;
+  return element.getBoundingClientRect().top < query('.top').getBoundingClientRect().bottom;
+}
 
 /**
  * Call `again` when the room may have changed.

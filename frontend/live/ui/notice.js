@@ -4,7 +4,7 @@ import {fill, h, number} from '../../common/dom.js';
 import {called} from '../../common/names.js';
 import {seconds} from '../../widgets/number-format.js';
 import {seconds as timed} from '../../widgets/controls.js';
-import {stand, standsInHeader, watchRoom} from './free-place.js';
+import {stand, isInHeader, watchRoom} from './free-place.js';
 
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
@@ -22,8 +22,9 @@ export function mountNotice(root, app) {
     place();
   };
   const place = () => {
-    if (!root.hidden && root.childElementCount)
-      stand(root, {breaks: true, taken: standsInHeader('.choice:not([hidden])')});
+    if (root.hidden || !root.childElementCount) return;
+    const choice = isInHeader('.choice:not([hidden])');
+    stand(root, {breaks: true, taken: choice === true, crowded: choice === false});
   };
   watchRoom(place);
   app.subscribe(

@@ -2,6 +2,7 @@
 
 import {connection, get, post, Problem} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
+import {focusWhenScrolling} from '../../common/scroll-focus.js';
 import {mathml} from '../../widgets/equations.js';
 import {text} from '../../i18n/pages.js';
 import {problemBlock} from '../../common/problem.js';
@@ -12,11 +13,13 @@ const KINDS = Object.fromEntries((await get('/api/catalogue')).observers.map((ki
 /** The equations of a plant, as rows. */
 function equations(answer) {
   const rows = [...answer.states, ...answer.definitions, ...answer.outputs];
-  return h(
-    'div',
-    {class: 'equations'},
-    rows.map((item) =>
-      h('div', {class: 'equation'}, mathml(item.math), h('span', {class: 'soft'}, text.named(item.description))),
+  return focusWhenScrolling(
+    h(
+      'div',
+      {class: 'equations'},
+      rows.map((item) =>
+        h('div', {class: 'equation'}, mathml(item.math), h('span', {class: 'soft'}, text.named(item.description))),
+      ),
     ),
   );
 }

@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from tests.browser.live_helpers import opened, until
+from tests.browser.live_helpers import FONTS, SET_FONT, opened, until
 
 SIX = [
     ("high", "high-gain"),
@@ -113,27 +113,35 @@ def test_what_opens_moves_nothing_else(page):
     assert live.evaluate(CARDS) == before
 
 
+OVERLAPS = """() => {
+  const boxes = (all) => [...document.querySelectorAll(all)].filter((one) => one.checkVisibility())
+    .map((one) => [one.className || one.id, one.getBoundingClientRect()]);
+  const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
+  const notices = boxes('.choice:not([hidden]), #notice:not(:empty)');
+  const kept = boxes('.logo, .pages a, .connection, .actions button, #timeline .rail, #transport, .strip-plot');
+  return notices.flatMap(([name, box], i) => [...kept, ...notices.slice(i + 1)].filter(([, other]) => !apart(box, other))
+    .map(([other]) => `${name} / ${other}`));
+}"""
+
+
 @pytest.mark.parametrize(("width", "language"), [(1440, "en"), (1280, "en"), (1280, "zh"), (1920, "zh")])
 def test_notices_cover_nothing(page, width, language):
-    """The choice at a time, the lost connection, a word: none over the navigation, the connection, the actions, nor over one another."""
+    """In narrow and wide fonts: no notice covers the navigation, the connection, the actions, the curves or another notice."""
     live = still(page, "/?experiment=zhao-2012&t=30", width=width, height=800)
     live.evaluate(f"thetascope.act.language('{language}')")
-    over = """() => {
-      const boxes = (all) => [...document.querySelectorAll(all)].filter((one) => one.checkVisibility()).map((one) => [one.className || one.id, one.getBoundingClientRect()]);
-      const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
-      const told = boxes('.choice:not([hidden]), #notice:not(:empty)');
-      const kept = boxes('.logo, .pages a, .connection, .actions button, #timeline .rail, #transport, .strip-plot');
-      return told.flatMap(([name, box], i) => [...kept, ...told.slice(i + 1)].filter(([, other]) => !apart(box, other)).map(([other]) => `${name} / ${other}`));
-    }"""
-    live.evaluate("thetascope.act.tell('A word that is said for some seconds, and long enough to need its room.')")
-    assert live.is_visible("#notice") and live.evaluate(over) == []
-    live.evaluate("thetascope.act.look(12)")
-    live.wait_for_timeout(100)
-    assert live.is_visible(".choice .run") and live.evaluate(over) == []
-    live.evaluate("thetascope.act.look(null); thetascope.store.dispatch({type: 'connection', now: 'reconnecting'})")
-    live.wait_for_selector("#notice.lost")
-    live.wait_for_timeout(100)
-    assert live.evaluate(over) == []
+    for font in FONTS:
+        live.evaluate(SET_FONT, font)
+        live.evaluate("thetascope.store.dispatch({type: 'connection', now: 'connected'})")
+        live.evaluate("thetascope.act.tell('A word that is said for some seconds, and long enough to need its room.')")
+        live.wait_for_timeout(100)
+        assert live.is_visible("#notice") and live.evaluate(OVERLAPS) == [], font
+        live.evaluate("thetascope.act.look(12)")
+        live.wait_for_timeout(100)
+        assert live.is_visible(".choice .run") and live.evaluate(OVERLAPS) == [], font
+        live.evaluate("thetascope.act.look(null); thetascope.store.dispatch({type: 'connection', now: 'reconnecting'})")
+        live.wait_for_selector("#notice.lost")
+        live.wait_for_timeout(100)
+        assert live.evaluate(OVERLAPS) == [], font
 
 
 def test_the_hysteresis_is_whole_on_a_phone(page):

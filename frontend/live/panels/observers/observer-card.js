@@ -23,7 +23,7 @@ export function createCard(app, observer, kind) {
   let present = observer;
   let known = {}; // defaults from the server
   const lights = h('button', {type: 'button', class: 'lights', 'aria-expanded': 'false'});
-  const checks = h('ul', {class: 'checks', popover: 'auto'}); // over the page: opened, it moves nothing
+  const checks = h('ul', {class: 'checks', popover: 'auto', tabindex: 0}); // over the page: opened, it moves nothing
   lights.popoverTargetElement = checks;
   const gains = h('div', {class: 'gains'});
   const more = h('div', {class: 'gains'});

@@ -1,0 +1,62 @@
+"""What opens over the live page: keys after it has closed, and exports that the server takes long to compute."""
+
+import json
+
+import pytest
+
+from tests.browser.live_helpers import opened, until
+
+EXPORT = ".actions button:nth-child(2)"
+OPENED = "document.querySelector('dialog[open]') !== null"
+
+
+@pytest.mark.parametrize("way", ["mouse", "Enter", "key"])
+def test_space_plays_after_escape_has_closed_a_dialog(page, way):
+    """However the dialog was opened, Space pauses the session and does not open the dialog again; Enter on its button does."""
+    live = opened(page)
+    if way == "mouse":
+        live.click(EXPORT)
+    elif way == "Enter":
+        live.focus(EXPORT)
+        live.keyboard.press("Enter")
+    else:
+        live.keyboard.press("e")
+    until(live, OPENED)
+    live.keyboard.press("Escape")
+    until(live, f"!({OPENED})")
+    until(live, "thetascope.state.playing")
+    live.keyboard.press(" ")
+    until(live, "!thetascope.state.playing")
+    assert not live.evaluate(OPENED)
+    live.focus(EXPORT)
+    live.keyboard.press("Enter")
+    until(live, OPENED)
+
+
+def test_space_presses_a_button_that_was_reached_by_tab(page):
+    """Whoever navigates by keyboard keeps the browser's own meaning of Space."""
+    live = opened(page)
+    live.focus(".actions button:nth-child(1)")
+    live.keyboard.press("Tab")
+    live.keyboard.press(" ")
+    until(live, OPENED)
+
+
+def test_an_export_waits_for_a_run_that_takes_long(page):
+    """The server answers 202 with the progress, which has no spec yet: the specification is downloaded once the run has ended."""
+    live = opened(page)
+    until(live, "thetascope.state.t > 0.5")
+
+    def accepted(route):
+        """Answer as the server does when the run outlasts the time that a request may wait."""
+        run = json.loads(route.fetch().text())
+        part = {key: run[key] for key in ("id", "links")} | {"status": "running", "progress": 0.5, "detail": ""}
+        route.fulfill(status=202, json=part)
+
+    live.route("**/save", accepted)
+    live.click(EXPORT)
+    with live.expect_download(timeout=20_000) as download:
+        live.click("dialog[open] button:text-is('Specification')")
+    spec = json.loads(download.value.path().read_text())
+    assert spec["id"] == "zhao-2012" and download.value.suggested_filename.startswith("zhao-2012-")
+    assert live.watch.errors == []
