@@ -75,7 +75,7 @@ def test_a_library_experiment_opens_at_a_time_and_paused(client, address):
 
 
 def test_who_has_no_token_watches_and_who_has_a_wrong_one_does_not(client, address):
-    """View-only: same rows, no commands; the fork has a token of its own."""
+    """LiveColumns-only: same rows, no commands; the fork has a token of its own."""
     session = opened(client)
     with watching(address, session, token="") as guest:
         assert guest.receive()["role"] == "view"

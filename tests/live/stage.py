@@ -12,8 +12,8 @@ import numpy as np
 from tests.runs.samples import spec
 from thetascope.assembly import prepare
 from thetascope.live.room.room import Room
-from thetascope.live.room.room_parts import House
-from thetascope.live.room.serial_queue import Job, Then, outcome
+from thetascope.live.room.room_parts import RoomServices
+from thetascope.live.room.serial_queue import Callback, Job, outcome
 from thetascope.live.session.session import Session
 from thetascope.live.wire.viewer import Viewer
 from thetascope_schemas.experiment.experiment import Experiment
@@ -97,35 +97,35 @@ class Stage:
         self.at: float | None = None
         self.session = Session(spec(**({"record": 0.01} | changes)), limit)
         self.session.advance(1)
-        house = House(
+        services = RoomServices(
             clock=lambda: self.now,
             background=self._background,
             workshop=self._background,
             wake=self._wake,
-            feed=self._feed,
-            watch=self._watch,
+            request_prefetch=self._feed,
+            request_detection=self._watch,
             may_check=lambda: True,
             viewers=viewers,
             backlog=backlog,
             past=lambda: past,
         )
-        self.room = Room("room", "token", self.session, house)
-        self._busy, self.hungry = busy, False
+        self.room = Room("room", "token", self.session, services)
+        self._busy, self.needs_prefetch = busy, False
         self._tasks: list[asyncio.Task] = []
         self._number = self._ticks = 0
 
     def _feed(self, room: Room, _: bool) -> None:
         """Compute ahead: at once, or, where the stage is busy, in the course of `go`."""
-        self.hungry = True
+        self.needs_prefetch = True
         if not self._busy:
-            room.fill()
+            room.prefetch_rows()
 
     def _watch(self, room: Room) -> None:
-        while (left := room.inspection.watching()) is not None:
+        while (left := room.checks.detection_job()) is not None:
             job, then = left
             then(*outcome(job))
 
-    def _background(self, job: Job, then: Then) -> None:
+    def _background(self, job: Job, then: Callback) -> None:
         then(*outcome(job))
 
     def _wake(self, room: Room, at: float) -> None:
@@ -146,7 +146,7 @@ class Stage:
         """Send a command; its answer."""
         self._number += 1
         message = json.dumps({"type": type, "id": self._number, **fields})
-        self.room.control.receive(connection.viewer, message, 100_000)
+        self.room.commands.receive(connection.viewer, message, 100_000)
         await settle()
         answers = [t for t in connection.texts if t["type"] in ("ack", "refused") and t["id"] == self._number]
         assert len(answers) == 1, "one answer each"
@@ -159,9 +159,9 @@ class Stage:
             self.now = max(self.now, self.at)
             at, self.at = self.at, None
             self._ticks += 1
-            if self._busy and self.hungry and self._ticks % 3 == 0:
-                self.hungry = False
-                self.room.fill()
+            if self._busy and self.needs_prefetch and self._ticks % 3 == 0:
+                self.needs_prefetch = False
+                self.room.prefetch_rows()
             following = self.room.tick(at)
             if following is not None:
                 self.at = following if self.at is None else min(self.at, following)

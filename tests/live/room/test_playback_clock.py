@@ -5,7 +5,7 @@ from math import inf
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thetascope.live.room.playback_clock import FRAME, Pace, Rate, Spacing, Turnstile
+from thetascope.live.room.playback_clock import FRAME, MeasuredSpeed, MinimumInterval, PlaybackClock, RateLimiter
 
 TIMES = st.lists(st.floats(0.001, 2.0), min_size=1, max_size=30)
 
@@ -13,76 +13,76 @@ TIMES = st.lists(st.floats(0.001, 2.0), min_size=1, max_size=30)
 @given(TIMES, st.sampled_from([0.1, 1.0, 7.3, 1000.0]), st.sampled_from([0.001, 0.01, 0.25]))
 def test_rows_follow_the_speed_however_often_one_looks(spacings, speed, record):
     """After T seconds T · speed / record rows are due, and never fewer than before."""
-    pace, now, before = Pace(record), 0.0, 0
-    pace.set_speed(speed, 0, 0.0)
-    pace.play(0, 0.0)
+    playback, now, before = PlaybackClock(record), 0.0, 0
+    playback.set_speed(speed, 0, 0.0)
+    playback.play(0, 0.0)
     for spacing in spacings:
         now += spacing
-        assert pace.due(now) >= before
-        before = pace.due(now)
+        assert playback.due(now) >= before
+        before = playback.due(now)
     assert abs(before - now * speed / record) <= 1 + 1e-6
 
 
 def test_a_change_of_speed_neither_jumps_nor_loses_part_of_a_row():
     """Half a row at one speed and half a row at another are a row."""
-    pace = Pace(0.1)
-    pace.play(0, 0.0)
+    playback = PlaybackClock(0.1)
+    playback.play(0, 0.0)
     for i in range(10):
-        pace.set_speed([0.5, 2.0][i % 2], 0, 0.05 * i)
+        playback.set_speed([0.5, 2.0][i % 2], 0, 0.05 * i)
     expected = sum([0.5, 2.0][i % 2] * 0.05 for i in range(10)) / 0.1
-    assert pace.due(0.5) == int(expected + 1e-6)
+    assert playback.due(0.5) == int(expected + 1e-6)
 
 
 def test_what_the_simulation_cannot_follow_is_not_caught_up():
     """Set back to what there is, the clock goes on from there at its speed."""
-    pace = Pace(0.01)
-    pace.play(0, 0.0)
-    assert pace.due(10.0) == 1000
-    pace.anchor(300, 10.0)
-    assert pace.due(10.5) == 350
+    playback = PlaybackClock(0.01)
+    playback.play(0, 0.0)
+    assert playback.due(10.0) == 1000
+    playback.anchor(300, 10.0)
+    assert playback.due(10.5) == 350
 
 
 def test_paused_nothing_is_due_and_playing_goes_on_where_it_stopped():
     """A pause takes no time."""
-    pace = Pace(0.01)
-    pace.play(0, 0.0)
-    assert pace.due(1.0) == 100
-    pace.pause()
-    assert pace.due(50.0) == 0 and pace.next(100, 50.0, 50.0) is None
-    pace.play(100, 60.0)
-    assert pace.due(60.5) == 150
+    playback = PlaybackClock(0.01)
+    playback.play(0, 0.0)
+    assert playback.due(1.0) == 100
+    playback.pause()
+    assert playback.due(50.0) == 0 and playback.next(100, 50.0, 50.0) is None
+    playback.play(100, 60.0)
+    assert playback.due(60.5) == 150
 
 
 def test_a_step_is_due_at_once_and_ends_where_it_should():
     """Playing stops, the rows are due whatever the time."""
-    pace = Pace(0.01)
-    pace.play(0, 0.0)
-    pace.step(70)
-    assert (pace.playing, pace.moving, pace.due(0.0), pace.target) == (False, True, 70, 70)
-    pace.reached(69)
-    assert pace.moving
-    pace.reached(70)
-    assert not pace.moving
+    playback = PlaybackClock(0.01)
+    playback.play(0, 0.0)
+    playback.step(70)
+    assert (playback.playing, playback.moving, playback.due(0.0), playback.target) == (False, True, 70, 70)
+    playback.reached(69)
+    assert playback.moving
+    playback.reached(70)
+    assert not playback.moving
 
 
 def test_as_fast_as_possible_everything_is_due():
     """There is no end to it."""
-    pace = Pace(0.01)
-    pace.play(0, 0.0)
-    pace.set_speed(None, 0, 0.0)
-    assert pace.due(0.0) == inf
-    assert pace.next(5, 1.0, 1.0) == 1.0 + FRAME
+    playback = PlaybackClock(0.01)
+    playback.play(0, 0.0)
+    playback.set_speed(None, 0, 0.0)
+    assert playback.due(0.0) == inf
+    assert playback.next(5, 1.0, 1.0) == 1.0 + FRAME
 
 
 @given(st.lists(st.floats(0, 0.2), min_size=1, max_size=50))
 def test_frames_keep_their_beat_whatever_the_delays(delays):
     """Every frame is due at a whole number of frames from the first, in the future, and none is far away."""
-    pace = Pace(0.001)
-    pace.play(0, 0.0)
+    playback = PlaybackClock(0.001)
+    playback.play(0, 0.0)
     at = 0.0
     for delay in delays:
         now = at + delay
-        following = pace.next(pace.due(now), at, now)
+        following = playback.next(playback.due(now), at, now)
         assert now - 1e-9 <= following <= now + FRAME + 1e-9
         assert abs((following - at) / FRAME - round((following - at) / FRAME)) < 1e-6
         at = following
@@ -90,15 +90,15 @@ def test_frames_keep_their_beat_whatever_the_delays(delays):
 
 def test_where_rows_are_rare_the_next_row_decides():
     """One row a second needs no thirty looks."""
-    pace = Pace(1.0)
-    pace.play(3, 0.0)
-    assert pace.next(3, 0.0, 0.0) == 1.0
-    assert pace.due(1.0) == 4
+    playback = PlaybackClock(1.0)
+    playback.play(3, 0.0)
+    assert playback.next(3, 0.0, 0.0) == 1.0
+    assert playback.due(1.0) == 4
 
 
 def test_the_rate_is_what_was_reached():
     """Simulated seconds over real ones."""
-    rate = Rate()
+    rate = MeasuredSpeed()
     rate.start(100, 5.0)
     assert rate.value is None
     assert abs(rate.look(350, 6.0, 0.01) - 2.5) < 1e-12
@@ -107,7 +107,7 @@ def test_the_rate_is_what_was_reached():
 def test_a_spacing_lets_through_one_in_its_time():
     """The first at once, the next when the time is over."""
     now = [0.0]
-    spacing = Spacing(0.1, lambda: now[0])
+    spacing = MinimumInterval(0.1, lambda: now[0])
     taken = []
     for now[0] in (0.0, 0.05, 0.11, 0.15, 0.22):
         taken.append(spacing.take())
@@ -117,7 +117,7 @@ def test_a_spacing_lets_through_one_in_its_time():
 @given(st.lists(st.floats(0.0, 0.05), min_size=1, max_size=50))
 def test_a_turnstile_spreads_a_crowd_and_does_not_hold_up_who_comes_alone(spacings):
     """Two pass no closer than it says, in order; whoever comes long after the last waits for nothing."""
-    turnstile, now, last = Turnstile(0.01), 0.0, -inf
+    turnstile, now, last = RateLimiter(0.01), 0.0, -inf
     for spacing in spacings:
         now += spacing
         passes = now + turnstile.wait(now)

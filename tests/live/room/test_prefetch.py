@@ -4,33 +4,35 @@ from itertools import pairwise
 
 import pytest
 
-from thetascope.live.room.playback_clock import FRAME, Pace
-from thetascope.live.room.prefetch_plan import LIGHT, SLICE, Lookahead
+from thetascope.live.room.playback_clock import FRAME, PlaybackClock
+from thetascope.live.room.prefetch_plan import LIGHT, SLICE, PrefetchPlan
 
 MOST = 20_000  # rows of one frame
 
 
-def playing(speed: float) -> Pace:
-    pace = Pace(0.01)
-    pace.set_speed(speed, 0, 0.0)
-    pace.play(0, 0.0)
-    return pace
+def playing(speed: float) -> PlaybackClock:
+    playback = PlaybackClock(0.01)
+    playback.set_speed(speed, 0, 0.0)
+    playback.play(0, 0.0)
+    return playback
 
 
-def frames(pace: Pace, call: float, row: float, count: int = 60) -> list[tuple[int, list[tuple[int, bool]]]]:
+def frames(
+    playback: PlaybackClock, call: float, row: float, count: int = 60
+) -> list[tuple[int, list[tuple[int, bool]]]]:
     """For each frame the rows that are there for it, and what was computed before: (rows, in a thread)."""
-    ahead, left, told = Lookahead(), 0, []
+    ahead, left, told = PrefetchPlan(), 0, []
     for _ in range(count):
         pieces = []
-        while not pieces or ahead.behind(pace, left):
-            wanted = ahead.wanted(pace, left, MOST)
+        while not pieces or ahead.behind(playback, left):
+            wanted = ahead.wanted(playback, left, MOST)
             if wanted is None:
                 break
             pieces.append(wanted)
             left += wanted[0]
             ahead.measured(wanted[0], call + row * wanted[0])
         told.append((left, pieces))
-        left -= min(left, pace.rows_in(FRAME))
+        left -= min(left, playback.rows_in(FRAME))
     return told
 
 
@@ -38,8 +40,8 @@ def frames(pace: Pace, call: float, row: float, count: int = 60) -> list[tuple[i
 @pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
 def test_each_frame_finds_its_rows_whatever_they_cost(speed, call, row):
     """Also where the rows of a frame take longer than is computed at once."""
-    pace = playing(speed)
-    assert all(left >= pace.rows_in(FRAME) for left, _ in frames(pace, call, row))
+    playback = playing(speed)
+    assert all(left >= playback.rows_in(FRAME) for left, _ in frames(playback, call, row))
 
 
 @pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
@@ -58,9 +60,9 @@ def test_what_much_longer_pieces_cost_is_not_concluded_from_one(monkeypatch):
 
 def test_equal_short_calls_do_not_keep_the_pieces_short():
     """Where every call had few rows nobody can tell the call from its rows; they grow all the same, as far as one may take."""
-    pace, ahead = playing(1), Lookahead()
+    playback, ahead = playing(1), PrefetchPlan()
     for _ in range(40):
         ahead.measured(110, 1e-3)
-    frame = pace.rows_in(FRAME)
-    rows, thread = ahead.wanted(pace, frame, MOST)
+    frame = playback.rows_in(FRAME)
+    rows, thread = ahead.wanted(playback, frame, MOST)
     assert not thread and rows >= 4 * 110 - frame

@@ -46,10 +46,10 @@ def test_commands_act_at_the_row_that_was_shown_and_their_effect_is_sent_at_once
         for kind, fields in commands:
             await stage.go(0.7)
             for _ in range(60 if busy else 0):
-                if not stage.room.computing.halfway:
+                if not stage.room.prefetcher.halfway:
                     await stage.go(0.035)
             before = page.rows().shape[1]
-            halves.append(stage.room.computing.halfway)
+            halves.append(stage.room.prefetcher.halfway)
             ack = await stage.say(page, kind, **fields)
             assert (ack["type"], ack["row"]) == ("ack", before)
             assert before < page.rows().shape[1] <= before + 4, "a row that shows it is there"

@@ -66,9 +66,9 @@ def test_a_session_that_is_closed_gives_its_past_back():
         await stage.go(2.0)
         fork = await stage.room.fork(1.0)
         kept = fork.rows(0, 100).copy()
-        past = weakref.ref(stage.session.past)
+        past = weakref.ref(stage.session.history)
         stage.room.close(CLOSE_ENDED, "it was ended")
-        assert past() is None and stage.session.past.end == 0 and stage.session.log == []
+        assert past() is None and stage.session.history.end == 0 and stage.session.log == []
         np.testing.assert_array_equal(fork.rows(0, 100), kept)
         fork.advance(10)
         assert fork.row == 111

@@ -75,7 +75,7 @@ class Beat:
         self.times.append(self.loop.now)
         return at + FRAME
 
-    def fill(self) -> None:
+    def prefetch_rows(self) -> None:
         self.fills += 1
 
 
@@ -110,8 +110,8 @@ def test_a_command_on_its_way_is_carried_out_before_a_room_computes_ahead():
     loop = Loop()
     scheduler, one, two = Scheduler(loop), Beat(loop), Beat(loop)
     scheduler.wake(one, 0.0)
-    scheduler.feed(one, False)
-    scheduler.feed(two, False)
+    scheduler.request_prefetch(one, False)
+    scheduler.request_prefetch(two, False)
     scheduler._run()
     loop.turn()
     loop.turn()
@@ -126,8 +126,8 @@ def test_what_waits_is_computed_though_no_frame_is_due():
     """A room that has half of its rows when nothing else goes on gets the other half at once, before rooms that wait for longer."""
     loop = Loop()
     scheduler, one, two = Scheduler(loop), Beat(loop), Beat(loop)
-    scheduler.feed(one, False)
-    scheduler.feed(two, True)
+    scheduler.request_prefetch(one, False)
+    scheduler.request_prefetch(two, True)
     loop.go(0.001)
     assert (one.fills, two.fills) == (0, 1)
     loop.go(0.1)

@@ -21,7 +21,7 @@ ACTS = {
 @pytest.mark.parametrize("act", ACTS)
 @pytest.mark.parametrize("fork", [False, True])
 def test_what_was_done_before_stays_as_it_was(act, fork):
-    """Done at 1 s, gone back from 2.5 s to 1.5 s, or forked there: the faults are those that were left at 1 s."""
+    """CommandResult at 1 s, gone back from 2.5 s to 1.5 s, or forked there: the faults are those that were left at 1 s."""
     session, pieces = Session(library.experiment("zhao-2012")), []
     advance(session, 100, pieces)
     kind, fields = ACTS[act]
@@ -50,7 +50,7 @@ def test_a_fault_that_was_cleared_after_that_time_goes_on():
     advance(session, 60, pieces)
     run = saved(session)
     for name in session.columns:
-        mine = session.past.rows((name,), 100, 160)[0]
+        mine = session.history.rows((name,), 100, 160)[0]
         np.testing.assert_array_equal(mine, run.column(name)[100:160].astype("f4"), err_msg=name)
 
 
@@ -85,7 +85,7 @@ def test_what_was_told_is_not_told_again_when_rows_are_given_up():
     for experiment, rows, back in (("zhao-2012-as-printed", 100, 74), ("zhao-2012", 2300, 2250)):
         session = Session(library.experiment(experiment))
         session.advance(rows)
-        assert {"diverged", "alarm"} & {e.kind for e in session.take_events()}
-        session.rewind_unseen(back)
+        assert {"diverged", "alarm"} & {e.kind for e in session.new_events()}
+        session.drop_unseen_rows(back)
         session.advance(rows - back)
-        assert session.take_events() == []
+        assert session.new_events() == []

@@ -9,7 +9,7 @@ from pydantic import TypeAdapter
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.errors import SpecError
-from thetascope.live.room.advice import diagnosis
+from thetascope.live.room.advice import diagnosis_of
 from thetascope.live.session.session import Session
 from thetascope_schemas import Experiment
 from thetascope_schemas.experiment.commands import MAX_COMMANDS, SetNoise
@@ -115,13 +115,13 @@ def test_a_random_sequence_of_commands_is_saved_bit_for_bit(seed):
     for _ in range(9):
         advance(session, draw.randrange(1, 120), pieces)
         kind, fields = draw.choice(ACTIONS)(draw)
-        begun, refused = session.begin(draw.randrange(1, 120)) if draw.random() < 0.5 else None, False
+        begun, refused = session.simulate(draw.randrange(1, 120)) if draw.random() < 0.5 else None, False
         try:
             do(session, kind, **fields)
         except SpecError:
             assert kind in ("set-gain", "remove-observer")  # the observer was removed before
             refused = True
-        data = session.finish(begun)
+        data = session.commit(begun)
         assert (data.shape[1] > 0) == (refused and begun is not None)
         pieces.append((session.columns, data))
     advance(session, 60, pieces)
@@ -132,7 +132,7 @@ def test_rows_computed_ahead_can_be_given_up():
     """After looking ahead, a command at an earlier row gives the numbers that it would have given without looking."""
     one, two = Session(zhao()), Session(zhao())
     one.advance(500)
-    one.rewind_unseen(123)
+    one.drop_unseen_rows(123)
     two.advance(123)
     for session in (one, two):
         do(session, "inject", fault={"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02})
@@ -150,7 +150,7 @@ def test_a_sensor_that_freezes_just_after_rows_were_given_up_holds_what_it_measu
             do(session, "add-observer", observer={"label": kind, "kind": kind})
         session.advance(200)
         session.advance(ahead)
-    one.rewind_unseen(row)
+    one.drop_unseen_rows(row)
     for session in (one, two):
         do(session, "inject", fault={"output": "y", "shape": "freeze", "onset": 0, "end": 0.3})
     np.testing.assert_array_equal(one.advance(100), two.advance(100))
@@ -248,10 +248,10 @@ def test_a_saved_run_is_diagnosed_as_the_session_was():
     ):
         for rows in draw.sample(range(40, 400), 3):
             session.advance(rows)
-        session.rewind_unseen(session.row - draw.randrange(1, 30))
+        session.drop_unseen_rows(session.row - draw.randrange(1, 30))
         do(session, kind, **fields)
     session.advance(800)
-    found = diagnosis(session).diagnosis
+    found = diagnosis_of(session).diagnosis
     assert [a.channel for a in found.alarms] == ["theta3", "theta1"] and found.alarms[0].cleared is not None
     assert saved(session).diagnosis["detector"] == found.model_dump(mode="json")
 
@@ -260,7 +260,7 @@ def test_scheduled_faults_are_told():
     """The faults of the library experiment are announced as they begin."""
     session = Session(zhao(faults=[{"channel": "theta3", "shape": "step", "onset": 1.0, "end": 2.0, "size": 0.02}]))
     session.advance(300)
-    assert [(e.kind, e.subject, e.row) for e in session.take_events() if e.kind.startswith("fault")] == [
+    assert [(e.kind, e.subject, e.row) for e in session.new_events() if e.kind.startswith("fault")] == [
         ("fault-begins", "theta3", 100),
         ("fault-ends", "theta3", 200),
     ]
@@ -321,7 +321,7 @@ def test_what_diverges_is_told_where_the_run_says_it_does(piece):
         (told,) = [e for e in session.log if e.kind == "diverged"]
         when = run.diverged if who == "" else run.observers[0].diverged
         assert (told.subject, told.t, told.row) == (who, when.time, round(when.time / session.record))
-        assert who or (session.ended and session.past.end == session.row == told.row + 1)
+        assert who or (session.ended and session.history.end == session.row == told.row + 1)
 
 
 def test_the_log_says_what_was_cleared_and_what_an_alarm_was_named_with():

@@ -5,8 +5,8 @@ import asyncio
 import pytest
 
 from tests.live.stage import apart
-from thetascope.live.room.serial_queue import Turns
-from thetascope.live.wire.eager_send import begin
+from thetascope.live.room.serial_queue import SerialQueue
+from thetascope.live.wire.eager_send import send_eagerly
 
 
 def test_what_need_not_wait_is_done_at_once():
@@ -16,7 +16,7 @@ def test_what_need_not_wait_is_done_at_once():
     async def send() -> None:
         done.append(1)
 
-    assert begin(send()) is None
+    assert send_eagerly(send()) is None
     assert done == [1]
 
 
@@ -33,7 +33,7 @@ def test_what_waits_is_brought_to_its_end_by_another_task():
             await asyncio.sleep(0)
             raise ConnectionError
 
-        rest = begin(send())
+        rest = send_eagerly(send())
 
         async def finish() -> None:
             await rest
@@ -61,7 +61,7 @@ def test_cancelling_reaches_what_waits():
             finally:
                 cleaned.append("cleaned")
 
-        rest = begin(send())
+        rest = send_eagerly(send())
 
         async def finish() -> None:
             await rest
@@ -78,10 +78,10 @@ def test_cancelling_reaches_what_waits():
 def test_jobs_take_turns_and_urgent_ones_come_first():
     """While one is in a thread nothing else runs; what follows a job is done before the next job."""
     held, log = [], []
-    turns = Turns(lambda job, then: held.append((job, then)))
+    queue = SerialQueue(lambda job, then: held.append((job, then)))
 
     def job(name: str, long: bool = False, urgent: bool = False) -> None:
-        turns.do(lambda: log.append(name), lambda *_: log.append(f"after {name}"), long, urgent)
+        queue.submit(lambda: log.append(name), lambda *_: log.append(f"after {name}"), long, urgent)
 
     job("a", long=True)
     job("b")
@@ -95,7 +95,7 @@ def test_jobs_take_turns_and_urgent_ones_come_first():
 def test_a_job_that_fails_gives_its_exception_and_the_next_one_runs():
     """Nobody waits for ever."""
     answers = []
-    turns = Turns(lambda job, then: None)
-    turns.do(lambda: 1 / 0, lambda value, error: answers.append(type(error)))
-    turns.do(lambda: 7, lambda value, error: answers.append(value))
+    queue = SerialQueue(lambda job, then: None)
+    queue.submit(lambda: 1 / 0, lambda value, error: answers.append(type(error)))
+    queue.submit(lambda: 7, lambda value, error: answers.append(value))
     assert answers == [ZeroDivisionError, 7]

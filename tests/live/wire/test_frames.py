@@ -6,27 +6,27 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from thetascope.live.wire.frames import Ahead, Numbers, frame, narrowed
+from thetascope.live.wire.frames import FrameBuffer, FrameNumbers, as_float32, encode_frame
 from thetascope_schemas.service.session import HEADER
 
 
 def test_a_frame_is_a_header_and_columns_of_float32():
     """Little endian, column after column."""
     rows = np.array([[1.5, 2.5, np.nan], [-1e-3, 0.0, np.inf]], "<f4")
-    data = frame(7, 2, 1 << 40, rows)
+    data = encode_frame(7, 2, 1 << 40, rows)
     assert struct.unpack_from(HEADER, data) == (7, 2, 1 << 40, 3, 2)
     assert data[24:] == struct.pack("<6f", 1.5, 2.5, np.nan, -1e-3, 0.0, np.inf)
 
 
 def test_numbers_beyond_float32_are_infinite_and_nobody_is_warned():
     """A plant that escapes is still drawn up to where it does."""
-    assert narrowed(np.array([[1e300, -1e300, 1.0]])).tolist() == [[np.inf, -np.inf, 1.0]]
+    assert as_float32(np.array([[1e300, -1e300, 1.0]])).tolist() == [[np.inf, -np.inf, 1.0]]
 
 
 @given(st.lists(st.tuples(st.integers(0, 30), st.integers(0, 30)), min_size=1, max_size=20))
 def test_rows_ahead_are_those_that_were_added(steps):
     """In whatever pieces they came and however many are forgotten: what can be taken is right, and the rest is not there."""
-    ahead, end = Ahead(0, 2), 0
+    ahead, end = FrameBuffer(0, 2), 0
     for count, keep in steps:
         piece = np.arange(end, end + count, dtype=float)
         ahead.append(np.array([piece, -piece]), keep)
@@ -41,7 +41,7 @@ def test_rows_ahead_are_those_that_were_added(steps):
 @given(st.lists(st.integers(1, 5), min_size=1, max_size=60), st.integers(0, 59))
 def test_whoever_names_its_last_frame_is_told_which_rows_it_has(counts, change):
     """Frames of the present epoch are known, those before it are not."""
-    numbers, end, known = Numbers(), 0, {}
+    numbers, end, known = FrameNumbers(), 0, {}
     for place, count in enumerate(counts):
         if place == change:
             numbers.new_epoch()
@@ -57,10 +57,10 @@ def test_whoever_names_its_last_frame_is_told_which_rows_it_has(counts, change):
 
 def test_numbers_take_no_more_room_in_the_end():
     """Of a session that plays for a day, the last frames are known."""
-    numbers = Numbers()
+    numbers = FrameNumbers()
     for end in range(1, 50_000):
         numbers.add(end)
     assert numbers.rows_after(49_999) == 49_999
-    assert numbers.rows_after(49_999 - Numbers.KEPT + 1) is not None
+    assert numbers.rows_after(49_999 - FrameNumbers.KEPT + 1) is not None
     assert numbers.rows_after(1) is None
-    assert len(numbers._ends) <= 2 * Numbers.KEPT
+    assert len(numbers._ends) <= 2 * FrameNumbers.KEPT

@@ -87,7 +87,7 @@ def test_rows_that_are_no_longer_kept_are_missed():
 def test_a_rewind_takes_a_viewer_back_but_never_forward():
     """Rows from there on are sent again."""
     outbox = Outbox(100)
-    outbox.back(40)
+    outbox.rewind_to(40)
     assert outbox.row == 40
-    outbox.back(70)
+    outbox.rewind_to(70)
     assert outbox.row == 40

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tests.live.stage import Stage, kinds, settle, staged
-from thetascope.live.room.room import Full
+from thetascope.live.room.room import RoomFull
 from thetascope.live.wire.outbox import MAX_TEXTS
 from thetascope_schemas.service.session import CLOSE_SLOW
 
@@ -65,7 +65,7 @@ def test_a_viewer_that_lets_events_pile_up_is_closed():
         page, dead = await stage.connect(), await stage.connect()
         dead.open.clear()
         for _ in range(MAX_TEXTS + 10):
-            stage.room.control.receive(dead.viewer, "{}", 1000)
+            stage.room.commands.receive(dead.viewer, "{}", 1000)
         assert dead.viewer.closing[0] == CLOSE_SLOW
         stage.room.leave(dead.viewer)
         await stage.say(page, "play")
@@ -162,7 +162,7 @@ def test_a_session_has_only_so_many_viewers():
 
     async def scenario(stage: Stage) -> None:
         first, _ = await stage.connect(), await stage.connect()
-        with pytest.raises(Full):
+        with pytest.raises(RoomFull):
             await stage.connect()
         stage.room.leave(first.viewer)
         await stage.connect()
@@ -176,8 +176,8 @@ def test_frames_are_encoded_once_for_all(monkeypatch: pytest.MonkeyPatch):
     from thetascope.live.room import broadcast
 
     encoded = []
-    honest = broadcast.frame
-    monkeypatch.setattr(broadcast, "frame", lambda *given: encoded.append(1) or honest(*given))
+    honest = broadcast.encode_frame
+    monkeypatch.setattr(broadcast, "encode_frame", lambda *given: encoded.append(1) or honest(*given))
 
     async def scenario(stage: Stage) -> None:
         pages = [await stage.connect() for _ in range(50)]

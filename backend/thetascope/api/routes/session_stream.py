@@ -38,7 +38,7 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     if token is not None and not matches(token, room.token):
         await websocket.close(CLOSE_TOKEN, "the token is not this session's")
         return
-    from thetascope.live.room.room import Full
+    from thetascope.live.room.room import RoomFull
     from thetascope.live.wire.viewer import Viewer
 
     viewer = Viewer(
@@ -47,10 +47,10 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
         token is not None,
         asyncio.get_running_loop(),
     )
-    await services.live.seated()
+    await services.live.viewer_slot()
     try:
         room.join(viewer, _number(websocket.query_params.get("after")))
-    except Full:
+    except RoomFull:
         await websocket.close(CLOSE_FULL, "the session has as many viewers as it may have")
         return
     try:
@@ -89,7 +89,7 @@ async def _read(websocket: WebSocket, room, viewer, settings) -> None:
             return
         if (wait := allowance.wait(clock())) > 0:
             await asyncio.sleep(wait)
-        room.control.receive(viewer, message.get("text"), settings.max_message)
+        room.commands.receive(viewer, message.get("text"), settings.max_message)
 
 
 def same_origin(origin: str | None, host: str) -> bool:

@@ -16,8 +16,8 @@ from thetascope.api.http.session_bodies import ForkRequest, SessionRequest
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import Unwatchable
 from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
-from thetascope.live.room.advice import proposal
-from thetascope.live.scheduling.hub import TooMany
+from thetascope.live.room.advice import propose_input_for
+from thetascope.live.scheduling.hub import TooManySessions
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.refusals import NotReady, Unknown, invalid, validated
 from thetascope_schemas.experiment.diagnosis import InputProposal
@@ -48,7 +48,7 @@ async def create_session(request: Request, services: Use) -> Response:
     asked = await parsed(request, services.settings.max_body, lambda data: validated(SessionRequest, data))
     try:
         return _opened(await services.live.create(asked.resolved, asked.t, asked.play, asked.speed))
-    except TooMany as error:
+    except TooManySessions as error:
         return _full(error)
 
 
@@ -99,7 +99,7 @@ async def fork_session(request: Request, id: str, services: Use) -> Response:
         raise invalid("t", asked.t, f"the session stands at {room.t:g} s", f"give at most {room.t:g}")
     try:
         return _opened(await services.live.fork(room, asked.t))
-    except TooMany as error:
+    except TooManySessions as error:
         return _full(error)
 
 
@@ -134,7 +134,7 @@ async def propose_input(id: str, services: Use) -> InputProposal:
     """An input that would tell the faults apart, tried on the plant from where the session stands; it may take a second."""
     room = _room(services, id)
     try:
-        return await proposal(room)
+        return await propose_input_for(room)
     except Unwatchable as error:
         raise NotReady(f"nothing can be proposed: {error}", "choose a plant with fault channels") from None
 
@@ -153,10 +153,10 @@ async def get_session_data(
     """The past as it was shown: float32, in the present columns. Save the session to get every digit."""
     room = _room(services, id)
     time_span.check(start, end)
-    record, shown, columns = room.session.record, room.shown, room.screen.columns
+    record, shown, columns = room.session.record, room.shown, room.broadcast.columns
     first = min(shown, max(room.oldest, 0 if start is None else ceil(start / record - 1e-6)))
     last = shown if end is None else max(first, min(shown, floor(end / record + 1e-6) + 1))
-    rows = await room.past(columns, first, last)
+    rows = await room.past_rows(columns, first, last)
     table = await run_in_threadpool(lambda: Table(columns, rows[:, ::every].astype(float)))
     if format == "csv":
         return StreamingResponse(csv_chunks(table), 200, _named(id, "csv"), MEDIA_TYPES["csv"])
@@ -179,7 +179,7 @@ def _opened(room: Any) -> Response:
     return json_response(answer, 201, {"Location": links(room.id)["self"], "Cache-Control": "no-store"})
 
 
-def _full(error: TooMany) -> Response:
+def _full(error: TooManySessions) -> Response:
     detail = f"{error}; try again when some have ended, or raise THETASCOPE_SESSIONS"
     return problem_response(Problem(title="Too many sessions", status=503, detail=detail), {"Retry-After": "10"})
 

@@ -11,19 +11,19 @@ if TYPE_CHECKING:
     from thetascope.live.session.session import Session
 
 
-def diagnosis(session: "Session") -> DiagnosisNow:
+def diagnosis_of(session: "Session") -> DiagnosisNow:
     """What the detector says of all rows so far."""
-    return session.watch.told(session.now.watched, session.leaves_watching)
+    return session.detector.report(session.current.watched, session.detects_outside)
 
 
-async def proposal(room: "RoomParts") -> InputProposal:
+async def propose_input_for(room: "RoomParts") -> InputProposal:
     """An input that would tell the faults apart from here on. Raises Unwatchable where nothing is watched."""
-    copy = await room.alone(room.session.fork)
+    copy = await room.run_exclusive(room.session.fork)
     answer: asyncio.Future[InputProposal] = asyncio.get_running_loop().create_future()
 
     def then(value: InputProposal | None, error: Exception | None) -> None:
         if not answer.cancelled():
             answer.set_result(value) if error is None else answer.set_exception(error)
 
-    room.house.workshop(lambda: copy.watch.proposed(copy.experiment, copy.now.state), then)
+    room.services.workshop(lambda: copy.detector.propose_input(copy.experiment, copy.current.state), then)
     return await answer

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import ValidationError
 
 from thetascope.engine.errors import SpecError
-from thetascope.live.room.prefetch_plan import Computed, compute
+from thetascope.live.room.prefetch_plan import RowBatch, compute
 from thetascope.live.wire import messages
 from thetascope.live.wire.viewer import Viewer
 from thetascope_schemas.service.session import (
@@ -38,7 +38,7 @@ _LONG = (AddObserverNow, Reset, Seek)
 
 
 @dataclass(frozen=True)
-class Done:
+class CommandResult:
     """What carrying out a command gave: where the session stands, what happened, and the first rows after it."""
 
     row: int
@@ -46,10 +46,10 @@ class Done:
     ended: bool
     events: list[Event]
     refusal: Refused | None
-    computed: Computed | None
+    computed: RowBatch | None
 
 
-class Control:
+class CommandHandler:
     """Carries out the commands of one room, those on the session one after the other. Each gets one answer."""
 
     def __init__(self, room: "RoomParts") -> None:
@@ -74,25 +74,25 @@ class Control:
 
     def _transport(self, viewer: Viewer, command: Command) -> None:
         room = self._room
-        now = room.house.clock()
+        now = room.services.clock()
         if isinstance(command, Play | Step) and room.ended:
             self._refuse(viewer, command, "the session has come to its end", "go back to an earlier time, or reset it")
             return
         self._ack(viewer, command)
         match command:
             case Play():
-                room.pace.play(room.shown, now)
+                room.playback.play(room.shown, now)
             case Pause():
-                room.pace.pause()
+                room.playback.pause()
             case Step(rows=rows):
-                room.pace.step((room.pace.target or room.shown) + rows)
+                room.playback.step((room.playback.target or room.shown) + rows)
             case Speed(value=value):
-                room.pace.set_speed(value, room.shown, now)
-        room.lookahead.disturbed()
-        if room.pace.moving:
-            room.moving()
-            room.fill()
-        room.tell_status()
+                room.playback.set_speed(value, room.shown, now)
+        room.prefetch_plan.disturbed()
+        if room.playback.moving:
+            room.clock_started()
+            room.prefetch_rows()
+        room.send_status()
 
     # ---- the session ---------------------------------------------------------------------------------------------------
 
@@ -104,83 +104,83 @@ class Control:
         if isinstance(command, AddObserverNow):
             # Compiling is not to stop the session: it is done apart, into the cache, where the session then finds it.
             spec = self._room.session.spec
-            self._room.house.workshop(lambda: _compile(spec, command), lambda *_: self._carry_out(viewer, command))
+            self._room.services.workshop(lambda: _compile(spec, command), lambda *_: self._carry_out(viewer, command))
         else:
             self._carry_out(viewer, command)
 
     def _carry_out(self, viewer: Viewer, command: Command) -> None:
         room = self._room
-        room.lookahead.disturbed()
+        room.prefetch_plan.disturbed()
         long = isinstance(command, _LONG)
         room.frozen = room.frozen or long
-        room.turns.do(
+        room.queue.submit(
             lambda: self._job(command), lambda done, error: self._done(viewer, command, done, error), long, urgent=True
         )
 
-    def _job(self, command: Command) -> Done:
+    def _job(self, command: Command) -> CommandResult:
         """On the session, alone."""
         session = self._room.session
-        session.rewind_unseen(self._room.shown)
+        session.drop_unseen_rows(self._room.shown)
         try:
-            with session.attempt():
+            with session.transaction():
                 return self._carried_out(command)
         except SpecError as error:
             refusal = messages.refused(command.id, error)
         except ValidationError as error:
-            refusal = messages.of_validation(command.id, error)
+            refusal = messages.refused_spec(command.id, error)
         except Exception:
             log.exception("session %s: %s failed", self._room.id, command.type)
             refusal = Refused(id=command.id, problem=_INSIDE, remedy="report it")
         return replace(self._carried_out(None), refusal=refusal)
 
-    def _carried_out(self, command: Command | None) -> Done:
+    def _carried_out(self, command: Command | None) -> CommandResult:
         """The command done, and the rows that are shown with its answer."""
         room, session = self._room, self._room.session
         events = session.handle(command)[0] if command is not None else []
         row, columns, ended = session.row, session.columns, session.ended
-        rows = room.lookahead.soon(room.pace) if room.pace.moving else 0
+        rows = room.prefetch_plan.soon(room.playback) if room.playback.moving else 0
         if row < room.shown or row == 0:
             rows = max(rows, 1)  # the row at the time that one went back to
-        computed = compute(session, rows, room.house.past()) if rows else None
-        return Done(row, columns, ended, events, None, computed)
+        computed = compute(session, rows, room.services.past()) if rows else None
+        return CommandResult(row, columns, ended, events, None, computed)
 
-    def _done(self, viewer: Viewer, command: Command, done: Done | None, error: Exception | None) -> None:
+    def _done(self, viewer: Viewer, command: Command, done: CommandResult | None, error: Exception | None) -> None:
         room = self._room
         if done is None:
             log.error("session %s: %s failed", room.id, command.type, exc_info=error)
-            room.screen.restart(room.session.columns, room.session.row)  # what was computed ahead is given up
+            room.broadcast.restart(room.session.columns, room.session.row)  # what was computed ahead is given up
             self._refuse(viewer, command, _INSIDE, "report it")
         else:
             self._take_over(viewer, command, done)
         room.frozen = False
         self._busy = False
-        room.fill()
+        room.prefetch_rows()
         self._next()
 
-    def _take_over(self, viewer: Viewer, command: Command, done: Done) -> None:
-        room, screen = self._room, self._room.screen
-        back = done.row < screen.shown
+    def _take_over(self, viewer: Viewer, command: Command, done: CommandResult) -> None:
+        room, broadcast = self._room, self._room.broadcast
+        back = done.row < broadcast.shown
         if done.refusal is not None:
             viewer.put(done.refusal.model_dump_json())
         else:
             self._ack(viewer, command, done.row)
-        screen.restart(done.columns, done.row)
+        broadcast.restart(done.columns, done.row)
         room.finished = done.ended
         for event in done.events:
-            screen.tell(event)
+            broadcast.send(event)
         if done.computed is not None:
-            room.take(done.computed)
-        now = room.house.clock()
+            room.accept_rows(done.computed)
+        now = room.services.clock()
         if back or room.frozen:
-            room.pace.anchor(room.shown, now)
-        if back or room.pace.moving or room.shown == 0:
+            room.playback.anchor(room.shown, now)
+        if back or room.playback.moving or room.shown == 0:
             # The first row that shows the command goes out with the answer, at most one row before its time.
-            due = room.pace.due(now)
-            room.show(max(due, 0 if room.shown > due and room.pace.moving else room.shown + 1), now)
+            due = room.playback.due(now)
+            room.show(max(due, 0 if room.shown > due and room.playback.moving else room.shown + 1), now)
         if done.refusal is None:  # after the frame: it is long, and nobody waits for it
-            screen.tell(Spec(spec=room.session.spec), "spec")
+            broadcast.send(Spec(spec=room.session.spec), "spec")
         if back:
-            room.tell_status()
+            room.send_status()
 
     # ---- answers -------------------------------------------------------------------------------------------------------
 

@@ -14,7 +14,7 @@ FRAME = 1 / 30
 _SLACK = 1e-6  # of a row, for the rounding of times
 
 
-class Pace:
+class PlaybackClock:
     """The clock of one session. `rows` and `due` count rows, so row `due` − 1 is the last that is due. Times in s."""
 
     def __init__(self, record: float) -> None:
@@ -91,7 +91,7 @@ class Pace:
         return self._rows + (now - self._since) * (self.speed or 0.0) / self.record
 
 
-class Rate:
+class MeasuredSpeed:
     """Simulated seconds per second, as measured between two looks."""
 
     def __init__(self) -> None:
@@ -110,7 +110,7 @@ class Rate:
         return self.value
 
 
-class Spacing:
+class MinimumInterval:
     """Lets something happen only so often, seconds apart."""
 
     def __init__(self, seconds: float, clock: Callable[[], float]) -> None:
@@ -126,7 +126,7 @@ class Spacing:
         return True
 
 
-class Turnstile:
+class RateLimiter:
     """Lets one after the other through, seconds apart at least: whoever comes alone passes at once, a crowd is spread."""
 
     def __init__(self, seconds: float) -> None:

@@ -7,10 +7,10 @@ frame by frame. A command makes what was computed ahead void; right after one th
 from dataclasses import dataclass
 from math import inf
 
-from thetascope.live.room.playback_clock import FRAME, Pace
+from thetascope.live.room.playback_clock import FRAME, PlaybackClock
 from thetascope.live.session.session import Session
-from thetascope.live.session.snapshots import Begun
-from thetascope.live.wire.frames import narrowed
+from thetascope.live.session.snapshots import SimulatedRows
+from thetascope.live.wire.frames import as_float32
 from thetascope_schemas.service.session import Event
 
 SHORTEST, LONGEST = 4 * FRAME, 8.0
@@ -29,7 +29,7 @@ MARGIN = 0.5
 
 
 @dataclass(frozen=True)
-class Computed:
+class RowBatch:
     """Rows that were computed: columns × rows from row `first` on, float32, and what happened in them."""
 
     first: int
@@ -39,17 +39,17 @@ class Computed:
     ended: bool
 
 
-def compute(session: Session, rows: int, past: int) -> Computed:
+def compute(session: Session, rows: int, past: int) -> RowBatch:
     """Advance a session, which is to keep `past` bytes of samples."""
-    return completed(session, session.begin(rows), past)
+    return completed(session, session.simulate(rows), past)
 
 
-def completed(session: Session, begun: Begun | None, past: int) -> Computed:
+def completed(session: Session, begun: SimulatedRows | None, past: int) -> RowBatch:
     """The second half of that."""
     first = session.row
-    data = session.finish(begun)
-    session.past.forget(max(1, past // (4 * len(session.columns))))
-    return Computed(first, session.columns, narrowed(data), session.take_events(), session.ended)
+    data = session.commit(begun)
+    session.history.forget(max(1, past // (4 * len(session.columns))))
+    return RowBatch(first, session.columns, as_float32(data), session.new_events(), session.ended)
 
 
 class Cost:
@@ -91,7 +91,7 @@ class Cost:
         return max(1, int(min(seconds / max(self._row, 1e-9), self._FURTHER * self._mean)))
 
 
-class Lookahead:
+class PrefetchPlan:
     """How far to look ahead in one session, by what its rows have cost so far."""
 
     def __init__(self) -> None:
@@ -109,30 +109,30 @@ class Lookahead:
             self._cost.measured(rows, seconds)
             self._reach = min(LONGEST, 8 * self._reach)
 
-    def soon(self, pace: Pace) -> int:
+    def soon(self, playback: PlaybackClock) -> int:
         """Rows to compute with a command, so that the first frames after it are there at once."""
-        return min(pace.rows_in(SHORTEST), self._cost.rows(LIGHT))
+        return min(playback.rows_in(SHORTEST), self._cost.rows(LIGHT))
 
     def enough(self, left: int) -> bool:
         """Whether so many rows are enough for now, whatever else is asked: a quick answer for every frame."""
         return left > self._low
 
-    def wanted(self, pace: Pace, left: int, most: int) -> tuple[int, bool] | None:
+    def wanted(self, playback: PlaybackClock, left: int, most: int) -> tuple[int, bool] | None:
         """How many rows to compute, and whether in a thread; None: enough are `left`. `most`: rows of one frame."""
-        if pace.target is not None or pace.speed is None:
+        if playback.target is not None or playback.speed is None:
             rows = min(2 * most - left, self._cost.rows(SLICE))
             return (rows, True) if rows > 0 else None
         if left > self._low:
             return None
-        frame = pace.rows_in(FRAME)
+        frame = playback.rows_in(FRAME)
         long = self._cost.seconds(frame) > LIGHT
         piece = self._cost.rows(SLICE) if long else max(self._cost.rows(PIECE), self._cost.surely(HALVES))
-        whole = max(2 * frame, min(pace.rows_in(self._reach), 64 * most, piece))
+        whole = max(2 * frame, min(playback.rows_in(self._reach), 64 * most, piece))
         # Asked for while there is still something to show, so that it may wait for a free moment.
-        self._low = max(frame + frame // 2, min(pace.rows_in(MARGIN), whole // 2))
+        self._low = max(frame + frame // 2, min(playback.rows_in(MARGIN), whole // 2))
         rows = min(whole - left, piece if long else whole)
         return (rows, long) if left <= self._low and rows > 0 else None
 
-    def behind(self, pace: Pace, left: int) -> bool:
+    def behind(self, playback: PlaybackClock, left: int) -> bool:
         """Whether ``left`` rows are not even the next frame: a piece in a thread may be less than that."""
-        return pace.speed is not None and pace.playing and left < pace.rows_in(FRAME)
+        return playback.speed is not None and playback.playing and left < playback.rows_in(FRAME)

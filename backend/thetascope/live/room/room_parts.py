@@ -4,12 +4,12 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
-from thetascope.live.room.playback_clock import Pace
-from thetascope.live.room.prefetch_plan import Computed, Lookahead
-from thetascope.live.room.serial_queue import Background, Turns
+from thetascope.live.room.playback_clock import PlaybackClock
+from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
+from thetascope.live.room.serial_queue import Background, SerialQueue
 
 if TYPE_CHECKING:
-    from thetascope.live.room.broadcast import Screen
+    from thetascope.live.room.broadcast import Broadcast
     from thetascope.live.session.session import Session
 
 
@@ -18,11 +18,11 @@ class RoomParts(Protocol):
 
     id: str
     session: "Session"
-    house: "House"
-    screen: "Screen"
-    pace: Pace
-    lookahead: Lookahead
-    turns: Turns
+    services: "RoomServices"
+    broadcast: "Broadcast"
+    playback: PlaybackClock
+    prefetch_plan: PrefetchPlan
+    queue: SerialQueue
     frozen: bool
     finished: bool
     closed: bool
@@ -33,21 +33,21 @@ class RoomParts(Protocol):
     @property
     def ended(self) -> bool: ...
 
-    def tell_status(self) -> None: ...
+    def send_status(self) -> None: ...
 
     def show(self, due: float, now: float) -> None: ...
 
-    def fill(self) -> None: ...
+    def prefetch_rows(self) -> None: ...
 
-    def take(self, computed: Computed) -> None: ...
+    def accept_rows(self, computed: RowBatch) -> None: ...
 
-    def moving(self) -> None: ...
+    def clock_started(self) -> None: ...
 
-    def alone(self, job: Callable[[], Any], long: bool = False) -> Awaitable[Any]: ...
+    def run_exclusive(self, job: Callable[[], Any], long: bool = False) -> Awaitable[Any]: ...
 
 
 @dataclass(frozen=True)
-class House:
+class RoomServices:
     """What a room needs of the outside.
 
     clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room, first):
@@ -60,8 +60,8 @@ class House:
     background: Background
     workshop: Background
     wake: Callable[[RoomParts, float], None]
-    feed: Callable[[RoomParts, bool], None]
-    watch: Callable[[RoomParts], None]
+    request_prefetch: Callable[[RoomParts, bool], None]
+    request_detection: Callable[[RoomParts], None]
     may_check: Callable[[], bool]
     viewers: int
     backlog: int

@@ -5,13 +5,13 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 Job = Callable[[], Any]
-Then = Callable[[Any, Exception | None], None]
+Callback = Callable[[Any, Exception | None], None]
 
 
 class Background(Protocol):
     """Runs a job in a thread and calls `then(value, error)` back on the event loop."""
 
-    def __call__(self, job: Job, then: Then) -> None: ...
+    def __call__(self, job: Job, then: Callback) -> None: ...
 
 
 def outcome(job: Job) -> tuple[Any, Exception | None]:
@@ -22,20 +22,20 @@ def outcome(job: Job) -> tuple[Any, Exception | None]:
         return None, error
 
 
-class Turns:
+class SerialQueue:
     """The queue of jobs on one session. Short ones are done on the event loop at once when it is free, long ones in a
     thread. `then` always runs on the event loop, before the next job begins."""
 
     def __init__(self, background: Background) -> None:
         self._background = background
-        self._waiting: deque[tuple[Job, Then, bool]] = deque()
+        self._waiting: deque[tuple[Job, Callback, bool]] = deque()
         self._busy = False
 
     @property
     def free(self) -> bool:
         return not self._busy
 
-    def do(self, job: Job, then: Then, long: bool = False, urgent: bool = False) -> None:
+    def submit(self, job: Job, then: Callback, long: bool = False, urgent: bool = False) -> None:
         """Do a job when its turn comes; urgent ones come before all that wait."""
         (self._waiting.appendleft if urgent else self._waiting.append)((job, then, long))
         self._next()
@@ -51,7 +51,7 @@ class Turns:
             self._busy = False
             then(value, error)
 
-    def _ended(self, then: Then, value: Any, error: Exception | None) -> None:
+    def _ended(self, then: Callback, value: Any, error: Exception | None) -> None:
         self._busy = False
         try:
             then(value, error)

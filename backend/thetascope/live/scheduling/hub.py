@@ -12,8 +12,8 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from thetascope.engine.errors import SpecError
-from thetascope.live.room.playback_clock import Spacing, Turnstile
-from thetascope.live.room.serial_queue import Background, Job, Then, outcome
+from thetascope.live.room.playback_clock import MinimumInterval, RateLimiter
+from thetascope.live.room.serial_queue import Background, Callback, Job, outcome
 from thetascope_schemas import Experiment
 from thetascope_schemas.service.session import CLOSE_ENDED
 
@@ -44,7 +44,7 @@ _COLLECT = 900.0
 _ROWS = 4096  # asked for at once on the way to a session's first row
 
 
-class TooMany(Exception):
+class TooManySessions(Exception):
     """There are as many sessions as there may be."""
 
 
@@ -65,7 +65,7 @@ class Hub:
         self._sweep: asyncio.TimerHandle | None = None
         self._frozen, self._collected = False, 0.0
         self._templates: OrderedDict[str, Session] = OrderedDict()
-        self._doors, self._seats = Turnstile(_OPENING), Turnstile(_JOINING)
+        self._doors, self._seats = RateLimiter(_OPENING), RateLimiter(_JOINING)
 
     def __len__(self) -> int:
         return len(self._rooms)
@@ -79,20 +79,20 @@ class Hub:
     ) -> "Room":
         """Open a session on what `read` gives (a spec with its plant in full), advanced to time `t`.
 
-        Raises :class:`TooMany`, SpecError, and what `read` raises.
+        Raises :class:`TooManySessions`, SpecError, and what `read` raises.
         """
         rows, past = self._settings.session_rows, self._past()
         return await self._open(lambda: _advanced(self._begun(read(), rows), rows, past, t), play, speed)
 
-    async def seated(self) -> None:
+    async def viewer_slot(self) -> None:
         """Return when the next viewer may come."""
         await asyncio.sleep(self._seats.wait(asyncio.get_running_loop().time()))
 
     async def fork(self, room: "Room", t: float | None = None) -> "Room":
-        """A second session that begins where this one stands, or at an earlier time. Raises :class:`TooMany`."""
-        with self._place():
+        """A second session that begins where this one stands, or at an earlier time. Raises :class:`TooManySessions`."""
+        with self._reserve():
             session = await room.fork(t)
-        return self._add(session, room.pace.playing, room.pace.speed, room.id)
+        return self._add(session, room.playback.playing, room.playback.speed, room.id)
 
     def close(self, room: "Room", reason: str = "the session was ended") -> None:
         """End a session."""
@@ -113,7 +113,7 @@ class Hub:
 
     async def _open(self, make: Callable[[], "Session"], play: bool, speed: float | None) -> "Room":
         loop = asyncio.get_running_loop()
-        with self._place():
+        with self._reserve():
             await asyncio.sleep(self._doors.wait(loop.time()))
             session = await loop.run_in_executor(self._workshop, make)
         return self._add(session, play, speed, None)
@@ -136,46 +136,46 @@ class Hub:
         """Bytes of samples that a session may keep now."""
         return share(self._settings.past, len(self._rooms))
 
-    def _place(self) -> "_Place":
+    def _reserve(self) -> "_Reservation":
         limit = self._settings.sessions
         if len(self._rooms) + self._opening >= limit:
-            raise TooMany(f"{limit} sessions are open")
-        return _Place(self)
+            raise TooManySessions(f"{limit} sessions are open")
+        return _Reservation(self)
 
     def _add(self, session: "Session", play: bool, speed: float | None, parent: str | None) -> "Room":
         from thetascope.live.room.room import Room
 
         self._start()
         id, token = secrets.token_urlsafe(12), secrets.token_urlsafe(24)
-        room = self._rooms[id] = Room(id, token, session, self._house, parent)
+        room = self._rooms[id] = Room(id, token, session, self._room_services, parent)
         # What is there by now stays for a while. Without this, Python's collector would go through SymPy and all sessions
         # now and again, for a tenth of a second in which no frame is sent.
         gc.freeze()
         self._frozen = True
-        now = room.house.clock()
-        room.pace.set_speed(speed, room.shown, now)
+        now = room.services.clock()
+        room.playback.set_speed(speed, room.shown, now)
         if play and not room.ended:
-            room.pace.play(room.shown, now)
-            room.moving()
+            room.playback.play(room.shown, now)
+            room.clock_started()
         return room
 
     def _start(self) -> None:
         """With the first session."""
         if self._loop is not None:
             return
-        from thetascope.live.room.room_parts import House
+        from thetascope.live.room.room_parts import RoomServices
         from thetascope.live.scheduling.scheduler import Scheduler
 
         self._loop = asyncio.get_running_loop()
         self._scheduler = Scheduler(self._loop)
-        self._house = House(
+        self._room_services = RoomServices(
             clock=self._loop.time,
             background=self._in(self._threads),
             workshop=self._in(self._workshop),
             wake=self._scheduler.wake,
-            feed=self._scheduler.feed,
-            watch=self._scheduler.watch,
-            may_check=Spacing(_CHECKS, self._loop.time).take,
+            request_prefetch=self._scheduler.request_prefetch,
+            request_detection=self._scheduler.request_detection,
+            may_check=MinimumInterval(_CHECKS, self._loop.time).take,
             viewers=self._settings.viewers,
             backlog=self._settings.backlog,
             past=self._past,
@@ -188,7 +188,7 @@ class Hub:
         """Background work in a pool."""
         loop = self._loop
 
-        def run(job: Job, then: Then) -> None:
+        def run(job: Job, then: Callback) -> None:
             def work() -> None:
                 answer = outcome(job)
                 loop.call_soon_threadsafe(partial(then, *answer))
@@ -214,7 +214,7 @@ class Hub:
         self._sweep = self._loop.call_later(min(5.0, max(0.1, idle / 4)), self._swept)
 
 
-class _Place:
+class _Reservation:
     """A session that is being opened counts as one of those there may be."""
 
     def __init__(self, hub: Hub) -> None:

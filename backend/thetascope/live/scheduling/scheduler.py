@@ -46,9 +46,9 @@ class Scheduler:
         self._loop = loop
         self._due: list[tuple[float, int, Room]] = []
         self._when: dict[Room, float] = {}
-        self._hungry: OrderedDict[Room, None] = OrderedDict()
-        self._feeding = 0.0  # when the next of them may compute, or be watched
-        self._unwatched: dict[Room, None] = {}  # in order
+        self._needs_prefetch: OrderedDict[Room, None] = OrderedDict()
+        self._next_free_work = 0.0  # when the next of them may compute, or be watched
+        self._needs_detection: dict[Room, None] = {}  # in order
         self._slices = Slices()
         self._order = count()
         self._timer: asyncio.TimerHandle | None = None
@@ -65,17 +65,17 @@ class Scheduler:
         if not self._running:
             self._arm()
 
-    def feed(self, room: Room, first: bool) -> None:
+    def request_prefetch(self, room: Room, first: bool) -> None:
         """Let a room compute ahead when no frame is due, before all that wait or after them."""
-        self._hungry[room] = None
+        self._needs_prefetch[room] = None
         if first:
-            self._hungry.move_to_end(room, last=False)
+            self._needs_prefetch.move_to_end(room, last=False)
         if not self._running:
             self._arm()
 
-    def watch(self, room: Room) -> None:
+    def request_detection(self, room: Room) -> None:
         """Let what a room shows be watched when nothing else is to be done."""
-        self._unwatched[room] = None
+        self._needs_detection[room] = None
         if not self._running:
             self._arm()
 
@@ -84,24 +84,24 @@ class Scheduler:
         self._stopped = True
         self._due.clear()
         self._when.clear()
-        self._hungry.clear()
-        self._unwatched.clear()
+        self._needs_prefetch.clear()
+        self._needs_detection.clear()
         if self._timer is not None:
             self._timer.cancel()
 
     @property
     def _left(self) -> bool:
         """Whether there is something to be done in free moments."""
-        return bool(self._hungry or self._unwatched or self._slices.busy)
+        return bool(self._needs_prefetch or self._needs_detection or self._slices.busy)
 
     def _arm(self) -> None:
         if (self._due or self._left) and not self._stopped:
-            at = self._due[0][0] if self._due else self._feeding
+            at = self._due[0][0] if self._due else self._next_free_work
             if self._due and len(self._when) > FEW:
                 part = slot(len(self._when))
                 at = ceil((at - _TINY) / part) * part
             if self._left:
-                at = min(at, self._feeding)
+                at = min(at, self._next_free_work)
             if self._timer is not None:
                 if self._timer.when() <= at and not self._timer.cancelled():
                     return
@@ -120,8 +120,8 @@ class Scheduler:
                     if following is not None:
                         self.wake(room, following)
                 now = self._loop.time()
-            if self._left and now >= self._feeding and (not self._due or self._due[0][0] > now + _TINY):
-                self._feeding = inf
+            if self._left and now >= self._next_free_work and (not self._due or self._due[0][0] > now + _TINY):
+                self._next_free_work = inf
                 self._loop.call_soon(self._give_way, TURNS)
         finally:
             self._running = False
@@ -132,22 +132,22 @@ class Scheduler:
         if turns > 0:
             self._loop.call_soon(self._give_way, turns - 1)
             return
-        room = next(iter(self._hungry), None)
+        room = next(iter(self._needs_prefetch), None)
         if room is not None:
-            del self._hungry[room]
-            self._guarded(room, room.fill)
+            del self._needs_prefetch[room]
+            self._guarded(room, room.prefetch_rows)
         else:
             self._slice()
-        self._feeding = self._loop.time() + (REST if room is None else PAUSE)
+        self._next_free_work = self._loop.time() + (REST if room is None else PAUSE)
         if not self._running:
             self._arm()
 
     def _slice(self) -> None:
         """Watch a little."""
-        while not self._slices.busy and self._unwatched:
-            room = next(iter(self._unwatched))
-            del self._unwatched[room]
-            left = self._guarded(room, room.inspection.watching)
+        while not self._slices.busy and self._needs_detection:
+            room = next(iter(self._needs_detection))
+            del self._needs_detection[room]
+            left = self._guarded(room, room.checks.detection_job)
             if left is not None:
                 self._slices.begin(*left)
         if self._slices.busy and not self._stopped:

@@ -9,7 +9,7 @@ from time import perf_counter
 from typing import Any
 
 from thetascope.diagnosis.yield_points import pausing
-from thetascope.live.room.serial_queue import Job, Then, outcome
+from thetascope.live.room.serial_queue import Callback, Job, outcome
 
 
 class Slices:
@@ -18,7 +18,7 @@ class Slices:
     def __init__(self) -> None:
         self._go, self._back = threading.Semaphore(0), threading.Semaphore(0)
         self._until = 0.0
-        self._job: tuple[Job, Then] | None = None
+        self._job: tuple[Job, Callback] | None = None
         self._found: tuple[Any, Exception | None] | None = None
         self._thread: threading.Thread | None = None
 
@@ -26,7 +26,7 @@ class Slices:
     def busy(self) -> bool:
         return self._job is not None
 
-    def begin(self, job: Job, then: Then) -> None:
+    def begin(self, job: Job, then: Callback) -> None:
         """Take on a job; nothing is done yet. ``then(value, error)`` is called in the slice that ends it."""
         self._job, self._found = (job, then), None
         if self._thread is None:

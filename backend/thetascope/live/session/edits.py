@@ -24,7 +24,7 @@ from thetascope_schemas.service.session import (
 )
 
 
-def timed(command: object, at: float) -> TimedCommand | None:
+def timed_command_of(command: object, at: float) -> TimedCommand | None:
     """The timed command that a live one becomes at time ``at``; None for those that change faults."""
     fields = command.model_dump(exclude={"id", "type"}) | {"at": at}
     kinds = {
@@ -38,7 +38,7 @@ def timed(command: object, at: float) -> TimedCommand | None:
     return None if kind is None else kind.model_validate(fields)
 
 
-def injected(spec: Experiment, command: Inject, at: float) -> Experiment:
+def with_fault(spec: Experiment, command: Inject, at: float) -> Experiment:
     """The spec with a fault whose onset (and end) were counted from ``at``. Raises SpecError for unknown names."""
     fault = command.fault
     end = None if fault.end is None else at + fault.end
@@ -60,7 +60,7 @@ def _known(spec: Experiment, where: str, field: str, name: str) -> None:
         )
 
 
-def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
+def with_faults_ended(spec: Experiment, command: Clear, at: float) -> Experiment:
     """The spec in which the named faults (all, if none is named) end at ``at``; those still to come are taken out.
 
     Raises SpecError for unknown names.
@@ -77,9 +77,9 @@ def cleared(spec: Experiment, command: Clear, at: float) -> Experiment:
     return spec.model_copy(update={"faults": tuple(kept)})
 
 
-def changed_now(spec: Experiment, command: object, at: float, here: Experiment) -> tuple[Experiment, Experiment]:
+def with_command(spec: Experiment, command: object, at: float, here: Experiment) -> tuple[Experiment, Experiment]:
     """The spec with a timed command noted at its end, and the experiment as it is from ``at`` on; ``here``: as it was."""
-    note = timed(command, at)
+    note = timed_command_of(command, at)
     if (too_often := spec.too_often(getattr(note, "signal", note))) is not None:
         raise SpecError(*too_often)
     after = changed(here, note)
@@ -112,7 +112,7 @@ def checked(spec: Experiment, before: Experiment) -> Experiment:
     return complete.model_copy(update={"figures": spec.figures})
 
 
-def given_up_from(spec: Experiment, start: Experiment, faults: tuple[Fault, ...], t: float) -> Experiment:
+def truncated_at(spec: Experiment, start: Experiment, faults: tuple[Fault, ...], t: float) -> Experiment:
     """The spec without what was done at ``t`` or later: its ``faults`` as they were then, and the commands before."""
     commands = tuple(c for c in spec.commands if c.at < t or c in start.commands)
     return spec.model_copy(update={"faults": faults, "commands": commands})

@@ -8,7 +8,7 @@ _PIECE = 1 << 15  # rows, about, to which pieces are joined
 
 
 @dataclass(frozen=True)
-class Piece:
+class RowBlock:
     """Rows first … first + count − 1 with the columns they had."""
 
     first: int
@@ -20,10 +20,10 @@ class Piece:
         return self.first + self.data.shape[1]
 
 
-class Past:
+class RowHistory:
     """Rows start … end − 1. Pieces are never changed, only cut off at the end or let go: forks share them."""
 
-    def __init__(self, pieces: list[Piece] | None = None, start: int = 0):
+    def __init__(self, pieces: list[RowBlock] | None = None, start: int = 0):
         self.pieces = list(pieces or [])
         self._start = start
 
@@ -42,13 +42,13 @@ class Past:
             del self.pieces[0]
 
     def append(self, columns: tuple[str, ...], data: np.ndarray) -> None:
-        self.pieces.append(Piece(self.end, columns, data.astype(np.float32)))
+        self.pieces.append(RowBlock(self.end, columns, data.astype(np.float32)))
         if len(self.pieces) > 64:
             self._merge()
 
     def _merge(self) -> None:
         """Join neighbours of the same columns, so that a long session is not a long list."""
-        groups: list[list[Piece]] = []
+        groups: list[list[RowBlock]] = []
         for piece in self.pieces:
             last = groups[-1] if groups else None
             if last and last[-1].columns == piece.columns and piece.first - last[0].first < _PIECE:
@@ -57,13 +57,13 @@ class Past:
                 groups.append([piece])
         self.pieces = [_joined(group) for group in groups]
 
-    def cut(self, row: int) -> "Past":
+    def cut(self, row: int) -> "RowHistory":
         """The past before a row."""
         kept = [p for p in self.pieces if p.first < row]
         if kept and kept[-1].end > row:
             last = kept[-1]
-            kept[-1] = Piece(last.first, last.columns, last.data[:, : row - last.first])
-        return Past(kept, row)
+            kept[-1] = RowBlock(last.first, last.columns, last.data[:, : row - last.first])
+        return RowHistory(kept, row)
 
     def rows(self, columns: tuple[str, ...], first: int, last: int) -> np.ndarray:
         """Rows first … last − 1 in the given columns, NaN where a piece has no such column: columns × rows."""
@@ -84,7 +84,7 @@ class Past:
         return out
 
 
-def _joined(pieces: list[Piece]) -> Piece:
+def _joined(pieces: list[RowBlock]) -> RowBlock:
     if len(pieces) == 1:
         return pieces[0]
-    return Piece(pieces[0].first, pieces[0].columns, np.concatenate([piece.data for piece in pieces], axis=1))
+    return RowBlock(pieces[0].first, pieces[0].columns, np.concatenate([piece.data for piece in pieces], axis=1))

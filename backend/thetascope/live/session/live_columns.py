@@ -23,16 +23,16 @@ Parts = tuple[tuple[Engine, Rows], ...]
 
 
 @dataclass(frozen=True)
-class Made:
+class ColumnBatch:
     """Of the newest rows: their columns (columns × rows), S of each observer at them and after, and t, signals, parameters."""
 
     data: np.ndarray
     tables: Spreads
     values: dict
 
-    def until(self, count: int) -> "Made":
+    def until(self, count: int) -> "ColumnBatch":
         """Of the first rows only."""
-        return Made(
+        return ColumnBatch(
             self.data[:, :count],
             {k: v[: count + 1] for k, v in self.tables.items()},
             {n: v[:count] if np.ndim(v) else v for n, v in self.values.items()},
@@ -40,7 +40,7 @@ class Made:
 
 
 @dataclass(frozen=True)
-class View:
+class LiveColumns:
     """``parts`` hold the rows from ``first`` on; ``lost`` the observers that have diverged, when and why; ``plant_lost``: the same of
     the plant."""
 
@@ -52,18 +52,18 @@ class View:
     spreads: Spreads = field(default_factory=dict)  # after the newest row
 
     @classmethod
-    def opening(cls, experiment: Engine, row: int) -> "View":
+    def opening(cls, experiment: Engine, row: int) -> "LiveColumns":
         """A view with no rows yet."""
         return cls(columns_of(experiment), row, (), {})
 
     @classmethod
-    def resumable(cls, experiment: Engine, row: int, until: int, spreads: Spreads) -> "View | None":
+    def resumable(cls, experiment: Engine, row: int, until: int, spreads: Spreads) -> "LiveColumns | None":
         """A view that begins at ``row`` and is right from ``until`` on; None if the windows need rows before that."""
         if row > _tail_start(experiment, until):
             return None
         return replace(cls.opening(experiment, row), spreads=spreads)
 
-    def carried(self, experiment: Engine, row: int) -> "View":
+    def carried(self, experiment: Engine, row: int) -> "LiveColumns":
         """The view when another experiment goes on from a row."""
         present = {e.label for e in experiment.estimators if e.since // experiment.every < row}
         lost = {label: why for label, why in (self.lost or {}).items() if label in present}
@@ -74,7 +74,7 @@ class View:
         """y in the newest row, if there is one."""
         return self.parts[-1][1].y[-1] if self.parts and len(self.parts[-1][1].y) else None
 
-    def extended(self, experiment: Engine, rows: Rows) -> tuple["View", "Made"]:
+    def extended(self, experiment: Engine, rows: Rows) -> tuple["LiveColumns", "ColumnBatch"]:
         """The view with the newest rows, and what was made of them."""
         rows = self._without_lost(experiment, rows)
         parts = _with(self.parts, experiment, rows)
@@ -103,9 +103,9 @@ class View:
         if plant_lost is None and ended < len(plant):
             plant_lost = Diverged(float(values["t"][ended]), "the plant's own state escapes to infinity")
         after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=latest(tables))
-        return after._trimmed(experiment), Made(data, tables, newest)
+        return after._trimmed(experiment), ColumnBatch(data, tables, newest)
 
-    def continued(self, experiment: Engine, rows: Rows, spreads: Spreads) -> "View":
+    def continued(self, experiment: Engine, rows: Rows, spreads: Spreads) -> "LiveColumns":
         """The view with rows whose columns are known, and in which nothing is lost; ``spreads``: after them."""
         rows = self._without_lost(experiment, rows)
         return replace(self, parts=_with(self.parts, experiment, rows), spreads=spreads)._trimmed(experiment)
@@ -118,7 +118,7 @@ class View:
         )
         return replace(rows, observers=states)
 
-    def _trimmed(self, experiment: Engine) -> "View":
+    def _trimmed(self, experiment: Engine) -> "LiveColumns":
         """Without the rows that no window needs any more."""
         end = self.first + sum(len(r.index) for _, r in self.parts)
         start = _tail_start(experiment, end)
@@ -132,7 +132,7 @@ class View:
 
     # ---- what is said about it ---------------------------------------------------------------------------------------
 
-    def lost_since(self, before: "View", record: float) -> list[Event]:
+    def lost_since(self, before: "LiveColumns", record: float) -> list[Event]:
         """Events for what has diverged in the newest rows, each at the first row that is none."""
         new = {k: v for k, v in (self.lost or {}).items() if k not in (before.lost or {})}
         if self.plant_lost and not before.plant_lost:

@@ -27,7 +27,7 @@ _lock = Lock()
 
 
 @dataclass(frozen=True)
-class Seen:
+class DetectorProgress:
     """What was watched, and rows that wait to be: (experiment, rows, values along them)."""
 
     watched: MonitorState
@@ -38,7 +38,7 @@ class Seen:
         """How many rows wait."""
         return sum(len(rows.index) for _, rows, _ in self.waiting)
 
-    def follows(self, earlier: "Seen") -> bool:
+    def follows(self, earlier: "DetectorProgress") -> bool:
         """Whether this is an earlier value with more rows waiting."""
         same = zip(self.waiting, earlier.waiting, strict=False)
         return (
@@ -49,10 +49,10 @@ class Seen:
 
 
 @dataclass(frozen=True)
-class Watch:
+class LiveDetector:
     """What watches a session: the detector, or why there is none."""
 
-    made: Detector | None
+    detector: Detector | None
     detector_settings: DetectorSettings
     settings: DiagnosisSettings
     horizon: float
@@ -60,7 +60,7 @@ class Watch:
     note: str = ""
 
     @classmethod
-    def over(cls, spec: Experiment, experiment: Engine, record: float) -> "Watch":
+    def create(cls, spec: Experiment, experiment: Engine, record: float) -> "LiveDetector":
         """For a session on a spec (with its plant in full) that begins as ``experiment``."""
         settings, wanted = spec.diagnosis, detector_settings(spec)
         note = (
@@ -76,39 +76,49 @@ class Watch:
                 note = str(error)
         return cls(made, wanted, settings, span(spec), record, note)
 
-    def begin(self) -> "Seen | None":
+    def begin(self) -> "DetectorProgress | None":
         """Before the first row."""
-        return Seen(self.made.begin()) if self.made else None
+        return DetectorProgress(self.detector.begin()) if self.detector else None
 
-    def seen(
-        self, seen: "Seen | None", experiment: Engine, rows: Rows, values: dict, now: bool, left: bool = False
-    ) -> tuple["Seen | None", list[Event]]:
+    def observe(
+        self,
+        seen: "DetectorProgress | None",
+        experiment: Engine,
+        rows: Rows,
+        values: dict,
+        now: bool,
+        left: bool = False,
+    ) -> tuple["DetectorProgress | None", list[Event]]:
         """The newest rows taken in, and what was found; unless ``now``, they wait: a command is not to be kept waiting.
 
-        ``left``: somebody else is to watch them (`caught_up`).
+        ``left``: somebody else is to watch them (`catch_up`).
         """
         if seen is None:
             return None, []
-        seen = Seen(seen.watched, (*seen.waiting, (experiment, rows, values)))
+        seen = DetectorProgress(seen.watched, (*seen.waiting, (experiment, rows, values)))
         if left:
             later = len(seen.waiting) <= _MOST_PIECES and seen.rows <= _MOST_ROWS
         else:
             later = not now and len(seen.waiting) < _MOST_WAITING
         if later:
             return seen, []
-        after = self.caught_up(seen)
-        return Seen(after), self.events(seen, after)
+        after = self.catch_up(seen)
+        return DetectorProgress(after), self.events(seen, after)
 
-    def events(self, seen: "Seen", after: MonitorState) -> list[Event]:
+    def events(self, seen: "DetectorProgress", after: MonitorState) -> list[Event]:
         """What was found in rows that waited."""
         return list(self._events(seen.watched.decisions.findings, after.decisions))
 
-    def caught_up(self, seen: "Seen") -> MonitorState:
+    def catch_up(self, seen: "DetectorProgress") -> MonitorState:
         """With the rows that waited."""
         watched = seen.watched
         for experiment, rows, values in seen.waiting:
             watched = advance_over_rows(
-                with_noise_of(self.made, experiment, self.detector_settings.doubt), watched, experiment, rows, values
+                with_noise_of(self.detector, experiment, self.detector_settings.doubt),
+                watched,
+                experiment,
+                rows,
+                values,
             )
         return watched
 
@@ -125,8 +135,8 @@ class Watch:
                 yield self._event(found, i, found.cleared, "alarm-over")
 
     def _event(self, found: Finding, place: int, decision: int, kind: str) -> Event:
-        told = alarm(found, self.made, self.settings.confidence, place)
-        row = decision * self.made.stride
+        told = alarm(found, self.detector, self.settings.confidence, place)
+        row = decision * self.detector.stride
         told["estimate"] = told["size"]
         told["sigma"] = None if found.channel is None else found.deviation
         subject = told["channel"] or told["output"].removeprefix("y.")
@@ -136,20 +146,20 @@ class Watch:
             row=row, t=row * self.record, kind=kind, subject=subject, observer="detector", value=value, text=text
         )
 
-    def proposed(self, experiment: Engine, state: State) -> InputProposal:
+    def propose_input(self, experiment: Engine, state: State) -> InputProposal:
         """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""
-        if self.made is None:
+        if self.detector is None:
             raise Unwatchable(self.note)
-        made = with_noise_of(self.made, experiment, self.detector_settings.doubt)
+        made = with_noise_of(self.detector, experiment, self.detector_settings.doubt)
         among = tuple(dict.fromkeys(c for e in experiment.estimators for c in e.channels)) or None
         window = WINDOW * self.horizon
         found = propose(made.filter, experiment, state.plant, state.k, window, self.settings.accuracy, among)
         return InputProposal.model_validate(vars(found))
 
-    def told(self, seen: "Seen | None", left: bool) -> DiagnosisNow:
+    def report(self, seen: "DetectorProgress | None", left: bool) -> DiagnosisNow:
         """The diagnosis as it stands; rows that are ``left`` to somebody else are not waited for."""
-        watched = (seen.watched if left else self.caught_up(seen)) if seen else None
-        found = RunDiagnosis(self.made, watched, (), self.made.interval if self.made else 0.0, self.note)
+        watched = (seen.watched if left else self.catch_up(seen)) if seen else None
+        found = RunDiagnosis(self.detector, watched, (), self.detector.interval if self.detector else 0.0, self.note)
         told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
         return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
 
@@ -165,7 +175,7 @@ def pinned(spec: Experiment) -> DiagnosisSettings:
     return spec.diagnosis.model_copy(update={"span": span(spec)})
 
 
-def bare(seen: Seen | None) -> Seen | None:
+def bare(seen: DetectorProgress | None) -> DetectorProgress | None:
     """What is kept for going far back: where the filter and the decisions stand. Windows then begin anew."""
     if seen is None:
         return None
@@ -180,7 +190,7 @@ def bare(seen: Seen | None) -> Seen | None:
         watched.t[len(watched.t) - rest :].copy(),
         watched.stride,
     )
-    return Seen(left, seen.waiting)
+    return DetectorProgress(left, seen.waiting)
 
 
 def _shared(spec: Experiment, experiment: Engine, wanted: DetectorSettings) -> Detector:

@@ -25,7 +25,7 @@ from thetascope_schemas.service.session import (
 _LATELY = 100  # events
 
 
-def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record: float) -> list[Event]:
+def due_events(spec: Experiment, log: list[Event], first: int, last: int, record: float) -> list[Event]:
     """Faults that begin or end, and timed commands that act, by themselves in rows first … last − 1; not those the log tells already."""
     told: dict[tuple[str, str, int], list[object]] = {}  # values
     for e in _since(log, first):
@@ -34,7 +34,7 @@ def scheduled(spec: Experiment, log: list[Event], first: int, last: int, record:
     for command in spec.commands:
         row = math.ceil(command.at / record - 1e-9)
         if first <= row < last and not isinstance(command, SetSubsteps):
-            made = event(command, row, row * record)
+            made = command_event(command, row, row * record)
             if made.value not in told.get((made.kind, made.subject, row), []):
                 found.append(made)
     for fault in spec.faults:
@@ -58,7 +58,7 @@ def _since(log: list[Event], row: int) -> list[Event]:
     return [e for e in log[begin:] if e.row >= row]
 
 
-def event(command: object, row: int, t: float, given_up: int = 0) -> Event:
+def command_event(command: object, row: int, t: float, given_up: int = 0) -> Event:
     """What the log says of a command; ``given_up``: faults that were planned and do not come any more."""
     kind, subject, value, text = _told(command)
     if given_up > 0:
@@ -95,7 +95,7 @@ def _told(command: object) -> tuple[str, str, object, str]:
     raise TypeError(type(command).__name__)
 
 
-def new(found: list[Event], log: list[Event]) -> list[Event]:
+def unseen(found: list[Event], log: list[Event]) -> list[Event]:
     """Of what was found those events that are not told yet: rows that waited are looked at again after going back."""
     told = {(e.kind, e.row, e.subject) for e in log[-_LATELY:]}
     return [e for e in found if (e.kind, e.row, e.subject) not in told]

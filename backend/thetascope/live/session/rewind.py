@@ -6,17 +6,17 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.estimation.covariance import latest
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope.live.session import edits
-from thetascope.live.session.live_columns import View
-from thetascope.live.session.snapshots import Block, Moment
+from thetascope.live.session.live_columns import LiveColumns
+from thetascope.live.session.snapshots import Block, Snapshot
 from thetascope_schemas.service.session import Event, Seek
 
 _COMMANDED = ("inject", "clear", "gain", "signal", "noise", "observer-added", "observer-removed", "rewound", "reset")
 
 
-class Returning:
+class Rewinding:
     """What a session (session.py, whose state it is) does to stand at an earlier row."""
 
-    def rewind_unseen(self, row: int) -> None:
+    def drop_unseen_rows(self, row: int) -> None:
         """Give up rows from ``row`` on that were computed ahead and shown to nobody: no new epoch."""
         if row < self.row:
             self._return_to(row)
@@ -33,28 +33,28 @@ class Returning:
         """Back to a row; what was done from it on is given up."""
         t = row * self.record
         self._faults = self._faults[:1] + tuple(known for known in self._faults[1:] if known[0] < row)
-        spec = edits.given_up_from(self.spec, self._start, self._faults[-1][1], t)
+        spec = edits.truncated_at(self.spec, self._start, self._faults[-1][1], t)
         if row < self.row:
             self._return_to(row)
         self.log = [e for e in self.log if e.row < row]
         self._new = []
         kept = [s for s in self._stages if s.k < row * self._every] or self._stages[:1]
         self._stages = kept
-        self.now = replace(self.now, stage=min(self.now.stage, len(kept) - 1), told=len(self.log))
+        self.current = replace(self.current, stage=min(self.current.stage, len(kept) - 1), told=len(self.log))
         self._adopt(spec, edits.without_commands(spec, self.t), None)
         self.epoch += 1
         return [self._noted(Event(row=row, t=t, kind="rewound", text=f"back to {t:g} s"))]
 
     def _return_to(self, row: int) -> None:
         """Stand at an earlier row with the stages as they are."""
-        base = self._moments.whole(row) or self._found(row)
+        base = self._snapshots.whole(row) or self._found(row)
         spec, stages = self.spec, self._stages
         log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
         new = [e for e in self._new if e.row < row]
-        past, known = self.past.cut(row), self._moments.known(base.row, row)
-        self.now, self.ended = base, False
-        self._moments.cut(row)
-        self.past, self.log = self.past.cut(base.row), self.log[: base.told]
+        past, known = self.history.cut(row), self._snapshots.known(base.row, row)
+        self.current, self.ended = base, False
+        self._snapshots.cut(row)
+        self.history, self.log = self.history.cut(base.row), self.log[: base.told]
         self.columns = base.view.columns
         if known is not None:
             self._recall(known, row)
@@ -62,27 +62,27 @@ class Returning:
         while self.row < row:
             self.advance(row - self.row)
         self._again = False
-        self.past, self.log = past, log
+        self.history, self.log = past, log
         self._new = new  # what the rows between have been found to hold is told already
         self.spec, self._stages = spec, stages
-        self.now = replace(self.now, told=len(log))
+        self.current = replace(self.current, told=len(log))
 
     def _recall(self, known: Block, row: int) -> None:
         """Advance to a row over rows that are known."""
-        now, experiment, block = self.now, self.experiment, known.until(row)
+        now, experiment, block = self.current, self.experiment, known.until(row)
         simulation = Simulation(experiment, self._substeps, remember=True)
         view = now.view.continued(experiment, block.recorded, latest(block.made.tables))
-        watched, _ = self.watch.seen(
-            now.watched, experiment, block.recorded, block.made.values, False, self.leaves_watching
+        watched, _ = self.detector.observe(
+            now.watched, experiment, block.recorded, block.made.values, False, self.detects_outside
         )
-        self.now = Moment(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
+        self.current = Snapshot(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
 
-    def _found(self, row: int) -> Moment:
+    def _found(self, row: int) -> Snapshot:
         """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""
-        start = Moment(0, Simulation(self._stages[0].experiment).initial(), 0, None, self.watch.begin(), 0)
-        for moment in (*self._moments.bare(row), start):
+        start = Snapshot(0, Simulation(self._stages[0].experiment).initial(), 0, None, self.detector.begin(), 0)
+        for moment in (*self._snapshots.bare(row), start):
             experiment = self._stages[moment.stage].experiment
-            begin = View.resumable(experiment, moment.row, row, moment.spreads)
+            begin = LiveColumns.resumable(experiment, moment.row, row, moment.spreads)
             if begin is not None:
                 return replace(moment, view=begin)
-        return replace(start, view=View.opening(self._stages[0].experiment, 0))
+        return replace(start, view=LiveColumns.opening(self._stages[0].experiment, 0))

@@ -1,4 +1,4 @@
-"""Moments of a session to which it can go back."""
+"""Snapshots of a session to which it can go back."""
 
 from collections import deque
 from collections.abc import Iterator
@@ -7,8 +7,8 @@ from dataclasses import dataclass, field, replace
 from thetascope.engine.estimation.covariance import Spreads
 from thetascope.engine.simulation.experiment import Rows, State
 from thetascope.engine.simulation.simulation import Simulation
-from thetascope.live.session.live_columns import Made, View
-from thetascope.live.session.live_detector import Seen, bare
+from thetascope.live.session.live_columns import ColumnBatch, LiveColumns
+from thetascope.live.session.live_detector import DetectorProgress, bare
 
 _RECENT = 6  # whole moments kept, for going back over rows that nobody has seen
 _BLOCKS = 2  # of them, with the columns of the rows that follow
@@ -17,23 +17,23 @@ _KEPT = 400  # bare moments kept, for rewinding; when there are more, every seco
 
 
 @dataclass(frozen=True)
-class Moment:
+class Snapshot:
     """Where everything stands at a row: a value, so that going back is taking an older one."""
 
     row: int
     state: State
     stage: int
-    view: View | None  # None in a bare moment: a view is found again by advancing from an earlier row
-    watched: Seen | None
+    view: LiveColumns | None  # None in a bare moment: a view is found again by advancing from an earlier row
+    watched: DetectorProgress | None
     told: int  # events in the log
     spreads: Spreads = field(default_factory=dict)  # of a bare moment; else the view has them
 
 
 @dataclass(frozen=True)
-class Begun:
+class SimulatedRows:
     """Rows simulated from a moment on, with the state after them; what is shown of them is still to be made."""
 
-    since: Moment
+    since: Snapshot
     count: int
     state: State
     recorded: Rows
@@ -45,7 +45,7 @@ class Block:
 
     first: int
     recorded: Rows
-    made: Made
+    made: ColumnBatch
 
     def until(self, row: int) -> "Block":
         """The rows before a row."""
@@ -59,15 +59,17 @@ class Block:
         return known or simulation.advance(start, count * simulation.experiment.every)[0]
 
 
-class Moments:
+class Snapshots:
     """The newest moments whole, older ones bare and thinned out: memory does not grow with the session."""
 
-    def __init__(self, recent: Iterator[Moment] = (), bare: list[Moment] | None = None, blocks: Iterator[Block] = ()):
+    def __init__(
+        self, recent: Iterator[Snapshot] = (), bare: list[Snapshot] | None = None, blocks: Iterator[Block] = ()
+    ):
         self._recent = deque(recent, maxlen=_RECENT)
         self._blocks = deque(blocks, maxlen=_BLOCKS)
         self._bare = list(bare or [])
 
-    def remember(self, moment: Moment) -> None:
+    def remember(self, moment: Snapshot) -> None:
         self._recent.append(moment)
         light = moment.watched is None or moment.watched.rows <= _WAITING
         if not self._bare or (light and moment.row > self._bare[-1].row):
@@ -85,11 +87,11 @@ class Moments:
         block = next((b for b in reversed(self._blocks) if b.first == first), None)
         return block if block is not None and first < row <= first + len(block.recorded.index) else None
 
-    def whole(self, row: int) -> Moment | None:
+    def whole(self, row: int) -> Snapshot | None:
         """The latest whole moment at or before a row."""
         return next((m for m in reversed(self._recent) if m.row <= row), None)
 
-    def bare(self, row: int) -> Iterator[Moment]:
+    def bare(self, row: int) -> Iterator[Snapshot]:
         """Bare moments at or before a row, the latest first."""
         return (m for m in reversed(self._bare) if m.row <= row)
 
@@ -100,5 +102,5 @@ class Moments:
         kept = (b.until(row) for b in self._blocks if b.first < row)
         self._blocks = deque(kept, maxlen=_BLOCKS)
 
-    def copy(self) -> "Moments":
-        return Moments(self._recent, self._bare, self._blocks)
+    def copy(self) -> "Snapshots":
+        return Snapshots(self._recent, self._bare, self._blocks)

@@ -7,7 +7,7 @@ one go, without waking a task for each; only where a connection is slow, what is
 from collections.abc import Coroutine, Generator
 
 
-class Rest:
+class Continuation:
     """What is left of a coroutine that waits; await it to bring it to its end."""
 
     def __init__(self, coroutine: Coroutine, waits_for: object) -> None:
@@ -28,10 +28,10 @@ class Rest:
                 return
 
 
-def begin(coroutine: Coroutine) -> Rest | None:
+def send_eagerly(coroutine: Coroutine) -> Continuation | None:
     """Run a coroutine up to where it waits. None: it has ended. Raises what the coroutine raises."""
     try:
         waits_for = coroutine.send(None)
     except StopIteration:
         return None
-    return Rest(coroutine, waits_for)
+    return Continuation(coroutine, waits_for)

@@ -11,13 +11,13 @@ from thetascope_schemas.service.session import HEADER
 _HEADER = Struct(HEADER)
 
 
-def frame(sequence: int, epoch: int, first: int, samples: np.ndarray) -> bytes:
+def encode_frame(sequence: int, epoch: int, first: int, samples: np.ndarray) -> bytes:
     """A frame of float32 samples, columns × rows."""
     columns, rows = samples.shape
     return _HEADER.pack(sequence & 0xFFFFFFFF, epoch, first, rows, columns) + samples.tobytes()
 
 
-def narrowed(rows: np.ndarray) -> np.ndarray:
+def as_float32(rows: np.ndarray) -> np.ndarray:
     """Rows as little-endian float32; beyond its range they are infinite."""
     if rows.dtype == np.dtype("<f4"):
         return rows
@@ -25,7 +25,7 @@ def narrowed(rows: np.ndarray) -> np.ndarray:
         return rows.astype("<f4")
 
 
-class Ahead:
+class FrameBuffer:
     """Rows first … end − 1 as float32: those computed ahead, and a few that were shown just now.
 
     Kept row after row, so that a frame's few rows lie side by side in memory: many sessions do not fit into the cache.
@@ -46,7 +46,7 @@ class Ahead:
     def append(self, rows: np.ndarray, keep: int) -> None:
         """Add computed rows; what is before row `keep` is forgotten."""
         drop = max(0, min(keep, self.end) - self.first)
-        self._rows = np.concatenate([self._rows[drop:], np.ascontiguousarray(narrowed(rows).T)])
+        self._rows = np.concatenate([self._rows[drop:], np.ascontiguousarray(as_float32(rows).T)])
         self.first += drop
         self.end = self.first + len(self._rows)
 
@@ -57,7 +57,7 @@ class Ahead:
         return self._rows[first - self.first : last - self.first].T
 
 
-class Numbers:
+class FrameNumbers:
     """The numbers of a session's frames: which rows a viewer has that names the last one it got.
 
     Frames count from 1. Kept are the ends of the last frames of the present epoch; whoever names an older one is sent the

@@ -48,7 +48,7 @@ def refused(id: int | None, error: FieldError | SpecError) -> Refused:
     return Refused(id=id, field=error.field, value=value, problem=error.problem, remedy=error.remedy)
 
 
-def of_validation(id: int | None, error: ValidationError) -> Refused:
+def refused_spec(id: int | None, error: ValidationError) -> Refused:
     """The refusal of a command that leads to a spec that is none."""
     return refused(id, field_errors(error.errors(include_url=False))[0])
 

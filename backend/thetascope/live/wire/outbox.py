@@ -56,11 +56,11 @@ class Outbox:
         return text
 
     @property
-    def quiet(self) -> bool:
+    def is_idle(self) -> bool:
         """Whether no text waits."""
         return not self._texts
 
-    def back(self, row: int) -> None:
+    def rewind_to(self, row: int) -> None:
         """Rows from this one on are void."""
         self.row = min(self.row, row)
 

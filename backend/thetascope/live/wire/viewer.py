@@ -4,7 +4,7 @@ import asyncio
 from collections.abc import Awaitable, Callable, Coroutine
 from typing import Protocol
 
-from thetascope.live.wire.eager_send import Rest, begin
+from thetascope.live.wire.eager_send import Continuation, send_eagerly
 from thetascope.live.wire.outbox import Outbox, Overflow
 from thetascope_schemas.service.session import CLOSE_SLOW
 
@@ -37,7 +37,7 @@ class Viewer:
         self.closed = asyncio.Event()
         self._text, self._samples, self._loop = text, samples, loop
         self._parked: asyncio.Future[None] | None = None  # while the task waits for something to send
-        self._rest: Rest | None = None
+        self._continuation: Continuation | None = None
 
     def put(self, text: str, key: str | None = None) -> None:
         """Send a text in its turn."""
@@ -62,15 +62,15 @@ class Viewer:
     @property
     def _idle(self) -> bool:
         """Whether the task waits and nothing is to be sent before."""
-        return self._parked is not None and self._rest is None and self.outbox.quiet and self.closing is None
+        return self._parked is not None and self._continuation is None and self.outbox.is_idle and self.closing is None
 
     def _begin(self, sending: Coroutine) -> None:
         """Send as much as the connection takes now; the task does the rest."""
         try:
-            self._rest = begin(sending)
+            self._continuation = send_eagerly(sending)
         except Exception:  # noqa: BLE001 - the connection is gone, whatever it says of it
             self.close(1006, "the connection is lost")
-        if self._rest is not None:
+        if self._continuation is not None:
             self.wake()
 
     def close(self, code: int, reason: str) -> None:
@@ -87,14 +87,14 @@ class Viewer:
     async def run(self, source: Source) -> None:
         """Send what waits, until the connection is closed. Raises what the connection raises when it is lost."""
         while self.closing is None:
-            if self._rest is not None:
-                rest, self._rest = self._rest, None
+            if self._continuation is not None:
+                rest, self._continuation = self._continuation, None
                 await rest
             elif (text := self.outbox.text()) is not None:
                 await self._text(text)
             elif (data := await source.samples(self)) is not None:
                 await self._samples(data)
-            elif self.outbox.quiet and self.closing is None:
+            elif self.outbox.is_idle and self.closing is None:
                 self._parked = parked = self._loop.create_future()
                 try:
                     await parked
