@@ -73,6 +73,22 @@ export interface Alarm {
   text: string;
 }
 
+/** The verdict on one alarm, and what it means at the time of judging. */
+export interface AlarmOutcome {
+  /** Id of the alarm. */
+  id: string;
+  /** As it was raised: it names a fault that was present, another one was, or none was. */
+  verdict: 'correct' | 'isolation-error' | 'false';
+  /** Now: cleared; or still on, and a fault that it names acts; the fault that acts began later and is covered; another fault acts; none ever did; the fault has ended and the alarm is about to clear. */
+  state: 'acting' | 'covering' | 'other-fault' | 'no-fault' | 'fault-over' | 'cleared';
+  /** Ids of the faults that it was the first to find. */
+  found: (string)[];
+  /** Seconds from the newest of these to the alarm. */
+  delay: number | null;
+  /** Onset in s of the newest fault that it covers and that acts. */
+  covers_since: number | null;
+}
+
 /** One assumption of an observer's theorem, checked on this plant, these gains and this run. */
 export interface AssumptionCheck {
   name: string;
@@ -210,7 +226,7 @@ export interface Comparison {
   observers: (ComparisonRow)[];
 }
 
-/** One observer's part of the comparison. Counts of alarms and faults are null where no tests watched it. */
+/** One observer's part of the comparison. Counts of alarms and faults are null if no tests ran on it. */
 export interface ComparisonRow {
   label: string;
   /** Root mean square error by column (x.…, theta.…), one a window; null: not all rows have a number. */
@@ -218,17 +234,19 @@ export interface ComparisonRow {
   /** Largest error likewise. */
   peak: {[name: string]: (number | null)[]};
   steps: (StepFollowed)[];
-  /** What became of each fault, in order of time. */
+  /** The outcome for each fault, in order of time. */
   faults: (FaultOutcome)[] | null;
-  /** Faults that an alarm named after they began. */
+  /** The verdict on each alarm, in order of time. */
+  alarms: (AlarmOutcome)[] | null;
+  /** Faults that an alarm found. */
   found: number | null;
-  /** Faults that an alarm named already when they began. */
+  /** Faults for whose channel an alarm was on already when they began. */
   covered: number | null;
-  /** Faults that no alarm named. */
+  /** Faults neither found nor covered. */
   missed: number | null;
-  /** Alarms raised while no fault was there, nor just before. */
+  /** Alarms raised while no fault was present, nor just before. */
   false_alarms: number | null;
-  /** Alarms raised during a fault that name none that is there. */
+  /** Alarms raised during a fault that name none of those present. */
   isolation_errors: number | null;
   /** Median delay in s of the faults found. */
   delay: number | null;
@@ -655,8 +673,10 @@ export interface FaultForm {
   example: {[name: string]: JsonValue};
 }
 
-/** What an observer's alarms made of one fault. */
+/** The outcome for one fault: whether an observer's alarms found it (diagnosis/evaluation/verdicts.py has the rule). */
 export interface FaultOutcome {
+  /** Id of the fault within the experiment or session. */
+  id: string;
   /** A channel of the model, or a measurement. */
   kind: 'channel' | 'output';
   /** Name of the channel or output. */
@@ -665,12 +685,14 @@ export interface FaultOutcome {
   onset: number;
   /** Time in s until which it could be found; null: the end of the run. */
   until: number | null;
-  /** Covered: an alarm that names it was on when it began, so none could be raised. */
+  /** Covered: an alarm for its channel was on when it began, so none could be raised. */
   outcome: 'found' | 'covered' | 'missed';
   /** Seconds from the onset to the alarm that found it. */
   delay: number | null;
   /** Found only as one of the alternatives that an alarm leaves open. */
   alternative: boolean;
+  /** Id of the alarm that found or covers it; empty: none. */
+  alarm: string;
 }
 
 /** One reason for a refusal: the field, the value that arrived, the problem and the remedy. */

@@ -54,9 +54,25 @@ class Stuck:
         return Site("output", self.output)
 
 
-def alarm(t: float, channel: str = "", *alternatives: str, output: str = "", cleared: float | None = None):
-    kind = "fault" if channel else "unexplained"
-    return SimpleNamespace(t=t, kind=kind, channel=channel, alternatives=alternatives, output=output, cleared=cleared)
+def alarm(
+    t: float,
+    channel: str = "",
+    *alternatives: str,
+    output: str = "",
+    cleared: float | None = None,
+    onset: float | None = None,
+):
+    """An alarm at t; its fault may have begun from `onset` on, else when it was raised."""
+    return SimpleNamespace(
+        id=f"{channel}{output}{t}",
+        t=t,
+        kind="fault" if channel else "unexplained",
+        channel=channel,
+        alternatives=alternatives,
+        output=output,
+        onset_from=t if onset is None else onset,
+        cleared=cleared,
+    )
 
 
 def truth(faults, channel: str) -> np.ndarray:

@@ -9,6 +9,7 @@ from thetascope_schemas.experiment.base import Number, Reference, Strict, exampl
 _WINDOWS = [{"start": 0, "end": 20}, {"start": 20, "end": 100}]
 _STEP = {"channel": "theta3", "at": 20, "size": 0.02, "ten": 0.77, "five": 1.04}
 _FAULT = {
+    "id": "theta3@20.0",
     "kind": "channel",
     "name": "theta3",
     "onset": 20,
@@ -16,6 +17,15 @@ _FAULT = {
     "outcome": "found",
     "delay": 0.6,
     "alternative": False,
+    "alarm": "theta3-1",
+}
+_ALARM = {
+    "id": "theta3-1",
+    "verdict": "correct",
+    "state": "acting",
+    "found": ["theta3@20.0"],
+    "delay": 0.6,
+    "covers_since": None,
 }
 _ROW = {
     "label": "adaptive",
@@ -23,6 +33,7 @@ _ROW = {
     "peak": {"x.x1": [0.02, 0.004], "theta.theta3": [0.01, 0.02]},
     "steps": [_STEP],
     "faults": [_FAULT],
+    "alarms": [_ALARM],
     "found": 1,
     "covered": 0,
     "missed": 0,
@@ -56,23 +67,45 @@ class StepFollowed(Strict):
 
 
 class FaultOutcome(Strict):
-    """What an observer's alarms made of one fault."""
+    """The outcome for one fault: whether an observer's alarms found it (diagnosis/evaluation/verdicts.py has the rule)."""
 
     model_config = example(**_FAULT)
 
+    id: str = Field(description="Id of the fault within the experiment or session.")
     kind: Literal["channel", "output"] = Field(description="A channel of the model, or a measurement.")
     name: Reference = Field(description="Name of the channel or output.")
     onset: Number = Field(description="Time in s at which it began.")
     until: Number | None = Field(description="Time in s until which it could be found; null: the end of the run.")
     outcome: Literal["found", "covered", "missed"] = Field(
-        description="Covered: an alarm that names it was on when it began, so none could be raised."
+        description="Covered: an alarm for its channel was on when it began, so none could be raised."
     )
     delay: Number | None = Field(description="Seconds from the onset to the alarm that found it.")
     alternative: bool = Field(description="Found only as one of the alternatives that an alarm leaves open.")
+    alarm: str = Field(description="Id of the alarm that found or covers it; empty: none.")
+
+
+class AlarmOutcome(Strict):
+    """The verdict on one alarm, and what it means at the time of judging."""
+
+    model_config = example(**_ALARM)
+
+    id: str = Field(description="Id of the alarm.")
+    verdict: Literal["correct", "isolation-error", "false"] = Field(
+        description="As it was raised: it names a fault that was present, another one was, or none was."
+    )
+    state: Literal["acting", "covering", "other-fault", "no-fault", "fault-over", "cleared"] = Field(
+        description="Now: cleared; or still on, and a fault that it names acts; the fault that acts began later and is "
+        "covered; another fault acts; none ever did; the fault has ended and the alarm is about to clear."
+    )
+    found: tuple[str, ...] = Field((), description="Ids of the faults that it was the first to find.")
+    delay: Number | None = Field(None, description="Seconds from the newest of these to the alarm.")
+    covers_since: Number | None = Field(
+        None, description="Onset in s of the newest fault that it covers and that acts."
+    )
 
 
 class ComparisonRow(Strict):
-    """One observer's part of the comparison. Counts of alarms and faults are null where no tests watched it."""
+    """One observer's part of the comparison. Counts of alarms and faults are null if no tests ran on it."""
 
     model_config = example(**_ROW)
 
@@ -82,12 +115,15 @@ class ComparisonRow(Strict):
     )
     peak: dict[str, tuple[Number | None, ...]] = Field(description="Largest error likewise.")
     steps: tuple[StepFollowed, ...] = ()
-    faults: tuple[FaultOutcome, ...] | None = Field(None, description="What became of each fault, in order of time.")
-    found: int | None = Field(None, description="Faults that an alarm named after they began.")
-    covered: int | None = Field(None, description="Faults that an alarm named already when they began.")
-    missed: int | None = Field(None, description="Faults that no alarm named.")
-    false_alarms: int | None = Field(None, description="Alarms raised while no fault was there, nor just before.")
-    isolation_errors: int | None = Field(None, description="Alarms raised during a fault that name none that is there.")
+    faults: tuple[FaultOutcome, ...] | None = Field(None, description="The outcome for each fault, in order of time.")
+    alarms: tuple[AlarmOutcome, ...] | None = Field(None, description="The verdict on each alarm, in order of time.")
+    found: int | None = Field(None, description="Faults that an alarm found.")
+    covered: int | None = Field(None, description="Faults for whose channel an alarm was on already when they began.")
+    missed: int | None = Field(None, description="Faults neither found nor covered.")
+    false_alarms: int | None = Field(None, description="Alarms raised while no fault was present, nor just before.")
+    isolation_errors: int | None = Field(
+        None, description="Alarms raised during a fault that name none of those present."
+    )
     delay: Number | None = Field(None, description="Median delay in s of the faults found.")
     grace: Number = Field(description="Seconds after a fault within which an alarm is not false: θ̂ is coming back.")
     cost: Number | None = Field(

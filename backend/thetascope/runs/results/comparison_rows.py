@@ -1,16 +1,17 @@
-"""The comparison of a run's observers as the contract has it."""
+"""The comparison of a run's observers in the schemas' terms."""
 
 from dataclasses import asdict
 
 from thetascope.assembly.build.diagnosis_settings import findings
 from thetascope.diagnosis.evaluation.observer_comparison import COVERED, FOUND, MISSED, Row, compare
+from thetascope.diagnosis.evaluation.verdicts import Judgement
 from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment
-from thetascope_schemas.service.comparison import Comparison, ComparisonRow
+from thetascope_schemas.service.comparison import AlarmOutcome, Comparison, ComparisonRow, FaultOutcome
 
 
 def compared(result: Result, spec: Experiment) -> Comparison:
-    """Compare the observers of a result; the spec gives the faults."""
+    """Return the comparison of the observers of a result; the spec gives the faults."""
     found = compare(result, spec.faults, findings(result))
     return Comparison.model_validate(
         {"windows": [asdict(window) for window in found.windows], "observers": [_row(row) for row in found.rows]}
@@ -23,7 +24,8 @@ def _row(row: Row) -> ComparisonRow:
         rmse=row.rmse,
         peak=row.peak,
         steps=tuple(asdict(step) for step in row.steps),
-        faults=None if row.verdicts is None else tuple(asdict(verdict) for verdict in row.verdicts),
+        faults=None if row.judgement is None else outcomes(row.judgement)[0],
+        alarms=None if row.judgement is None else outcomes(row.judgement)[1],
         found=row.count(FOUND),
         covered=row.count(COVERED),
         missed=row.count(MISSED),
@@ -32,4 +34,12 @@ def _row(row: Row) -> ComparisonRow:
         delay=row.delay,
         grace=row.grace,
         cost=None if row.cost is None else 1e6 * row.cost,
+    )
+
+
+def outcomes(judgement: Judgement) -> tuple[tuple[FaultOutcome, ...], tuple[AlarmOutcome, ...]]:
+    """Return the verdicts on faults and alarms in the schemas' terms; of runs and of live sessions."""
+    return (
+        tuple(FaultOutcome.model_validate(asdict(fault)) for fault in judgement.faults),
+        tuple(AlarmOutcome.model_validate(asdict(alarm)) for alarm in judgement.alarms),
     )
