@@ -7,7 +7,7 @@ const PATIENCE = 3000; // ms for which a range must be too wide before it shrink
 const MUCH = 0.7; // how little of it must be used
 const ROOM = 0.12; // of the range, added where it widens
 const EDGE = 0.015; // of it, which nothing may enter for long
-const still = matchMedia('(prefers-reduced-motion: reduce)');
+const still = globalThis.matchMedia?.('(prefers-reduced-motion: reduce)'); // a browser's
 
 /**
  * The round step of which about `count` fit between two values: 1, 2 or 5 times a power of ten.
@@ -116,7 +116,7 @@ export class Range {
   glide(wanted, now) {
     if (this.target === null) return;
     if (wanted[0] === this.target[0] && wanted[1] === this.target[1]) return;
-    if (still.matches) {
+    if (still?.matches) {
       this.jump(wanted);
       return;
     }

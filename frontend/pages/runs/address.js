@@ -1,9 +1,22 @@
-// The choice stands in the address, so that a link opens it again:
+// The address holds the choice, so that a link opens it again:
 //   ?experiment=zhao-2012&set=seed%3D3&set=noise.y.std%3D0&run=0123…
 
-/** What an address chooses: {experiment, changes, run}. */
+/**
+ * A library experiment, the fields that are changed in it, and the run that is shown.
+ * @typedef {object} Choice
+ * @property {string | null} experiment
+ * @property {{[path: string]: unknown}} [changes]
+ * @property {string | null} [run]
+ */
+
+/**
+ * The choice that an address holds.
+ * @param {string} search
+ * @returns {Required<Choice>}
+ */
 export function read(search) {
   const query = new URLSearchParams(search);
+  /** @type {{[path: string]: unknown}} */
   const changes = {};
   for (const assignment of query.getAll('set')) {
     const [path, ...rest] = assignment.split('=');
@@ -12,7 +25,10 @@ export function read(search) {
   return {experiment: query.get('experiment'), changes, run: query.get('run')};
 }
 
-/** The address of a choice. */
+/**
+ * The address of a choice.
+ * @param {Choice} choice
+ */
 export function write({experiment, changes = {}, run = null}) {
   const query = new URLSearchParams();
   if (experiment) query.set('experiment', experiment);
@@ -22,7 +38,11 @@ export function write({experiment, changes = {}, run = null}) {
   return text ? `?${text}` : '/runs/';
 }
 
-/** A typed value: JSON where it is JSON, else text; the server says what is wrong with it. */
+/**
+ * The value of typed text: a number or JSON where it reads as one, else the text itself.
+ * @param {string} typed
+ * @returns {unknown}
+ */
 export function value(typed) {
   const trimmed = typed.trim();
   if (/^[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$/i.test(trimmed)) return Number(trimmed);
@@ -33,7 +53,11 @@ export function value(typed) {
   }
 }
 
-/** A value as one types it. */
+/**
+ * A value as one types it.
+ * @param {unknown} to
+ * @returns {string}
+ */
 export function spell(to) {
   return typeof to === 'string' ? to : JSON.stringify(to);
 }

@@ -62,53 +62,6 @@ def test_noise_is_never_cut_and_what_leaves_is_marked(page):
     assert show.get_attribute("aria-pressed") == "false" and state(opened, "selection") == [5, 35]
 
 
-def test_an_axis_recovers_and_stays_calm(page):
-    """A throw sets the axis while it lasts; when it has left the window the axis comes back, once; noise alone moves it seldom."""
-    wide, narrow, moves = page("/").evaluate("""async () => {
-      const {Range} = await import('/live/scope/axes.js');
-      const {wanted} = await import('/live/scope/axis-view.js');
-      const {Samples} = await import('/live/state/samples.js');
-      const samples = new Samples(0.01);
-      samples.setColumns(['o.x.a']);
-      const strip = {kind: 'state', truth: null, base: null, least: 0, traces: [{column: 'o.x.a', label: 'o'}]};
-      let seed = 7;
-      const random = () => (seed = (seed * 1664525 + 1013904223) % 4294967296) / 4294967296;
-      const range = new Range();
-      let [before, moves, wide] = ['', 0, 0];
-      for (let k = 0; k < 900; k += 1) {
-        samples.push(samples.rows, 10, Float32Array.from({length: 10}, () => random() + random() + random() - 1.5 + (k > 200 && k < 270 ? 6 : 0)));
-        const t = samples.now;
-        range.aim(...wanted(strip, samples, Math.max(0, t - 30), t), k * 100);
-        range.move(k * 100);
-        wide = Math.max(wide, range.target[1] - range.target[0]);
-        if (k > 650 && String(range.target) !== before) moves += 1;
-        before = String(range.target);
-      }
-      return [wide, range.target[1] - range.target[0], moves];
-    }""")
-    assert wide > 6 and 2 < narrow < 5 and moves <= 3
-
-
-def test_marks_of_an_axis_fit_beside_it(page):
-    """Whatever the axis, its marks have at most seven characters, and one power of ten says what they leave out."""
-    found = page("/").evaluate("""async () => {
-      const {spelt} = await import('/live/scope/axis-view.js');
-      const {marks, niceStep} = await import('/live/scope/axes.js');
-      return [[0, 5e11], [-1e-7, 3e-7], [0.00739, 0.00742], [-1.5, 2], [9.99e5, 1.2e6], [-0.00004, 0.0011]].map(([low, high]) => {
-        const step = niceStep(high - low, 4);
-        const ticks = marks(low, high, step);
-        return [ticks, ...spelt(ticks, step)];
-      });
-    }""")
-    raised = dict(zip("⁻⁰¹²³⁴⁵⁶⁷⁸⁹", "-0123456789", strict=True))
-    for ticks, labels, power in found:
-        unit = 10.0 ** int("".join(raised[c] for c in power.removeprefix("·10"))) if power else 1
-        assert max(map(len, labels)) <= 7 and len(set(labels)) == len(labels)
-        assert [float(label.replace("−", "-")) * unit for label in labels] == pytest.approx(
-            ticks, abs=abs(ticks[-1]) * 1e-3
-        )
-
-
 def test_every_band_is_drawn_and_a_name_leaves_its_own(page):
     """With four observers all bands are there, on every θ strip; a click on a name, by keyboard too, leaves its own, and the legend says whose."""
     opened = settled(page, FOUR)

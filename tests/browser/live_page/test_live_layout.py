@@ -154,16 +154,3 @@ def test_the_hysteresis_is_whole_on_a_phone(page):
     assert live.evaluate(
         "[...document.querySelectorAll('#hysteresis canvas')].every((one) => one.height === Math.round(one.clientHeight * devicePixelRatio))"
     )
-
-
-def test_numbers_of_a_column_have_one_form(page):
-    """In the comparison every number of a column is a power of ten, or none is, with as many decimals."""
-    forms = page("/").evaluate("""async () => {
-      const {Form} = await import('/live/panels/comparison/column-format.js');
-      return [[0.00033, 0.0107], [0.00007, 0.5], [0.5, 0.76], [2e6, 3]].map((values) => {
-        const form = new Form();
-        form.take(values);
-        return values.map((value) => form.write(value));
-      });
-    }""")
-    assert forms == [["0.00033", "0.01070"], ["7.0·10⁻⁵", "5.0·10⁻¹"], ["0.50", "0.76"], ["2.0·10⁶", "3.0·10⁰"]]

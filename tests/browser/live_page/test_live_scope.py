@@ -163,45 +163,6 @@ def test_nothing_is_wider_than_the_screen(page, width):
     assert opened.locator(".play").is_visible() and opened.locator(".strip canvas").first.is_visible()
 
 
-def test_bins_are_the_true_minima_and_maxima(page):
-    """At every level the ring's minima and maxima are those of the rows, also after rewinding and beyond its capacity."""
-    opened = page(PAUSED)
-    ready(opened)
-    wrong, levels, capacity = opened.evaluate("""async () => {
-      const {Samples} = await import('/live/state/samples.js');
-      const samples = new Samples(0.01, 4 * 16384);
-      samples.setColumns(['a']);
-      const rows = [];
-      let seed = 1;
-      const random = () => (seed = (seed * 1664525 + 1013904223) % 4294967296) / 4294967296;
-      const push = (count) => {
-        const data = Float32Array.from({length: count}, random);
-        data.forEach((value, i) => { rows[samples.rows + i] = value; });
-        samples.push(samples.rows, count, data);
-      };
-      while (samples.rows < 70_000) push(1 + Math.floor(random() * 900));
-      samples.truncate(64_321);
-      rows.length = 64_321;
-      while (samples.rows < 66_000) push(1 + Math.floor(random() * 90));
-      let wrong = 0;
-      let levels = 0;
-      for (let power = 0; power <= 12; power += 1) {
-        const source = samples.source('a', power);
-        const each = 2 ** power;
-        const parts = each / source.rows;
-        levels += 1;
-        for (let bin = Math.ceil(samples.reach(power) / each); (bin + 1) * each <= samples.rows; bin += 7) {
-          const own = rows.slice(bin * each, (bin + 1) * each);
-          const low = Math.min(...Array.from({length: parts}, (_, j) => source.low[(bin * parts + j) & source.mask]));
-          const high = Math.max(...Array.from({length: parts}, (_, j) => source.high[(bin * parts + j) & source.mask]));
-          if (low !== Math.min(...own) || high !== Math.max(...own)) wrong += 1;
-        }
-      }
-      return [wrong, levels, samples.capacity];
-    }""")
-    assert wrong == 0 and levels == 13 and capacity == 16384
-
-
 def test_a_fault_injected_while_paused_is_seen_at_once(page):
     """While time stands still an injected fault counts and is drawn at the edge, everywhere alike; cleared, it is gone everywhere."""
     opened = page("/?experiment=zhao-2012&t=15")
@@ -222,23 +183,3 @@ def test_a_fault_injected_while_paused_is_seen_at_once(page):
         opened,
         f"{lit} === 0 && !{APP}.state.faults.some(({{active}}) => active) && document.querySelectorAll('.finding').length === 0",
     )
-
-
-def test_an_axis_keeps_ahead_of_what_grows(page):
-    """A value that grows steadily stays inside its axis nearly always, and the axis moves seldom."""
-    outside, moves = page("/").evaluate("""async () => {
-      const {Range} = await import('/live/scope/axes.js');
-      const range = new Range();
-      let [outside, moves, before] = [0, 0, 0];
-      range.aim(0, 1, 0, true);
-      for (let k = 1; k <= 1200; k += 1) {
-        const now = k * 16;
-        const value = 1 + k / 100;
-        if (k % 18 === 0) range.aim(0, value, now);
-        range.move(now);
-        if (range.target[1] !== before) [moves, before] = [moves + 1, range.target[1]];
-        if (value > range.high) outside += 1;
-      }
-      return [outside, moves];
-    }""")
-    assert outside < 0.2 * 1200 and moves <= 14

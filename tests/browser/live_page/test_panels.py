@@ -255,18 +255,6 @@ def test_the_form_for_an_observer_can_be_reached_with_a_mouse(page, width, heigh
     assert live.is_hidden(".add-form") and live.evaluate("document.activeElement.textContent") == "+ add"
 
 
-def test_settling_is_judged_as_the_backend_does(page):
-    """Every later row must be within the band: an excursion takes the time back; one in the last tenth means not settled."""
-    live = opened(page)
-    said = live.evaluate("""import('/live/panels/comparison/metrics.js').then(({settled}) => {
-      const t = Float64Array.from({length: 100}, (_, k) => 5 + k);
-      const truth = new Float32Array(100).fill(1);
-      const of = (...outside) => settled(t, truth, Float32Array.from(truth, (_, k) => (outside.includes(k) ? NaN : 1.05)), 5, 0.1);
-      return [of(), of(0, 1, 2), of(0, 50), of(95)];
-    })""")
-    assert said == [0, 3, 51, None]
-
-
 def test_the_title_counts_the_observers_that_watch(page):
     """One is named until it is removed."""
     live = opened(page)

@@ -1,13 +1,15 @@
-// How the numbers of a column are written.
+// The form of the numbers in a column.
 
 import {power} from '../../../widgets/number-format.js';
 
 /** One form for all numbers of a column, so that they can be compared and none changes its width: once it has had to be finer it stays so. */
 export class Form {
   constructor() {
-    Object.assign(this, {places: 0, powers: false});
+    this.places = 0;
+    this.powers = false;
   }
 
+  /** @param {number[]} values */
   take(values) {
     for (const value of values) {
       if (!(value > 0)) continue;
@@ -16,6 +18,7 @@ export class Form {
     }
   }
 
+  /** @param {number} value */
   write(value) {
     if (!Number.isFinite(value)) return '–';
     return this.powers ? power(value) : value.toFixed(this.places);
