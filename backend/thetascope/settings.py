@@ -11,17 +11,30 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
 
+from thetascope.messages import Message
+
 PREFIX = "THETASCOPE_"
 _UNITS = {"k": 1024, "m": 1024**2, "g": 1024**3}
 
 
 class SettingsError(ValueError):
-    """A variable holds something that is no value of its setting."""
+    """A variable whose text is not a value of its setting."""
+
+    def __init__(self, problem: Message) -> None:
+        super().__init__(problem)
+        self.problem = problem
+
+    def text(self, language: str = "en") -> str:
+        """Return the reason in a language."""
+        return self.problem.text(language)
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 @dataclass(frozen=True)
 class Settings:
-    """What can be set; the defaults suit one person on one machine."""
+    """The settings; the defaults suit one person on one machine."""
 
     #: Folder of the store (runs.sqlite). Default: the user's data folder of the operating system.
     data: Path
@@ -39,20 +52,20 @@ class Settings:
     max_wait: float = 60.0
     #: Largest body of a request and largest plant or experiment file.
     max_body: int = 2 * 1024**2
-    #: Largest record that is to be diagnosed.
+    #: Largest record that is diagnosed.
     max_record: int = 64 * 1024**2
     #: Largest run: integration steps (horizon / step), numbers recorded (bytes of the result).
     max_steps: int = 20_000_000
     max_result: int = 256 * 1024**2
     #: A run that takes longer than this is stopped.
     max_seconds: float = 600.0
-    #: Results kept in memory, and in the store: beyond it the least recently used unpinned ones are let go.
+    #: Results kept in memory, and in the store; beyond it the least recently used unpinned ones are dropped.
     memory: int = 256 * 1024**2
     store_limit: int = 2 * 1024**3
     #: Live sessions open at the same time, and viewers of one of them.
     sessions: int = 400
     viewers: int = 200
-    #: Rows that a session may reach: there it ends. Samples that it keeps, in bytes: older rows are let go.
+    #: Rows after which a session ends. Samples that it keeps, in bytes; older rows are dropped.
     session_rows: int = 10_000_000
     past: int = 32 * 1024**2
     #: How long a session without viewers is kept.
@@ -60,17 +73,17 @@ class Settings:
     #: Largest message of a viewer, and how many it may send in a second (more are read more slowly).
     max_message: int = 256 * 1024
     message_rate: float = 60.0
-    #: How far a slow viewer may be behind, in bytes of samples; beyond it, it misses some.
+    #: How far a slow viewer may lag, in bytes of samples; beyond it, samples are skipped.
     backlog: int = 8 * 1024**2
 
     @property
     def database(self) -> Path:
-        """The store's file."""
+        """Path of the store's file."""
         return self.data / "runs.sqlite"
 
 
 def load(environ: Mapping[str, str] | None = None, **overrides: object) -> Settings:
-    """Settings from the environment; `overrides` that are not None win. Raises :class:`SettingsError`."""
+    """Return the settings of the environment; `overrides` that are not None win. Raises :class:`SettingsError`."""
     environ = os.environ if environ is None else environ
     values: dict[str, object] = {"data": default_data(environ)}
     for field in fields(Settings):
@@ -82,7 +95,7 @@ def load(environ: Mapping[str, str] | None = None, **overrides: object) -> Setti
 
 
 def default_data(environ: Mapping[str, str]) -> Path:
-    """The user's data folder, by the convention of the operating system."""
+    """Return the user's data folder, by the convention of the operating system."""
     home = Path.home()
     if sys.platform == "win32":
         return Path(environ.get("LOCALAPPDATA") or home / "AppData" / "Local") / "thetascope"
@@ -104,8 +117,8 @@ def _parse(name: str, text: str, kind: type) -> object:
             return value
         return text
     except ValueError:
-        example = "a whole number such as 64, 512k, 256M or 2G" if kind is int else "a number of seconds such as 2.5"
-        raise SettingsError(f"{name} is {text!r}. Set it to {example}, or unset it for the default.") from None
+        code = "settings.no-whole-number" if kind is int else "settings.no-seconds"
+        raise SettingsError(Message(code, name=name, value=text)) from None
 
 
 def _integer(text: str) -> int:

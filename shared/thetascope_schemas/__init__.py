@@ -3,7 +3,7 @@
 Only pydantic and the standard library are used here. Server, command line and clients speak these schemas.
 """
 
-from thetascope_schemas.experiment.base import SCHEMA_VERSION, FieldError, field_errors
+from thetascope_schemas.experiment.base import SCHEMA_VERSION
 from thetascope_schemas.experiment.diagnosis import (
     Alarm,
     Calibration,
@@ -18,6 +18,7 @@ from thetascope_schemas.experiment.diagnosis import (
 )
 from thetascope_schemas.experiment.experiment import Experiment, Noise
 from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.field_error import FieldError, field_errors
 from thetascope_schemas.experiment.figures import Figure, Panel, Trace
 from thetascope_schemas.experiment.observers import ObserverConfig
 from thetascope_schemas.experiment.plant import Channel, Definition, Input, KnownSignal, Output, Parameter, Plant, State

@@ -1,6 +1,7 @@
 """The catalogues over HTTP."""
 
 import json
+import re
 from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
@@ -20,3 +21,70 @@ def test_a_catalogue_comes_with_its_plural_rule_and_an_etag(address):
     with pytest.raises(HTTPError) as caught:
         urlopen(Request(f"{address}/api/messages/zh", headers={"If-None-Match": tag}))
     assert caught.value.code == 304
+
+
+RUN = {"experiment": "zhao-2012"}
+REFUSED = [
+    ("POST", "/api/runs", RUN | {"set": {"horizon": -1}}, 422),
+    ("POST", "/api/runs", RUN | {"set": {"horizn": 1}}, 422),
+    ("POST", "/api/runs", RUN | {"set": {"faults.0.end": 1}}, 422),
+    ("POST", "/api/runs", RUN | {"set": {"seed": 1.5, "step": "x"}}, 422),
+    ("POST", "/api/runs", RUN | {"set": {"observers.0.gains.nope": 1}}, 422),
+    ("POST", "/api/runs", RUN | {"set": {"horizon": 1e6, "record": 100}}, 422),
+    ("POST", "/api/runs", RUN | {"set": {"faults": [{"channel": "theta1", "shape": "stp"}]}}, 422),
+    ("POST", "/api/runs", {"experiment": "zhao-2021"}, 404),
+    ("POST", "/api/runs", {"nothing": 1}, 422),
+    ("POST", "/api/runs", "{", 422),
+    ("POST", "/api/runs", " " * 300_000, 413),
+    ("GET", "/api/runs/0123456789abcdef", None, 404),
+    ("GET", "/api/runs?limit=0", None, 422),
+    ("GET", "/api/lessons/nothing", None, 404),
+    ("GET", "/api/plants/zhao-contoiss", None, 404),
+    ("GET", "/api/nothing", None, 404),
+    ("PATCH", "/api/runs", {}, 405),
+    ("GET", "/api/sessions/none", None, 404),
+    ("POST", "/api/sessions", {}, 422),
+    ("POST", "/api/diagnosis", {"plant": "zhao-contois", "csv": "t,u\n0,1\nx,2\n"}, 422),
+    ("POST", "/api/diagnosis", {"plant": "zhao-contois"}, 422),
+    ("POST", "/api/plants/check", {"id": "a", "states": [], "outputs": [], "dynamics": {}}, 422),
+]
+
+
+def problem_of(address, method, path, body, headers):
+    """Send a request that is refused; return its status, headers and problem document."""
+    data = body.encode() if isinstance(body, str) else None if body is None else json.dumps(body).encode()
+    with pytest.raises(HTTPError) as caught:
+        urlopen(Request(address + path, data, {"Content-Type": "application/json", **headers}, method=method))
+    return caught.value.code, caught.value.headers, json.load(caught.value)
+
+
+@pytest.mark.parametrize(("method", "path", "body", "status"), REFUSED, ids=lambda value: str(value)[:50])
+def test_every_refusal_is_chinese_where_chinese_is_asked_for(address, method, path, body, status):
+    """Title, problem and remedy are in the language of Accept-Language, and the answer says so."""
+    code, headers, problem = problem_of(address, method, path, body, {"Accept-Language": "zh-CN,zh;q=0.9,en;q=0.5"})
+    assert code == status
+    assert headers["content-language"] == "zh" and "Accept-Language" in headers["vary"]
+    sentences = [problem["title"], problem["detail"]]
+    sentences += [error[part] for error in problem.get("errors", []) for part in ("problem", "remedy")]
+    for text in sentences:
+        assert re.search("[\u4e00-\u9fff]", text), text
+    assert problem["code"]
+
+
+def test_lang_wins_over_accept_language_and_english_is_the_default(address):
+    """?lang= is for links; an unknown language is answered in English."""
+    path = "/api/runs/0123456789abcdef"
+    for suffix, accept, language in (
+        ("?lang=zh", "en", "zh"),
+        ("?lang=en", "zh", "en"),
+        ("", "fr", "en"),
+        ("", "", "en"),
+    ):
+        _, headers, _ = problem_of(address, "GET", path + suffix, None, {"Accept-Language": accept} if accept else {})
+        assert headers["content-language"] == language
+
+
+def test_answers_without_sentences_do_not_depend_on_the_language(address):
+    """Caches need not keep them once for each language."""
+    with urlopen(f"{address}/api/health?lang=zh") as answer:
+        assert "content-language" not in answer.headers and "Accept-Language" not in answer.headers.get("vary", "")

@@ -138,7 +138,7 @@ def test_addresses_and_methods_that_are_not_there_are_problems_too(send):
     assert send("GET", "/nothing")[0] == 404
     status, headers, problem = send("PATCH", "/api/runs")
     assert (status, headers["allow"]) == (405, "GET, POST")
-    assert "GET, POST" in problem["detail"]
+    assert "use GET or POST" in problem["detail"]
     status, _, problem = send("GET", "/api/plants/zhao-contoiss")
     assert status == 404 and "did you mean zhao-contois" in problem["detail"]
     assert send("GET", "/api/runs/0123456789abcdef")[0] == 404

@@ -154,7 +154,7 @@ def test_settings_that_are_wrong_and_stores_that_are_damaged_are_told(call, tmp_
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "runs.sqlite").write_text("no database " * 500)
     code, shown, error = call("run", "shen-hu-2015", "--set", "horizon=1")
-    assert code == 0 and "OBSERVER" in shown and "the run is not kept" in error and "Move the file away" in error
+    assert code == 0 and "OBSERVER" in shown and "the run is not kept" in error and "move the file away" in error
     monkeypatch.setenv("THETASCOPE_MAX_STEPS", "many")
     code, _, error = call("run", "shen-hu-2015")
     assert code == 1 and "THETASCOPE_MAX_STEPS is 'many'" in error

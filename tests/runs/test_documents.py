@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thetascope.runs.specs.spec_files import DocumentError, Place, parse, read
-from thetascope_schemas.experiment.base import FieldError
+from thetascope_schemas.experiment.field_error import FieldError
 
 TEXT = st.text(st.characters(min_codepoint=32, max_codepoint=0xD7FF, exclude_characters="\x7f\x85\xa0"), max_size=8)
 JSON = st.recursive(
@@ -63,13 +63,13 @@ BOMB = "a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n"
         ("a: !!binary x", "tag", Place(1, 4)),
         ("a: !!int x", "tag", Place(1, 4)),
         ("a: ! x", "tag", Place(1, 4)),
-        ("a: 1\nb: 2\na: 3", "there twice", Place(3, 1)),
+        ("a: 1\nb: 2\na: 3", "appears twice", Place(3, 1)),
         ("? [1]\n: 2", "a key is a list", Place(1, 3)),
         ("[" * 5000, "nested deeper", Place(1, 41)),
         ("a:\n" + "".join(" " * i + "- \n" for i in range(1, 60)), "nested deeper", None),
-        ("a: [1, 2\nb: 3", "no valid YAML", Place(2, 2)),
-        ("a: \x00", "no valid YAML", None),
-        ("a: 1\n--- \nb: 2", "no valid YAML", None),
+        ("a: [1, 2\nb: 3", "not valid YAML", Place(2, 2)),
+        ("a: \x00", "not valid YAML", None),
+        ("a: 1\n--- \nb: 2", "not valid YAML", None),
     ],
 )
 def test_text_that_could_do_harm_or_mean_two_things_is_refused_at_its_place(text, problem, place):

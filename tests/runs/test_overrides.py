@@ -58,14 +58,14 @@ def test_several_changes_apply_in_order_and_a_later_one_sees_what_an_earlier_one
     [
         ("sed", r"the spec has no field 'sed'.*did you mean seed"),
         ("noise.y.sdt", r"noise\.y has no field 'sdt'.*did you mean std"),
-        ("observers.frist.gains.rho", r"none of observers is called 'frist'.*did you mean first"),
-        ("faults.9.size", r"faults has 3 items, 0 to 2"),
-        ("faults.gain.size", r"several of faults are called 'gain'.*faults\.0 or faults\.2"),
+        ("observers.frist.gains.rho", r"no entry of observers is called 'frist'.*did you mean first"),
+        ("faults.9.size", r"faults has 3 entries, 0 to 2"),
+        ("faults.gain.size", r"several entries of faults are called 'gain'.*faults\.0 or faults\.2"),
         ("seed.x", r"seed is 0, which has no parts"),
         ("faults.0.size.x", r"faults\.0\.size is 0\.2, which has no parts"),
-        ("a..b", r"is no path"),
-        ("", r"is no path"),
-        (".".join("a" * 300), r"is no path"),
+        ("a..b", r"not a path"),
+        ("", r"not a path"),
+        (".".join("a" * 300), r"not a path"),
     ],
 )
 def test_a_path_that_leads_nowhere_says_which_part_and_what_there_is(path, words):

@@ -7,9 +7,12 @@ from pydantic import TypeAdapter, ValidationError
 
 import thetascope_schemas as shared
 from thetascope.engine.language.parser import FUNCTIONS, MAX_LENGTH
+from thetascope.messages import words
+from thetascope.messages.catalogue import catalogue
 from thetascope_schemas.experiment import base
-from thetascope_schemas.experiment.base import Strict, field_errors
+from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.field_error import PYDANTIC_CODES, field_errors
 from thetascope_schemas.experiment.signals import Signal
 from thetascope_schemas.service import run
 
@@ -46,7 +49,7 @@ def test_every_schema_refuses_unknown_fields(schema: type[Strict]) -> None:
     data[field + "s_"] = 1
     with pytest.raises(ValidationError) as caught:
         schema.model_validate(data)
-    (error,) = field_errors(caught.value.errors(), data)
+    (error,) = field_errors(caught.value.errors(), data, words())
     assert error.field == field + "s_"
     assert error.problem == "unknown field"
     assert field in error.remedy
@@ -103,7 +106,7 @@ def test_only_finite_numbers_are_numbers(value: object) -> None:
     """Text, truth values, infinities and integers beyond double precision are refused, naming the field."""
     with pytest.raises(ValidationError) as caught:
         shared.Noise.model_validate({"std": value})
-    (error,) = field_errors(caught.value.errors(), {"std": value})
+    (error,) = field_errors(caught.value.errors(), {"std": value}, words())
     assert error.field == "std"
     assert error.remedy
     json.dumps(error.model_dump(), allow_nan=False)  # an error can always be sent
@@ -116,4 +119,24 @@ def test_problem_is_rfc_9457() -> None:
     )
     sent = json.loads(problem.model_dump_json())
     assert sent["type"] == "about:blank"
-    assert sent["errors"] == [{"field": "a", "value": 1, "problem": "too large", "remedy": "a < 1"}]
+    error = {"field": "a", "value": 1, "code": "", "args": {}, "problem": "too large", "remedy": "a < 1"}
+    assert sent["errors"] == [error]
+
+
+def test_without_catalogues_an_error_is_its_code_and_arguments() -> None:
+    """The schemas alone name the code of a refusal and its arguments readably."""
+    with pytest.raises(ValidationError) as caught:
+        TypeAdapter(Fault).validate_python({"channel": "a", "shape": "step", "onset": 20, "end": 5, "size": 1})
+    (error,) = field_errors(caught.value.errors())
+    assert (error.code, error.args) == ("fault.end.before-onset", {"end": 5.0, "onset": 20.0})
+    assert error.problem == "fault.end.before-onset(end=5, onset=20)"
+    assert "fault.end.before-onset(end=5, onset=20)" in str(caught.value)
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+def test_every_kind_of_error_of_pydantic_has_words(language: str) -> None:
+    """Each kind that the schemas can cause, and the rest together, has a problem and a remedy in every language."""
+    templates = catalogue(language).templates
+    for kind in PYDANTIC_CODES - {"union_tag_invalid"} | {"other"}:
+        code = f"schema.{kind.replace('_', '-')}"
+        assert code in templates and f"{code}.remedy" in templates

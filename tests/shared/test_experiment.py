@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from thetascope.messages import words
 from thetascope_schemas import Experiment, Plant, field_errors
 
 Change = Callable[[dict[str, Any]], object]
@@ -23,7 +24,7 @@ def refusal(data: dict[str, Any]) -> tuple[str, str]:
     """Field and remedy of the one error in `data`."""
     with pytest.raises(ValidationError) as caught:
         read(data)
-    (error,) = field_errors(caught.value.errors(), data)
+    (error,) = field_errors(caught.value.errors(), data, words())
     return error.field, error.remedy
 
 
@@ -68,7 +69,7 @@ REFUSED: list[tuple[str, str, Change]] = [
     ("seed", "at least 0", lambda e: e.update(seed=-1)),
     ("seed", "whole number", lambda e: e.update(seed=1.5)),
     ("observers", "at most 12", lambda e: e.update(observers=[{"label": f"o{i}", "kind": "k"} for i in range(13)])),
-    ("observers[1].label", "its own", lambda e: e.update(observers=[{"label": "o", "kind": "k"}] * 2)),
+    ("observers[1].label", "each name once", lambda e: e.update(observers=[{"label": "o", "kind": "k"}] * 2)),
     ("observers[0].gains.R[1]", "without quotes", lambda e: e["observers"][0]["gains"].update(R=[1, "2"])),
     ("observers[0].gains.lambda", "without quotes", lambda e: e["observers"][0]["gains"].update({"lambda": True})),
     ("plant", "match", lambda e: e.update(plant="No Such Plant")),
@@ -252,7 +253,7 @@ def test_no_data_escapes_with_another_error(field: str, value: object) -> None:
     try:
         read(data).spec_hash()
     except ValidationError as refused:
-        errors = field_errors(refused.errors(), data)
+        errors = field_errors(refused.errors(), data, words())
         assert errors
         for error in errors:
             assert error.problem

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from thetascope.messages import words
 from thetascope_schemas import Plant, field_errors
 from thetascope_schemas.experiment.base import MAX_EXPRESSION, RESERVED
 
@@ -14,7 +15,7 @@ def refusal(data: dict[str, Any]) -> tuple[str, str, str]:
     """Field, problem and remedy of the one error in `data`."""
     with pytest.raises(ValidationError) as caught:
         Plant.model_validate(data)
-    (error,) = field_errors(caught.value.errors(), data)
+    (error,) = field_errors(caught.value.errors(), data, words())
     return error.field, error.problem, error.remedy
 
 
@@ -52,7 +53,7 @@ CASES: list[tuple[str, str, Change]] = [
     ("channels[0].enters.y", "use one of: x1, x2", lambda p: p["channels"][0].update(enters={"y": "1"})),
     ("channels[1].enters.x1", "y", lambda p: p["channels"][1].update(enters={"x1": "1"})),
     ("channels[0].enters", "at least 1", lambda p: p["channels"][0].update(enters={})),
-    ("channels[0].kind", "'actuator', 'process' or 'sensor'", lambda p: p["channels"][0].update(kind="plant")),
+    ("channels[0].kind", "use one of: actuator, process, sensor", lambda p: p["channels"][0].update(kind="plant")),
     ("definitions[0].domain.b", "a", lambda p: p["definitions"][0].update(domain=[0, "b"])),
     ("definitions[0].domain", "[low, high]", lambda p: p["definitions"][0].update(domain=[2, 1])),
     ("states[0].domain", "[low, high]", lambda p: p["states"][0].update(domain=[1, 1])),

@@ -35,7 +35,7 @@ def test_a_file_that_is_no_database_gets_a_message_that_names_it_and_the_remedy(
     """And it is not overwritten."""
     path = tmp_path / "runs.sqlite"
     path.write_bytes(b"this is no database, but it is somebody's file " * 50)
-    with pytest.raises(StoreError, match=r"runs\.sqlite is damaged or no database.*Move the file away"):
+    with pytest.raises(StoreError, match=r"runs\.sqlite is damaged or not a database.*move the file away"):
         Database(path)
     assert path.read_bytes().startswith(b"this is no database")
 

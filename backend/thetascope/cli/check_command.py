@@ -52,5 +52,5 @@ def _labelled(names: Sequence[str], matrix: list[list[str]]) -> list[list[str]]:
 def _located(document: Document, error: SpecError) -> DocumentRefused:
     field = from_engine(error).errors[0]
     if isinstance(error, ExpressionError):
-        return DocumentRefused(document.located(field, error.start, error.text))
+        return document.refused_text(field, error.start, error.text)
     return document.refused([field])

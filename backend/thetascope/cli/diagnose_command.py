@@ -10,8 +10,9 @@ from thetascope.assembly.analyses.csv_columns import columns_of_csv
 from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording
 from thetascope.cli.terminal import number, table
 from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
 from thetascope.runs.specs.refusals import from_engine, validated
-from thetascope.runs.specs.spec_files import DocumentError, read
+from thetascope.runs.specs.spec_files import DocumentError, read, unreadable
 from thetascope.settings import load
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
 from thetascope_schemas.experiment.plant import Plant
@@ -45,11 +46,11 @@ def columns_of(path: Path) -> dict[str, np.ndarray]:
     try:
         return columns_of_csv(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
-        raise DocumentError(f"{path} cannot be read: {error.strerror}", "check the name and the permissions") from None
+        raise unreadable(path, error) from None
     except UnicodeDecodeError:
-        raise DocumentError(f"{path} is no CSV in UTF-8", "save it as CSV in UTF-8") from None
+        raise DocumentError(Message("document.no-csv-utf8", name=str(path))) from None
     except SpecError as error:
-        raise DocumentError(error.problem, error.remedy, name=str(path)) from None
+        raise DocumentError(error.problem, name=str(path), remedy=error.remedy) from None
 
 
 def text(found: ObserverDiagnosis) -> str:

@@ -11,6 +11,7 @@ from thetascope.cli.terminal import Progress, number, table
 from thetascope.engine.errors import Cancelled, SpecError
 from thetascope.engine.model.result import Result
 from thetascope.export import comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished, Job
 from thetascope.runs.jobs.store_rows import record_of
 from thetascope.runs.jobs.worker import allow, completed
@@ -97,12 +98,8 @@ def compute(job: Job, spec: Experiment, settings: Settings, progress: Progress) 
         except SpecError as error:
             raise from_engine(error) from None
         except Cancelled:
-            raise invalid(
-                "horizon",
-                spec.horizon,
-                f"the run took longer than {settings.max_seconds:g} s and was stopped",
-                "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_SECONDS",
-            ) from None
+            why = Message("run.too-slow", seconds=settings.max_seconds, share=job.progress)
+            raise invalid("horizon", spec.horizon, why) from None
 
 
 def open_store(settings: Settings) -> RunStore | None:

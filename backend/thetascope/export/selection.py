@@ -8,7 +8,8 @@ import numpy as np
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
-from thetascope_schemas.experiment.base import suggest
+from thetascope.messages import Message
+from thetascope_schemas.experiment.refusal import suggestion
 
 
 @dataclass(frozen=True)
@@ -56,6 +57,7 @@ def _indices(names: tuple[str, ...], wanted: Sequence[str]) -> list[int]:
     for pattern in wanted:
         found = [i for i, name in enumerate(names) if name == pattern or fnmatchcase(name, pattern)]
         if not found:
-            raise SpecError("columns", pattern, "is no column of this run", suggest(pattern, names))
+            hint = Message.from_data(suggestion(pattern[:80], names))
+            raise SpecError("columns", pattern, Message("export.column.unknown", name=pattern[:80]), hint)
         chosen.update(dict.fromkeys(found))
     return list(chosen)

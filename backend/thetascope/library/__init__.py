@@ -1,6 +1,5 @@
 """The library: plants, experiments and lessons as data, read once and validated by the schemas."""
 
-from difflib import get_close_matches
 from functools import cache, lru_cache
 from pathlib import Path
 
@@ -8,7 +7,9 @@ import yaml
 
 from thetascope.engine.compiler.cache import digest_of
 from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
 from thetascope_schemas import Experiment, Plant
+from thetascope_schemas.experiment.refusal import suggestion
 from thetascope_schemas.service.lesson import Lesson
 
 _HERE = Path(__file__).parent
@@ -71,10 +72,6 @@ def _one(what: str, id: str):
     names = _names(f"{what}s")
     if id in names:
         return _read(f"{what}s", id)
-    near = get_close_matches(str(id), names, n=3, cutoff=0.4)
     raise SpecError(
-        what,
-        id,
-        f"the library has no {what} of that id",
-        f"did you mean {' or '.join(near)}?" if near else f"choose from {', '.join(names)}",
+        what, id, Message(f"library.{what}.unknown", id=str(id)[:80]), Message.from_data(suggestion(id, names))
     )

@@ -1,6 +1,6 @@
 """A message before it has words: a code, and the arguments that its sentence needs."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Union
 
 Argument = Union[str, int, float, bool, None, "Message", Sequence["Argument"]]
@@ -58,6 +58,15 @@ class Message:
     def from_data(cls, data: Mapping[str, Any]) -> "Message":
         """Return the message of :meth:`as_data`."""
         return cls(data["code"], **{name: _undata(value) for name, value in data["args"].items()})
+
+
+def words(language: str = "en") -> Callable[[str, Mapping[str, Any]], str]:
+    """Return the function that renders a code and its arguments (plain data, as of :meth:`Message.as_data`) in a language."""
+
+    def render(code: str, args: Mapping[str, Any]) -> str:
+        return Message.from_data({"code": code, "args": args}).text(language)
+
+    return render
 
 
 def _restore(code: str, args: dict[str, Any]) -> Message:

@@ -14,6 +14,7 @@ from starlette.responses import Response
 from thetascope import library
 from thetascope.api.http import openapi, problems, static_pages
 from thetascope.api.http.answers import json_response
+from thetascope.api.http.language import ContentLanguage
 from thetascope.api.http.security_headers import Security
 from thetascope.api.http.services import Services, Use
 from thetascope.api.routes import (
@@ -55,6 +56,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     app = FastAPI(
         title="Thetascope", description=DESCRIPTION, version="1", lifespan=lifespan, docs_url=None, redoc_url=None
     )
+    app.add_middleware(ContentLanguage)
     app.add_middleware(Security)
     problems.install(app)
     openapi.install(app)

@@ -6,11 +6,28 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
+from thetascope.messages import Message
 from thetascope.store.migrations import MIGRATIONS
 
 
 class StoreError(RuntimeError):
-    """The store cannot be used; the message says why and what to do."""
+    """The store cannot be used.
+
+    Args:
+        problem: why; its remedy is the message whose code is the problem's plus `.remedy`, with its arguments.
+    """
+
+    def __init__(self, problem: Message) -> None:
+        super().__init__(problem)
+        self.problem = problem
+
+    def text(self, language: str = "en") -> str:
+        """Return `problem; remedy` in a language."""
+        remedy = Message(f"{self.problem.code}.remedy", **self.problem.args)
+        return Message("refusal.sentence", problem=self.problem, remedy=remedy).text(language)
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 class Database:
@@ -34,13 +51,13 @@ class Database:
 
     @contextmanager
     def reading(self) -> Iterator[sqlite3.Connection]:
-        """The reading connection, for this thread alone while inside."""
+        """Yield the reading connection, for this thread alone while inside."""
         with self._locks["read"], self._explained():
             yield self._connections["read"]
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
-        """A write transaction: committed at the end, rolled back on an error."""
+        """Yield the connection in a write transaction: committed at the end, rolled back on an error."""
         with self._locks["write"], self._explained():
             connection = self._connections["write"]
             connection.execute("BEGIN IMMEDIATE")
@@ -75,10 +92,8 @@ class Database:
         except sqlite3.Error as error:
             raise StoreError(_explain(self.path, error)) from error
         except OSError as error:
-            raise StoreError(
-                f"The store's folder {self.path.parent} cannot be used: {error.strerror or error}. "
-                "Set THETASCOPE_DATA to a folder that can be written."
-            ) from error
+            detail = error.strerror or str(error)
+            raise StoreError(Message("store.folder", folder=str(self.path.parent), detail=detail)) from error
 
 
 def migrate(connection: sqlite3.Connection, path: Path) -> None:
@@ -89,10 +104,7 @@ def migrate(connection: sqlite3.Connection, path: Path) -> None:
     version = _version(connection)
     if version > len(MIGRATIONS):
         connection.rollback()
-        raise StoreError(
-            f"The store {path} was written by a newer version of Thetascope (schema {version}, this one knows "
-            f"{len(MIGRATIONS)}). Update Thetascope, or set THETASCOPE_DATA to another folder."
-        )
+        raise StoreError(Message("store.newer", path=str(path), version=version, known=len(MIGRATIONS)))
     for statements in MIGRATIONS[version:]:
         for statement in statements:
             connection.execute(statement)
@@ -104,15 +116,14 @@ def _version(connection: sqlite3.Connection) -> int:
     return connection.execute("PRAGMA user_version").fetchone()[0]
 
 
-def _explain(path: Path, error: sqlite3.Error) -> str:
-    text = str(error)
-    if "locked" in text or "busy" in text:
-        return f"The store {path} is held by another process ({text}). Close the other program, or try again."
-    if "unable to open" in text or "readonly" in text:
-        return f"The store {path} cannot be opened for writing ({text}). Set THETASCOPE_DATA to a folder that can."
-    if "full" in text:
-        return f"The disk of the store {path} is full ({text}). Free some space, or set THETASCOPE_DATA elsewhere."
-    return (
-        f"The store {path} is damaged or no database ({text}). Move the file away to start with an empty store, "
-        "or set THETASCOPE_DATA to another folder."
-    )
+def _explain(path: Path, error: sqlite3.Error) -> Message:
+    """Return the reason behind an error of SQLite, by its text."""
+    detail = str(error)
+    args = {"path": str(path), "detail": detail}
+    if "locked" in detail or "busy" in detail:
+        return Message("store.locked", **args)
+    if "unable to open" in detail or "readonly" in detail:
+        return Message("store.read-only", **args)
+    if "full" in detail:
+        return Message("store.disk-full", **args)
+    return Message("store.damaged", **args)

@@ -1,15 +1,13 @@
-"""What all schemas stand on: the strict base class, the number and name types, and refusals that carry a remedy."""
+"""The base of all schemas: the strict base class, the number and name types, and messages as they are sent."""
 
 import keyword
 import math
-import re
-import reprlib
-from collections.abc import Iterable, Mapping, Sequence
-from difflib import get_close_matches
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Protocol
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
-from pydantic_core import PydanticCustomError
+
+from thetascope_schemas.experiment.refusal import refuse, suggestion
 
 SCHEMA_VERSION = 1
 """Version of these schemas. It enters every spec's hash: raise it when the same spec comes to mean other numbers."""
@@ -57,23 +55,6 @@ RESERVED = FUNCTIONS | {"t", "pi"}
 """Names a plant cannot give to a quantity: time, the one constant, and the functions."""
 
 
-def refuse(problem: str, remedy: str, field: str = "", value: object = None) -> PydanticCustomError:
-    """The error that a validator raises: what is wrong with which value of which field, and what to do about it."""
-    context = {"problem": problem, "remedy": remedy, "field": field, "value": value}
-    return PydanticCustomError("refused", "{problem}; {remedy}", context)
-
-
-def suggest(word: str, known: Iterable[str]) -> str:
-    """A remedy for a misspelt word: the nearest known ones, or all of them."""
-    names = sorted(known)
-    near = get_close_matches(word, names, n=3, cutoff=0.6)
-    if near:
-        return f"did you mean {' or '.join(near)}?"
-    if not names:
-        return "none is declared here: remove it"
-    return f"use one of: {', '.join(names[:40])}{', …' if len(names) > 40 else ''}"
-
-
 def example(**values: object) -> ConfigDict:
     """Model configuration that shows one example in the OpenAPI page."""
     return ConfigDict(json_schema_extra={"examples": [values]})
@@ -96,7 +77,8 @@ class Strict(BaseModel):
             for key in data:
                 if key not in cls.model_fields:
                     shown = str(key)[:80]
-                    raise refuse("unknown field", suggest(shown, cls.model_fields), shown, data[key])
+                    hint = suggestion(shown, cls.model_fields)
+                    raise refuse("schema.field.unknown", field=shown, value=data[key], remedy=hint)
         return data
 
 
@@ -117,35 +99,39 @@ def canonical(value: object) -> object:
 
 
 def _not_reserved(name: str) -> str:
-    if name in RESERVED or keyword.iskeyword(name):
-        meaning = "a word of the language" if keyword.iskeyword(name) else "a function, a constant or the time"
-        raise refuse(f"the name {name!r} is reserved ({meaning})", f"choose another, such as {name}_1", value=name)
+    if keyword.iskeyword(name):
+        raise refuse("schema.name.keyword", value=name, name=name)
+    if name in RESERVED:
+        raise refuse("schema.name.reserved", value=name, name=name)
     return name
 
 
 def _as_text(value: object) -> object:
-    """A plain number where an expression is expected is that number's text (YAML: `enters: {x1: 1}`)."""
+    """Return the text of a plain number where an expression is expected (YAML: `enters: {x1: 1}`)."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
     if not math.isfinite(value):
-        raise refuse("the number is not finite", "give a finite number or an expression", value=str(value))
+        raise refuse("schema.expression.not-finite", value=str(value))
     return str(canonical(value))
 
 
 def _short_enough(text: str) -> str:
     if len(text) > MAX_EXPRESSION:
         raise refuse(
-            f"the expression has {len(text)} characters and passes the limit at column {MAX_EXPRESSION + 1}",
-            f"keep it within {MAX_EXPRESSION} characters, with intermediate quantities under definitions",
+            "schema.expression.too-long",
             value=text[:60] + "…",
+            characters=len(text),
+            limit=MAX_EXPRESSION,
+            column=MAX_EXPRESSION + 1,
         )
     return text
 
 
 def ordered(bounds: tuple[Any, Any]) -> tuple[Any, Any]:
+    """Return bounds [low, high] as they are; refuse those whose low is not below high."""
     low, high = bounds
     if isinstance(low, float) and isinstance(high, float) and not low < high:
-        raise refuse(f"the lower bound {low:g} is not below the upper bound {high:g}", "give them as [low, high]")
+        raise refuse("schema.bounds.not-increasing", low=low, high=high)
     return bounds
 
 
@@ -203,94 +189,3 @@ class Text(Strict):
     def of(cls, message: Worded, language: str = "en") -> "Text":
         """Return a message with its sentence in a language."""
         return cls(**message.as_data(), text=message.text(language))
-
-
-class FieldError(Strict):
-    """One reason for a refusal: the field, the value that arrived, the problem and the remedy."""
-
-    model_config = example(field="faults[0].end", value=5, problem="the end is not after the onset", remedy="end > 20")
-
-    field: str = Field(description="Path of the field, for example faults[0].end.")
-    value: Any = Field(None, description="What arrived, shortened.")
-    problem: str = Field(description="What is wrong with it.")
-    remedy: str = Field(description="What to do about it.")
-
-
-_REMEDIES = {
-    "missing": "give this field",
-    "float_type": "give a number, without quotes (in YAML 1.1 files write 1.0e-3, not 1e-3)",
-    "int_type": "give a whole number",
-    "finite_number": "give a finite number",
-    "bool_type": "give true or false",
-    "string_type": "give a text",
-    "string_pattern_mismatch": "write it to match {pattern}",
-    "union_tag_not_found": "give {discriminator}, which tells the kind",
-    "json_invalid": "send valid JSON",
-    "literal_error": "use one of: {expected}",
-    "greater_than": "give a value above {gt}",
-    "greater_than_equal": "give a value of at least {ge}",
-    "less_than_equal": "give a value of at most {le}",
-    "too_short": "give at least {min_length}",
-    "too_long": "give at most {max_length}",
-    "string_too_short": "give at least {min_length} characters",
-    "string_too_long": "give at most {max_length} characters",
-    "model_type": "give a mapping of fields to values",
-    "model_attributes_type": "give a mapping of fields to values",
-    "dict_type": "give a mapping of names to values",
-    "tuple_type": "give a list",
-}
-
-
-def _remedy(error: Mapping[str, Any], context: Mapping[str, Any]) -> str:
-    if error["type"] == "union_tag_invalid":
-        return suggest(str(context["tag"])[:80], re.findall(r"'([^']*)'", context["expected_tags"]))
-    template = _REMEDIES.get(error["type"])
-    return template.format_map(context) if template else "give a value that the schema in /docs permits"
-
-
-def _path(location: Sequence[str | int], data: object, kind: str) -> str:
-    """Path as a person writes it. Tags of unions, which pydantic adds, are dropped where `data` has no such key."""
-    path, known = "", data is not None
-    for index, part in enumerate(location):
-        if known and isinstance(data, Mapping):
-            if part not in data and not (kind == "missing" and index == len(location) - 1):
-                continue
-            data = data.get(part)
-        elif known and isinstance(data, list | tuple) and isinstance(part, int):
-            data = data[part] if part < len(data) else None
-        elif known:
-            continue
-        path += f"[{part}]" if isinstance(part, int) else f".{part}" if path else str(part)
-    return path
-
-
-def _shown(value: object) -> object:
-    """A value short enough for an error message and always valid JSON."""
-    if value is None or isinstance(value, bool) or (isinstance(value, float) and math.isfinite(value)):
-        return value
-    if isinstance(value, int) and abs(value) < 2**53:
-        return value
-    text = value if isinstance(value, str) else reprlib.repr(value)
-    return text if len(text) <= 80 else text[:79] + "…"
-
-
-def field_errors(errors: Iterable[Mapping[str, Any]], data: object = None) -> list[FieldError]:
-    """Pydantic's errors in this project's form.
-
-    Args:
-        errors: `ValidationError.errors()`, at most the first 20 are kept.
-        data: the data that was validated; with it, paths read as the sender wrote them.
-    """
-    found = []
-    for error in list(errors)[:20]:
-        context = error.get("ctx") or {}
-        path = _path(error["loc"], data, error["type"])
-        if error["type"] == "refused":
-            path = ".".join(part for part in (path, context["field"]) if part).replace(".[", "[")
-            value = context["value"] if context["value"] is not None else error.get("input")
-            problem, remedy = context["problem"], context["remedy"]
-        else:
-            value, problem = error.get("input"), error["msg"]
-            remedy = _remedy(error, context)
-        found.append(FieldError(field=path, value=_shown(value), problem=problem, remedy=remedy))
-    return found

@@ -23,8 +23,6 @@ from thetascope_schemas.experiment.base import (
     Title,
     canonical,
     example,
-    refuse,
-    suggest,
 )
 from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, TimedCommand
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
@@ -33,6 +31,7 @@ from thetascope_schemas.experiment.figures import Figure
 from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement
 from thetascope_schemas.experiment.observers import ObserverConfig
 from thetascope_schemas.experiment.plant import Plant, check_known, check_within
+from thetascope_schemas.experiment.refusal import refuse, suggestion
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
 
 ROWS = 10_000
@@ -177,39 +176,35 @@ class Experiment(Strict):
 
     def _check_times(self) -> None:
         if self.step > self.horizon:
-            raise refuse(
-                f"the step {self.step:g} s is longer than the horizon {self.horizon:g} s",
-                f"step ≤ {self.horizon:g}",
-                "step",
-                self.step,
-            )
+            raise refuse("experiment.step.beyond-horizon", "step", self.step, step=self.step, horizon=self.horizon)
         for path, item in self._timed():
             if (found := self.too_often(item)) is not None:
-                field, interval, problem, remedy = found
-                raise refuse(problem, remedy, f"{path}.{field}".lstrip("."), interval)
+                field, interval, code, args = found
+                raise refuse(code, f"{path}.{field}".lstrip("."), interval, **args)
         if self.record is not None:
             self._check_record(self.record)
 
-    def too_often(self, item: object) -> tuple[str, float, str, str] | None:
-        """The first interval of a signal, a fault, a noise or a command of which the horizon holds too many: its field, its
-        value, the problem and the remedy. None: none does.
+    def too_often(self, item: object) -> tuple[str, float, str, dict[str, float]] | None:
+        """Return the first interval of a signal, fault, noise or command of which the horizon holds too many.
+
+        Returns:
+            its field, its value in s, and the code of the problem with its arguments; None where every interval is long
+            enough.
         """
         for field in ("step", "period", "hold", "sample_time"):
             interval = getattr(item, field, None)
             if interval is not None and (count := self.horizon / interval) > MAX_STEPS:
-                problem = f"{self.horizon:g} s in intervals of {interval:g} s are {count:.3g} of them; the limit is {MAX_STEPS:g}"
-                return field, interval, problem, f"give at least {self.horizon / MAX_STEPS:g} s, or shorten the horizon"
+                args = {"horizon": self.horizon, "interval": interval, "count": count, "limit": float(MAX_STEPS)}
+                return field, interval, "experiment.interval.too-short", args | {"least": self.horizon / MAX_STEPS}
         return None
 
     def _check_record(self, record: float) -> None:
         steps = record / self.step
         if record > self.horizon:
-            raise refuse("no row but the first would be recorded", f"record ≤ {self.horizon:g}", "record", record)
+            raise refuse("experiment.record.beyond-horizon", "record", record, horizon=self.horizon)
         if round(steps) < 1 or not math.isclose(steps, round(steps), rel_tol=1e-9):
             near = max(1, round(steps)) * self.step
-            raise refuse(
-                f"{record:g} s is not a multiple of the step {self.step:g} s", f"for example {near:g}", "record", record
-            )
+            raise refuse("experiment.time.no-multiple", "record", record, time=record, step=self.step, near=near)
 
     def _timed(self) -> Iterator[tuple[str, object]]:
         """Everything that has an interval, with its path: the experiment itself, the measurement, signals, noise, faults, commands."""
@@ -233,52 +228,41 @@ class Experiment(Strict):
         ):
             for index, name in enumerate(names):
                 if name in names[:index]:
-                    raise refuse(f"{name!r} is used twice", "give each its own", field.format(index), name)
+                    raise refuse("experiment.name.repeated", field.format(index), name, name=name)
 
     def _check_commands(self) -> None:
         before = 0.0
         for index, command in enumerate(self.commands):
             steps = command.at / self.step
             if not math.isclose(steps, round(steps), rel_tol=1e-9, abs_tol=1e-6):
-                raise refuse(
-                    f"{command.at:g} s is not a multiple of the step {self.step:g} s",
-                    f"for example {round(steps) * self.step:g}",
-                    f"commands[{index}].at",
-                    command.at,
-                )
+                near = {"time": command.at, "step": self.step, "near": round(steps) * self.step}
+                raise refuse("experiment.time.no-multiple", f"commands[{index}].at", command.at, **near)
             if command.at < before:
                 raise refuse(
-                    f"{command.at:g} s is earlier than the command before it, at {before:g} s",
-                    "give the commands in order of time",
-                    f"commands[{index}].at",
-                    command.at,
+                    "command.at.not-ordered", f"commands[{index}].at", command.at, at=command.at, before=before
                 )
             before = command.at
 
     def _check_plant(self, plant: Plant) -> None:
         """Every name that the experiment mentions is one of the plant's."""
-        check_known(self.parameters, plant.names("parameters"), "parameters", "a parameter of the plant")
+        check_known(self.parameters, plant.names("parameters"), "parameters", "plant.parameter.unknown")
         for item in plant.parameters:
             if item.name in self.parameters:
                 value, field = self.parameters[item.name], f"parameters.{item.name}"
-                check_within(value, item.bounds, field, f"parameter {item.name}")
-        check_known(self.initial, plant.names("states"), "initial", "a state of the plant")
-        check_known(self.inputs, plant.names("inputs"), "inputs", "an input of the plant")
-        check_known(self.signals, plant.names("signals"), "signals", "a known signal of the plant")
-        check_known(self.noise, plant.names("outputs"), "noise", "an output of the plant")
+                check_within(value, item.bounds, field, item.name)
+        check_known(self.initial, plant.names("states"), "initial", "plant.state.unknown")
+        check_known(self.inputs, plant.names("inputs"), "inputs", "plant.input.unknown")
+        check_known(self.signals, plant.names("signals"), "signals", "plant.signal.unknown")
+        check_known(self.noise, plant.names("outputs"), "noise", "plant.output.unknown")
         for index, fault in enumerate(self.faults):
             kind, name = fault.site
             known = plant.names(f"{kind}s")
             if name not in known:
-                problem = f"{name!r} is not {'a fault channel' if kind == 'channel' else 'an output'} of the plant"
-                raise refuse(problem, suggest(name, known), f"faults[{index}].{kind}", name)
+                field = f"faults[{index}].{kind}"
+                raise refuse(f"plant.{kind}.unknown", field, name, name=name, remedy=suggestion(name, known))
         if plant.time.kind == "discrete" and not math.isclose(self.step, plant.time.period, rel_tol=1e-9):
-            raise refuse(
-                f"the plant is discrete with a period of {plant.time.period:g} s, and the step is {self.step:g} s",
-                f"step: {plant.time.period:g}",
-                "step",
-                self.step,
-            )
+            period = plant.time.period
+            raise refuse("experiment.step.not-period", "step", self.step, period=period, step=self.step)
 
     def _check_columns(self, plant: Plant, path: str, figure: Figure) -> None:
         """Figures draw columns that a result has; of an observer's columns only the label is known here."""
@@ -289,9 +273,5 @@ class Experiment(Strict):
             label, _, rest = column.partition(".")
             if column in own or (label in labels and rest):
                 continue
-            raise refuse(
-                f"the result has no column {column!r}",
-                suggest(column, own + [f"{name}.…" for name in labels]),
-                f"{path}.{field}",
-                column,
-            )
+            hint = suggestion(column, own + [f"{name}.…" for name in labels])
+            raise refuse("figure.column.unknown", f"{path}.{field}", column, name=column, remedy=hint)

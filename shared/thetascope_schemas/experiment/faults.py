@@ -13,8 +13,8 @@ from thetascope_schemas.experiment.base import (
     Reference,
     Strict,
     example,
-    refuse,
 )
+from thetascope_schemas.experiment.refusal import refuse
 from thetascope_schemas.experiment.signals import Interpolation, Points, check_increasing, check_lengths, check_width
 
 
@@ -39,12 +39,7 @@ class TimedFault(Strict):
     @model_validator(mode="after")
     def _ends_after_onset(self) -> "TimedFault":
         if self.end is not None and self.end <= self.onset:
-            raise refuse(
-                f"the end {self.end:g} s is not after the onset {self.onset:g} s",
-                f"give an end above {self.onset:g}, or null",
-                "end",
-                self.end,
-            )
+            raise refuse("fault.end.before-onset", "end", self.end, end=self.end, onset=self.onset)
         return self
 
 
@@ -151,12 +146,7 @@ class TableFault(ChannelFault):
         check_increasing(self.times)
         check_lengths(self.times, self.values, more=0)
         if self.times[0] < 0:
-            raise refuse(
-                f"times[0] = {self.times[0]:g} lies before the onset",
-                "times count from the onset: start at 0 or later",
-                "times",
-                self.times[0],
-            )
+            raise refuse("fault.times.before-onset", "times", self.times[0], time=self.times[0])
         return self
 
 

@@ -4,7 +4,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
-from thetascope_schemas.experiment.base import Flag, Number, Reference, Strict, example, refuse
+from thetascope_schemas.experiment.base import Flag, Number, Reference, Strict, example
+from thetascope_schemas.experiment.refusal import refuse
 
 RESERVED_LABELS = frozenset({"t", "u", "x", "y", "theta", "signal"})
 """First parts of the columns that belong to the plant."""
@@ -12,11 +13,7 @@ RESERVED_LABELS = frozenset({"t", "u", "x", "y", "theta", "signal"})
 
 def _label_free(label: str) -> str:
     if label in RESERVED_LABELS:
-        raise refuse(
-            f"the label {label!r} is the first part of the plant's own columns",
-            f"choose another, such as {label}-observer",
-            value=label,
-        )
+        raise refuse("observer.label.reserved", value=label, label=label)
     return label
 
 

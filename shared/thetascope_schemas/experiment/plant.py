@@ -23,9 +23,8 @@ from thetascope_schemas.experiment.base import (
     Unit,
     example,
     ordered,
-    refuse,
-    suggest,
 )
+from thetascope_schemas.experiment.refusal import refuse, suggestion
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
 
 
@@ -94,7 +93,7 @@ class Parameter(Strict):
 
     @model_validator(mode="after")
     def _within_bounds(self) -> "Parameter":
-        check_within(self.value, self.bounds, "value", f"parameter {self.name}")
+        check_within(self.value, self.bounds, "value", self.name)
         return self
 
 
@@ -167,9 +166,9 @@ class Channel(Strict):
 
 
 _ENTERED = {
-    "actuator": (("states",), "a state"),
-    "process": (("states", "outputs"), "a state or output"),  # what changes in the plant may be measured directly, too
-    "sensor": (("outputs",), "an output"),
+    "actuator": ("states",),
+    "process": ("states", "outputs"),  # a change of the plant may be measured directly
+    "sensor": ("outputs",),
 }
 
 
@@ -221,18 +220,17 @@ class Plant(Strict):
     @model_validator(mode="after")
     def _consistent(self) -> "Plant":
         self._check_unique()
-        check_known(self.dynamics, self.names("states"), "dynamics", "a state")
+        check_known(self.dynamics, self.names("states"), "dynamics", "plant.state.unknown")
         for state in self.names("states"):
             if state not in self.dynamics:
-                raise refuse(f"the state {state} has no equation", f"add dynamics.{state}", "dynamics", state)
+                raise refuse("plant.state.no-equation", "dynamics", state, state=state)
         parameters = self.names("parameters")
         for index, definition in enumerate(self.definitions):
             named = [limit for limit in definition.domain if isinstance(limit, str)]
-            check_known(named, parameters, f"definitions[{index}].domain", "a parameter")
+            check_known(named, parameters, f"definitions[{index}].domain", "plant.parameter.unknown")
         for index, channel in enumerate(self.channels):
-            groups, what = _ENTERED[channel.kind]
-            what += f", which {channel.kind} faults enter"
-            check_known(channel.enters, self.names(*groups), f"channels[{index}].enters", what)
+            known = self.names(*_ENTERED[channel.kind])
+            check_known(channel.enters, known, f"channels[{index}].enters", f"plant.channel.enters-{channel.kind}")
         return self
 
     def _check_unique(self) -> None:
@@ -240,7 +238,7 @@ class Plant(Strict):
         seen: dict[str, str] = {}
         for field, name in self._declared():
             if name in seen:
-                raise refuse(f"the name {name} is already used by {seen[name]}", "rename one of them", field, name)
+                raise refuse("plant.name.repeated", field, name, name=name, by=seen[name])
             seen[name] = field
 
     def _declared(self) -> Iterator[tuple[str, str]]:
@@ -249,17 +247,17 @@ class Plant(Strict):
                 yield f"{group}[{index}].name", item.name
 
 
-def check_known(names: Iterable[str], known: Iterable[str], field: str, what: str) -> None:
-    """Refuse the first of `names` that is not among `known`, with the nearest of these."""
+def check_known(names: Iterable[str], known: Iterable[str], field: str, code: str) -> None:
+    """Refuse the first of `names` that is not among `known`, with the nearest of these; `code` is the problem's."""
     declared = tuple(known)
     for name in names:
         if name not in declared:
-            raise refuse(f"{name!r} is not {what}", suggest(name, declared), f"{field}.{name}", name)
+            raise refuse(code, f"{field}.{name}", name, name=name, remedy=suggestion(name, declared))
 
 
-def check_within(value: float, bounds: tuple[float | None, float | None], field: str, what: str) -> None:
-    """Refuse a value outside its bounds."""
+def check_within(value: float, bounds: tuple[float | None, float | None], field: str, name: str) -> None:
+    """Refuse a parameter's value outside its bounds."""
     low, high = bounds
     if (low is not None and value < low) or (high is not None and value > high):
-        text = f"[{'−∞' if low is None else format(low, 'g')}, {'∞' if high is None else format(high, 'g')}]"
-        raise refuse(f"{what} = {value:g} lies outside {text}", f"choose a value in {text}", field, value)
+        limits = {"low": "−∞" if low is None else low, "high": "∞" if high is None else high}
+        raise refuse("plant.parameter.outside-bounds", field, value, name=name, number=value, **limits)

@@ -14,8 +14,8 @@ from thetascope_schemas.experiment.base import (
     Seed,
     Strict,
     example,
-    refuse,
 )
+from thetascope_schemas.experiment.refusal import refuse
 
 Points = Annotated[tuple[Number, ...], Field(min_length=1, max_length=MAX_POINTS)]
 Interpolation = Literal["hold", "linear"]
@@ -26,30 +26,22 @@ def check_increasing(times: tuple[float, ...], field: str = "times") -> None:
     for index, (before, after) in enumerate(pairwise(times)):
         if not before < after:
             raise refuse(
-                f"times[{index + 1}] = {after:g} is not after times[{index}] = {before:g}",
-                "sort the times and keep each once",
-                field,
-                after,
+                "table.times.not-increasing", field, after, index=index, before=before, next=index + 1, after=after
             )
 
 
 def check_lengths(times: tuple[float, ...], values: tuple[float, ...], more: int) -> None:
     """Refuse a table whose number of values is not the number of times plus `more`."""
     if len(values) != len(times) + more:
-        raise refuse(
-            f"{len(times)} times need {len(times) + more} values, and there are {len(values)}",
-            "give one value more than times: values[0] holds before times[0]" if more else "give one value per time",
-            "values",
-            len(values),
-        )
+        counts = {"times": len(times), "needed": len(times) + more, "given": len(values)}
+        code = "signal.steps.value-count" if more else "table.value-count"
+        raise refuse(code, "values", len(values), **counts)
 
 
 def check_width(width: float, period: float) -> None:
     """Refuse a pulse that does not end within its period."""
     if width > period:
-        raise refuse(
-            f"the width {width:g} s is longer than the period {period:g} s", f"width ≤ {period:g}", "width", width
-        )
+        raise refuse("pulse.width.beyond-period", "width", width, width=width, period=period)
 
 
 class ConstantSignal(Strict):
@@ -121,12 +113,7 @@ class RampSignal(Strict):
     @model_validator(mode="after")
     def _consistent(self) -> "RampSignal":
         if self.end is not None and self.end <= self.start:
-            raise refuse(
-                f"the end {self.end:g} s is not after the start {self.start:g} s",
-                f"end > {self.start:g}, or null",
-                "end",
-                self.end,
-            )
+            raise refuse("ramp.end.before-start", "end", self.end, end=self.end, start=self.start)
         return self
 
 

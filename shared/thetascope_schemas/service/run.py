@@ -5,23 +5,28 @@ from typing import Literal
 
 from pydantic import Field, JsonValue
 
-from thetascope_schemas.experiment.base import FieldError, Number, Strict, example
+from thetascope_schemas.experiment.base import Number, Strict, example
 from thetascope_schemas.experiment.diagnosis import Diagnosis
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.field_error import FieldError
 from thetascope_schemas.service.comparison import Comparison
 
 Status = Literal["queued", "running", "done", "failed", "cancelled"]
 
 _PROBLEM = {
     "type": "about:blank",
-    "title": "The experiment was refused",
+    "title": "The request was refused",
     "status": 422,
+    "code": "refusal.spec",
+    "args": {},
     "detail": "faults[0].end: the end 5 s is not after the onset 20 s; give an end above 20, or null",
     "instance": None,
     "errors": [
         {
             "field": "faults[0].end",
             "value": 5,
+            "code": "fault.end.before-onset",
+            "args": {"end": 5, "onset": 20},
             "problem": "the end 5 s is not after the onset 20 s",
             "remedy": "give an end above 20, or null",
         }
@@ -57,14 +62,16 @@ _SUMMARY = {
 
 
 class Problem(Strict):
-    """A refusal or failure as application/problem+json (RFC 9457)."""
+    """A refusal or failure as application/problem+json (RFC 9457), with its sentences in the asked language."""
 
     model_config = example(**_PROBLEM)
 
     type: str = Field("about:blank", description="URI reference of the kind of problem.")
     title: str = Field(description="Short text, the same for every problem of this kind.")
     status: int = Field(ge=400, le=599, description="HTTP status.")
-    detail: str = Field("", description="What happened here.")
+    detail: str = Field("", description="What happened here, and what to do.")
+    code: str = Field("", description="Key of the problem's sentence in the catalogues, GET /api/messages/{language}.")
+    args: dict[str, JsonValue] = Field(default_factory=dict, description="Arguments of the sentence by name.")
     instance: str | None = Field(None, description="URI reference of this occurrence.")
     errors: tuple[FieldError, ...] = Field((), description="Each field at fault, its value, the problem, the remedy.")
 

@@ -10,7 +10,9 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.api.http.services import Services
+from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.specs.problem_documents import in_language
 from thetascope.runs.specs.refusals import NotReady
 from thetascope.store import Record
 from thetascope_schemas.service.run import Progress, Run
@@ -19,19 +21,19 @@ Value = TypeVar("Value")
 
 
 def run_links(id: str) -> dict[str, str]:
-    """Where a run's parts are."""
+    """Return the addresses of a run's parts."""
     base = f"/api/runs/{id}"
     parts = ("progress", "data", "comparison", "figures", "report", "cancel", "pin")
     return {"self": base, **{part: f"{base}/{part}" for part in parts}}
 
 
 def json_response(data: object, status: int = 200, headers: dict[str, str] | None = None) -> Response:
-    """Plain data (NumPy arrays included) as JSON."""
+    """Return plain data (NumPy arrays included) as JSON."""
     return Response(orjson.dumps(data, option=orjson.OPT_SERIALIZE_NUMPY), status, headers, "application/json")
 
 
-def run_response(snapshot: Snapshot, status: int = 200) -> Response:
-    """A run as the contract has it."""
+def run_response(snapshot: Snapshot, language: str, status: int = 200) -> Response:
+    """Return the answer that carries a run, its sentences in a language."""
     links = run_links(snapshot.id)
     run = Run(
         id=snapshot.id,
@@ -39,7 +41,7 @@ def run_response(snapshot: Snapshot, status: int = 200) -> Response:
         progress=snapshot.progress,
         spec=snapshot.spec,
         summary=snapshot.summary,
-        problem=snapshot.problem,
+        problem=snapshot.problem and in_language(snapshot.problem, language),
         created=_time(snapshot.created),
         pinned=snapshot.pinned,
         links=links,
@@ -47,16 +49,18 @@ def run_response(snapshot: Snapshot, status: int = 200) -> Response:
     return Response(run.model_dump_json(), status, {"Location": links["self"]}, "application/json")
 
 
-def progress_response(snapshot: Snapshot, status: int = 200) -> Response:
-    """How far a run is; while it is under way the client is told when to ask again."""
+def progress_response(snapshot: Snapshot, language: str, status: int = 200) -> Response:
+    """Return the answer that says how far a run is; while it is under way Retry-After says when to ask again."""
     links = run_links(snapshot.id)
-    detail = {"queued": "waiting for its turn, or being compiled", "running": f"{snapshot.progress:.0%} of the horizon"}
+    detail = ""
+    if snapshot.active:
+        detail = Message(f"run.progress.{snapshot.status}", share=snapshot.progress).text(language)
     progress = Progress(
         id=snapshot.id,
         status=snapshot.status,
         progress=snapshot.progress,
-        detail=detail.get(snapshot.status, ""),
-        problem=snapshot.problem,
+        detail=detail,
+        problem=snapshot.problem and in_language(snapshot.problem, language),
         links=links,
     )
     headers = {"Retry-After": "1"} if snapshot.active else {}
@@ -66,7 +70,7 @@ def progress_response(snapshot: Snapshot, status: int = 200) -> Response:
 
 
 def listed(run: Snapshot | Record) -> dict[str, object]:
-    """One line of the list of runs: the run without its spec and summary."""
+    """Return one line of the list of runs: the run without its spec and summary."""
     title = run.title if isinstance(run, Record) else run.spec.title or run.spec.id
     created = _time(run.created).isoformat().replace("+00:00", "Z")
     return {
@@ -80,14 +84,14 @@ def listed(run: Snapshot | Record) -> dict[str, object]:
 
 
 async def ended(job: Job, seconds: float) -> Snapshot | None:
-    """The job's last snapshot, or None when it has not ended in time. Raises InvalidSpec when its spec was refused."""
+    """Return the job's last snapshot, or None when it has not ended in time. Raises InvalidSpec when its spec was refused."""
     future = asyncio.wrap_future(job.done)
     done, _ = await asyncio.wait({future}, timeout=seconds)
     return future.result() if done else None
 
 
 async def from_result(services: Services, id: str, make: Callable[[Finished], Value]) -> Value:
-    """What `make` builds from a run and its result, in a worker thread; a result that was let go is computed again.
+    """Return what `make` builds from a run and its result, in a worker thread; a result that was dropped is computed again.
 
     Raises Unknown, or NotReady when the run has failed, or does not end within the time that a request may wait.
     """
@@ -103,7 +107,7 @@ async def from_result(services: Services, id: str, make: Callable[[Finished], Va
     await ended(job, services.settings.wait)
     answer = await run_in_threadpool(attempt)
     if isinstance(answer, Job):
-        raise NotReady(f"the run is {answer.status}, {answer.progress:.0%} done", f"ask {run_links(id)['progress']}")
+        raise NotReady(Message("run.not-done", share=answer.progress, href=run_links(id)["progress"]))
     return answer
 
 

@@ -2,17 +2,19 @@
 
 import logging
 import re
-from http import HTTPStatus
 
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
 
+from thetascope.api.http.language import language_of
 from thetascope.engine.errors import SpecError
-from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Refusal, Unknown, from_engine, refused
+from thetascope.messages import Message, words
+from thetascope.runs.specs.problem_documents import problem, refused
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Refusal, Unknown, from_engine
 from thetascope.store import StoreError
-from thetascope_schemas.experiment.base import FieldError, field_errors
+from thetascope_schemas.experiment.field_error import field_errors
 from thetascope_schemas.service.run import Problem
 
 log = logging.getLogger(__name__)
@@ -23,7 +25,7 @@ MEDIA_TYPE = "application/problem+json"
 RESPONSES = {
     code: {"model": Problem, "description": text, "content": {MEDIA_TYPE: {}}}
     for code, text in {
-        404: "There is no such thing; near matches are named.",
+        404: "Nothing has this id; near matches are named.",
         409: "The run has no result (yet).",
         413: "The body is larger than the limit.",
         415: "The body is not JSON.",
@@ -36,24 +38,24 @@ RESPONSES = {
 class BodyProblem(Exception):
     """A body that is not read: its status is 400, 413 or 415."""
 
-    def __init__(self, status: int, detail: str, remedy: str) -> None:
-        super().__init__(detail)
-        self.problem = Problem(title=_phrase(status), status=status, detail=f"{detail}; {remedy}")
+    def __init__(self, status: int, why: Message) -> None:
+        super().__init__(status, why)
+        self.status, self.why = status, why
 
 
 def documented(*codes: int) -> dict[int | str, dict]:
-    """The `responses` of a route that may answer with these problems."""
+    """Return the `responses` of a route that may answer with these problems."""
     return {code: RESPONSES[code] for code in codes}
 
 
-def problem_response(problem: Problem, headers: dict[str, str] | None = None) -> Response:
-    """The answer that carries a problem."""
-    body = problem.model_dump_json(exclude_none=True)
-    return Response(body, problem.status, headers, MEDIA_TYPE)
+def problem_response(document: Problem, headers: dict[str, str] | None = None) -> Response:
+    """Return the answer that carries a problem."""
+    body = document.model_dump_json(exclude_none=True)
+    return Response(body, document.status, headers, MEDIA_TYPE)
 
 
 def install(app: FastAPI) -> None:
-    """Make every exception a problem document."""
+    """Make every exception a problem document in the language of the request."""
     for error, handler in {
         InvalidSpec: _invalid,
         SpecError: _engine,
@@ -68,49 +70,49 @@ def install(app: FastAPI) -> None:
 
 
 async def _invalid(request: Request, error: InvalidSpec) -> Response:
-    return problem_response(refused(error))
+    return problem_response(refused(error, language_of(request)))
 
 
 async def _engine(request: Request, error: SpecError) -> Response:
-    return problem_response(refused(from_engine(error)))
+    return problem_response(refused(from_engine(error), language_of(request)))
 
 
 async def _body(request: Request, error: BodyProblem) -> Response:
-    """The connection is closed: the rest of the body was not read."""
-    return problem_response(error.problem, {"Connection": "close"})
+    """Answer and close the connection: the rest of the body was not read."""
+    document = problem(error.status, error.why, language=language_of(request))
+    return problem_response(document, {"Connection": "close"})
 
 
 async def _refusal(request: Request, error: Refusal) -> Response:
     status = {Unknown: 404, Busy: 503, NotReady: 409}.get(type(error), 409)
-    title = {404: "Not found", 503: "The queue is full", 409: "The run has no result"}[status]
-    problem = Problem(title=title, status=status, detail=f"{error.detail}; {error.remedy}", instance=request.url.path)
-    return problem_response(problem, {"Retry-After": "2"} if status == 503 else None)
+    document = problem(status, error.problem, error.remedy, language_of(request), request.url.path)
+    return problem_response(document, {"Retry-After": "2"} if status == 503 else None)
 
 
 async def _parameters(request: Request, error: RequestValidationError) -> Response:
-    """A query or path parameter of the wrong form."""
+    """Answer to a query or path parameter of the wrong form."""
     errors = [
-        FieldError(field=entry.field.partition(".")[2] or entry.field, **entry.model_dump(exclude={"field"}))
-        for entry in field_errors(error.errors())
+        entry.model_copy(update={"field": entry.field.partition(".")[2] or entry.field})
+        for entry in field_errors(error.errors(), None, words())
     ]
-    return problem_response(refused(InvalidSpec(errors)))
+    return problem_response(refused(InvalidSpec(errors), language_of(request)))
 
 
 async def _http(request: Request, error: HTTPException) -> Response:
-    """What the framework refuses: unknown addresses and methods."""
-    headers = dict(error.headers or {})
-    detail = str(error.detail)
-    if error.status_code == 404:
-        detail = f"there is nothing at {request.url.path}; /docs lists the addresses of the interface"
-    if error.status_code == 405:
-        headers = {"Allow": ", ".join(methods_of(request)) or "GET"}
-        detail = f"{request.method} is not possible here; use {headers['Allow']}"
-    problem = Problem(title=_phrase(error.status_code), status=error.status_code, detail=detail)
-    return problem_response(problem, headers)
+    """Answer to what the framework refuses: unknown addresses and methods."""
+    headers, status, path = dict(error.headers or {}), error.status_code, request.url.path[:200]
+    why = Message("http.refused", status=status, detail=str(error.detail))
+    if status == 404:
+        why = Message("http.no-address", path=path)
+    if status == 405:
+        methods = methods_of(request) or ["GET"]
+        headers = {"Allow": ", ".join(methods)}
+        why = Message("http.no-method", method=request.method[:20], path=path, methods=methods)
+    return problem_response(problem(status, why, language=language_of(request)), headers)
 
 
 def methods_of(request: Request) -> list[str]:
-    """The methods that the interface knows for the request's address, over all its routes."""
+    """Return the methods that the interface knows for the request's address, over all its routes."""
     for template, operations in request.app.openapi()["paths"].items():
         if re.fullmatch(re.sub(r"\{[^}]*\}", "[^/]+", template), request.url.path):
             return sorted(method.upper() for method in operations)
@@ -119,14 +121,9 @@ def methods_of(request: Request) -> list[str]:
 
 async def _store(request: Request, error: StoreError) -> Response:
     log.error("%s", error)
-    return problem_response(Problem(title="The store cannot be used", status=503, detail=str(error)))
+    return problem_response(problem(503, error.problem, language=language_of(request)))
 
 
 async def _unexpected(request: Request, error: Exception) -> Response:
-    """A fault of the program: the log has the traceback, the client a sentence."""
-    detail = "An error inside the program; its log tells more. Report it with what was sent"
-    return problem_response(Problem(title="Internal error", status=500, detail=detail))
-
-
-def _phrase(status: int) -> str:
-    return HTTPStatus(status).phrase
+    """Answer to a fault of the program: the log has the traceback, the client a sentence."""
+    return problem_response(problem(500, Message("http.internal-error"), language=language_of(request)))

@@ -8,16 +8,17 @@ from fastapi import Request
 from starlette.concurrency import run_in_threadpool
 
 from thetascope.api.http.problems import BodyProblem
+from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
 
 Value = TypeVar("Value")
 
 
 async def read_body(request: Request, limit: int) -> bytes:
-    """The body, if it is JSON of at most `limit` bytes. Raises :class:`BodyProblem` (413, 415)."""
+    """Return the body, if it is JSON of at most `limit` bytes. Raises :class:`BodyProblem` (413, 415)."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json" and not (kind.startswith("application/") and kind.endswith("+json")):
-        raise BodyProblem(415, f"the body is {kind or 'of no declared type'}", "send JSON as application/json")
+        raise BodyProblem(415, Message("body.type", type=kind[:80]) if kind else Message("body.no-type"))
     announced = request.headers.get("content-length", "")
     if announced.isdigit() and int(announced) > limit:
         raise _too_large(int(announced), limit)
@@ -30,31 +31,26 @@ async def read_body(request: Request, limit: int) -> bytes:
 
 
 async def parsed(request: Request, limit: int, parse: Callable[[Any], Value]) -> Value:
-    """What `parse` makes of the body's JSON, in a worker thread."""
+    """Return what `parse` makes of the body's JSON, in a worker thread."""
     body = await read_body(request, limit)
     return await run_in_threadpool(lambda: parse(json_of(body)))
 
 
 def json_of(body: bytes) -> Any:
-    """The JSON data of a body. Raises InvalidSpec with the place of the mistake."""
+    """Return the JSON data of a body. Raises InvalidSpec with the place of the mistake."""
     try:
         return orjson.loads(body)
     except orjson.JSONDecodeError as error:
-        place = f"line {error.lineno}, column {error.colno}"
-        raise invalid(
-            "", body[:60].decode(errors="replace"), f"no valid JSON at {place}: {error.msg}", "correct it"
-        ) from None
+        problem = Message("body.json", line=error.lineno, column=error.colno, detail=error.msg)
+        raise invalid("", body[:60].decode(errors="replace"), problem) from None
 
 
 def _too_large(size: int, limit: int) -> BodyProblem:
-    remedy = (
-        "send less (a table signal needs few points), or raise THETASCOPE_MAX_BODY (of a record THETASCOPE_MAX_RECORD)"
-    )
-    return BodyProblem(413, f"the body has {size:,} bytes or more, and {limit:,} are allowed", remedy)
+    return BodyProblem(413, Message("body.too-large", size=size, limit=limit))
 
 
 def body_schema(*models: str) -> dict[str, Any]:
-    """`openapi_extra` of a route whose body is one of these schemas of the contract."""
+    """Return the `openapi_extra` of a route whose body is one of these schemas of the contract."""
     refs = [{"$ref": f"#/components/schemas/{model}"} for model in models]
     schema = refs[0] if len(refs) == 1 else {"anyOf": refs}
     return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema}}}}

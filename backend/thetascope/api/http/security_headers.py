@@ -1,17 +1,20 @@
-"""Headers that keep a browser from doing with this service what its user did not ask for."""
+"""Headers that restrict what a browser may do with this service on behalf of other sites."""
 
 from starlette.datastructures import Headers, MutableHeaders
+from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from thetascope.api.http.language import language_of
 from thetascope.api.http.problems import problem_response
-from thetascope_schemas.service.run import Problem
+from thetascope.messages import Message as Wording
+from thetascope.runs.specs.problem_documents import problem
 
 POLICY = (
     "default-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
     "font-src 'self' data:; worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'self'; "
     "frame-ancestors 'self'"
 )
-"""Everything from here. Plotly sets styles in the page, and makes images of figures as blobs; Redoc starts a worker."""
+"""Everything is loaded from this service. Plotly sets styles in the page, and makes images of figures as blobs; Redoc starts a worker."""
 
 _HEADERS = {
     "Content-Security-Policy": POLICY,
@@ -23,7 +26,7 @@ _SAFE = {"GET", "HEAD", "OPTIONS"}
 
 
 class Security:
-    """Adds the headers that a response does not set itself, and refuses changes that another site's page asks for."""
+    """Adds the headers that a response does not set itself, and refuses changes requested by another site's page."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
@@ -41,8 +44,8 @@ class Security:
             await send(message)
 
         if scope["method"] not in _SAFE and Headers(scope=scope).get("sec-fetch-site") == "cross-site":
-            detail = "a page of another site may not change anything here; use this service's own page, or no browser"
-            refusal = problem_response(Problem(title="Forbidden", status=403, detail=detail))
+            language = language_of(Request(scope))
+            refusal = problem_response(problem(403, Wording("http.cross-site"), language=language))
             await refusal(scope, receive, send_with_headers)
             return
         await self._app(scope, receive, send_with_headers)

@@ -4,6 +4,7 @@ from typing import Annotated
 
 from fastapi import Query
 
+from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
 from thetascope_schemas.experiment.base import MAX_TIME
 
@@ -13,6 +14,6 @@ Last = Annotated[float | None, Query(alias="to", description="Last time in s.", 
 
 
 def check(start: float | None, end: float | None) -> None:
-    """Refuse a span that ends before it begins."""
+    """Raise InvalidSpec for a span that ends before it begins."""
     if start is not None and end is not None and start > end:
-        raise invalid("from", start, f"is after to = {end:g}", "give from ≤ to")
+        raise invalid("from", start, Message("span.reversed", start=start, end=end))

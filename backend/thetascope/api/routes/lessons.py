@@ -8,6 +8,7 @@ from starlette.responses import Response
 from thetascope import library
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.problems import documented
+from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Unknown
 from thetascope_schemas.service.answers import LessonList, LessonPlan
 from thetascope_schemas.service.lesson import Lesson
@@ -40,5 +41,5 @@ def get_lesson(id: str) -> Response:
     """The questions about one experiment."""
     found = library.lessons().get(id)
     if found is None:
-        raise Unknown(f"there is no lesson for {id[:80]!r}", "GET /api/lessons lists those there are")
+        raise Unknown(Message("lesson.unknown", id=id[:80]))
     return json_response(plain(found))

@@ -1,4 +1,4 @@
-"""/api/diagnosis: what was recorded on a plant, and which faults it shows; /api/observability: what an experiment could show."""
+"""/api/diagnosis: the faults in a record; /api/observability: the faults that an experiment could show."""
 
 from typing import Any
 
@@ -11,6 +11,7 @@ from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, json_of, read_body
 from thetascope.api.http.services import Use
 from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
 from thetascope.runs.specs.refusals import from_engine, invalid, validated
 from thetascope.runs.specs.resolve_spec import library_plant, plant_of, resolved
 from thetascope_schemas.experiment.diagnosis import Observability, ObserverDiagnosis
@@ -27,7 +28,7 @@ router = APIRouter(tags=["diagnosis"])
     responses=documented(404, 413, 415, 422),
 )
 async def diagnose_record(request: Request, services: Use) -> Response:
-    """Which faults a record shows, since when, how large and how sure: what `thetascope diagnose` says of a file.
+    """Diagnose a record: faults, onsets, sizes and their uncertainty, as `thetascope diagnose` does for a file.
 
     The noise is taken from the record; thresholds come from the plant simulated with the recorded inputs.
     """
@@ -43,7 +44,7 @@ async def diagnose_record(request: Request, services: Use) -> Response:
     responses=documented(404, 413, 415, 422),
 )
 async def observe(request: Request, services: Use) -> Response:
-    """What the outputs of an experiment show of states and faults together: rank by the equations, rank and condition along its run."""
+    """Return how well outputs determine states and faults: structural rank, rank and condition along the run."""
     body = await read_body(request, services.settings.max_body)
     found = await run_in_threadpool(lambda: _observed(json_of(body)))
     return Response(found.model_dump_json(), media_type="application/json")
@@ -74,19 +75,13 @@ def _columns(asked: Record) -> dict[str, np.ndarray]:
     from thetascope.assembly.analyses.csv_columns import columns_of_csv
 
     if (asked.columns is None) == (asked.csv is None):
-        raise invalid("columns", None, "a record is given as columns or as csv", "give one of them")
+        raise invalid("columns", None, Message("record.columns-or-csv"))
     columns = columns_of_csv(asked.csv) if asked.csv is not None else {n: np.array(v) for n, v in asked.columns.items()}
     rows = {len(column) for column in columns.values()}
     if len(rows) > 1:
         name = next(n for n, column in columns.items() if len(column) < max(rows))
-        raise invalid(
-            f"columns.{name}", len(columns[name]), f"other columns have {max(rows)} values", "give as many in each"
-        )
+        problem = Message("record.columns.uneven", rows=max(rows))
+        raise invalid(f"columns.{name}", len(columns[name]), problem)
     if max(rows, default=0) > MOST_ROWS:
-        raise invalid(
-            "columns",
-            max(rows),
-            f"at most {MOST_ROWS:,} rows are looked at",
-            "send a part of the record, or every n-th row",
-        )
+        raise invalid("columns", max(rows), Message("record.rows.over-limit", rows=max(rows), limit=MOST_ROWS))
     return columns

@@ -10,13 +10,14 @@ from thetascope.api.http.answers import from_result, json_response, run_links
 from thetascope.api.http.problems import documented
 from thetascope.api.http.services import Use
 from thetascope.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
+from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished
 from thetascope.runs.results.comparison_rows import compared
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.run_report import report_html
 from thetascope.runs.specs.refusals import Unknown
 from thetascope.runs.specs.resolve_spec import plant_of
-from thetascope_schemas.experiment.base import suggest
+from thetascope_schemas.experiment.refusal import suggestion
 from thetascope_schemas.service.answers import FigureList, PlotlyFigure
 from thetascope_schemas.service.comparison import Comparison
 
@@ -107,7 +108,8 @@ async def get_figure(id: str, name: str, services: Use, theme: Literal["light", 
         try:
             return json_response(figures.figure(finished.result, spec, plant_of(spec), name, theme))
         except figures.UnknownFigure as error:
-            raise Unknown(f"this run has no figure {name[:80]!r}", suggest(name[:80], error.names)) from None
+            hint = Message.from_data(suggestion(name[:80], error.names))
+            raise Unknown(Message("figure.unknown", name=name[:80]), hint) from None
 
     return await from_result(services, id, make)
 

@@ -1,4 +1,4 @@
-"""/api/runs: start runs, see how far they are, cancel, keep and remove them."""
+"""/api/runs: start runs, follow their progress, cancel, pin and remove them."""
 
 from typing import Annotated
 
@@ -7,6 +7,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.api.http.answers import ended, json_response, listed, progress_response, run_response
+from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
@@ -37,7 +38,7 @@ Wait = Annotated[
         **documented(404, 413, 415, 422, 503),
     },
 )
-async def create_run(request: Request, services: Use, wait: Wait = None) -> Response:
+async def create_run(request: Request, services: Use, language: Language, wait: Wait = None) -> Response:
     """Run an experiment: a whole spec, or `{"experiment": id, "set": {path: value}}`.
 
     The run's id is the hash of the spec, so the same spec again is answered from the store.
@@ -45,19 +46,19 @@ async def create_run(request: Request, services: Use, wait: Wait = None) -> Resp
     settings = services.settings
     started = await parsed(request, settings.max_body, lambda data: services.runs.submit(asked(data)))
     if isinstance(started, Snapshot):
-        return run_response(started)
+        return run_response(started, language)
     snapshot = await ended(started, settings.wait if wait is None else min(wait, settings.max_wait))
     if snapshot is not None:
-        return run_response(snapshot, 201)
+        return run_response(snapshot, language, 201)
     await run_in_threadpool(services.runs.announce, started)
-    return progress_response(started.snapshot(), 202)
+    return progress_response(started.snapshot(), language, 202)
 
 
 @router.get("", response_model=RunList)
 def list_runs(
     services: Use, limit: Annotated[int, Query(ge=1, le=1000)] = 100, offset: Annotated[int, Query(ge=0)] = 0
 ) -> Response:
-    """The runs under way, then those stored, newest first, without specs and summaries."""
+    """Return the runs under way, then those stored, newest first, without specs and summaries."""
     active, stored = services.runs.page(limit, offset)
     under_way = {run.id for run in active}
     runs = ([] if offset else active) + [run for run in stored if run.id not in under_way]
@@ -65,44 +66,44 @@ def list_runs(
 
 
 @router.get("/{id}", response_model=Run, responses=documented(404))
-def get_run(id: str, services: Use) -> Response:
-    """A run: its status, spec and summary."""
-    return run_response(services.runs.get(id))
+def get_run(id: str, services: Use, language: Language) -> Response:
+    """Return a run: its status, spec and summary."""
+    return run_response(services.runs.get(id), language)
 
 
 @router.get("/{id}/progress", response_model=Progress, responses=documented(404))
-async def get_progress(id: str, services: Use, wait: Wait = 0.0) -> Response:
-    """How far a run is. With `wait`, the answer is held until the run ends or the time is over."""
+async def get_progress(id: str, services: Use, language: Language, wait: Wait = 0.0) -> Response:
+    """Return how far a run is. With `wait`, the answer is held until the run ends or the time is over."""
     job = services.runs.job(id)
     if job is not None and wait:
         await ended(job, min(wait, services.settings.max_wait))
-    return progress_response(await run_in_threadpool(services.runs.get, id))
+    return progress_response(await run_in_threadpool(services.runs.get, id), language)
 
 
 @router.post("/{id}/cancel", response_model=Run, responses=documented(404))
-def cancel_run(id: str, services: Use) -> Response:
+def cancel_run(id: str, services: Use, language: Language) -> Response:
     """Ask a run under way to stop. A run that has ended stays as it is."""
-    return run_response(services.runs.cancel(id))
+    return run_response(services.runs.cancel(id), language)
 
 
 @router.delete("/{id}", status_code=204, responses={202: {"model": Run}, **documented(404)})
-def delete_run(id: str, services: Use) -> Response:
+def delete_run(id: str, services: Use, language: Language) -> Response:
     """Cancel a run under way (202), or remove one that has ended, with its spec and result (204)."""
     snapshot = services.runs.cancel(id)
     if snapshot.active:
-        return run_response(snapshot, 202)
+        return run_response(snapshot, language, 202)
     services.runs.remove(id)
     return Response(status_code=204)
 
 
 @router.put("/{id}/pin", response_model=Run, responses=documented(404, 409))
 @router.post("/{id}/pin", response_model=Run, responses=documented(404, 409))
-def pin_run(id: str, services: Use) -> Response:
-    """Keep the run's result when the store needs room."""
-    return run_response(services.runs.pin(id, True))
+def pin_run(id: str, services: Use, language: Language) -> Response:
+    """Keep the run's result even when the store needs room."""
+    return run_response(services.runs.pin(id, True), language)
 
 
 @router.delete("/{id}/pin", response_model=Run, responses=documented(404, 409))
-def unpin_run(id: str, services: Use) -> Response:
-    """Let the run's result go when the store needs room."""
-    return run_response(services.runs.pin(id, False))
+def unpin_run(id: str, services: Use, language: Language) -> Response:
+    """Allow the store to drop the run's result when it needs room."""
+    return run_response(services.runs.pin(id, False), language)

@@ -9,6 +9,7 @@ from starlette.responses import Response, StreamingResponse
 
 from thetascope.api.http import time_span
 from thetascope.api.http.answers import ended, json_response, progress_response, run_response
+from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented, problem_response
 from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
 from thetascope.api.http.services import Services, Use
@@ -18,7 +19,9 @@ from thetascope.engine.errors import Unwatchable
 from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
 from thetascope.live.room.advice import propose_input_for
 from thetascope.live.scheduling.hub import TooManySessions
+from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
+from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import NotReady, Unknown, invalid, validated
 from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.service.answers import SessionOpened, SessionState
@@ -43,18 +46,18 @@ def links(id: str) -> dict[str, str]:
     openapi_extra=body_schema("SessionRequest"),
     responses=documented(404, 413, 415, 422, 503),
 )
-async def create_session(request: Request, services: Use) -> Response:
-    """Open a session. Whoever has its `token` may command it; whoever has the address may watch."""
+async def create_session(request: Request, services: Use, language: Language) -> Response:
+    """Open a session. The token grants control; the address alone lets one watch."""
     asked = await parsed(request, services.settings.max_body, lambda data: validated(SessionRequest, data))
     try:
         return _opened(await services.live.create(asked.resolved, asked.t, asked.play, asked.speed))
-    except TooManySessions as error:
-        return _full(error)
+    except TooManySessions:
+        return _full(services, language)
 
 
 @router.get("/{id}", response_model=SessionState, responses=documented(404))
 async def get_session(id: str, services: Use) -> Response:
-    """How a session stands, and its experiment with everything done so far."""
+    """Return the status of a session, and its experiment with everything done so far."""
     room = _room(services, id)
     status = room.status()
     return json_response(
@@ -74,12 +77,13 @@ async def get_session(id: str, services: Use) -> Response:
 
 
 @router.delete("/{id}", status_code=204, response_model=None, responses={**documented(404), **_FORBIDDEN})
-async def end_session(id: str, services: Use, token: Annotated[str, Header(alias="X-Control-Token")] = "") -> Response:
+async def end_session(
+    id: str, services: Use, language: Language, token: Annotated[str, Header(alias="X-Control-Token")] = ""
+) -> Response:
     """End a session, for all its viewers."""
     room = _room(services, id)
     if not matches(token, room.token):
-        detail = "the control token is missing or not this session's; send it as X-Control-Token"
-        return problem_response(Problem(title="Forbidden", status=403, detail=detail))
+        return problem_response(problem(403, Message("session.token.wrong"), language=language))
     services.live.close(room)
     return Response(status_code=204)
 
@@ -91,16 +95,16 @@ async def end_session(id: str, services: Use, token: Annotated[str, Header(alias
     openapi_extra=body_schema("ForkRequest"),
     responses=documented(404, 413, 422, 503),
 )
-async def fork_session(request: Request, id: str, services: Use) -> Response:
+async def fork_session(request: Request, id: str, services: Use, language: Language) -> Response:
     """A second session that has the same past up to now, or up to `t`, and a token of its own."""
     room = _room(services, id)
     asked = validated(ForkRequest, await _optional(request, services))
     if asked.t is not None and asked.t > room.t + 0.5 * room.session.record:
-        raise invalid("t", asked.t, f"the session stands at {room.t:g} s", f"give at most {room.t:g}")
+        raise invalid("t", asked.t, Message("session.fork.beyond-now", t=room.t))
     try:
         return _opened(await services.live.fork(room, asked.t))
-    except TooManySessions as error:
-        return _full(error)
+    except TooManySessions:
+        return _full(services, language)
 
 
 @router.post(
@@ -113,20 +117,20 @@ async def fork_session(request: Request, id: str, services: Use) -> Response:
         **documented(404, 409, 422, 503),
     },
 )
-async def save_session(id: str, services: Use) -> Response:
+async def save_session(id: str, services: Use, language: Language) -> Response:
     """Make a run of the session up to now: an ordinary one, with the very same numbers."""
     room = _room(services, id)
     if room.shown < 2:
-        raise NotReady("the session has not begun", "let time run first")
+        raise NotReady(Message("session.not-begun"))
     spec = room.spec()
     started = await run_in_threadpool(services.runs.submit, spec)
     if isinstance(started, Snapshot):
-        return run_response(started)
+        return run_response(started, language)
     snapshot = await ended(started, services.settings.wait)
     if snapshot is not None:
-        return run_response(snapshot, 201)
+        return run_response(snapshot, language, 201)
     await run_in_threadpool(services.runs.announce, started)
-    return progress_response(started.snapshot(), 202)
+    return progress_response(started.snapshot(), language, 202)
 
 
 @router.post("/{id}/proposal", response_model=InputProposal, responses=documented(404, 409))
@@ -136,7 +140,7 @@ async def propose_input(id: str, services: Use) -> InputProposal:
     try:
         return await propose_input_for(room)
     except Unwatchable as error:
-        raise NotReady(f"nothing can be proposed: {error}", "choose a plant with fault channels") from None
+        raise NotReady(Message("session.no-proposal", reason=error.args[0])) from None
 
 
 @router.get("/{id}/data", response_model=None, responses=documented(404, 422))
@@ -170,7 +174,7 @@ async def get_session_data(
 def _room(services: Services, id: str) -> Any:
     room = services.live.find(id)
     if room is None:
-        raise Unknown(f"there is no session {id[:64]!r} (any more)", "open another")
+        raise Unknown(Message("session.unknown", id=id[:64]))
     return room
 
 
@@ -179,9 +183,9 @@ def _opened(room: Any) -> Response:
     return json_response(answer, 201, {"Location": links(room.id)["self"], "Cache-Control": "no-store"})
 
 
-def _full(error: TooManySessions) -> Response:
-    detail = f"{error}; try again when some have ended, or raise THETASCOPE_SESSIONS"
-    return problem_response(Problem(title="Too many sessions", status=503, detail=detail), {"Retry-After": "10"})
+def _full(services: Services, language: str) -> Response:
+    why = Message("session.too-many", n=services.settings.sessions)
+    return problem_response(problem(503, why, language=language), {"Retry-After": "10"})
 
 
 def _named(id: str, suffix: str) -> dict[str, str]:

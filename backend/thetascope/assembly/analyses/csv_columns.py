@@ -5,6 +5,7 @@ import csv
 import numpy as np
 
 from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
 
 
 def columns_of_csv(text: str) -> dict[str, np.ndarray]:
@@ -18,14 +19,9 @@ def columns_of_csv(text: str) -> dict[str, np.ndarray]:
         names = [name.strip() for name in next(lines, [])]
         rows = [(lines.line_num, line) for line in lines if line]
     except csv.Error as error:
-        raise SpecError("csv", None, f"it is no CSV: {error}", "save it as CSV") from None
+        raise SpecError("csv", None, Message("record.csv.invalid", detail=str(error))) from None
     if not names or not all(names) or len(set(names)) < len(names):
-        raise SpecError(
-            "csv",
-            ",".join(names)[:60],
-            "it has no line of names, or a name twice",
-            "begin it with a line such as t,voltage,y_speed",
-        )
+        raise SpecError("csv", ",".join(names)[:60], Message("record.csv.names"))
     data = np.empty((len(rows), len(names)))
     for place, (number, line) in enumerate(rows):
         try:
@@ -33,10 +29,5 @@ def columns_of_csv(text: str) -> dict[str, np.ndarray]:
                 raise ValueError
             data[place] = [float(cell) for cell in line]
         except ValueError:
-            raise SpecError(
-                "csv",
-                ",".join(line)[:60],
-                f"line {number} is not a row of {len(names)} numbers",
-                "give one number for every name",
-            ) from None
+            raise SpecError("csv", ",".join(line)[:60], Message("record.csv.row", line=number, n=len(names))) from None
     return dict(zip(names, data.T, strict=True))

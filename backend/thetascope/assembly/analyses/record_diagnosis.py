@@ -26,10 +26,12 @@ from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.engine.errors import SpecError, Unwatchable
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.simulation import row_values
+from thetascope.messages import Message
 from thetascope_schemas import Experiment, Plant
-from thetascope_schemas.experiment.base import field_errors
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
+from thetascope_schemas.experiment.field_error import field_errors
 
+_FEWEST_ROWS = 200  # of a record
 _EVEN = 0.05  # of the period: how exactly samples must lie where equal spacing has them; times are often rounded
 _LARGEST = 1e30  # what no sensor shows
 _MEDIAN = 0.4549  # of the square of a standard normal number
@@ -59,8 +61,8 @@ def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
     Inputs and signals that are missing keep their defaults. Raises SpecError for a missing output, uneven times, gaps.
     """
     t = _column(columns, ("t", "time"), "t")
-    if len(t) < 200:
-        raise SpecError("t", len(t), "the record has fewer than 200 rows", "give a longer record")
+    if len(t) < _FEWEST_ROWS:
+        raise SpecError("t", len(t), Message("record.too-short", rows=len(t), least=_FEWEST_ROWS))
     period = _period(t)
     y = np.stack([_column(columns, (f"y.{n}", n), f"y.{n}") for n in plant.names("outputs")], axis=1)
     found = [
@@ -85,12 +87,7 @@ def _period(t: np.ndarray) -> float:
         wrong = np.flatnonzero(np.abs(off[1:]) > max(_EVEN * period, 1.01 * _resolution(t)))
     if period <= 0 or len(wrong):
         row = int(wrong[0]) + 1 if len(wrong) else 1
-        raise SpecError(
-            "t",
-            float(t[row]),
-            f"samples must be equally spaced: row {row + 1} is not {usual:g} s after the one before",
-            "resample the record",
-        )
+        raise SpecError("t", float(t[row]), Message("record.t.uneven", row=row + 1, step=usual))
     return period
 
 
@@ -105,17 +102,13 @@ def _resolution(t: np.ndarray) -> float:
 def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: str) -> np.ndarray:
     name = next((n for n in names if n in columns), None)
     if name is None:
-        raise SpecError(
-            field, None, "the record has no such column", f"name one {' or '.join(names)}; it has {', '.join(columns)}"
-        )
+        raise SpecError(field, None, Message("record.column.missing", names=names, columns=list(columns)))
     values = np.asarray(columns[name], dtype=float)
     good = np.abs(values) < _LARGEST
     if not good.all():
         row = int(np.flatnonzero(~good)[0])
-        what = "a number that no sensor shows" if np.isfinite(values[row]) else "no number"
-        raise SpecError(
-            field, str(values[row]), f"row {row + 1} holds {what}", "leave out or fill in the rows that are wrong"
-        )
+        code = "record.value.too-large" if np.isfinite(values[row]) else "record.value.no-number"
+        raise SpecError(field, str(values[row]), Message(code, row=row + 1))
     return values
 
 
@@ -131,29 +124,19 @@ def diagnose_recording(
     experiment = prepare(spec).engine
     why = unwatchable(experiment, experiment.context)
     if why:
-        raise SpecError("plant", plant.id, why, "give a plant with fault channels and a longer record")
+        raise SpecError("plant", plant.id, Message("record.no-detector", reason=why))
     if not 0 <= learn <= 0.9 * (spec.horizon or 0.0):
-        raise SpecError(
-            "learn",
-            learn,
-            f"the record is {spec.horizon:g} s long, and a tenth of it at least is to be judged",
-            f"give 0 to {0.9 * spec.horizon:.3g} s",
-        )
+        raise SpecError("learn", learn, Message("record.learn.too-long", length=spec.horizon, most=0.9 * spec.horizon))
     experiment = _with_noise(experiment, record, settings.doubt)
     if not np.isfinite(experiment.measurement.std).all():
-        raise SpecError(
-            "plant",
-            plant.id,
-            "the filter for this plant does not stay finite along the record",
-            "check its parameters and initial state, and the units of the record",
-        )
+        raise SpecError("plant", plant.id, Message("record.filter.diverges"))
     noise = dict(zip(plant.names("outputs"), experiment.measurement.std, strict=True))
     measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
     spec = Experiment.model_validate(spec.model_dump() | {"noise": measured})
     try:
         made = prepare_detector(experiment, experiment.context, detector_settings(spec), calibration_key(spec))
     except Unwatchable as error:
-        raise SpecError("plant", plant.id, str(error), "check the plant's initial state and bounds") from None
+        raise SpecError("plant", plant.id, Message("record.not-calibrated", reason=error.args[0])) from None
     state = _monitor_record(made, experiment, record, learn)
     found = RunDiagnosis(made, state, (), made.interval, _defaults(plant, record))
     told = of_detector(
@@ -188,7 +171,7 @@ def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> Exper
         return Experiment.model_validate(data)
     except ValidationError as error:
         first = field_errors(error.errors(include_url=False))[0]
-        raise SpecError(first.field, first.value, first.problem, first.remedy) from None
+        raise SpecError(first.field, first.value, Message.from_data({"code": first.code, "args": first.args})) from None
 
 
 def _with_noise(experiment: Engine, record: Recording, doubt: float) -> Engine:

@@ -13,6 +13,7 @@ from thetascope.engine.inputs import fault_signals, signals
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.messages import Message
 from thetascope_schemas import Experiment, Plant
 
 
@@ -51,12 +52,7 @@ def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
     step = spec.step
     if plant.time.kind == "discrete":
         if abs(step - plant.time.period) > 1e-9 * plant.time.period:
-            raise SpecError(
-                "step",
-                step,
-                f"the plant {plant.id} is discrete with a period of {plant.time.period:g} s",
-                f"set step to {plant.time.period:g}",
-            )
+            raise SpecError("step", step, Message("experiment.step.not-period", period=plant.time.period, step=step))
         step = plant.time.period
     return step, multiple(spec.horizon, step, "horizon"), multiple(spec.record_interval, step, "record")
 

@@ -1,9 +1,8 @@
 """An observer as data → its program and the numbers for it, every default filled in and every name checked."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
-from difflib import get_close_matches
 
 from thetascope.assembly.build.step_counts import multiple
 from thetascope.engine.errors import SpecError
@@ -11,7 +10,9 @@ from thetascope.engine.observers.registry import observer
 from thetascope.engine.observers.support.declaration import Context, Gain, Observer, Option
 from thetascope.engine.programs.program_store import observer_program
 from thetascope.engine.simulation.experiment import Estimator
+from thetascope.messages import Message
 from thetascope_schemas import Experiment, ObserverConfig, Plant
+from thetascope_schemas.experiment.refusal import suggestion
 
 
 def estimator(index: int, config: ObserverConfig, spec: Experiment, plant: Plant, data: dict, step: float) -> Estimator:
@@ -28,7 +29,7 @@ def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, made:
     known = {g.name: g for g in made.kind.gains}
     numbers = dict(made.parameters)
     with _located(index):
-        unknown("gains", config.gains, known, f"{made.kind.id} has no such gain")
+        refuse_unknown("gains", config.gains, known, Message("observer.gain.unknown", kind=made.kind.id))
         for name in {*config.gains, *before.gains}:
             if config.gains.get(name) != before.gains.get(name):
                 numbers |= _gain_numbers(name, _gain(known[name], config, made.context))
@@ -53,7 +54,7 @@ def _estimator(config: ObserverConfig, spec: Experiment, plant: Plant, data: dic
     every = _sample_every(kind, config, spec, plant, step)
     context = _context(plant, spec, data, channels, step, every)
     gains = {g.name: _gain(g, config, context) for g in kind.gains}
-    unknown("gains", config.gains, gains, f"{kind.id} has no such gain")
+    refuse_unknown("gains", config.gains, gains, Message("observer.gain.unknown", kind=kind.id))
     options = _options(kind, config, context)
     sizes = {name: None if isinstance(v, float) else len(v) for name, v in gains.items()}
     written = observer_program(data, kind, channels, sizes, options)
@@ -62,28 +63,18 @@ def _estimator(config: ObserverConfig, spec: Experiment, plant: Plant, data: dic
     return Estimator(config.label, kind, written.program, channels, numbers, written.facts, context, every)
 
 
-def unknown(field: str, given, known, problem: str) -> None:
-    """Refuse names that are not known, with the nearest that are."""
+def refuse_unknown(field: str, given: Mapping[str, object], known: Iterable[str], problem: Message) -> None:
+    """Raise SpecError for the first name that is not known, with the nearest that are."""
+    names = tuple(known)
     for name in given:
-        if name not in known:
-            near = get_close_matches(name, list(known), n=3, cutoff=0.4) or list(known)
-            raise SpecError(
-                f"{field}.{name}",
-                given[name],
-                problem,
-                f"choose from {', '.join(near)}" if near else "leave it out: there is none",
-            )
+        if name not in names:
+            raise SpecError(f"{field}.{name}", given[name], problem, Message.from_data(suggestion(name, names)))
 
 
 def _suits(kind: Observer, plant: Plant) -> None:
     discrete = plant.time.kind == "discrete"
     if kind.time == "continuous" and discrete:
-        raise SpecError(
-            "kind",
-            kind.id,
-            f"it is for continuous time and the plant {plant.id} is discrete",
-            "use adaptive-kalman-discrete, joint-ekf or joint-ukf",
-        )
+        raise SpecError("kind", kind.id, Message("observer.kind.continuous-only", plant=plant.id))
 
 
 def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str, ...]:
@@ -97,14 +88,10 @@ def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str
     picked = [part.strip() for part in str(asked).split(",") if part.strip()]
     for name in picked:
         if name not in names:
-            raise SpecError(
-                "options.channels",
-                name,
-                f"the plant {plant.id} has no fault channel of that name",
-                f"choose from {', '.join(names)}" if names else "leave it out: it has no channels",
-            )
+            hint = Message.from_data(suggestion(name, names))
+            raise SpecError("options.channels", name, Message("plant.channel.unknown", name=name), hint)
     if len(set(picked)) < len(picked):
-        raise SpecError("options.channels", asked, "a channel is named twice", "name each once")
+        raise SpecError("options.channels", asked, Message("observer.channels.repeated"))
     return tuple(picked)
 
 
@@ -117,9 +104,7 @@ def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plan
     period = config.options.get("period")
     if period is not None:
         if isinstance(period, bool) or not isinstance(period, int | float) or period <= 0:
-            raise SpecError(
-                "options.period", period, "a sample period is a positive number of seconds", "give a number"
-            )
+            raise SpecError("options.period", period, Message("observer.period.not-positive"))
         return multiple(float(period), step, "options.period")
     if spec.measurement.mode == "sampled":
         return multiple(spec.measurement.period, step, "options.period")
@@ -170,7 +155,7 @@ def _gain(gain: Gain, config: ObserverConfig, context: Context) -> float | list[
     field = f"gains.{gain.name}"
     if gain.size is None:
         if isinstance(given, tuple):
-            raise SpecError(field, list(given), "this gain is one number", "give a number, not a list")
+            raise SpecError(field, list(given), Message("observer.gain.one-number"))
         values = [float(value)]
     else:
         length = _length(gain.size, context)
@@ -179,12 +164,8 @@ def _gain(gain: Gain, config: ObserverConfig, context: Context) -> float | list[
         values = _column(gain, value, length, field, given is None)
     for value in values:
         if not gain.low <= value <= gain.high:
-            raise SpecError(
-                field,
-                value,
-                f"{gain.meaning}: it must lie between {gain.low:g} and {gain.high:g}",
-                f"give {gain.low:g} to {gain.high:g}",
-            )
+            limits = {"low": gain.low, "high": gain.high}
+            raise SpecError(field, value, Message("observer.gain.outside-bounds", meaning=gain.meaning, **limits))
     return values[0] if gain.size is None else values
 
 
@@ -196,12 +177,8 @@ def _column(gain: Gain, value, length: int, field: str, is_default: bool) -> lis
         if is_default and values:
             return (values + [values[-1]] * length)[:length]
         meaning = gain.size.__doc__ if callable(gain.size) else gain.size
-        raise SpecError(
-            field,
-            values,
-            f"it has {len(values)} entries; this plant needs {length} ({meaning})",
-            f"give {length} numbers, or one for all",
-        )
+        problem = Message("observer.gain.length", given=len(values), needed=length, size=meaning)
+        raise SpecError(field, values, problem)
     return values
 
 
@@ -210,7 +187,7 @@ def _options(kind: Observer, config: ObserverConfig, context: Context) -> dict:
     general = {"channels"} if kind.estimates_theta else set()
     general |= {"period"} if kind.time == "discrete" else set()
     rest = {k: v for k, v in config.options.items() if k not in general}
-    unknown("options", rest, {**known, **dict.fromkeys(general)}, f"{kind.id} has no such option")
+    refuse_unknown("options", rest, {*known, *general}, Message("observer.option.unknown", kind=kind.id))
     return {name: _option(option, rest.get(name), context) for name, option in known.items()}
 
 
@@ -219,13 +196,12 @@ def _option(option: Option, given, context: Context):
     if given is None:
         return option.default(context) if callable(option.default) else option.default
     if option.kind == "choice" and given not in option.choices:
-        raise SpecError(field, given, "it is not one of the choices", f"choose from {', '.join(option.choices)}")
+        raise SpecError(field, given, Message("observer.option.no-choice", names=option.choices))
     if option.kind == "integer":
         whole = not isinstance(given, bool) and isinstance(given, int | float) and float(given).is_integer()
         if not whole or not option.low <= given <= option.high:
-            raise SpecError(
-                field, given, f"{option.meaning}: a whole number is needed", f"give {option.low} to {option.high}"
-            )
+            limits = {"low": option.low, "high": option.high}
+            raise SpecError(field, given, Message("observer.option.no-whole-number", meaning=option.meaning, **limits))
         return int(given)
     return given
 
@@ -239,7 +215,7 @@ def _numbers(
     numbers |= {f"m.{p.name}": spec.parameters.get(p.name, p.value) for p in plant.parameters}
     start = {f"x0.{s.name}": s.initial for s in plant.states} | {f"theta0.{c}": 0.0 for c in channels}
     bare = {name.partition(".")[2]: name for name in start}
-    unknown("initial", config.initial, bare, "neither a state nor an estimated channel")
+    refuse_unknown("initial", config.initial, bare, Message("observer.initial.unknown"))
     return numbers | start | {bare[name]: float(value) for name, value in config.initial.items()}
 
 

@@ -1,6 +1,7 @@
 """Timed commands → stages: what an experiment becomes, command by command."""
 
 from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
 from thetascope_schemas import Experiment
 from thetascope_schemas.experiment.commands import (
     AddObserver,
@@ -12,10 +13,11 @@ from thetascope_schemas.experiment.commands import (
     TimedCommand,
 )
 from thetascope_schemas.experiment.experiment import Noise
+from thetascope_schemas.experiment.refusal import suggestion
 
 
 def changed(spec: Experiment, command: TimedCommand) -> Experiment:
-    """The experiment after a command (the command itself is not noted). Raises SpecError where it does not fit."""
+    """Return the experiment after a command (the command itself is not noted). Raises SpecError where it does not fit."""
     return _APPLY[type(command)](spec, command)
 
 
@@ -26,8 +28,8 @@ def _with(spec: Experiment, **fields: object) -> Experiment:
 def _labelled(spec: Experiment, label: str, field: str) -> int:
     labels = [o.label for o in spec.observers]
     if label not in labels:
-        there = ", ".join(labels) or "none is there"
-        raise SpecError(field, label, "no observer of that label is watching at that time", f"choose from {there}")
+        hint = Message.from_data(suggestion(label, labels))
+        raise SpecError(field, label, Message("command.observer.unknown", label=label), hint)
     return labels.index(label)
 
 
@@ -44,14 +46,14 @@ def _set_signal(spec: Experiment, command: SetSignal) -> Experiment:
         return _with(spec, inputs={**spec.inputs, command.name: command.signal})
     if command.name in plant.names("signals"):
         return _with(spec, signals={**spec.signals, command.name: command.signal})
-    known = ", ".join([*plant.names("inputs"), *plant.names("signals")])
-    raise SpecError("name", command.name, "the plant has no input or known signal of that name", f"choose from {known}")
+    hint = Message.from_data(suggestion(command.name, plant.names("inputs", "signals")))
+    raise SpecError("name", command.name, Message("command.signal.unknown", name=command.name), hint)
 
 
 def _set_noise(spec: Experiment, command: SetNoise) -> Experiment:
     if command.output not in spec.plant.names("outputs"):
-        known = ", ".join(spec.plant.names("outputs"))
-        raise SpecError("output", command.output, "the plant has no output of that name", f"choose from {known}")
+        hint = Message.from_data(suggestion(command.output, spec.plant.names("outputs")))
+        raise SpecError("output", command.output, Message("plant.output.unknown", name=command.output), hint)
     noise = Noise(std=command.std, sample_time=command.sample_time)
     return _with(spec, noise={**spec.noise, command.output: noise})
 
@@ -59,7 +61,7 @@ def _set_noise(spec: Experiment, command: SetNoise) -> Experiment:
 def _add_observer(spec: Experiment, command: AddObserver) -> Experiment:
     if command.observer.label in [o.label for o in spec.observers]:
         label = command.observer.label
-        raise SpecError("observer.label", label, "an observer of that label is watching already", "give another label")
+        raise SpecError("observer.label", label, Message("command.label.taken", label=label))
     return _with(spec, observers=(*spec.observers, command.observer))
 
 

@@ -2,6 +2,7 @@
 
 from thetascope.assembly.build.timed_commands import changed
 from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
 from thetascope_schemas import Experiment
 from thetascope_schemas.experiment.commands import (
     MAX_COMMANDS,
@@ -81,7 +82,8 @@ def with_command(spec: Experiment, command: object, at: float, here: Experiment)
     """The spec with a timed command noted at its end, and the experiment as it is from ``at`` on; ``here``: as it was."""
     note = timed_command_of(command, at)
     if (too_often := spec.too_often(getattr(note, "signal", note))) is not None:
-        raise SpecError(*too_often)
+        field, interval, code, args = too_often
+        raise SpecError(field, interval, Message(code, **args))
     after = changed(here, note)
     rest = [c for c in spec.commands if c.at <= at]
     if isinstance(note, SetGain):  # a slider that is dragged: within one row the last value counts

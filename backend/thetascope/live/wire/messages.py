@@ -6,7 +6,8 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from thetascope.engine.errors import SpecError
-from thetascope_schemas.experiment.base import FieldError, field_errors
+from thetascope.messages import words
+from thetascope_schemas.experiment.field_error import FieldError, field_errors
 from thetascope_schemas.service.session import ClientMessage, Command, Refused
 
 _COMMANDS: TypeAdapter[Command] = TypeAdapter(ClientMessage)
@@ -36,7 +37,7 @@ def read(text: str | None, limit: int) -> Command | Refused:
     try:
         return _COMMANDS.validate_python(data)
     except ValidationError as error:
-        return refused(_id(data), field_errors(error.errors(include_url=False), data)[0])
+        return refused(_id(data), field_errors(error.errors(include_url=False), data, words())[0])
 
 
 def refused(id: int | None, error: FieldError | SpecError) -> Refused:
@@ -45,12 +46,12 @@ def refused(id: int | None, error: FieldError | SpecError) -> Refused:
     if value is not None and not (isinstance(value, bool | int | float) and abs(value) < 2**53):
         text = value if isinstance(value, str) else repr(value)
         value = text if len(text) <= 80 else text[:79] + "…"
-    return Refused(id=id, field=error.field, value=value, problem=error.problem, remedy=error.remedy)
+    return Refused(id=id, field=error.field, value=value, problem=str(error.problem), remedy=str(error.remedy))
 
 
 def refused_spec(id: int | None, error: ValidationError) -> Refused:
     """The refusal of a command that leads to a spec that is none."""
-    return refused(id, field_errors(error.errors(include_url=False))[0])
+    return refused(id, field_errors(error.errors(include_url=False), None, words())[0])
 
 
 def _id(data: Any) -> int | None:

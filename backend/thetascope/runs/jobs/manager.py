@@ -3,13 +3,15 @@
 from dataclasses import replace
 from threading import Lock
 
+from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished, Job, Snapshot
 from thetascope.runs.jobs.recent_runs import Memory
 from thetascope.runs.jobs.store_rows import INTERRUPTED, record_of, snapshot_of
 from thetascope.runs.jobs.store_writer import Writer
 from thetascope.runs.jobs.worker import Execution
 from thetascope.runs.results.engine_version import engine_version
-from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown, refused
+from thetascope.runs.specs.problem_documents import refused
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
 from thetascope.runs.specs.resolve_spec import resolved
 from thetascope.settings import Settings
 from thetascope.store import Record, RunStore
@@ -52,7 +54,7 @@ class RunManager:
             if job is not None:
                 return job
             if len(self._jobs) >= self._room:
-                raise Busy(f"{len(self._jobs)} runs are waiting or under way", "try again when some have ended")
+                raise Busy(Message("run.queue-full", n=len(self._jobs)))
             job = self._jobs[id] = Job(id, spec, **kept)
             self._execution.start(job, complete)
         return job
@@ -63,8 +65,8 @@ class RunManager:
         snapshot = self._known(id) if job is None else job.snapshot()
         if snapshot is None:
             near = self._store.ids(id[:6]) if len(id) >= 4 else []
-            remedy = f"did you mean {' or '.join(near)}?" if near else "list the runs there are"
-            raise Unknown(f"there is no run {id[:64]!r}", remedy)
+            remedy = Message("suggest.near", names=near) if near else None
+            raise Unknown(Message("run.unknown", id=id[:64]), remedy)
         return snapshot
 
     def job(self, id: str) -> Job | None:
@@ -83,8 +85,7 @@ class RunManager:
         """
         snapshot = self.get(id)
         if snapshot.status in ("failed", "cancelled"):
-            reason = f": {snapshot.problem.detail}" if snapshot.problem else ""
-            raise NotReady(f"the run {snapshot.status}{reason}", "POST its spec again to start it anew")
+            raise NotReady(_why_ended(snapshot))
         job = self._jobs.get(id)
         if job is not None:
             return job
@@ -128,7 +129,7 @@ class RunManager:
         """Keep the run's result when the store needs room, or no longer. Raises :class:`Unknown`."""
         snapshot = self.get(id)
         if snapshot.active:
-            raise NotReady("a run under way cannot be pinned", "pin it when it is done")
+            raise NotReady(Message("run.pin.under-way"))
         self._writer.now(lambda: self._store.pin(id, pinned))
         self._memory.change(id, pinned=pinned)
         return self.get(id)
@@ -197,3 +198,13 @@ class RunManager:
                 self._store.put_result(record.id, version, result)
 
         self._writer.later(write)
+
+
+def _why_ended(snapshot: Snapshot) -> Message:
+    """Return why a run has no result: it was cancelled, or it failed."""
+    document = snapshot.problem
+    if document is None:
+        return Message("run.cancelled")
+    first = document.errors[0] if document.errors else document
+    reason = Message.from_data({"code": first.code, "args": first.args}) if first.code else document.detail
+    return Message("run.failed", reason=reason)

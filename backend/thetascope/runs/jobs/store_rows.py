@@ -1,7 +1,9 @@
 """Between the snapshots of the run manager and the rows of the store."""
 
+from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.results.engine_version import engine_version
+from thetascope.runs.specs.problem_documents import problem
 from thetascope.store import Record
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.service.run import Problem, RunSummary
@@ -36,9 +38,5 @@ def snapshot_of(record: Record) -> Snapshot:
     )
 
 
-#: What a run is told that an earlier server accepted and did not finish.
-INTERRUPTED = Problem(
-    title="The run was interrupted",
-    status=500,
-    detail="The server stopped before the run ended; POST its spec again to start it anew",
-)
+#: The problem of a run that an earlier server accepted and did not finish.
+INTERRUPTED = problem(500, Message("run.interrupted"))

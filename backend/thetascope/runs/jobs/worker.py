@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 from thetascope.engine.errors import Cancelled, SpecError
 from thetascope.engine.model.result import Result
+from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished, Job, Snapshot
 from thetascope.runs.results.summary import summarise
+from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
 from thetascope.settings import Settings
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.service.run import Problem
 
 if TYPE_CHECKING:
     from thetascope.assembly import Cost, Prepared
@@ -30,16 +31,19 @@ def allow(spec: Experiment, cost: "Cost", settings: Settings) -> None:
         raise invalid(
             "horizon",
             spec.horizon,
-            f"the run takes {cost.steps:,} steps, and {settings.max_steps:,} are allowed",
-            "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_STEPS",
+            Message("run.steps.over-limit", steps=cost.steps, limit=settings.max_steps),
         )
     if cost.bytes > settings.max_result:
         raise invalid(
             "record",
             spec.record,
-            f"the result has {cost.rows:,} rows of {cost.columns} columns, {cost.bytes:,} bytes, and "
-            f"{settings.max_result:,} are allowed",
-            "record at a wider spacing, shorten the horizon, or raise THETASCOPE_MAX_RESULT",
+            Message(
+                "run.result.over-limit",
+                rows=cost.rows,
+                columns=cost.columns,
+                bytes=cost.bytes,
+                limit=settings.max_result,
+            ),
         )
 
 
@@ -92,17 +96,16 @@ class Execution:
         except Cancelled:
             self._end(job, self._stopped(job))
         except MemoryError:
-            self._end(job, failed(job, "There was not enough memory", "record fewer rows, or run fewer at a time"))
+            self._end(job, failed(job, Message("run.no-memory")))
         except Exception:
             log.exception("Run %s failed", job.id)
-            detail = "An error inside the program ended the run; its log tells more"
-            self._end(job, failed(job, detail, "report it with the spec"))
+            self._end(job, failed(job, Message("run.internal-error")))
 
     def _stopped(self, job: Job) -> Finished:
         if job.cancelled:
             return Finished(replace(job.snapshot(), status="cancelled"))
-        detail = f"The run took longer than {self._settings.max_seconds:g} s and was stopped at {job.progress:.0%}"
-        return failed(job, detail, "shorten the horizon, lengthen the step, or raise THETASCOPE_MAX_SECONDS")
+        limit = self._settings.max_seconds
+        return failed(job, Message("run.too-slow", seconds=limit, share=job.progress))
 
 
 def completed(snapshot: Snapshot, result: Result, spec: Experiment) -> Finished:
@@ -110,7 +113,6 @@ def completed(snapshot: Snapshot, result: Result, spec: Experiment) -> Finished:
     return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result, spec)), result)
 
 
-def failed(job: Job, detail: str, remedy: str) -> Finished:
-    """The end of a run that has none."""
-    problem = Problem(title="The run failed", status=500, detail=f"{detail}; {remedy}")
-    return Finished(replace(job.snapshot(), status="failed", problem=problem))
+def failed(job: Job, why: Message) -> Finished:
+    """Return the end of a run that has no result."""
+    return Finished(replace(job.snapshot(), status="failed", problem=problem(500, why)))

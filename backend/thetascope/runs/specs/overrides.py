@@ -9,9 +9,11 @@ import re
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
-from thetascope_schemas.experiment.base import Strict, suggest
+from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.refusal import suggestion
 
 _CALLED = ("label", "name", "channel", "output")
 _LONGEST = 400
@@ -21,7 +23,7 @@ def parse_assignment(text: str) -> tuple[str, object]:
     """`path=value` of the command line; the value is read as JSON where it is JSON, else it is text."""
     path, equals, value = text.partition("=")
     if not equals or not path.strip():
-        raise invalid("--set", text, "is no assignment", "write path=value, for example --set seed=3")
+        raise invalid("--set", text, Message("override.no-assignment"))
     try:
         return path.strip(), json.loads(value)
     except ValueError:
@@ -60,21 +62,16 @@ def _step(path: str, walked: str, part: str, model: object, container: Any) -> t
         if not isinstance(model, Strict) or container.keys() != type(model).model_fields.keys():
             return part, model.get(part) if isinstance(model, Mapping) else None  # a map of names, or set just before
         if part not in type(model).model_fields:
-            where = f"{walked} has" if walked else "the spec has"
-            raise invalid(path, part, f"{where} no field {part!r}", suggest(part, type(model).model_fields))
+            problem = Message("override.field.unknown", name=part, where=walked or Message("override.the-spec"))
+            raise invalid(path, part, problem, Message.from_data(suggestion(part, type(model).model_fields)))
         return part, getattr(model, part)
     if isinstance(container, list):
         index = _index(path, walked, part, container)
         item = model[index] if isinstance(model, Sequence) and index < len(model) else None
         return index, item
     if walked == "plant":
-        raise invalid(
-            path,
-            container,
-            "the plant is given by its id, so its text cannot be changed here",
-            "use parameters.NAME, initial.STATE, inputs.NAME or signals.NAME",
-        )
-    raise invalid(path, part, f"{walked} is {_short(container)}, which has no parts", f"set {walked} as a whole")
+        raise invalid(path, container, Message("override.plant-by-id"))
+    raise invalid(path, part, Message("override.no-parts", where=walked, value=_short(container)))
 
 
 def _index(path: str, walked: str, part: str, items: list[Any]) -> int:
@@ -82,16 +79,17 @@ def _index(path: str, walked: str, part: str, items: list[Any]) -> int:
     if re.fullmatch(r"\d{1,6}", part):
         if int(part) < len(items):
             return int(part)
-        there = f"has {len(items)} items, 0 to {len(items) - 1}" if items else "is empty"
-        raise invalid(path, part, f"{walked} {there}", f"use one of these, or set {walked} as a whole")
+        code = "override.index.outside" if items else "override.list-empty"
+        raise invalid(path, part, Message(code, where=walked, n=len(items), last=len(items) - 1))
     called = [_names(item) for item in items]
     found = [index for index, names in enumerate(called) if part in names]
     if len(found) == 1:
         return found[0]
     if found:
-        hint = " or ".join(f"{walked}.{index}" for index in found)
-        raise invalid(path, part, f"several of {walked} are called {part!r}", f"use the index: {hint}")
-    raise invalid(path, part, f"none of {walked} is called {part!r}", suggest(part, {n for c in called for n in c}))
+        paths = [f"{walked}.{index}" for index in found]
+        raise invalid(path, part, Message("override.item.ambiguous", where=walked, name=part, paths=paths))
+    hint = Message.from_data(suggestion(part, {n for c in called for n in c}))
+    raise invalid(path, part, Message("override.item.unknown", where=walked, name=part), hint)
 
 
 def _names(item: object) -> list[str]:
@@ -110,7 +108,7 @@ def _signal(parts: Sequence[str], value: object) -> object:
 def _parts(path: str) -> list[str]:
     parts = re.sub(r"\[([^\[\]]*)\]", r".\1", path).split(".")
     if len(path) > _LONGEST or not all(parts):
-        raise invalid(path, path, "is no path", "write names and indices separated by dots, such as faults.0.size")
+        raise invalid(path, path, Message("override.no-path"))
     return parts
 
 

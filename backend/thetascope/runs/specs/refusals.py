@@ -1,4 +1,7 @@
-"""Why a run is not started, not found or not ready, in a form that the service and the command line both print."""
+"""Reasons why a run is not started, not found or not ready, for the service and for the command line.
+
+The exceptions carry messages. `text(language)` renders them; `str()` is English.
+"""
 
 import re
 from collections.abc import Iterable
@@ -7,21 +10,33 @@ from typing import TypeVar
 from pydantic import BaseModel, ValidationError
 
 from thetascope.engine.errors import SpecError
-from thetascope_schemas.experiment.base import FieldError, field_errors
+from thetascope.messages import Message, words
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.field_error import FieldError, field_errors
 from thetascope_schemas.experiment.plant import Plant
-from thetascope_schemas.service.run import Problem
 
 Model = TypeVar("Model", bound=BaseModel)
 
 
 class Refusal(Exception):
-    """A request that cannot be met as it stands: what happened, and what to do about it."""
+    """A request that cannot be met.
 
-    def __init__(self, detail: str, remedy: str) -> None:
-        super().__init__(f"{detail}; {remedy}")
-        self.detail = detail
-        self.remedy = remedy
+    Args:
+        problem: what happened.
+        remedy: what to do; by default the message whose code is the problem's plus `.remedy`, with its arguments.
+    """
+
+    def __init__(self, problem: Message, remedy: Message | None = None) -> None:
+        super().__init__(problem, remedy)
+        self.problem = problem
+        self.remedy = remedy or Message(f"{problem.code}.remedy", **problem.args)
+
+    def text(self, language: str = "en") -> str:
+        """Return `problem; remedy` in a language."""
+        return Message("refusal.sentence", problem=self.problem, remedy=self.remedy).text(language)
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 class Unknown(Refusal):
@@ -41,50 +56,63 @@ class InvalidSpec(Exception):
 
     def __init__(self, errors: Iterable[FieldError]) -> None:
         self.errors = tuple(errors)
-        super().__init__("; ".join(sentence(error) for error in self.errors[:3]))
+        super().__init__(self.errors)
+
+    def text(self, language: str = "en") -> str:
+        """Return the first three errors in a language."""
+        return "; ".join(sentence(error, language) for error in self.errors[:3])
+
+    def __str__(self) -> str:
+        return self.text()
 
 
-def sentence(error: FieldError) -> str:
-    """One error as text: `field: problem (got value); remedy`."""
-    got = "" if error.value is None else f" (got {error.value!r})"
-    return f"{error.field or 'the data'}: {error.problem}{got}; {error.remedy}"
+def sentence(error: FieldError, language: str = "en") -> str:
+    """Return one error as text: `field: problem (got value); remedy`."""
+    error = error.rendered(words(language))
+    parts = {"field": error.field or Message("refusal.data"), "problem": error.problem, "remedy": error.remedy}
+    if error.value is None:
+        return Message("refusal.field", **parts).text(language)
+    return Message("refusal.field-value", **parts, value=repr(error.value)).text(language)
 
 
-def invalid(field: str, value: object, problem: str, remedy: str) -> InvalidSpec:
-    """An :class:`InvalidSpec` of one field."""
-    return InvalidSpec([FieldError(field=field, value=shortened(value), problem=problem, remedy=remedy)])
+def invalid(field: str, value: object, problem: Message | str, remedy: Message | str | None = None) -> InvalidSpec:
+    """Return an :class:`InvalidSpec` of one field; the remedy is by default the problem's own."""
+    if not isinstance(problem, Message):
+        return InvalidSpec([FieldError(field=field, value=shortened(value), problem=problem, remedy=str(remedy))])
+    data = problem.as_data()
+    if isinstance(remedy, Message) and remedy != Message(f"{problem.code}.remedy", **problem.args):
+        data["args"]["remedy"] = remedy.as_data()
+    error = FieldError(field=field, value=shortened(value), problem="", remedy="", **data)
+    return InvalidSpec([error.rendered(words())])
 
 
 _PLANT_ONLY = Plant.model_fields.keys() - Experiment.model_fields.keys()
 
 
 def from_engine(error: SpecError, in_plant: bool = False) -> InvalidSpec:
-    """The engine's error in the contract's form; `in_plant` when it came from an experiment with an inline plant."""
+    """Return the engine's error in the contract's form; `in_plant` when it came from an experiment with an inline plant."""
     prefix = "plant." if in_plant and re.split(r"[.\[]", error.field)[0] in _PLANT_ONLY else ""
-    return invalid(
-        prefix + re.sub(r"\.(\d+)(?=[.\[]|$)", r"[\1]", error.field), error.value, error.problem, error.remedy
-    )
+    field = prefix + re.sub(r"\.(\d+)(?=[.\[]|$)", r"[\1]", error.field)
+    return invalid(field, error.value, error.problem, error.remedy)
 
 
-def refused(error: InvalidSpec) -> Problem:
-    """The problem document of a spec that is refused."""
-    more = f" (and {len(error.errors) - 1} more)" if len(error.errors) > 1 else ""
-    detail = sentence(error.errors[0]) + more
-    return Problem(title="The request was refused", status=422, detail=detail, errors=error.errors)
+def from_pydantic(error: ValidationError, data: object = None) -> InvalidSpec:
+    """Return pydantic's error in the contract's form; with `data`, paths read as the sender wrote them."""
+    return InvalidSpec(field_errors(error.errors(include_url=False), data, words()))
 
 
 def validated(model: type[Model], data: object) -> Model:
-    """`data` as `model`. Raises :class:`InvalidSpec` with the fields as the sender wrote them."""
+    """Return `data` as `model`. Raises :class:`InvalidSpec` with the fields as the sender wrote them."""
     try:
         return model.model_validate(data)
     except ValidationError as error:
-        raise InvalidSpec(field_errors(error.errors(include_url=False), data)) from None
+        raise from_pydantic(error, data) from None
     except RecursionError:
-        raise invalid("", None, "the data is nested too deeply", "flatten it") from None
+        raise invalid("", None, Message("document.too-deep")) from None
 
 
 def shortened(value: object) -> object:
-    """A value for an error message: itself when it is a short scalar, else the start of its text."""
+    """Return a value for an error message: itself when it is a short scalar, else the start of its text."""
     if value is None or isinstance(value, bool | int | float) and abs(value) < 2**53:
         return value
     text = value if isinstance(value, str) else repr(value)

@@ -7,8 +7,7 @@ from pydantic import ValidationError
 from thetascope import library
 from thetascope.engine.errors import SpecError
 from thetascope.runs.specs.overrides import changed
-from thetascope.runs.specs.refusals import InvalidSpec, Unknown, from_engine, validated
-from thetascope_schemas.experiment.base import field_errors
+from thetascope.runs.specs.refusals import Unknown, from_engine, from_pydantic, validated
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 
@@ -18,7 +17,7 @@ def library_experiment(id: str) -> Experiment:
     try:
         return library.experiment(id)
     except SpecError as error:
-        raise Unknown(f"the library has no experiment {id[:80]!r}", error.remedy) from None
+        raise Unknown(error.problem, error.remedy) from None
 
 
 def library_plant(id: str) -> Plant:
@@ -26,7 +25,7 @@ def library_plant(id: str) -> Plant:
     try:
         return library.plant(id)
     except SpecError as error:
-        raise Unknown(f"the library has no plant {id[:80]!r}", error.remedy) from None
+        raise Unknown(error.problem, error.remedy) from None
 
 
 def with_changes(spec: Experiment, changes: Mapping[str, object]) -> Experiment:
@@ -52,4 +51,4 @@ def resolved(spec: Experiment) -> Experiment:
     try:
         return spec.with_plant(plant)
     except ValidationError as error:
-        raise InvalidSpec(field_errors(error.errors(include_url=False))) from None
+        raise from_pydantic(error) from None

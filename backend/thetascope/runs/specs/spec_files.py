@@ -1,15 +1,16 @@
 """Plant and experiment files (YAML or JSON): reading them safely, and finding the place of a field in the text."""
 
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 import yaml
 
+from thetascope.messages import Message
 from thetascope.runs.specs.refusals import sentence
-from thetascope_schemas.experiment.base import FieldError
+from thetascope_schemas.experiment.field_error import FieldError
 
 _DEPTH = 40
 _SUFFIXES = (".yaml", ".yml", ".json")
@@ -24,21 +25,56 @@ class Place:
 
 
 class DocumentError(Exception):
-    """A file that cannot be read as data, or whose data is refused: what, where, and what to do about it."""
+    """A file that cannot be read as data.
 
-    def __init__(self, problem: str, remedy: str, place: Place | None = None, name: str = "") -> None:
-        self.problem, self.remedy, self.place, self.name = problem, remedy, place, name
-        where = f"{name}:{place.line}:{place.column}: " if place else f"{name}: " if name else ""
-        super().__init__(f"{where}{problem}; {remedy}")
+    Args:
+        problem: what is wrong with it.
+        place: where in the text, if the place is known.
+        name: the file, as the user named it.
+        remedy: how to correct it; by default the message whose code is the problem's plus `.remedy`, with its arguments.
+    """
+
+    def __init__(
+        self, problem: Message, place: Place | None = None, name: str = "", remedy: Message | None = None
+    ) -> None:
+        super().__init__(problem, place, name, remedy)
+        self.problem, self.place, self.name = problem, place, name
+        self.remedy = remedy or Message(f"{problem.code}.remedy", **problem.args)
+
+    def text(self, language: str = "en") -> str:
+        """Return `file:line:column: problem; remedy` in a language."""
+        sentence = Message("refusal.sentence", problem=self.problem, remedy=self.remedy).text(language)
+        place, name = self.place, self.name
+        return (f"{name}:{place.line}:{place.column}: " if place else f"{name}: " if name else "") + sentence
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 class DocumentRefused(Exception):
-    """A file whose data does not fit the contract; the message has one paragraph for each field at fault."""
+    """A file whose data does not fit the contract.
+
+    Args:
+        paragraph: renders one field at fault in a language, with its place in the file.
+        errors: the fields at fault.
+    """
+
+    def __init__(self, paragraph: Callable[[FieldError, str], str], errors: Iterable[FieldError]) -> None:
+        self.errors = tuple(errors)
+        super().__init__(self.errors)
+        self._paragraph = paragraph
+
+    def text(self, language: str = "en") -> str:
+        """Return one paragraph for each field at fault."""
+        return "\n".join(self._paragraph(error, language) for error in self.errors)
+
+    def __str__(self) -> str:
+        return self.text()
 
 
 @dataclass(frozen=True)
 class Document:
-    """The data of a file, and where in its text each value stands (by path: `channels[0].enters.x1`)."""
+    """The data of a file, and the place of each value in its text (by path: `channels[0].enters.x1`)."""
 
     data: Any
     text: str
@@ -46,22 +82,26 @@ class Document:
     name: str = ""
 
     def place(self, path: str) -> Place | None:
-        """Where the value of a path stands, or the nearest thing around it that is in the text."""
+        """Return the place of a path's value, or of the innermost part around it that is in the text."""
         while path and path not in self.places:
             path = re.sub(r"(\.[^.\[\]]*|\[\d+\]|^[^.\[\]]+)$", "", path)
         return self.places.get(path)
 
     def refused(self, errors: Iterable[FieldError]) -> DocumentRefused:
-        """The exception for data that was refused."""
-        return DocumentRefused("\n".join(self.located(error) for error in errors))
+        """Return the exception for data that was refused."""
+        return DocumentRefused(self.located, errors)
 
-    def located(self, error: FieldError, offset: int = 0, text: str = "") -> str:
-        """`file:line:column: field: problem; remedy`, the line, and a mark under the place.
+    def refused_text(self, error: FieldError, offset: int, text: str) -> DocumentRefused:
+        """Return the exception for an expression; `text` and `offset` are those of :meth:`located`."""
+        return DocumentRefused(lambda error, language: self.located(error, language, offset, text), [error])
+
+    def located(self, error: FieldError, language: str = "en", offset: int = 0, text: str = "") -> str:
+        """Return `file:line:column: field: problem; remedy`, the line, and a mark under the place.
 
         For a mistake within an expression, `text` is the expression and `offset` the place in it: the column is exact
-        where the expression stands on its line as it is.
+        where the expression is on its line unchanged.
         """
-        message = sentence(error)
+        message = sentence(error, language)
         place = self.place(error.field)
         if place is None:
             return f"{self.name}: {message}"
@@ -74,7 +114,7 @@ class Document:
 
 
 class _Loader(getattr(yaml, "CSafeLoader", yaml.SafeLoader)):
-    """YAML with the scalars of JSON: YAML 1.1 takes 1e-3 for text, 012 for 10, 1:30 for 90 and `no` for false."""
+    """YAML with the scalars of JSON: YAML 1.1 reads 1e-3 as text, 012 as 10, 1:30 as 90 and `no` as false."""
 
     yaml_implicit_resolvers: dict = {}  # noqa: RUF012 - the name and form are PyYAML's
 
@@ -91,26 +131,29 @@ for _kind, _pattern, _first in (
 def read(path: Path, limit: int) -> Document:
     """Read a file of at most `limit` bytes. Raises :class:`DocumentError`."""
     if path.suffix.lower() not in _SUFFIXES:
-        raise DocumentError(f"{path.name} is neither YAML nor JSON", f"name the file {' or '.join(_SUFFIXES)}")
+        raise DocumentError(Message("document.suffix", name=path.name, suffixes=_SUFFIXES))
     try:
         with path.open("rb") as stream:
             content = stream.read(limit + 1)
     except OSError as error:
-        raise DocumentError(f"{path} cannot be read: {error.strerror}", "check the name and the permissions") from None
+        raise unreadable(path, error) from None
     if len(content) > limit:
-        raise DocumentError(
-            f"{path.name} is larger than {limit:,} bytes", "make it smaller, or raise THETASCOPE_MAX_BODY"
-        )
+        raise DocumentError(Message("document.too-large", name=path.name, limit=limit))
     try:
         return replace(parse(content.decode("utf-8-sig")), name=str(path))
     except UnicodeDecodeError as error:
-        raise DocumentError(f"{path.name} is no UTF-8 text (byte {error.start})", "save it as UTF-8") from None
+        raise DocumentError(Message("document.no-utf8", name=path.name, byte=error.start)) from None
     except DocumentError as error:
-        raise DocumentError(error.problem, error.remedy, error.place, str(path)) from None
+        raise DocumentError(error.problem, error.place, str(path)) from None
+
+
+def unreadable(path: Path, error: OSError) -> DocumentError:
+    """Return the error for a file that the operating system does not let us read."""
+    return DocumentError(Message("document.unreadable", name=str(path), detail=error.strerror or str(error)))
 
 
 def parse(text: str) -> Document:
-    """The data of YAML or JSON text (JSON is YAML here). Anchors, aliases, tags and repeated keys are refused."""
+    """Return the data of YAML or JSON text (JSON is YAML here). Anchors, aliases, tags and repeated keys are refused."""
     places: dict[str, Place] = {}
     try:
         _scan(text)
@@ -119,28 +162,27 @@ def parse(text: str) -> Document:
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         place = mark and Place(mark.line + 1, mark.column + 1)
-        raise DocumentError(
-            f"the text is no valid YAML: {error.problem or error.context}", "correct it", place
-        ) from None
+        detail = str(error.problem or error.context)
+        raise DocumentError(Message("document.no-yaml", detail=detail), place) from None
     except yaml.YAMLError as error:
-        raise DocumentError(f"the text is no valid YAML: {error}", "correct it") from None
+        raise DocumentError(Message("document.no-yaml", detail=str(error))) from None
     return Document(data, text, places)
 
 
 def _scan(text: str) -> None:
-    """Refuse what the data must not hold before it is built: anchors and aliases (which multiply), tags, depth."""
+    """Refuse anchors and aliases (which multiply), tags, and deep nesting before the data is built."""
     depth = 0
     for event in yaml.parse(text, Loader=_Loader):
         if getattr(event, "anchor", None) is not None:
-            raise DocumentError("anchors (&) and aliases (*) are not accepted", "write the value out", _place(event))
+            raise DocumentError(Message("document.anchor"), _place(event))
         if getattr(event, "tag", None) is not None:
-            raise DocumentError(f"the tag {event.tag[:80]!r} is not accepted", "leave the tag out", _place(event))
+            raise DocumentError(Message("document.tag", tag=event.tag[:80]), _place(event))
         if isinstance(event, yaml.CollectionStartEvent):
             depth += 1
         elif isinstance(event, yaml.CollectionEndEvent):
             depth -= 1
         if depth > _DEPTH:
-            raise DocumentError(f"the data is nested deeper than {_DEPTH} levels", "flatten it", _place(event))
+            raise DocumentError(Message("document.nesting", depth=_DEPTH), _place(event))
 
 
 def _build(node: yaml.Node, path: str, places: dict[str, Place]) -> Any:
@@ -156,10 +198,10 @@ def _mapping(node: yaml.MappingNode, path: str, places: dict[str, Place]) -> dic
     built: dict[str, Any] = {}
     for key, value in node.value:
         if not isinstance(key, yaml.ScalarNode):
-            raise DocumentError("a key is a list or a map", "use a plain word as the key", _place(key))
+            raise DocumentError(Message("document.key-type"), _place(key))
         name = key.value
         if name in built:
-            raise DocumentError(f"the key {name[:80]!r} is there twice", "keep one of them", _place(key))
+            raise DocumentError(Message("document.key-repeated", name=name[:80]), _place(key))
         built[name] = _build(value, f"{path}.{name}" if path else name, places)
     return built
 

@@ -1,0 +1,72 @@
+"""The language of an answer: `?lang=` over `Accept-Language`, English where neither names one with a catalogue."""
+
+from typing import Annotated
+
+from fastapi import Depends, Query, Request
+from starlette.datastructures import MutableHeaders
+from starlette.types import ASGIApp, Message, Receive, Scope, Send
+
+from thetascope.messages.catalogue import negotiate
+
+_KEY = "thetascope.language"  # in the scope of a request: {"language": …} once it has been asked for
+
+
+def language_of(request: Request) -> str:
+    """Return the language that a request asks for; its answer then says so, with Content-Language and Vary."""
+    chosen = request.scope.setdefault(_KEY, {})
+    if "language" not in chosen:
+        wanted = request.query_params.get("lang")
+        header = request.headers.get("accept-language", "")
+        chosen["language"] = negotiate([wanted[:40]] if wanted else accepted(header))
+    return chosen["language"]
+
+
+def accepted(header: str) -> list[str]:
+    """Return the tags of an Accept-Language header, the preferred ones first; those of quality 0 are left out."""
+    weighed = []
+    for part in header[:1000].split(","):
+        tag, _, rest = part.partition(";")
+        try:
+            quality = float(rest.strip().removeprefix("q=")) if rest else 1.0
+        except ValueError:
+            quality = 0.0
+        if tag.strip() and quality > 0:
+            weighed.append((-quality, tag.strip()))
+    return [tag for _, tag in sorted(weighed, key=lambda pair: pair[0])]
+
+
+def _language(
+    request: Request,
+    lang: Annotated[
+        str | None,
+        Query(max_length=35, description="Language of the sentences in the answer, over Accept-Language: en, zh."),
+    ] = None,
+) -> str:
+    return language_of(request)
+
+
+Language = Annotated[str, Depends(_language)]
+"""The language of the answer, for a route whose answer has sentences."""
+
+
+class ContentLanguage:
+    """Adds Content-Language and Vary to the answers that were rendered in a language, and to nothing else."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] != "http":
+            await self._app(scope, receive, send)
+            return
+
+        chosen: dict[str, str] = scope.setdefault(_KEY, {})
+
+        async def send_with_language(message: Message) -> None:
+            if message["type"] == "http.response.start" and chosen:
+                headers = MutableHeaders(scope=message)
+                headers["Content-Language"] = chosen["language"]
+                headers.add_vary_header("Accept-Language")
+            await send(message)
+
+        await self._app(scope, receive, send_with_language)
