@@ -699,11 +699,15 @@ export interface FaultOutcome {
 export interface FieldError {
   /** Path of the field, for example faults[0].end. */
   field: string;
-  /** What arrived, shortened. */
+  /** The value that arrived, shortened. */
   value: unknown;
-  /** What is wrong with it. */
+  /** Key of the problem's sentence in the catalogues, GET /api/messages/{language}. */
+  code: string;
+  /** Arguments of both sentences by name. */
+  args: {[name: string]: JsonValue};
+  /** What is wrong with the value, in the asked language. */
   problem: string;
-  /** What to do about it. */
+  /** How to correct it, in the asked language. */
   remedy: string;
 }
 
@@ -751,9 +755,9 @@ export interface FinalValue {
   std: number | null;
 }
 
-/** From when on a second session goes its own way. */
+/** The time from which a second session continues on its own. */
 export interface ForkRequest {
-  /** Time in s, up to the present one; null: now. */
+  /** Time in s, at most that of the session; null: the present. */
   t?: number | null;
 }
 
@@ -1377,7 +1381,7 @@ export interface PresentGains {
   gains: {[name: string]: {[name: string]: number | (number)[]}};
 }
 
-/** A refusal or failure as application/problem+json (RFC 9457). */
+/** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the asked language. */
 export interface Problem {
   /** URI reference of the kind of problem. */
   type: string;
@@ -1385,8 +1389,12 @@ export interface Problem {
   title: string;
   /** HTTP status. */
   status: number;
-  /** What happened here. */
+  /** What happened here, and what to do. */
   detail: string;
+  /** Key of the problem's sentence in the catalogues, GET /api/messages/{language}. */
+  code: string;
+  /** Arguments of the sentence by name. */
+  args: {[name: string]: JsonValue};
   /** URI reference of this occurrence. */
   instance: string | null;
   /** Each field at fault, its value, the problem, the remedy. */
@@ -1769,11 +1777,11 @@ export interface SessionRequest {
   set?: {[name: string]: JsonValue};
   /** Or a whole experiment, its timed commands included. */
   spec?: ExperimentInput | null;
-  /** Let time run at once. */
+  /** Start the time immediately. */
   play?: boolean;
   /** Simulated seconds per second; null: as fast as possible. */
   speed?: number | null;
-  /** Time in s at which the session stands when it opens. */
+  /** Time in s at which the session opens. */
   t?: number;
 }
 
