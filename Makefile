@@ -1,5 +1,5 @@
 # make run    set up and serve the page (PORT=9000 for another port, HOST=0.0.0.0 for other machines)
-# make test   set up and check everything (ARGS="tests/engine -k zhao" for a part)
+# make test   set up and check everything, on all cores (ARGS="tests/engine -k zhao" for a part)
 
 # The first Python that is new enough; PYTHON=... chooses another.
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
@@ -21,7 +21,7 @@ run: ## Serve the page; the address is printed
 test: ## Check everything, in a browser too
 	$(HERE)@$(PYTHON) tools/environment.py dev
 	@browser=$$($(BIN)/python tools/browser.py) || exit 1; \
-	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(ARGS)
+	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(or $(ARGS),-n auto --dist worksteal)
 
 lint: ## Check style and types
 	$(HERE)@$(PYTHON) tools/environment.py dev
