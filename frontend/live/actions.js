@@ -41,16 +41,8 @@ function transport(app, link) {
     tell(app, app.text.wentBack(seconds(t, 0.1)), {action: {words: app.text.undo, act: undo, alone: true}}); // those who watch would stay behind
   }
   return {
-    /** Commands that belong together act from the same row on: time stands still for them, however fast it runs. */
-    async together(commands) {
-      const moves = app.state.playing && commands.length > 1;
-      if (moves) await app.send({type: 'pause'});
-      try {
-        return await Promise.all(commands.map((command) => app.send(command)));
-      } finally {
-        if (moves) await app.send({type: 'play'});
-      }
-    },
+    /** Commands that belong together: all of them act from the same row on, or none does. */
+    together: (commands) => app.send(commands.length === 1 ? commands[0] : {type: 'batch', commands}),
     play: () => send({type: 'play'}),
     pause: () => send({type: 'pause'}),
     toggle: () => send({type: app.state.playing ? 'pause' : 'play'}),

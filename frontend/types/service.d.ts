@@ -110,6 +110,15 @@ export interface Assumptions {
   checks: (AssumptionCheck)[];
 }
 
+/** Carry out several commands in order at the same row. One that is refused leaves none: there is one answer for all. */
+export interface Batch {
+  /** The client's number of the command. */
+  id: number;
+  type: 'batch';
+  /** The commands, without their ids; a refusal names commands[i].field. */
+  commands: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset)[];
+}
+
 /** Where the thresholds come from. */
 export interface Calibration {
   /** Rate per hour that was asked for. */
@@ -210,7 +219,7 @@ export interface Clear {
   output?: string | null;
 }
 
-export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset | Seek;
+export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset | Seek | Batch;
 
 /** The columns have changed from this row on (observers added or removed); a new epoch begins. */
 export interface Columns {

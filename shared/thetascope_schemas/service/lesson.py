@@ -1,16 +1,9 @@
 """Questions that turn the live page into a lesson, each with what to do to see the answer."""
 
-from typing import Annotated
-
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from thetascope_schemas.experiment.base import Identifier, Prose, Strict, example
-from thetascope_schemas.service.session import ClientMessage
-
-
-def _numbered(command: object) -> object:
-    """A command of a lesson carries no number: the page gives it one when it sends it."""
-    return {"id": 0, **command} if isinstance(command, dict) else command
+from thetascope_schemas.service.session import BatchMember
 
 
 class Words(Strict):
@@ -34,8 +27,8 @@ class Step(Strict):
     )
 
     question: Words
-    do: tuple[Annotated[ClientMessage, BeforeValidator(_numbered)], ...] = Field(
-        (), max_length=10, description="Commands of a live session that carry it out, in order."
+    do: tuple[BatchMember, ...] = Field(
+        (), max_length=10, description="Commands of a live session that carry it out, as a batch."
     )
 
 

@@ -18,7 +18,7 @@ it missed; else, or where that is too long ago, the whole past again.
 
 from typing import Annotated, Literal
 
-from pydantic import Field, JsonValue
+from pydantic import BeforeValidator, Field, JsonValue
 
 from thetascope_schemas.experiment.base import Instant, NonNegative, Number, Positive, Reference, Strict, example
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
@@ -157,6 +157,38 @@ class Seek(Command):
     t: Instant = Field(description="Time in s, rounded to a row, up to the present one.")
 
 
+def unnumbered(command: object) -> object:
+    """Return a command without an id with the id 0: within a batch or a lesson it has no answer of its own."""
+    return {"id": 0, **command} if isinstance(command, dict) else command
+
+
+BatchMember = Annotated[
+    Annotated[
+        Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset,
+        Field(discriminator="type"),
+    ],
+    BeforeValidator(unnumbered),
+]
+"""A command within a batch: one that acts on the session, given without an id."""
+
+
+class Batch(Command):
+    """Carry out several commands in order at the same row. One that is refused leaves none: there is one answer for all."""
+
+    model_config = example(
+        type="batch",
+        id=14,
+        commands=[
+            {"type": "clear", "channel": "theta3"},
+            {"type": "inject", "fault": {"channel": "theta3", "shape": "step", "onset": 0, "size": 0.03}},
+        ],
+    )
+    type: Literal["batch"] = "batch"
+    commands: tuple[BatchMember, ...] = Field(
+        min_length=1, max_length=20, description="The commands, without their ids; a refusal names commands[i].field."
+    )
+
+
 ClientMessage = Annotated[
     Play
     | Pause
@@ -170,7 +202,8 @@ ClientMessage = Annotated[
     | AddObserverNow
     | RemoveObserverNow
     | Reset
-    | Seek,
+    | Seek
+    | Batch,
     Field(discriminator="type"),
 ]
 

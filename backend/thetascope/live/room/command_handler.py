@@ -14,6 +14,7 @@ from thetascope.live.wire.viewer import Viewer
 from thetascope_schemas.service.session import (
     Ack,
     AddObserverNow,
+    Batch,
     Command,
     Event,
     Pause,
@@ -35,6 +36,11 @@ _INSIDE = "an error inside the program; its log tells more"
 
 _LONG = (AddObserverNow, Reset, Seek)
 """Commands that may take longer than other sessions should wait: they are carried out in a thread."""
+
+
+def _members(command: Command) -> tuple[Command, ...]:
+    """Return the commands of a batch, or the one command."""
+    return command.commands if isinstance(command, Batch) else (command,)
 
 
 @dataclass(frozen=True)
@@ -101,17 +107,18 @@ class CommandHandler:
             return
         self._busy = True
         viewer, command = self._waiting.popleft()
-        if isinstance(command, AddObserverNow):
+        added = [member for member in _members(command) if isinstance(member, AddObserverNow)]
+        if added:
             # Compiling is not to stop the session: it is done apart, into the cache, where the session then finds it.
             spec = self._room.session.spec
-            self._room.services.workshop(lambda: _compile(spec, command), lambda *_: self._carry_out(viewer, command))
+            self._room.services.workshop(lambda: _compile(spec, added), lambda *_: self._carry_out(viewer, command))
         else:
             self._carry_out(viewer, command)
 
     def _carry_out(self, viewer: Viewer, command: Command) -> None:
         room = self._room
         room.prefetch_plan.disturbed()
-        long = isinstance(command, _LONG)
+        long = any(isinstance(member, _LONG) for member in _members(command))
         room.frozen = room.frozen or long
         room.queue.submit(
             lambda: self._job(command), lambda done, error: self._done(viewer, command, done, error), long, urgent=True
@@ -192,9 +199,10 @@ class CommandHandler:
         viewer.put(Refused(id=command.id, problem=problem, remedy=remedy).model_dump_json())
 
 
-def _compile(spec: Any, command: AddObserverNow) -> None:
-    """Make the kernels of an observer, so that they are in the cache. What is wrong with it is said later."""
+def _compile(spec: Any, commands: list[AddObserverNow]) -> None:
+    """Compile the kernels of observers into the cache. Errors are reported when the command is carried out."""
     from thetascope.assembly import prepare
 
-    observers = (*spec.observers, command.observer)
+    added = {command.observer.label: command.observer for command in commands}
+    observers = (*(o for o in spec.observers if o.label not in added), *added.values())
     prepare(spec.model_copy(update={"observers": observers, "commands": ()})).run(None, lambda: True)

@@ -14,6 +14,7 @@ import numpy as np
 from thetascope.assembly.build.experiment_builder import engine
 from thetascope.assembly.build.incremental import adapted
 from thetascope.assembly.build.prepare import prepare
+from thetascope.engine.errors import SpecError
 from thetascope.engine.execution.run_experiment import needed_substeps
 from thetascope.engine.execution.stages import Stage, carry
 from thetascope.engine.simulation.experiment import Experiment as Engine
@@ -32,6 +33,7 @@ from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.service.session import (
     AddObserverNow,
     Assumptions,
+    Batch,
     Clear,
     Event,
     Inject,
@@ -213,6 +215,9 @@ class Session(Rewinding):
         return events, self.epoch != before
 
     def _carried_out(self, command: object) -> list[Event]:
+        if isinstance(command, Batch):
+            members = enumerate(command.commands)
+            return [event for place, member in members for event in self._carried_out_within(member, place)]
         if isinstance(command, Reset):
             self.spec = self._start
             self._stand_at_start(self.epoch + 1)
@@ -224,6 +229,14 @@ class Session(Rewinding):
         if self.spec.faults is not faults:
             self._faults = (*self._faults, (self.row, self.spec.faults))
         return [self._noted(log_events.command_event(command, self.row, self.t, len(faults) - len(self.spec.faults)))]
+
+    def _carried_out_within(self, member: object, place: int) -> list[Event]:
+        """Carry out one command of a batch; a SpecError names its place."""
+        try:
+            return self._carried_out(member)
+        except SpecError as error:
+            error.field = f"commands[{place}].{error.field}"
+            raise
 
     def _change(self, command: object) -> None:
         """Take over what a command asks for. Raises SpecError or ValidationError, perhaps half way."""
