@@ -18,7 +18,7 @@ def main() -> None:
     if unknown:
         arguments.error(f"no benchmark is called {', '.join(unknown)}: choose from {', '.join(NAMES)}")
     if given.markdown:
-        print("| What | Median | Range | Asked |\n|---|---|---|---|", flush=True)
+        print("| Benchmark | Median | Range | Target |\n|---|---|---|---|", flush=True)
     for name in given.names or ENGINE:
         for figure in importlib.import_module(f"benchmarks.{name}").figures():
             print(figure.markdown() if given.markdown else figure.text(), flush=True)

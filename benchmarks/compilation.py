@@ -1,4 +1,4 @@
-"""From text to the first estimate, and a library experiment out of the cache. Seconds, because seconds are asked.
+"""From text to the first estimate, and a library experiment out of the cache. In seconds, like their targets.
 
     python -m benchmarks compilation
 
@@ -27,7 +27,7 @@ from thetascope.engine.simulation.simulation import Simulation
 from thetascope_schemas import Experiment
 
 ROOT = Path(__file__).parents[1]
-TEXT, LIBRARY = 0.5, 0.02  # s, asked
+TEXT, LIBRARY = 0.5, 0.02  # s, targets
 
 # everything that is imported on the way is imported first: imports are not counted
 IN_NEW_PROCESS = """

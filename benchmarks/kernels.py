@@ -71,5 +71,5 @@ def batches(by_hand: ByHand, runs: int, count: int = 7) -> Iterator[Figure]:
         by_hand.batch(inputs, base.step, base.every, state, range(SHARE), 0.001)
 
     seconds = rounds({"seeds": lambda: run_batch(seeds), "all": lambda: run_batch(differing), "C": scalar}, count)
-    for name, what, asked in (("seeds", "their seeds differ", "≤ 0.07"), ("all", "everything differs", "≤ 0.25")):
-        yield Figure.of(f"{runs} runs, {what}: one of them ÷ C", ratios(seconds, name, "C", SHARE / runs), asked)
+    for name, what, target in (("seeds", "their seeds differ", "≤ 0.07"), ("all", "everything differs", "≤ 0.25")):
+        yield Figure.of(f"{runs} runs, {what}: one of them ÷ C", ratios(seconds, name, "C", SHARE / runs), target)

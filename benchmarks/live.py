@@ -1,11 +1,10 @@
-"""Live sessions: cost of a frame against a bare websockets server, sessions held at 30 frames/s, time to a command's effect.
+"""Measure live sessions: cost of a frame relative to a bare websockets server, sessions at 30 frames/s, latency of commands.
 
     python -m benchmarks live
 
-The server has the first processor to itself, those who watch have the others; where it is allowed both go before other
-programs, so that what is measured is the server and not the machine's other work. For the cost, a bare server that sends messages of
-the same size at the same rate works on that processor at the same time, so that whatever else the machine does falls on
-both alike.
+The server is pinned to the first processor and the viewers to the others; where the system allows it, both have priority over
+other programs. For the cost, a bare server sends messages of the same size at the same rate on the same processor at the
+same time, so that other load affects both equally.
 """
 
 import json
@@ -65,12 +64,12 @@ def figures() -> Iterator[Figure]:
 
 @contextmanager
 def pinned(program: list[str], environment: dict[str, str] | None = None) -> Iterator[tuple[subprocess.Popen, str]]:
-    """A server on the first processor, and its first line; this process keeps to the others."""
+    """Start a server on the first processor; yield it and its first line. This process moves to the other processors."""
     processors = sorted(os.sched_getaffinity(0))
     os.sched_setaffinity(0, processors[:1])
     process = subprocess.Popen(program, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
     os.sched_setaffinity(0, processors[1:] or processors)
-    with suppress(OSError):  # where it is allowed, other programs are to wait meanwhile
+    with suppress(OSError):  # priority over other programs, where the system allows it
         for who in (0, process.pid):
             os.sched_setscheduler(who, os.SCHED_RR, os.sched_param(1))
     try:
@@ -85,13 +84,12 @@ def pinned(program: list[str], environment: dict[str, str] | None = None) -> Ite
 
 @contextmanager
 def service(sessions: int) -> Iterator[tuple[subprocess.Popen, str]]:
-    """The service, and its address."""
+    """Start the service; yield its process and address."""
     with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as data:
         environment = os.environ | {
             "THETASCOPE_DATA": data,
             "THETASCOPE_SESSIONS": str(sessions),
             "PYTHONUNBUFFERED": "1",
-            "PYTHONPATH": str(ROOT),
             "THETASCOPE_PREPARE": "0",
         }
         command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
@@ -105,7 +103,7 @@ def service(sessions: int) -> Iterator[tuple[subprocess.Popen, str]]:
 def playing(
     address: str, sessions: int, viewers: int = 1, diagnosis: bool = True
 ) -> Iterator[tuple[Watchers, list[Watcher]]]:
-    """So many sessions that play, with so many viewers each; they end afterwards."""
+    """Open sessions that play, with a number of viewers each, and close them afterwards."""
     with Client(address) as client:
         body = {"experiment": EXPERIMENT, "set": {"diagnosis.enabled": diagnosis}}
         some = [client.post("/api/sessions", body) for _ in range(sessions)]
@@ -122,7 +120,7 @@ def playing(
 
 
 def processor_time(process: subprocess.Popen) -> float:
-    """Seconds of processor time that a process has used."""
+    """Return the processor time of a process, s."""
     fields = Path(f"/proc/{process.pid}/stat").read_text().rpartition(")")[2].split()
     return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
@@ -130,7 +128,7 @@ def processor_time(process: subprocess.Popen) -> float:
 def cost(
     server: tuple[subprocess.Popen, str], sessions: int, viewers: int, what: str, diagnosis: bool = True
 ) -> Figure:
-    """Processor time a frame of the service over that of the bare server, both at work at the same time."""
+    """Return the processor time per frame of the service divided by that of the bare server, both running at the same time."""
     process, address = server
     found = []
     with ExitStack() as stack:
@@ -154,7 +152,7 @@ def cost(
 
 
 def hold(server: tuple[subprocess.Popen, str], sessions: int) -> Iterator[Figure]:
-    """Gaps between the frames of so many sessions on one processor, and how busy it is with them, and with others."""
+    """Yield the gaps between frames of many sessions on one processor, the load they cause, and other load on it."""
     process, address = server
     gaps, busy, others = [], [], []
     with playing(address, sessions) as (watchers, mine):
@@ -173,20 +171,20 @@ def hold(server: tuple[subprocess.Popen, str], sessions: int) -> Iterator[Figure
     name = f"{sessions} sessions of 21 columns at 30 frames/s on one processor"
     yield Figure.of(f"{name}: p99 of the gap between frames", gaps, "≤ 40 ms", "ms")
     yield Figure.of(f"{name}: share of it", busy)
-    yield Figure.of("… and what other programs took of that processor meanwhile", others)
+    yield Figure.of("other load on that processor meanwhile", others)
 
 
 def first_processor() -> float:
-    """Seconds for which the first processor was busy, or taken away by the machine around it."""
+    """Return the seconds for which the first processor was busy or stolen by the host."""
     fields = Path("/proc/stat").read_text().splitlines()[1 + min(os.sched_getaffinity(1))].split()
     user, nice, system, _, _, interrupts, soft, stolen = map(int, fields[1:9])
     return (user + nice + system + interrupts + soft + stolen) / os.sysconf("SC_CLK_TCK")
 
 
 def latency(server: tuple[subprocess.Popen, str], sessions: int, commands: int = 1000) -> Iterator[Figure]:
-    """From a command to the first frame that has a row on which it acted, while so many sessions play.
+    """Yield the time from a command to the first frame with a row that it affects, while other sessions play.
 
-    A 99th percentile of fewer than 200 commands would be the slowest but one of them, or the slowest.
+    Percentiles are taken over 200 commands each; of fewer, the 99th would be the slowest command or the second slowest.
     """
     draw, found = random.Random(1), []
     with playing(server[1], sessions) as (watchers, mine):

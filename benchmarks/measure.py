@@ -1,4 +1,4 @@
-"""Figures measured side by side: contenders take turns in random order, round after round, in one process."""
+"""Measure contenders side by side: they run in turn, in random order, round after round, in one process."""
 
 import random
 import statistics
@@ -9,25 +9,25 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Figure:
-    """One line of the table: median and range of a ratio, or of seconds, and what is asked."""
+    """One line of the table: median and range of a ratio, or of seconds, and the target."""
 
     what: str
     median: float
     low: float
     high: float
-    asked: str = ""
+    target: str = ""
     unit: str = ""
 
     @classmethod
-    def of(cls, what: str, values: Iterable[float], asked: str = "", unit: str = "") -> "Figure":
+    def of(cls, what: str, values: Iterable[float], target: str = "", unit: str = "") -> "Figure":
         values = list(values)
-        return cls(what, statistics.median(values), min(values), max(values), asked, unit)
+        return cls(what, statistics.median(values), min(values), max(values), target, unit)
 
     def text(self) -> str:
-        return f"{self.what:72s} {self._short(self.median):>9s}   [{self.range()}]   {self.asked}"
+        return f"{self.what:72s} {self._short(self.median):>9s}   [{self.range()}]   {self.target}"
 
     def markdown(self) -> str:
-        return f"| {self.what} | {self._short(self.median)} | {self.range()} | {self.asked} |"
+        return f"| {self.what} | {self._short(self.median)} | {self.range()} | {self.target} |"
 
     def range(self) -> str:
         return f"{self._short(self.low)} … {self._short(self.high)}"
@@ -39,7 +39,7 @@ class Figure:
 
 
 def rounds(contenders: dict[str, Callable[[], object]], count: int = 15, seed: int = 0) -> dict[str, list[float]]:
-    """Seconds of each contender in each round, after one unmeasured round; of short ones the best of several."""
+    """Return the seconds of each contender in each round, after a warm-up round; of short calls the fastest of several."""
     order, draw = list(contenders), random.Random(seed)
     for run in contenders.values():
         run()
@@ -52,7 +52,7 @@ def rounds(contenders: dict[str, Callable[[], object]], count: int = 15, seed: i
 
 
 def _best(run: Callable[[], object], enough: float = 0.05) -> float:
-    """The quickest of as many calls as fit in ``enough`` seconds: other work on the machine only ever adds time."""
+    """Return the fastest of the calls that fit into `enough` seconds: other load can only add time."""
     best, spent = float("inf"), 0.0
     while spent < enough:
         begin = time.perf_counter()
@@ -63,5 +63,5 @@ def _best(run: Callable[[], object], enough: float = 0.05) -> float:
 
 
 def ratios(seconds: dict[str, list[float]], name: str, base: str, scale: float = 1.0) -> list[float]:
-    """Round by round, scale times the seconds of ``name`` over those of ``base``."""
+    """Return `scale` times the seconds of `name` divided by those of `base`, for each round."""
     return [scale * a / b for a, b in zip(seconds[name], seconds[base], strict=True)]

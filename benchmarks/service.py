@@ -23,7 +23,7 @@ ROOT = Path(__file__).parents[1]
 @contextmanager
 def service(data: Path) -> Iterator[tuple[str, float]]:
     """A service of its own in a new process: its address, and the seconds until it answered."""
-    more = {"PYTHONUNBUFFERED": "1", "PYTHONPATH": str(ROOT), "THETASCOPE_PREPARE": "0"}
+    more = {"PYTHONUNBUFFERED": "1", "THETASCOPE_PREPARE": "0"}
     environment = os.environ | {"THETASCOPE_DATA": str(data)} | more
     command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
     begin = time.perf_counter()

@@ -1,4 +1,4 @@
-"""Many websocket connections in one process: as little as it takes to read frames and say when they came."""
+"""Read many websocket connections in one process with little overhead, and note when frames arrive."""
 
 import base64
 import os
@@ -10,7 +10,7 @@ from collections.abc import Callable
 
 
 class Watcher:
-    """One connection: the times at which samples came, and the effect of the last command."""
+    """One connection: the arrival times of frames, and when the last command took effect."""
 
     def __init__(self, connection: socket.socket) -> None:
         self.socket = connection
@@ -39,7 +39,7 @@ class Watcher:
         self.socket.sendall(length + mask + masked)
 
     def read(self) -> None:
-        """Take what has come."""
+        """Read what has arrived."""
         now = time.perf_counter()
         data = self._buffer + self.socket.recv(1 << 20)
         place = 0
@@ -63,14 +63,14 @@ class Watcher:
                 first, count = struct.unpack_from("<QI", data, 8)
                 if first + count > self._acts_at:
                     self.effect, self._acts_at = now, None
-        elif kind == 9:  # whoever does not answer a ping is taken for gone
+        elif kind == 9:  # the server closes connections that do not answer pings
             self._send(10, data)
         elif kind == 1 and data.startswith(b'{"type":"ack"'):
             self._acts_at = int(data.partition(b'"row":')[2].partition(b",")[0])
 
 
 class Watchers:
-    """All connections, read as they come."""
+    """All connections, read as data arrive."""
 
     def __init__(self) -> None:
         self._selector = selectors.DefaultSelector()
@@ -94,7 +94,7 @@ class Watchers:
         return watcher
 
     def run(self, seconds: float, until: Callable[[], bool] = lambda: False) -> None:
-        """Read for so long, or until something is so."""
+        """Read for a number of seconds, or until a condition holds."""
         end = time.perf_counter() + seconds
         while (left := end - time.perf_counter()) > 0 and not until():
             for key, _ in self._selector.select(left):

@@ -1,6 +1,5 @@
 """The command line as it is called: in this process for speed, or as a process of its own."""
 
-import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -9,8 +8,6 @@ from pathlib import Path
 import pytest
 
 from thetascope.cli.main import main
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(autouse=True)
@@ -41,9 +38,6 @@ def process(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess]:
 
     def run_one(*arguments: str, **options: object) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "thetascope.cli.main", *arguments]
-        environment = os.environ | {"PYTHONPATH": os.pathsep.join([str(ROOT / "backend"), str(ROOT / "shared")])}
-        return subprocess.run(
-            command, check=False, capture_output=True, text=True, timeout=60, env=environment, **options
-        )
+        return subprocess.run(command, check=False, capture_output=True, text=True, timeout=60, **options)
 
     return run_one

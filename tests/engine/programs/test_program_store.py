@@ -20,7 +20,6 @@ from thetascope.engine.compiler.system import Program, System
 from thetascope.engine.programs import program_store
 from thetascope.engine.programs.program_store import mathematics, plant_program
 
-ROOT = Path(__file__).parents[3]
 IMPORT = """
 import importlib, pkgutil, sys, thetascope
 for module in pkgutil.walk_packages(thetascope.__path__, "thetascope."):
@@ -69,7 +68,7 @@ def forget() -> None:
 
 
 def in_new_process(code: str, folder: Path) -> list[str]:
-    environment = os.environ | {"THETASCOPE_CACHE": str(folder), "PYTHONPATH": str(ROOT)}
+    environment = os.environ | {"THETASCOPE_CACHE": str(folder)}
     done = subprocess.run([sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True)
     return done.stdout.split()
 
