@@ -9,6 +9,8 @@ import pytest
 
 from thetascope.cli.main import main
 
+ROOT = Path(__file__).parents[2]
+
 
 @pytest.fixture(autouse=True)
 def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
