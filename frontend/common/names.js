@@ -1,6 +1,9 @@
 // Names as symbols or words, and the short badges of fault channels.
 
-/** @import {Plant, Words} from '../live/types.js' */
+import {withoutBlanks} from '../i18n/render.js';
+import {hasWords, named, say, t} from '../i18n/words.js';
+
+/** @import {Plant} from '../live/types.js' */
 
 const PAIRS =
   'alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ ' +
@@ -41,31 +44,14 @@ export function plain(name) {
  */
 export const symbolic = (name) => split(name)[0].length === 1 && !/^[A-Za-z]{2}/.test(split(name)[1]);
 
-/** Names that are words, in Chinese: where a symbol would stand there is room for two to five characters. */
-const WORDS = new Map(
-  Object.entries({
-    current: '电流',
-    speed: '转速',
-    voltage: '电压',
-    torque: '转矩',
-    acceleration: '加速度',
-    biomass: '生物量',
-    enzyme: '酶',
-    friction: '摩擦',
-    load: '负载',
-    'gain loss': '增益损失',
-    'load torque': '负载转矩',
-    'friction increase': '摩擦增大',
-    'current bias': '电流偏差',
-    'speed bias': '转速偏差',
-  }),
-);
-
 /**
- * A word of a name, in the page's language.
+ * A word of a name in the page's language, where the page has one for it: there is room for a few characters.
  * @param {string} text
  */
-export const word = (text) => (document.documentElement.lang.startsWith('zh') ? (WORDS.get(text) ?? text) : text);
+export function word(text) {
+  const code = `page.name.${text.replaceAll(' ', '-')}`;
+  return hasWords(code) ? t(code) : text;
+}
 
 /**
  * What plants call something beyond its name: a channel's title, else the beginning of the description.
@@ -77,28 +63,26 @@ export const titleOf = (item) => item.title || (item.description ?? '').split(/[
  * What the page calls a channel, an output, an input, a signal or a state wherever it names it: its symbol, or where that is a word what the plant says it is.
  * @param {string} name
  * @param {Plant | null} plant
- * @param {Words} text
  */
-export function called(name, plant, text) {
+export function called(name, plant) {
   if (symbolic(name) || !plant) return plain(name);
   const item = [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...plant.states].find(
     (one) => one.name === name,
   );
-  return (item && text.named(titleOf(item))) || plain(name);
+  return (item && named(titleOf(item))) || plain(name);
 }
 
 /**
- * A sentence of the server, in the page's language already, with what the page calls them for the plant's names: theta1 and leak1 → θ₁ and leak in tank 1.
- * @param {string} words
+ * A message of the server, with the plant's names as the page calls them: theta1 and leak1 → θ₁ and leak in tank 1.
+ * @param {Parameters<typeof say>[0]} message
  * @param {Plant | null} plant
- * @param {Words} text
  */
-export function spoken(words, plant, text) {
+export function spoken(message, plant) {
   const names = plant
     ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name)
     : [];
-  return text.tight(
-    String(words).replace(/[A-Za-z_]\w*/g, (word) => (names.includes(word) ? called(word, plant, text) : word)),
+  return withoutBlanks(
+    say(message).replace(/[A-Za-z_]\w*/g, (part) => (names.includes(part) ? called(part, plant) : part)),
   );
 }
 

@@ -1,8 +1,8 @@
 // The header: name, connection, interface, theme.
 
 import {fill, h} from './dom.js';
-import {language, speak} from '../i18n/language.js';
-import {retell, text} from '../i18n/pages.js';
+import {rememberLanguage} from '../i18n/language.js';
+import {language, speak, t} from '../i18n/words.js';
 
 const ICON = 'M8 2.500a5.500 5.500 0 0 1 0 11z';
 
@@ -14,15 +14,19 @@ const PAGES = [
 ];
 
 /**
- * The header of a page; `here` is its name among the pages. `again` builds the rest of the page in another language; without it the page is loaded
- * anew, where nothing is lost by that.
+ * The header of a page; `here` is its name among the pages. `again` rebuilds the rest of the page in another language; without it the page is
+ * reloaded, where nothing is lost by that.
  */
 export function mountTop(root, connection, here = 'runs', again = null) {
   const state = h('span', {class: 'connection', role: 'status'});
   const theme = h('button', {class: 'quiet', type: 'button', onclick: () => window.theme.toggle()});
   const showConnection = () => {
     state.classList.toggle('lost', connection.lost);
-    fill(state, h('span', {class: 'dot'}), connection.lost ? text.lost : text.connected);
+    fill(
+      state,
+      h('span', {class: 'dot'}),
+      connection.lost ? t('page.header.connection-lost') : t('page.header.connected'),
+    );
   };
   const showTheme = () => {
     const icon = h(
@@ -39,34 +43,43 @@ export function mountTop(root, connection, here = 'runs', again = null) {
       h('circle', {cx: 8, cy: 8, r: 5.5}),
       h('path', {d: ICON, fill: 'currentColor'}),
     );
-    theme.title = text.themeHint;
-    fill(theme, icon, h('span', {}, window.theme.now === 'dark' ? text.toLight : text.toDark));
+    theme.title = t('page.header.theme.hint');
+    fill(
+      theme,
+      icon,
+      h('span', {}, window.theme.now === 'dark' ? t('page.header.to-light') : t('page.header.to-dark')),
+    );
   };
-  const turn = (other) => {
-    speak(other);
+  const turn = async (other) => {
+    rememberLanguage(other);
     if (!again) return location.reload();
-    retell();
+    await speak(other);
     build();
     root.querySelector('[lang]').focus();
     return again();
   };
   const build = () => {
-    const [now, other] = language() === 'zh' ? ['zh-CN', 'en'] : ['en', 'zh'];
-    document.documentElement.lang = now;
+    const other = language() === 'zh' ? 'en' : 'zh';
     showConnection();
     showTheme();
     fill(
       root,
-      h('a', {class: 'logo', href: '/'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, text.title)),
+      h('a', {class: 'logo', href: '/'}, h('i', {class: 'hat'}, 'θ'), h('span', {}, 'Thetascope')),
       h(
         'nav',
-        {class: 'pages', 'aria-label': text.pages},
-        PAGES.map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, text.page[name])),
+        {class: 'pages', 'aria-label': t('page.nav.label')},
+        PAGES.map(([name, href]) =>
+          h('a', {href, 'aria-current': name === here ? 'page' : null}, t(`page.nav.${name}`)),
+        ),
       ),
       h('span', {class: 'grow'}),
       state,
-      h('button', {class: 'quiet', type: 'button', lang: other, onclick: () => turn(other)}, text.languageHint),
-      h('a', {class: 'quiet', href: '/docs', title: text.interfaceHint}, text.interface),
+      h(
+        'button',
+        {class: 'quiet', type: 'button', lang: other, onclick: () => turn(other)},
+        t('page.header.language.other'),
+      ),
+      h('a', {class: 'quiet', href: '/docs', title: t('page.header.interface.hint')}, t('page.header.interface')),
       theme,
     );
   };

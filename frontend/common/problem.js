@@ -1,18 +1,18 @@
 // A refusal, in place: which field, what arrived, what is wrong with it, what to do.
 
 import {h} from './dom.js';
-import {text} from '../i18n/pages.js';
+import {asSentence, say, t} from '../i18n/words.js';
 
 const titleOf = (problem) =>
   problem.status === 422
-    ? text.refused
+    ? t('page.problem.invalid')
     : problem.status === 404
-      ? text.notFound
-      : text.said(problem.title) || text.failed;
+      ? t('page.problem.not-found')
+      : say(problem.title) || t('page.problem.failed');
 
 /** The block for what no field of the form can show; `errors` are those of the problem that are left. */
 export function problemBlock(problem, errors = problem.errors) {
-  const detail = problem.errors.length ? null : h('p', {}, closed(text.said(problem.detail)));
+  const detail = problem.errors.length ? null : h('p', {}, asSentence(problem.detail));
   const rows = errors.map((error) =>
     h(
       'li',
@@ -23,7 +23,7 @@ export function problemBlock(problem, errors = problem.errors) {
         error.field + (error.value === undefined || error.value === null ? '' : ` = ${JSON.stringify(error.value)}`),
       ),
       ' ',
-      sentence(error),
+      explained(error),
     ),
   );
   return h(
@@ -35,14 +35,11 @@ export function problemBlock(problem, errors = problem.errors) {
   );
 }
 
-/** What is wrong and the remedy, as two short sentences. */
-export function sentence(error) {
+/** The problem and its remedy, as two short sentences. */
+export function explained(error) {
   return [
-    closed(text.said(error.problem)),
+    asSentence(error.problem),
     ' ',
-    h('span', {class: 'remedy'}, closed(`${text.remedy}: ${text.said(error.remedy)}`)),
+    h('span', {class: 'remedy'}, t('page.text.remedy', {remedy: asSentence(error.remedy)})),
   ];
 }
-
-/** A sentence with a capital and a full stop. */
-const closed = (words) => words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!]$/.test(words) ? '' : '.'}`;

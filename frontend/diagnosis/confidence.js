@@ -2,41 +2,51 @@
 
 import {fill, h, number} from '../common/dom.js';
 import {called, spoken} from '../common/names.js';
+import {t} from '../i18n/words.js';
 
 /** @returns {{element: HTMLElement, show: () => void}} */
 export function createSure(app) {
   const element = h('div', {class: 'fold-out scroll small', hidden: true, tabindex: 0, role: 'region'});
   const show = () => {
-    const {state, text} = app;
-    element.setAttribute('aria-label', text.howSure);
+    const {state} = app;
+    element.setAttribute('aria-label', t('page.diagnosis.certainty'));
     fill(
       element,
-      certainty(state, text).map((words) => h('p', {}, words)),
+      certainty(state).map((words) => h('p', {}, words)),
     );
   };
   return {element, show};
 }
 
 /** One paragraph each. */
-export function certainty({diagnosis, spec, plant}, text) {
+export function certainty({diagnosis, spec, plant}) {
   const {calibration: cal, noise = [], note} = diagnosis ?? {};
-  if (!cal) return [note ? spoken(text.said(note), plant, text) : text.wait];
+  if (!cal) return [note ? spoken(note, plant) : t('page.text.loading')];
   const asked =
-    cal.false_alarms < 1 ? text.oneIn(number(1 / cal.false_alarms, 3)) : text.perHour(number(cal.false_alarms, 3));
+    cal.false_alarms < 1
+      ? t('page.certainty.one-in', {hours: number(1 / cal.false_alarms, 3)})
+      : t('page.certainty.per-hour', {n: number(cal.false_alarms, 3)});
   const said = [
-    text.calibrated(asked, number(cal.thresholds.glr, 3), cal.seeds, number(cal.hours, 2)),
-    text.plusMinus(number(100 * spec.diagnosis.confidence, 3)),
-    text.judgedFrom(number(cal.from_time, 3)),
+    t('page.certainty.calibrated', {
+      rate: asked,
+      threshold: number(cal.thresholds.glr, 3),
+      runs: cal.seeds,
+      hours: number(cal.hours, 2),
+    }),
+    t('page.certainty.interval', {percent: number(100 * spec.diagnosis.confidence, 3)}),
+    t('page.certainty.judged-from', {s: number(cal.from_time, 3)}),
   ];
   for (const {output, declared, estimated} of noise) {
     if (estimated !== null)
       said.push(
-        text.noiseSeen(
-          called(output, plant, text),
-          declared === null ? null : number(declared, 3),
-          number(estimated, 3),
-        ),
+        declared === null
+          ? t('page.certainty.noise-undeclared', {output: called(output, plant), estimated: number(estimated, 3)})
+          : t('page.certainty.noise', {
+              output: called(output, plant),
+              declared: number(declared, 3),
+              estimated: number(estimated, 3),
+            }),
       );
   }
-  return [...said, text.bandsAre, cal.note && spoken(text.said(cal.note), plant, text)].filter(Boolean);
+  return [...said, t('page.certainty.bands'), cal.note && spoken(cal.note, plant)].filter(Boolean);
 }

@@ -2,9 +2,10 @@
 
 import {post} from '../common/api.js';
 import {fill, h, number} from '../common/dom.js';
-import {badges, capital, spoken} from '../common/names.js';
+import {badges, spoken} from '../common/names.js';
 import {badge, refusal} from '../widgets/controls.js';
 import {small} from './fault-size.js';
+import {asSentence, named, t} from '../i18n/words.js';
 
 const DECADES = [-3, 1.5]; // of level/needed, what the bar shows
 
@@ -22,8 +23,8 @@ export function createSeen(app) {
   );
   let shown = null;
   const show = () => {
-    const {state, text} = app;
-    element.setAttribute('aria-label', text.canSee);
+    const {state} = app;
+    element.setAttribute('aria-label', t('page.diagnosis.detectability'));
     if (shown === state.diagnosis && element.lang === state.language) return;
     if (shown === null || element.lang !== state.language) offer();
     [shown, element.lang] = [state.diagnosis, state.language];
@@ -35,14 +36,14 @@ export function createSeen(app) {
       proposal,
       h(
         'button',
-        {type: 'button', class: 'quiet control-only', title: app.text.proposeHint, onclick: ask},
-        app.text.propose,
+        {type: 'button', class: 'quiet control-only', title: t('page.detectability.propose.hint'), onclick: ask},
+        t('page.detectability.propose'),
       ),
     );
   const ask = async (event) => {
-    const {text, state} = app;
+    const {state} = app;
     event.currentTarget.disabled = true;
-    fill(proposal, h('p', {class: 'soft'}, text.proposing));
+    fill(proposal, h('p', {class: 'soft'}, t('page.detectability.proposing')));
     try {
       answer(await post(`/api/sessions/${state.session}/proposal`));
     } catch (error) {
@@ -50,28 +51,29 @@ export function createSeen(app) {
     }
   };
   const answer = (found) => {
-    const {text, state} = app;
+    const {state} = app;
     const problem = h('p', {class: 'refused', role: 'alert'});
     const apply = async () => {
       try {
         await app.send({type: 'set-signal', name: found.input, signal: found.signal});
-        fill(proposal, h('p', {class: 'soft'}, text.applied));
+        fill(proposal, h('p', {class: 'soft'}, t('page.detectability.applied')));
         setTimeout(() => {
           if (proposal.isConnected) offer();
         }, 6000);
       } catch (error) {
-        refusal(problem, error, text);
+        refusal(problem, error);
       }
     };
-    const words = spoken(text.said(found.text), state.plant, text);
+    const words = spoken(found.text, state.plant);
     fill(
       proposal,
-      h('p', {role: 'status'}, capital(words), text.stop),
+      h('p', {role: 'status'}, asSentence(words)),
       h(
         'div',
         {class: 'presses'},
-        found.input && h('button', {type: 'button', class: 'press control-only', onclick: apply}, text.apply),
-        h('button', {type: 'button', class: 'press quiet-press', onclick: offer}, text.dismiss),
+        found.input &&
+          h('button', {type: 'button', class: 'press control-only', onclick: apply}, t('page.action.apply')),
+        h('button', {type: 'button', class: 'press quiet-press', onclick: offer}, t('page.action.close')),
       ),
       problem,
     );
@@ -89,7 +91,6 @@ export function createSeen(app) {
 
 /** Rank and condition along the trajectory of the experiment, when they are asked for. */
 export function trajectory(app) {
-  const {text} = app;
   const place = h('div', {class: 'trajectory'});
   const ask = async (event) => {
     event.currentTarget.disabled = true;
@@ -101,10 +102,9 @@ export function trajectory(app) {
         h(
           'p',
           {},
-          text.byEquations(found.rank ?? '–', found.size),
+          t('page.detectability.structural-rank', {rank: found.rank ?? '–', size: found.size}),
           ' ',
-          capital(spoken(text.said(found.text), plant, text)),
-          text.stop,
+          asSentence(spoken(found.text, plant)),
         ),
         h(
           'table',
@@ -115,9 +115,11 @@ export function trajectory(app) {
             h(
               'tr',
               {},
-              [text.windowFrom(number(found.window, 3)), text.rank, text.condition].map((head) =>
-                h('th', {scope: 'col'}, head),
-              ),
+              [
+                t('page.detectability.window-from', {s: number(found.window, 3)}),
+                t('page.detectability.rank'),
+                t('page.detectability.condition'),
+              ].map((head) => h('th', {scope: 'col'}, head)),
             ),
           ),
           h(
@@ -134,34 +136,29 @@ export function trajectory(app) {
             ),
           ),
         ),
-        h('p', {class: 'soft small'}, capital(spoken(text.said(found.along), plant, text)), text.stop),
+        h('p', {class: 'soft small'}, asSentence(spoken(found.along, plant))),
       );
       place.scrollIntoView({block: 'nearest'});
     } catch (error) {
       fill(place, h('p', {class: 'refused', role: 'alert'}, error.message));
     }
   };
-  fill(place, h('button', {type: 'button', class: 'quiet', onclick: ask}, text.alongTrajectory));
+  fill(place, h('button', {type: 'button', class: 'quiet', onclick: ask}, t('page.detectability.trajectory')));
   return place;
 }
 
 /** In words, as a bar, and channel by channel. */
 export function visible(app) {
   const {diagnosis, plant} = app.state;
-  const {text} = app;
-  if (!diagnosis) return h('p', {class: 'soft'}, text.wait);
-  if (!diagnosis.excitation) return h('p', {class: 'soft'}, spoken(text.said(diagnosis.note), plant, text));
+  if (!diagnosis) return h('p', {class: 'soft'}, t('page.text.loading'));
+  if (!diagnosis.excitation) return h('p', {class: 'soft'}, spoken(diagnosis.note, plant));
   const {excitation, resolution} = diagnosis;
-  const words = spoken(text.said(excitation.text), plant, text);
-  return [
-    h('p', {}, capital(words), text.stop),
-    excitation.level !== null && bar(excitation, text),
-    table(resolution, app),
-  ];
+  const words = spoken(excitation.text, plant);
+  return [h('p', {}, asSentence(words)), excitation.level !== null && bar(excitation), table(resolution, app)];
 }
 
 /** The level against what is needed, on a logarithmic scale; both as the times by which a typical fault stands out. */
-function bar({level, needed, window}, text) {
+function bar({level, needed, window}) {
   const share = (value) =>
     Math.min(
       1,
@@ -175,7 +172,10 @@ function bar({level, needed, window}, text) {
       {
         class: `level${enough ? ' enough' : ''}`,
         role: 'img',
-        'aria-label': text.levelOf(number(Math.sqrt(level), 2), number(Math.sqrt(needed), 2)),
+        'aria-label': t('page.detectability.level', {
+          level: number(Math.sqrt(level), 2),
+          needed: number(Math.sqrt(needed), 2),
+        }),
       },
       h('span', {class: 'filled', style: `width:${percent(level)}`}),
       h('span', {class: 'needed', style: `left:${percent(needed)}`}),
@@ -183,16 +183,16 @@ function bar({level, needed, window}, text) {
     h(
       'p',
       {class: 'soft small'},
-      text.levelOf(number(Math.sqrt(level), 2), number(Math.sqrt(needed), 2)),
+      t('page.detectability.level', {level: number(Math.sqrt(level), 2), needed: number(Math.sqrt(needed), 2)}),
       ' ',
-      text.overLast(number(window, 3)),
+      t('page.detectability.window', {s: number(window, 3)}),
     ),
   ];
 }
 
 /** Each channel: whether its fault can be told from the others now, and from what size on. */
 function table(resolution, app) {
-  const {state, text} = app;
+  const {state} = app;
   const short = badges(state.plant.channels);
   return h(
     'table',
@@ -204,8 +204,8 @@ function table(resolution, app) {
         'tr',
         {},
         h('td'),
-        h('th', {scope: 'col', title: text.smallestHint}, text.smallest),
-        h('th', {scope: 'col'}, text.typical),
+        h('th', {scope: 'col', title: t('page.detectability.smallest.hint')}, t('page.detectability.smallest')),
+        h('th', {scope: 'col'}, t('page.detectability.typical')),
         h('td'),
       ),
     ),
@@ -216,8 +216,8 @@ function table(resolution, app) {
         const title = state.plant.channels.find(({name}) => name === one.channel)?.title;
         return h(
           'tr',
-          {title: spoken(text.said(one.text), state.plant, text)},
-          h('th', {scope: 'row'}, badge(short.get(one.channel)), h('span', {class: 'said'}, text.named(title))),
+          {title: spoken(one.text, state.plant)},
+          h('th', {scope: 'row'}, badge(short.get(one.channel)), h('span', {class: 'said'}, named(title))),
           h('td', {}, one.smallest === null ? '–' : small(one.smallest)),
           h('td', {}, small(one.typical)),
           h(
@@ -225,18 +225,17 @@ function table(resolution, app) {
             {class: 'words'},
             h('span', {class: `light ${one.identifiable && one.resolvable ? 'ok' : 'open'}`}),
             ' ',
-            text[
-              one.smallest === null
-                ? 'notSeenNow'
-                : !one.resolvable
-                  ? 'underNoise'
-                  : one.identifiable
-                    ? 'canBeSeen'
-                    : 'hardlySeen'
-            ],
+            resolvedWords(one),
           ),
         );
       }),
     ),
   );
+}
+
+/** Whether the fault of a channel can be distinguished now, in words. */
+function resolvedWords({smallest, resolvable, identifiable}) {
+  if (smallest === null) return t('page.diagnosis.not-identifiable');
+  if (!resolvable) return t('page.detectability.below-noise');
+  return identifiable ? t('page.detectability.distinguishable') : t('page.detectability.hardly-distinguishable');
 }

@@ -2,21 +2,23 @@
 
 const KEY = 'language';
 
-/** 'en' or 'zh'. */
-export function language() {
+/** @typedef {'en' | 'zh'} Language */
+
+/** The language to begin with. @returns {Language} */
+export function chosenLanguage() {
   let chosen = null;
   try {
     chosen = localStorage.getItem(KEY);
   } catch {
     /* private windows keep nothing */
   }
-  return chosen ?? (navigator.language.startsWith('zh') ? 'zh' : 'en');
+  return (chosen ?? navigator.language).startsWith('zh') ? 'zh' : 'en';
 }
 
-/** Speak another language from the next page on. */
-export function speak(other) {
+/** Remember a choice for the next page. @param {Language} language */
+export function rememberLanguage(language) {
   try {
-    localStorage.setItem(KEY, other);
+    localStorage.setItem(KEY, language);
   } catch {
     /* private windows keep nothing */
   }

@@ -4,8 +4,9 @@ import {picture} from './scope/figure.js';
 import {seconds} from '../widgets/number-format.js';
 import * as permalink from './state/permalink.js';
 import {library, save} from './net/session.js';
+import {rememberLanguage} from '../i18n/language.js';
+import {say, speak, t} from '../i18n/words.js';
 
-const LANGUAGE = 'language';
 const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
 
 /** @param {object} app  @param {object} link  what main.js does with sessions: {begin, fork, token} */
@@ -13,32 +14,36 @@ export const actions = (app, link) => ({...transport(app, link), ...sessions(app
 
 const set = (app, values) => app.store.dispatch({type: 'set', ...values});
 
-const tell = (app, text, {kind = 'note', action = null} = {}) =>
-  set(app, {told: {text, kind, action, at: performance.now()}});
+const tell = (app, words, {kind = 'note', action = null} = {}) =>
+  set(app, {told: {words, kind, action, at: performance.now()}});
 
-/** A refusal in a line: what is wrong, what to do about it. */
-export const refused = (error, text) =>
-  [error.problem ?? error.detail ?? error.message, error.remedy].filter(Boolean).map(text.said).join(text.and);
+/** A refusal in a line: the problem and its remedy. */
+export function refused({problem, detail, message, remedy}) {
+  const first = say(problem ?? detail ?? message);
+  return remedy ? t('page.text.semicolon', {first, second: say(remedy)}) : first;
+}
 
 /** A command whose refusal is told on the page; the Ack, or null. */
 async function ask(app, command) {
   try {
     return await app.send(command);
   } catch (error) {
-    tell(app, refused(error, app.text), {kind: 'problem'});
+    tell(app, refused(error), {kind: 'problem'});
     return null;
   }
 }
 
 function transport(app, link) {
   const send = (command) => ask(app, command);
-  /** Give up what came after a time; for a while it can be had back, as another session that was done the same. */
-  async function goBack(command, t) {
+  /** Go back to a time and discard what came after it; for a while this can be undone, with another session of the same history. */
+  async function goBack(command, at) {
     const {spec, experiment} = app.state;
     const now = app.samples.now;
     if (!(await send(command))) return;
     const undo = () => link.begin({spec, experiment, t: now, play: false});
-    tell(app, app.text.wentBack(seconds(t, 0.1)), {action: {words: app.text.undo, act: undo, alone: true}}); // those who watch would stay behind
+    tell(app, t('page.notice.went-back', {t: seconds(at, 0.1)}), {
+      action: {words: t('page.action.undo'), act: undo, alone: true},
+    }); // those who watch would stay behind
   }
   return {
     /** Commands that belong together: all of them act from the same row on, or none does. */
@@ -98,13 +103,13 @@ function looks(app) {
     theme(wanted) {
       if (wanted !== null && wanted !== window.theme.now) window.theme.toggle();
     },
-    language(language) {
-      document.documentElement.lang = language === 'zh' ? 'zh-CN' : 'en';
-      keep(localStorage, LANGUAGE, language);
+    async language(language) {
+      await speak(language);
+      rememberLanguage(language);
       set(app, {language});
     },
-    tell: (text, how) => tell(app, text, how),
-    refused: (error) => tell(app, refused(error, app.text), {kind: 'problem'}),
+    tell: (words, how) => tell(app, words, how),
+    refused: (error) => tell(app, refused(error), {kind: 'problem'}),
     figure: (what) => picture(app, what),
   };
 }
@@ -126,9 +131,6 @@ function kept(storage, name) {
     return null;
   }
 }
-
-/** The language that was chosen here before, else the browser's. */
-export const languageNow = () => kept(localStorage, LANGUAGE) ?? (navigator.language.startsWith('zh') ? 'zh' : 'en');
 
 /** Whether this tab was presenting when it was loaded again. */
 export const presented = () => kept(sessionStorage, PRESENTED) === 'on';

@@ -1,7 +1,7 @@
 // Starts the live page: makes the app, opens what the address asks for, joins sessions and leaves them.
 
 import {get} from '../common/api.js';
-import {actions, addressOf, languageNow, presented} from './actions.js';
+import {actions, addressOf, presented} from './actions.js';
 import {SPEEDS} from '../widgets/number-format.js';
 import {mountDesk} from './ui/presentation.js';
 import {Edge, createLoop} from './loop.js';
@@ -17,10 +17,10 @@ import {create, fork, kept, library, look} from './net/session.js';
 import {connect, Refused} from './net/socket.js';
 import {createStore, initial} from './state/store.js';
 import {derivedColumns, stripsOf} from './state/strips.js';
-import * as scopeWords from '../i18n/live-scope.js';
-import * as words from '../i18n/live.js';
+import {chosenLanguage} from '../i18n/language.js';
 import {mountTimeline} from './ui/session-timeline.js';
 import {mountTransport} from './ui/transport.js';
+import {named, say, speak, t} from '../i18n/words.js';
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
@@ -28,11 +28,9 @@ const AWAITED = 10; // s after which the first fault should come
 const BRISK = 100; // the fastest that a session begins with
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
-const TEXTS = Object.fromEntries(
-  ['en', 'zh'].map((language) => [language, {...words[language], ...scopeWords[language]}]),
-);
+const NO_SESSION = {problem: {code: 'page.notice.no-session'}, remedy: {code: 'page.notice.no-session.remedy'}};
 
-const store = createStore({...initial, theme: window.theme.now, language: languageNow()}, reduce);
+const store = createStore({...initial, theme: window.theme.now, language: chosenLanguage()}, reduce);
 const loop = createLoop();
 let socket = null;
 let ghostSocket = null;
@@ -46,9 +44,6 @@ const app = {
   first: FIRST.experiment,
   get state() {
     return store.state;
-  },
-  get text() {
-    return TEXTS[store.state.language];
   },
   get catalogue() {
     return (catalogue ??= get('/api/catalogue'));
@@ -66,8 +61,8 @@ const app = {
   cursor: (t) => store.dispatch({type: 'set', cursor: t}),
   drop: () => socket?.drop(),
   send(command) {
-    if (!socket) return Promise.reject(new Refused({problem: 'there is no session', remedy: 'open one'}));
-    if (store.state.role === 'view') return Promise.reject(new Refused({problem: app.text.viewOnly}));
+    if (!socket) return Promise.reject(new Refused(NO_SESSION));
+    if (store.state.role === 'view') return Promise.reject(new Refused({problem: {code: 'page.notice.view-only'}}));
     return socket.send(command);
   },
 };
@@ -102,7 +97,7 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
         first = false;
         app.edge.t = Infinity; // anything but where the last session was
         if (message.parent) watchParent(message.parent);
-        if (message.role === 'view') app.act.tell(app.text.viewOnly);
+        if (message.role === 'view') app.act.tell(t('page.notice.view-only'));
         if (fresh) app.act.speed(openingSpeed(message.spec));
         then();
       }
@@ -160,12 +155,12 @@ const link = {
       failed(error);
     }
   },
-  async fork(t) {
+  async fork(at) {
     const {session, experiment, begunPlain} = store.state;
-    const now = t ?? app.samples.now;
+    const now = at ?? app.samples.now;
     try {
       await writeAddress();
-      const made = await fork(session, token, t);
+      const made = await fork(session, token, at);
       const parent = {id: session, t: now};
       kept.write({id: made.id, token: made.token, address: '', experiment, plain: begunPlain, parent});
       history.pushState({session: made.id}, '', location.href); // the browser's Back leads to the first one
@@ -175,7 +170,7 @@ const link = {
         experiment,
         plain: begunPlain,
         parent,
-        then: () => app.act.tell(app.text.forked(now.toFixed(1))),
+        then: () => app.act.tell(t('page.notice.forked', {t: now.toFixed(1)})),
       });
     } catch (error) {
       app.act.refused(error);
@@ -185,7 +180,7 @@ const link = {
   async visit(id) {
     await writeAddress();
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
-    if (!(await rejoin(id))) app.act.tell(app.text.sessionEnded, {kind: 'problem'});
+    if (!(await rejoin(id))) app.act.tell(t('page.notice.session-ended'), {kind: 'problem'});
   },
 };
 
@@ -205,8 +200,8 @@ async function rejoin(id) {
 
 function failed(error) {
   const problem = {
-    title: app.text.said(error.title ?? app.text.failed),
-    detail: app.text.said(error.detail ?? error.message),
+    title: say(error.title ?? t('page.notice.failed')),
+    detail: say(error.detail ?? error.message),
   };
   store.dispatch({type: 'failed', problem});
 }
@@ -257,7 +252,7 @@ async function open() {
   try {
     asked = await permalink.read(location);
   } catch {
-    return failed({title: app.text.damagedLink, detail: ''});
+    return failed({title: t('page.notice.damaged-link'), detail: ''});
   }
   const mine = kept.read();
   const here = location.search + location.hash;
@@ -266,7 +261,7 @@ async function open() {
   if (asked.session)
     return join({id: asked.session, control: kept.of(asked.session)?.token ?? null, experiment: null, plain: false});
   const linked = asked.t > 0 || asked.changed || asked.spec;
-  const then = linked ? () => app.act.tell(app.text.fromLink(asked.t.toFixed(1))) : undefined;
+  const then = linked ? () => app.act.tell(t('page.notice.from-link', {t: asked.t.toFixed(1)})) : undefined;
   try {
     const spec = await permalink.specOf(asked, library);
     if (spec) {
@@ -291,7 +286,8 @@ async function open() {
 
 app.act = actions(app, link);
 const place = (id) => document.getElementById(id);
-document.documentElement.lang = store.state.language === 'zh' ? 'zh-CN' : 'en';
+window.thetascope = app; // for the console, and for the tests
+await speak(store.state.language);
 const scope = (app.scope = mountScope(place('scope'), app));
 mountHysteresis(place('hysteresis'), app);
 mountTimeline(place('timeline'), app);
@@ -303,10 +299,9 @@ store.subscribe((state) => [state.spec, state.epoch, state.playing, state.sessio
 store.subscribe(
   (state) => [state.spec?.title, state.language],
   ([title]) => {
-    document.title = title ? `${app.text.named(title)} · Thetascope` : 'Thetascope';
+    document.title = title ? `${named(title)} · Thetascope` : 'Thetascope';
   },
 );
 addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));
 addEventListener('popstate', open);
-window.thetascope = app; // for the console, and for the tests
 await Promise.all([mountPanels(app), open()]);

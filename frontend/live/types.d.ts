@@ -77,7 +77,7 @@ export interface Origin {
 
 /** A line of the notice. `alone`: the action is offered only while nobody else views the session. */
 export interface Told {
-  text: string;
+  words: string;
   kind: 'note' | 'problem';
   action: {words: string; act: () => void; alone?: boolean} | null;
   at: number;
@@ -227,8 +227,8 @@ export interface Actions {
   present(on: boolean): void;
   desk(name: string): void;
   theme(wanted: Theme | null): void;
-  language(language: Language): void;
-  tell(text: string, how?: {kind?: Told['kind']; action?: Told['action']}): void;
+  language(language: Language): Promise<void>;
+  tell(words: string, how?: {kind?: Told['kind']; action?: Told['action']}): void;
   refused(error: Failure): void;
   figure(what?: {strip?: string | null; format?: 'png' | 'svg'}): Promise<Blob>;
 }
@@ -237,7 +237,6 @@ export interface Actions {
 export interface App {
   readonly state: State;
   readonly store: Store;
-  readonly text: Words;
   /** The catalogue of the service, requested once. */
   readonly catalogue: Promise<Catalogue>;
   samples: Samples;
@@ -264,9 +263,6 @@ export interface App {
   drop(): void;
   send(command: Command): Promise<Ack>;
 }
-
-/** The words of the page in one language. */
-export type Words = (typeof import('../i18n/live.js'))['en'] & (typeof import('../i18n/live-scope.js'))['en'];
 
 /** A curve of a strip. */
 export interface Trace {

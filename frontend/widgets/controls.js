@@ -2,6 +2,7 @@
 
 import {h, fill, number} from '../common/dom.js';
 import {ENDS, position, value as valueAt} from './slider-scale.js';
+import {say, t} from '../i18n/words.js';
 
 /** The heading of a panel, with a link at its right end. */
 export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2', {}, title), ...right);
@@ -12,7 +13,7 @@ export function asOfNow(app) {
   app.onTick((now) => {
     const {looking, selection, record, spec} = app.state;
     tag.hidden = (looking ?? selection?.[1] ?? Infinity) > now - 1.5 * record;
-    const words = tag.hidden ? '' : app.text.asOfNow(seconds(now, spec?.horizon));
+    const words = tag.hidden ? '' : t('page.diagnosis.now', {t: seconds(now, spec?.horizon)});
     if (tag.textContent !== words) tag.textContent = words;
   });
   return tag;
@@ -151,13 +152,13 @@ export function throttled(send, pause = 200) {
 }
 
 /** A refusal of the server in place: what is wrong, and the remedy. */
-export function refusal(element, error, text) {
+export function refusal(element, error) {
   const closed = (words) =>
-    words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : text.stop}`;
+    words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : t('page.text.stop')}`;
   if (!error) return fill(element);
   return fill(
     element,
-    h('span', {}, closed(text.said(error.problem ?? error.message)), ' '),
-    error.remedy && h('span', {class: 'remedy'}, text.remedyIs(closed(text.said(error.remedy)))),
+    h('span', {}, closed(say(error.problem ?? error.message)), ' '),
+    error.remedy && h('span', {class: 'remedy'}, t('page.text.remedy', {remedy: closed(say(error.remedy))})),
   );
 }

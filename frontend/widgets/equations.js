@@ -4,6 +4,7 @@ import {post} from '../common/api.js';
 import {fill, h, symbol} from '../common/dom.js';
 import {focusWhenScrolling} from '../common/scroll-focus.js';
 import {chip} from './controls.js';
+import {named, t} from '../i18n/words.js';
 
 const ALLOWED = new Set([
   'math',
@@ -54,21 +55,20 @@ function copy(node) {
 
 export async function showEquations(body, app) {
   const {plant, observers} = app.state;
-  const {text} = app;
-  fill(body, h('p', {class: 'soft'}, text.wait));
+  fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
   try {
     const answer = await post('/api/equations', {plant, observers: [...new Set(observers.map((one) => one.kind))]});
     fill(
       body,
-      plantPart(answer.plant, plant, text),
-      observers.map((one) => observerPart(one, answer.observers[one.kind], text)),
+      plantPart(answer.plant, plant),
+      observers.map((one) => observerPart(one, answer.observers[one.kind])),
     );
   } catch (error) {
     fill(body, h('p', {class: 'alarm'}, error.message));
   }
 }
 
-function plantPart(answer, plant, text) {
+function plantPart(answer, plant) {
   const lines = (items) =>
     focusWhenScrolling(
       h(
@@ -79,7 +79,7 @@ function plantPart(answer, plant, text) {
             'div',
             {class: 'equation'},
             mathml(item.math),
-            h('span', {class: 'soft'}, [text.named(item.description), item.unit].filter(Boolean).join(', ')),
+            h('span', {class: 'soft'}, [named(item.description), item.unit].filter(Boolean).join(', ')),
           ),
         ),
       ),
@@ -90,29 +90,29 @@ function plantPart(answer, plant, text) {
       {},
       symbol(channel.name),
       ' ',
-      text.named(channel.title) || channel.name,
-      h('span', {class: 'soft'}, ` ${text.kinds[channel.kind]}`),
+      named(channel.title) || channel.name,
+      h('span', {class: 'soft'}, ` ${t(`page.fault.kind.${channel.kind}`)}`),
     ),
   );
   return h(
     'section',
     {},
-    h('h3', {}, text.named(plant.title) || plant.id),
+    h('h3', {}, named(plant.title) || plant.id),
     plant.source && h('p', {class: 'soft'}, plant.source),
     lines(answer.states),
-    answer.definitions.length > 0 && [h('h4', {}, text.with), lines(answer.definitions)],
-    h('h4', {}, text.measured),
+    answer.definitions.length > 0 && [h('h4', {}, t('page.equations.with')), lines(answer.definitions)],
+    h('h4', {}, t('page.equations.measured')),
     lines(answer.outputs),
-    faults.length > 0 && [h('h4', {}, text.faultsIn), h('ul', {class: 'where'}, faults)],
-    plant.time.kind === 'discrete' && h('p', {class: 'soft'}, text.nextSample(plant.time.period)),
+    faults.length > 0 && [h('h4', {}, t('page.equations.faults')), h('ul', {class: 'where'}, faults)],
+    plant.time.kind === 'discrete' && h('p', {class: 'soft'}, t('page.equations.next-sample', {s: plant.time.period})),
   );
 }
 
-function observerPart(observer, answer, text) {
+function observerPart(observer, answer) {
   return h(
     'section',
     {},
-    h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${text.named(answer.title)}`)),
+    h('h3', {}, chip(observer.colour), observer.label, h('span', {class: 'soft'}, ` ${named(answer.title)}`)),
     h('p', {class: 'soft'}, answer.source),
     focusWhenScrolling(
       h(
@@ -130,7 +130,7 @@ function observerPart(observer, answer, text) {
         answer.where.map(({math, text: words}) => {
           const sign = mathml(math);
           sign.removeAttribute('display');
-          return h('li', {}, sign, h('span', {}, ` ${text.named(words)}`));
+          return h('li', {}, sign, h('span', {}, ` ${named(words)}`));
         }),
       ),
   );

@@ -2,6 +2,7 @@
 // together, since the cards of a column share its height.
 
 import {h} from '../common/dom.js';
+import {t} from '../i18n/words.js';
 
 const LOST = 80; // px of room that may stay empty below the last whole line; a taller one is cut after all
 
@@ -27,7 +28,7 @@ export function wholeLines(list, lines, app) {
     hidden: true,
     onclick: () => list.scrollBy({top: list.clientHeight - 8, behavior: 'smooth'}),
   });
-  const one = {list, more, app, lines: () => lines().filter((line) => line.offsetHeight > 0)};
+  const one = {list, more, lines: () => lines().filter((line) => line.offsetHeight > 0)};
   kept.add(one);
   list.addEventListener('scroll', () => count(one), {passive: true});
   new MutationObserver((changes) => {
@@ -97,9 +98,9 @@ function cap(list, height) {
   if (card && !card.matches('.desk .card')) card.style.flexShrink = height === null ? '' : 0;
 }
 
-function count({list, lines, more, app}) {
+function count({list, lines, more}) {
   const below = lines().filter((line) => bottom(line, list) > list.clientHeight + 2).length;
   more.hidden = below === 0;
-  const words = below ? app.text.moreLines(below) : '';
+  const words = below ? t('page.text.more-lines', {n: below}) : '';
   if (more.textContent !== words) more.textContent = words;
 }

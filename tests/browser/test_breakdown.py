@@ -15,7 +15,7 @@ def test_a_plant_that_broke_down_is_not_called_healthy(page):
         live.evaluate("thetascope.act.play()")
         said = until(live, f"/broke down at 2\\.52/.test({VERDICT}) && {VERDICT}", 30)
         assert "Go back" in said and live.locator(".hint").count() == 0
-        until(live, "/broke down at 2\\.52/.test(document.querySelector('#notice').textContent)")
+        until(live, "/diverged at 2\\.52/.test(document.querySelector('#notice').textContent)")
         live.click("#notice button")
         until(live, "thetascope.state.t < 2.2 && thetascope.state.broken === null")
         until(live, f"!/broke/.test({VERDICT})")
@@ -32,7 +32,7 @@ def test_the_only_observer_is_started_again(page, server):
     live.evaluate("thetascope.act.step(20)")
     until(live, "thetascope.samples.now > 1.19 && Number.isFinite(thetascope.latest('adaptive.x.x1'))")
     until(live, "document.querySelector('.fallen').hidden")
-    assert "you started adaptive again" in live.inner_text("#panel-log") and "watches no more" not in live.inner_text(
+    assert "you restarted adaptive" in live.inner_text("#panel-log") and "adaptive removed" not in live.inner_text(
         "#panel-log"
     )
     observer = live.evaluate("thetascope.state.observers[0]")
@@ -99,4 +99,4 @@ def test_a_fault_that_comes_before_the_alarm_of_the_last_is_over_is_not_said_to_
     live.evaluate("thetascope.act.step(60)")
     said = until(live, f"/came before that alarm was over/.test({VERDICT}) && {VERDICT}")
     assert "since 20.0" in said and "The one of 25.0" in said and "found in" not in live.inner_text(".finding")
-    until(live, "document.querySelector('#panel-comparison .detector td').title === 'Its alarm was on already'")
+    until(live, "document.querySelector('#panel-comparison .detector td').title === 'its alarm was already on'")

@@ -85,7 +85,7 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
     assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
     assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
     until(live, "document.querySelectorAll('.untold:not([hidden])').length >= 2", 20)
-    assert "θ₁ or θ₂, not told apart" in live.locator("#panel-log").inner_text()
+    assert "θ₁ or θ₂, not distinguishable" in live.locator("#panel-log").inner_text()
 
 
 def test_what_no_channel_explains_is_laid_to_the_sensor(page):
@@ -112,12 +112,12 @@ def test_what_can_be_seen_and_how_sure(page):
     see.click()
     assert live.locator("#panel-diagnosis .seen tbody tr").count() == len(told["resolution"]) == 3
     level = live.locator(".level").get_attribute("aria-label")
-    assert f"{told['excitation']['level'] ** 0.5:.2g} times" in level and "10 asked" in level
+    assert f"{told['excitation']['level'] ** 0.5:.2g} times" in level and "10 required" in level
     sure.click()
     assert live.locator("#panel-diagnosis .seen").is_hidden()
     words = live.locator(".fold-out:not([hidden])").inner_text()
     assert "one false alarm in 100 h" in words and f"{told['calibration']['thresholds']['glr']:.3g}" in words
-    assert "0.001 declared" in words and f"{told['calibration']['seeds']} simulated runs" in words
+    assert "0.001 declared" in words and f"{told['calibration']['seeds']} fault-free simulations" in words
 
 
 def test_rank_and_condition_along_the_run(page):
@@ -219,7 +219,7 @@ def test_a_run_shows_its_diagnosis(page):
         "one false alarm in 100 h" in text
         and f"{summary['diagnosis']['detector']['calibration']['thresholds']['glr']:.3g}" in text
     )
-    assert run.locator(".verdicts .group").count() == len(adaptive["rmse"]) and "told apart" in text
+    assert run.locator(".verdicts .group").count() == len(adaptive["rmse"]) and "distinguishable" in text
     for width in (1180, 1440):  # three columns leave the findings little room: no digit may be cut off
         run.set_viewport_size({"width": width, "height": 900})
         widths = run.locator(".finding .amount").evaluate_all(
@@ -239,7 +239,7 @@ def test_faults_below_the_noise_are_said_to_be_unresolvable(page):
     )
     assert marks == [True, True, False]
     live.click(".hint button")
-    assert live.locator("#panel-diagnosis .seen tbody tr", has_text="lost in the noise").count() == 2
+    assert live.locator("#panel-diagnosis .seen tbody tr", has_text="below the noise").count() == 2
 
 
 def test_a_fault_that_is_not_found_is_told_inside_its_card(page):

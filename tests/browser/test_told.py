@@ -86,7 +86,7 @@ def test_a_fault_on_a_fault_is_said_to_be_one(page):
     live.evaluate("thetascope.act.step(300)")
     until(
         live,
-        "/Together with 0\\.02 since 20\\.0.*In all 0\\.04/.test(document.querySelector('#fault-theta3 .stack').textContent)",
+        "/Together with 0\\.02 since 20\\.0.*Total: 0\\.04/.test(document.querySelector('#fault-theta3 .stack').textContent)",
     )
     assert live.evaluate("thetascope.latest('theta.theta3')") == pytest.approx(0.04)
 
@@ -99,13 +99,13 @@ def test_the_log_is_in_order_and_names_the_quantity(page):
       const event = (t, kind, subject, value, text = '') => ({t, row: t, kind, subject, value, text});
       const log = [event(1, 'inject', 'y_speed', {output: 'y_speed', shape: 'dropout', onset: 0, probability: 0.3}), event(9, 'inject', 'friction', {shape: 'step', onset: 3, size: 2}),
         event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5, 'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', '', null, 'the plant escapes')];
-      return lines(log, thetascope.text, thetascope.state.plant, {q_theta: 'Qθ'}).map(({t, words}) => [t, words]);
+      return lines(log, thetascope.state.plant, {q_theta: 'Qθ'}).map(({t, words}) => [t, words]);
     }""")
     assert told == [
         [12, "the plant diverged"],
-        [9, "you injected added friction = 2, step, to begin at 12.0 s"],
+        [9, "you injected added friction = 2, step, starting at 12.0 s"],
         [6.5, "you set Qθ of ekf to 4"],
-        [4, "added friction begins"],
+        [4, "added friction starts"],
         [1, "you injected measured speed: dropout, probability 0.3"],
     ]
     live.evaluate("thetascope.send({type: 'set-gain', observer: 'ekf', gain: 'q_theta', value: 3})")
@@ -121,8 +121,8 @@ def test_things_have_one_name_in_chinese(page):
     until(live, "/1 号罐泄漏/.test(document.querySelector('#panel-log').textContent)")
     said = live.evaluate("""async () => {
       const {spoken, called} = await import('/common/names.js');
-      const {plant} = thetascope.state, {text} = thetascope;
-      return [spoken(text.said('leak1, level1 and clog13 cannot be told apart with this input: only 2 combinations of them show'), plant, text), called('y1', plant, text), called('leak1', plant, text)];
+      const {plant} = thetascope.state;
+      return [spoken('leak1, level1 and clog13 cannot be told apart with this input: only 2 combinations of them show', plant), called('y1', plant), called('leak1', plant)];
     }""")
     assert "1 号罐泄漏" in said[0] and "leak1" not in said[0] and said[1:] == ["y₁", "1 号罐泄漏"]
     options = live.locator("#panel-comparison option").all_inner_texts()

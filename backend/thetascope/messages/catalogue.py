@@ -6,6 +6,7 @@ A template is the translation of a code. It holds fields in braces, each with an
     {value:.4g}  a number by Python's format: .Ng, .Nf, .N%, `,` for thousands, `+` for the sign
     {names}      a list, joined by the catalogue's `join.comma`; {names:or} and {names:and} join the last item so
 
+A blank that has come to stand between two Chinese characters, as around a name that turned out to be Chinese, is left out.
 An entry with plural forms is chosen by the argument `n` and the rule in the catalogue's header. The page renders the
 same templates with frontend/i18n/render.js; tests/messages/rendering.json holds both to the same results.
 """
@@ -25,6 +26,8 @@ from babel.messages.pofile import read_po
 FOLDER = Path(__file__).parent / "locales"
 DEFAULT = "en"
 _FIELD = re.compile(r"\{(\w+)(?::([^{}]*))?\}|\{\{|\}\}")
+_HAN = "[\u3000-\u303f\u4e00-\u9fff\uff00-\uffef]"
+_BLANK = re.compile(f"(?<={_HAN}) +(?={_HAN})")
 
 
 @runtime_checkable
@@ -57,7 +60,7 @@ class Catalogue:
                 return match[0][0]
             return self._value(message.args.get(match[1]), match[2] or "") if match[1] in message.args else match[0]
 
-        return _FIELD.sub(field, template)
+        return _BLANK.sub("", _FIELD.sub(field, template))
 
     def as_data(self) -> dict[str, Any]:
         """Return the catalogue as plain data: language, templates, and the plural rule.

@@ -15,11 +15,19 @@ const CLOSED = new Map([
 const SILENCE = 15_000; // ms without any message after which an offline browser's connection counts as lost
 const LONGEST = 8000; // ms between two tries
 
-/** A command that was not carried out. */
+const NO_CONNECTION = {
+  problem: {code: 'page.notice.no-connection'},
+  remedy: {code: 'page.notice.no-connection.remedy'},
+};
+const ANSWER_LOST = {problem: {code: 'page.notice.answer-lost'}, remedy: {code: 'page.notice.answer-lost.remedy'}};
+
+/** @typedef {string | import('../../i18n/render.js').Message} Said */
+
+/** A command that was not carried out; problem and remedy are messages, {code, args, text}. */
 export class Refused extends Error {
-  /** @param {{field?: string, value?: unknown, problem: string, remedy?: string}} refusal */
+  /** @param {{field?: string, value?: unknown, problem: Said, remedy?: Said}} refusal */
   constructor({field = '', value = null, problem, remedy = ''}) {
-    super(problem);
+    super(typeof problem === 'string' ? problem : (problem.text ?? problem.code));
     this.name = 'Refused';
     this.field = field;
     this.value = value;
@@ -128,8 +136,7 @@ class Connection {
 
   /** @param {number} code */
   closed(code) {
-    for (const {fail} of this.waiting.values())
-      fail(new Refused({problem: 'the connection was lost before the answer came', remedy: 'try again'}));
+    for (const {fail} of this.waiting.values()) fail(new Refused(ANSWER_LOST));
     this.waiting.clear();
     if (this.stopped) return;
     const end = CLOSED.get(code);
@@ -174,9 +181,7 @@ class Connection {
    */
   send(command) {
     if (this.socket.readyState !== WebSocket.OPEN) {
-      return Promise.reject(
-        new Refused({problem: 'there is no connection at the moment', remedy: 'wait until it is back'}),
-      );
+      return Promise.reject(new Refused(NO_CONNECTION));
     }
     const id = this.next;
     this.next += 1;

@@ -9,22 +9,26 @@ import {asOfNow, heading, link, seconds} from '../../widgets/controls.js';
 import {createSeen} from '../../diagnosis/detectability.js';
 import {untold} from '../../diagnosis/fault-size.js';
 import {createSure} from '../../diagnosis/confidence.js';
+import {asSentence, t} from '../../i18n/words.js';
 
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
   const list = h('div', {class: 'scroll', role: 'region', tabindex: 0});
-  const folds = {canSee: createSeen(app), howSure: createSure(app)};
+  const folds = {detectability: createSeen(app), certainty: createSure(app)};
   const more = wholeLines(list, () => [...list.children], app);
   const tag = asOfNow(app);
   let links = {};
   const build = () => {
     links = Object.fromEntries(
-      Object.keys(folds).map((name) => [name, link(app.text[name], () => open(name), {'aria-expanded': 'false'})]),
+      Object.keys(folds).map((name) => [
+        name,
+        link(t(`page.diagnosis.${name}`), () => open(name), {'aria-expanded': 'false'}),
+      ]),
     );
-    list.setAttribute('aria-label', app.text.findings);
+    list.setAttribute('aria-label', t('page.diagnosis.findings'));
     fill(
       element,
-      heading(app.text.diagnosis, tag, h('span', {class: 'heading-links'}, Object.values(links))),
+      heading(t('page.diagnosis.title'), tag, h('span', {class: 'heading-links'}, Object.values(links))),
       verdict,
       Object.values(folds).map((fold) => fold.element),
       list,
@@ -65,7 +69,7 @@ export function mount(element, app) {
     const found = findings(state);
     const words = spell(sentence(found, state), app);
     if (verdict.textContent !== words) verdict.textContent = words;
-    const weak = state.broken === null ? weakness(state, app.text) : '';
+    const weak = state.broken === null ? weakness(state) : '';
     const lost = state.broken === null ? state.observers.filter((one) => one.diverged) : [];
     fill(
       list,
@@ -76,7 +80,11 @@ export function mount(element, app) {
             'p',
             {class: 'hint'},
             h('span', {class: 'light bad'}),
-            h('span', {}, app.text.lostAt(one.label, seconds(one.diverged.t, state.spec.horizon))),
+            h(
+              'span',
+              {},
+              t('page.diagnosis.observer-diverged', {label: one.label, t: seconds(one.diverged.t, state.spec.horizon)}),
+            ),
           ),
         ),
       weak &&
@@ -84,12 +92,16 @@ export function mount(element, app) {
           'p',
           {class: 'hint'},
           h('span', {class: 'light open'}),
-          h('button', {type: 'button', class: 'plain-words', onclick: () => open('canSee')}, weak),
+          h('button', {type: 'button', class: 'plain-words', onclick: () => open('detectability')}, weak),
         ),
       found.length === 0 &&
         state.broken === null &&
         state.plant.channels.length > 0 &&
-        h('p', {class: 'soft'}, state.plant.inputs.length ? app.text.invite : app.text.inviteOutputs),
+        h(
+          'p',
+          {class: 'soft'},
+          state.plant.inputs.length ? t('page.diagnosis.invite') : t('page.diagnosis.invite-outputs'),
+        ),
     );
     for (const fold of Object.values(folds)) if (!fold.element.hidden) fold.show();
     place();
@@ -113,15 +125,13 @@ export function mount(element, app) {
 /** Whether it is too soon to judge: the sentence changes when that is over. */
 const early = ({t, diagnosis}) => (diagnosis?.calibration?.from_time ?? 0) > t;
 
-/** Which faults cannot be told now, not even typical ones; '' where all can. */
-function weakness(state, text) {
+/** The faults that cannot be distinguished now, not even of typical size; '' where all can. */
+function weakness(state) {
   const lost = untold(state);
   const {excitation} = state.diagnosis ?? {};
   if (!excitation || lost.length === 0) return '';
   if (lost.every((one) => one.smallest !== null))
-    return capital(text.unresolved(lost.map((one) => called(one.channel, state.plant, text))));
+    return capital(t('page.diagnosis.unresolved', {names: lost.map((one) => called(one.channel, state.plant))}));
   const whole = lost.length === state.diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable).length;
-  return whole
-    ? capital(spoken(text.said(excitation.text), state.plant, text)) + text.stop
-    : capital(lost.map((one) => spoken(text.said(one.text), state.plant, text)).join(text.and)) + text.stop;
+  return (whole ? [excitation] : lost).map((one) => asSentence(spoken(one.text, state.plant))).join(' ');
 }

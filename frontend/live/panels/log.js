@@ -5,6 +5,7 @@ import {wholeLines} from '../../widgets/whole-lines.js';
 import {heading} from '../../widgets/controls.js';
 import {icon} from '../../widgets/svg.js';
 import {lines} from '../ui/event-words.js';
+import {t} from '../../i18n/words.js';
 
 export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
@@ -13,26 +14,26 @@ export function mount(element, app) {
   let made = new WeakMap(); // event → its line, so that a long log is not made anew with every event
   const build = () => {
     made = new WeakMap();
-    list.setAttribute('aria-label', app.text.log);
-    fill(element, heading(app.text.log), list, more);
+    list.setAttribute('aria-label', t('page.log.title'));
+    fill(element, heading(t('page.log.title')), list, more);
     update();
   };
   const update = () => {
-    const found = lines(app.state.log, app.text, app.state.plant, signs);
-    fill(list, found.length ? found.map(kept) : h('li', {class: 'soft'}, app.text.emptyLog));
+    const found = lines(app.state.log, app.state.plant, signs);
+    fill(list, found.length ? found.map(kept) : h('li', {class: 'soft'}, t('page.log.empty')));
   };
   const kept = (one) => {
     if (!made.has(one.event)) made.set(one.event, line(one));
     return made.get(one.event);
   };
-  const line = ({t, words, alarm, own}) =>
+  const line = ({t: at, words, alarm, own}) =>
     h(
       'li',
       {class: alarm ? 'alarm' : own ? 'own' : null},
       h(
         'button',
-        {type: 'button', class: 'moment', title: app.text.showMoment, onclick: () => look(t)},
-        h('span', {class: 'time'}, t.toFixed(app.state.spec?.horizon >= 1000 ? 0 : 1)),
+        {type: 'button', class: 'moment', title: t('page.log.show'), onclick: () => look(at)},
+        h('span', {class: 'time'}, at.toFixed(app.state.spec?.horizon >= 1000 ? 0 : 1)),
         h('span', {}, words),
       ),
       h(
@@ -40,16 +41,16 @@ export function mount(element, app) {
         {
           type: 'button',
           class: 'plain back control-only',
-          title: app.text.backHere,
-          'aria-label': `${app.text.backHere}, ${t.toFixed(1)} s`,
-          onclick: () => app.act.seek(t),
+          title: t('page.log.back'),
+          'aria-label': t('page.log.back-to', {t: at.toFixed(1)}),
+          onclick: () => app.act.seek(at),
         },
         icon('back', 13),
       ),
     );
-  const look = (t) => {
+  const look = (at) => {
     const span = app.state.window ?? 30;
-    app.act.select(Math.max(0, t - span / 5), Math.max(0, t - span / 5) + span);
+    app.act.select(Math.max(0, at - span / 5), Math.max(0, at - span / 5) + span);
   };
   app.catalogue.then(
     ({observers}) => {

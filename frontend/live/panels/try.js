@@ -6,6 +6,7 @@ import {called} from '../../common/names.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
 import {heading, seconds} from '../../widgets/controls.js';
 import {icon} from '../../widgets/svg.js';
+import {t} from '../../i18n/words.js';
 
 const SAME = 1e-6; // s
 const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;
@@ -29,12 +30,12 @@ export function mount(element, app) {
     if (experiment !== app.state.experiment) return;
     element.hidden = questions.length === 0;
     shown = questions;
-    list.setAttribute('aria-label', app.text.tryThis);
+    list.setAttribute('aria-label', t('page.try.title'));
     fill(
       list,
       questions.map((step) => question(step, language)),
     );
-    fill(element, heading(app.text.tryThis), list, more);
+    fill(element, heading(t('page.try.title')), list, more);
   };
   const question = ({question: words, do: commands}, language) =>
     h(
@@ -47,8 +48,8 @@ export function mount(element, app) {
           {
             type: 'button',
             class: 'plain go control-only',
-            title: app.text.doIt,
-            'aria-label': `${app.text.doIt}: ${words[language] ?? words.en}`,
+            title: t('page.try.do'),
+            'aria-label': t('page.try.do-question', {question: words[language] ?? words.en}),
             onclick: () => carryOut(commands),
           },
           icon('go', 13),
@@ -66,7 +67,6 @@ export function mount(element, app) {
   /** What a question waits for: a fault that it has injected to begin later. It stands in the log, so it is there again after going back or loading. */
   const wait = () => {
     const {faults, log, plant, spec} = app.state;
-    const {text} = app;
     for (const [place, {do: commands}] of shown.entries()) {
       const later = commands.filter(({fault}) => fault?.onset > 0);
       const coming =
@@ -78,14 +78,14 @@ export function mount(element, app) {
                 !ended &&
                 later.some(({fault}) => (fault.channel ?? fault.output) === subject && fault.shape === shape) &&
                 log.some(
-                  ({kind, subject: of, value, t}) =>
-                    kind === 'inject' && of === subject && Math.abs(t + value.onset - onset) < SAME,
+                  ({kind, subject: of, value, t: at}) =>
+                    kind === 'inject' && of === subject && Math.abs(at + value.onset - onset) < SAME,
                 ),
             );
       const line = element.querySelectorAll('.coming')[place];
       if (line)
         line.textContent = coming
-          ? text.tight(text.coming({name: called(coming.subject, plant, text), t: seconds(coming.onset, spec.horizon)}))
+          ? t('page.try.waiting', {name: called(coming.subject, plant), t: seconds(coming.onset, spec.horizon)})
           : '';
     }
   };

@@ -3,6 +3,7 @@
 import {fill, h} from '../../common/dom.js';
 import {figureOf, image, show} from './plotly-figure.js';
 import {wanted} from './axis-view.js';
+import {named, t} from '../../i18n/words.js';
 
 const STRIP = 230; // px of height for each strip in a picture of all
 
@@ -14,7 +15,7 @@ function shown(app, name) {
 }
 
 function make(app, strips, {span = app.span(), whole = false} = {}) {
-  const {state, samples, text} = app;
+  const {state, samples} = app;
   const inSight = strips.map((strip) => ({
     ...strip,
     range: whole ? wanted(strip, samples, ...span, true) : rangeOf(app, strip.name),
@@ -25,10 +26,9 @@ function make(app, strips, {span = app.span(), whole = false} = {}) {
     faults: state.faults,
     alarms: state.alarms,
     bands: app.scope.bands(),
-    text,
     t0: span[0],
     t1: span[1],
-    title: strips.length > 1 ? text.named(state.spec.title) || state.spec.id : null,
+    title: strips.length > 1 ? named(state.spec.title) || state.spec.id : null,
   });
 }
 
@@ -50,10 +50,9 @@ export function picture(app, {strip = null, format = 'png'} = {}) {
 
 /** Open a strip as a figure over the page. */
 export async function openFigure(app, name) {
-  const {text} = app;
   const [strip] = shown(app, name);
   if (!strip) return;
-  const plot = h('div', {class: 'plot'}, h('p', {class: 'soft'}, text.loadingFigure));
+  const plot = h('div', {class: 'plot'}, h('p', {class: 'soft'}, t('page.scope.drawing')));
   const keep = async (format) => {
     const address = URL.createObjectURL(await picture(app, {strip: name, format}));
     h('a', {href: address, download: `${app.state.spec.id}-${strip.name.replaceAll('.', '-')}.${format}`}).click();
@@ -64,7 +63,7 @@ export async function openFigure(app, name) {
     'dialog',
     {
       class: 'figure-dialog',
-      'aria-label': text.named(strip.title) || strip.name,
+      'aria-label': named(strip.title) || strip.name,
       onclose: () => {
         if (plot.data) window.Plotly.purge(plot);
         dialog.remove();
@@ -73,11 +72,11 @@ export async function openFigure(app, name) {
     h(
       'div',
       {class: 'heading'},
-      h('h2', {}, text.named(strip.title) || strip.name),
+      h('h2', {}, named(strip.title) || strip.name),
       h('span', {class: 'grow'}),
-      button(text.savePng, () => keep('png')),
-      button(text.saveSvg, () => keep('svg')),
-      button(text.close, () => dialog.close()),
+      button('PNG', () => keep('png')),
+      button('SVG', () => keep('svg')),
+      button(t('page.action.close'), () => dialog.close()),
     ),
     plot,
   );

@@ -5,6 +5,7 @@ import {symbolic} from '../../common/names.js';
 import {seconds} from '../../widgets/number-format.js';
 import {link} from '../../widgets/controls.js';
 import {kept} from '../net/session.js';
+import {named, t} from '../../i18n/words.js';
 
 export function mountHead(root, app, scope) {
   const legend = h('ul', {class: 'legend'});
@@ -34,9 +35,8 @@ export function mountHead(root, app, scope) {
   app.subscribe(
     (state) => [state.window, state.selection, state.language, state.windows, state.looking],
     ([window, selection, , lengths, looking]) => {
-      const {text} = app;
-      windows.setAttribute('aria-label', text.window);
-      windows.title = `${text.windowHint}. ${text.zoomHint}`;
+      windows.setAttribute('aria-label', t('page.scope.window'));
+      windows.title = t('page.scope.window.hint');
       fill(
         windows,
         [...lengths, null].map((length) =>
@@ -47,7 +47,7 @@ export function mountHead(root, app, scope) {
               'aria-pressed': String(length === window && (!selection || looking !== null)),
               onclick: () => app.act.window(length),
             },
-            length === null ? text.all : text.windowOf(length),
+            length === null ? t('page.scope.all') : t('page.scope.window-of', {s: length}),
           ),
         ),
       );
@@ -56,8 +56,8 @@ export function mountHead(root, app, scope) {
         const step = (selection[1] - selection[0]) / 50;
         fill(
           zoom,
-          text.zoomed(seconds(selection[0], step), seconds(selection[1], step)),
-          h('button', {type: 'button', class: 'link', onclick: () => app.act.select(null)}, text.follow),
+          t('page.scope.zoomed', {from: seconds(selection[0], step), to: seconds(selection[1], step)}),
+          h('button', {type: 'button', class: 'link', onclick: () => app.act.select(null)}, t('page.scope.follow')),
         );
       }
     },
@@ -96,7 +96,7 @@ function fitLegend(legend) {
 }
 
 function legendOf(app, scope) {
-  const {state, text} = app;
+  const {state} = app;
   const forked = kept.forkOf(state.session);
   const item = (mark, words, extra = {}) =>
     h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
@@ -105,19 +105,27 @@ function legendOf(app, scope) {
     state.columns.some((column) => column.startsWith(`${label}.sigma.`)),
   );
   return [
-    item(key('dash'), text.truth),
+    item(key('dash'), t('page.scope.truth')),
     ...state.observers.map((observer) => nameOf(observer, banded, app, scope, key('solid', `--c:${observer.colour}`))),
     banded.length > 0 && bandOf(banded, app, key),
-    item(key('tinted'), text.faultActive),
-    item(key('triangle'), text.alarm),
+    item(key('tinted'), t('page.scope.fault-active')),
+    item(key('triangle'), t('page.scope.alarm')),
     state.parent &&
-      item(key('ghost'), [link(text.parentCurves, () => app.act.visit(state.parent.id), {title: text.toParent})], {
-        class: 'own',
-      }),
+      item(
+        key('ghost'),
+        [link(t('page.scope.parent'), () => app.act.visit(state.parent.id), {title: t('page.scope.parent.hint')})],
+        {
+          class: 'own',
+        },
+      ),
     forked &&
       item(
         key('ghost'),
-        [link(text.forkFrom(seconds(forked.parent.t, 0.1)), () => app.act.visit(forked.id), {title: text.toFork})],
+        [
+          link(t('page.scope.fork', {t: seconds(forked.parent.t, 0.1)}), () => app.act.visit(forked.id), {
+            title: t('page.scope.fork.hint'),
+          }),
+        ],
         {class: 'own'},
       ),
   ];
@@ -125,10 +133,7 @@ function legendOf(app, scope) {
 
 /** An observer's name; where several have a band, a button that leaves only its own. */
 function nameOf({label}, banded, app, scope, mark) {
-  const {
-    state: {band},
-    text,
-  } = app;
+  const {band} = app.state;
   if (banded.length < 2 || !banded.some((one) => one.label === label))
     return h('li', {class: 'own', title: label}, mark, h('span', {}, label));
   return h(
@@ -145,7 +150,7 @@ function nameOf({label}, banded, app, scope, mark) {
       {
         type: 'button',
         class: 'name',
-        title: text.bandOnly(label),
+        title: t('page.scope.band-only', {label}),
         'aria-pressed': String(band === label),
         onclick: () => {
           scope.point(null);
@@ -159,22 +164,28 @@ function nameOf({label}, banded, app, scope, mark) {
 
 /** Whose bands are drawn: of all of them the colours, of the chosen one its name, and the way back to all. */
 function bandOf(banded, app, key) {
-  const {
-    state: {band},
-    text,
-  } = app;
+  const {band} = app.state;
   const chosen = banded.length > 1 ? banded.find(({label}) => label === band) : null;
   const shown = chosen ? [chosen] : banded;
   return h(
     'li',
-    {'data-mark': 'band', title: chosen ? null : text.bandHint},
+    {'data-mark': 'band', title: chosen ? null : t('page.scope.band.hint')},
     h(
       'span',
       {class: 'bands', 'aria-hidden': 'true'},
       shown.map(({colour}) => key('band', `--c:${colour}`)),
     ),
-    h('span', {}, chosen ? text.bandOf(chosen.label) : banded.length > 1 ? text.bandOfAll : text.band),
-    chosen && h('button', {type: 'button', class: 'link', onclick: () => app.act.band(null)}, text.allBands),
+    h(
+      'span',
+      {},
+      chosen
+        ? t('page.scope.band-of', {label: chosen.label})
+        : banded.length > 1
+          ? t('page.scope.bands')
+          : t('page.scope.band'),
+    ),
+    chosen &&
+      h('button', {type: 'button', class: 'link', onclick: () => app.act.band(null)}, t('page.scope.all-bands')),
   );
 }
 
@@ -187,7 +198,6 @@ const GROUPS = [
 ];
 
 function fillMenu(menu, app) {
-  const {text} = app;
   const all = app.strips();
   const box = (strip) =>
     h(
@@ -199,25 +209,34 @@ function fillMenu(menu, app) {
         onchange: (event) => app.act.strip(strip.name, event.target.checked),
       }),
       strip.kind === 'excitation'
-        ? text.excitation
+        ? t('page.scope.excitation')
         : symbolic(strip.symbol)
           ? symbol(strip.symbol)
-          : text.named(strip.title),
-      h('small', {}, strip.kind === 'residual' ? text.residual : symbolic(strip.symbol) ? text.named(strip.title) : ''),
+          : named(strip.title),
+      h(
+        'small',
+        {},
+        strip.kind === 'residual' ? t('page.scope.residual') : symbolic(strip.symbol) ? named(strip.title) : '',
+      ),
     );
   const groups = GROUPS.map(([kind, name]) => {
     const own = all.filter((strip) => strip.kind === kind);
-    return own.length ? h('fieldset', {}, h('legend', {}, text[name]), own.map(box)) : null;
+    return own.length ? h('fieldset', {}, h('legend', {}, t(`page.scope.group.${name}`)), own.map(box)) : null;
   });
   const changed = Object.keys(app.state.strips).length > 0;
   fill(
     menu,
-    h('summary', {title: text.stripsHint}, text.strips),
+    h('summary', {title: t('page.scope.strips.hint')}, t('page.scope.strips')),
     h(
       'div',
       {class: 'menu-body'},
       groups,
-      changed && h('button', {type: 'button', class: 'link', onclick: () => app.act.strip(null)}, text.stripsUsual),
+      changed &&
+        h(
+          'button',
+          {type: 'button', class: 'link', onclick: () => app.act.strip(null)},
+          t('page.scope.strips-default'),
+        ),
     ),
   );
 }

@@ -5,6 +5,7 @@ import {Range, marks, niceStep} from './axes.js';
 import {palette} from './canvas.js';
 import {fixed} from '../../widgets/number-format.js';
 import {moment} from './values.js';
+import {t} from '../../i18n/words.js';
 
 const SHOWN = 240; // rows of the loop
 const BACKLASH = /^\s*backlash\(\s*(\w+)\s*,.*,\s*([\w.]+)\s*,\s*([\w.]+)\s*\)\s*$/;
@@ -19,7 +20,7 @@ export function operatorsOf(plant) {
     const match = BACKLASH.exec(expression);
     if (!match) continue;
     input ??= match[1];
-    const memory = Object.entries(plant.dynamics).find(([, text]) => text.trim() === name)?.[0]; // the state that keeps its output
+    const memory = Object.entries(plant.dynamics).find(([, dynamics]) => dynamics.trim() === name)?.[0]; // the state that keeps its output
     if (memory && input === match[1]) operators.push({name, memory, right: amount(match[2]), left: amount(match[3])});
   }
   return operators.length ? {input, operators} : null;
@@ -45,7 +46,7 @@ export function mountHysteresis(root, app) {
   app.subscribe(
     (state) => [state.plant, state.language, state.columns],
     () => {
-      const {text, state} = app;
+      const {state} = app;
       picture.found = operatorsOf(state.plant);
       root.hidden = picture.found === null;
       if (root.hidden) return;
@@ -53,16 +54,21 @@ export function mountHysteresis(root, app) {
         state.observers.find(
           ({label}) => state.columns.includes(`${label}.v`) && state.columns.includes(`${label}.zone.1`),
         ) ?? null;
-      loop.setAttribute('aria-label', text.hysteresis);
-      slots.setAttribute('aria-label', text.zones);
+      loop.setAttribute('aria-label', t('page.hysteresis.title'));
+      slots.setAttribute('aria-label', t('page.hysteresis.zones'));
       fill(
         root,
-        h('h2', {}, text.hysteresis, values),
+        h('h2', {}, t('page.hysteresis.title'), values),
         h(
           'div',
           {class: 'loop'},
-          h('figure', {}, loop, h('figcaption', {}, h('i', {}, 'v'), ` ${text.over} `, symbol(picture.found.input))),
-          h('figure', {}, slots, h('figcaption', {}, text.slots)),
+          h(
+            'figure',
+            {},
+            loop,
+            h('figcaption', {}, h('i', {}, 'v'), ` ${t('page.hysteresis.over')} `, symbol(picture.found.input)),
+          ),
+          h('figure', {}, slots, h('figcaption', {}, t('page.hysteresis.slots'))),
         ),
       );
       measure(picture);
@@ -101,11 +107,10 @@ function zoneWords({app, found, observer}) {
   if (!observer) return '';
   const zones = found.operators.map((_, i) => app.latest(`${observer.label}.zone.${i + 1}`));
   const count = (zone) => zones.filter((one) => one === zone).length;
-  const {text} = app;
   return [
-    [1, text.rising],
-    [-1, text.falling],
-    [0, text.memory],
+    [1, t('page.hysteresis.zone.rising')],
+    [-1, t('page.hysteresis.zone.falling')],
+    [0, t('page.hysteresis.zone.memory')],
   ]
     .map(([zone, word]) => `${word} ${count(zone)}`)
     .join(' · ');

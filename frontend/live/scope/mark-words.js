@@ -2,6 +2,8 @@
 
 /** @import {App, Row} from '../types.js' */
 
+import {t} from '../../i18n/words.js';
+
 const NEAR = 6; // px
 
 /**
@@ -12,11 +14,15 @@ const NEAR = 6; // px
  * @param {(x: number) => number} timeAt
  * @param {App} app
  */
-export function markWords({strip, place}, x, y, timeAt, {state, text, samples}) {
-  const [from, t, to] = [timeAt(x - NEAR), timeAt(x), timeAt(x + NEAR)];
-  /** @param {string} name @param {...number} times */
-  const said = (name, ...times) =>
-    `${times.map((one) => one.toFixed(state.record >= 1 ? 0 : 1)).join('–')} s: ${text.marks[name]}`;
+export function markWords({strip, place}, x, y, timeAt, {state, samples}) {
+  const [from, at, to] = [timeAt(x - NEAR), timeAt(x), timeAt(x + NEAR)];
+  /** @param {number} time */
+  const spelt = (time) => time.toFixed(state.record >= 1 ? 0 : 1);
+  /** @param {string} mark @param {number} start @param {number | null} end */
+  const said = (mark, start, end = null) =>
+    end === null
+      ? t('page.marks.at', {t: spelt(start), mark})
+      : t('page.marks.during', {from: spelt(start), to: spelt(end), mark});
   const gone = strip.leaving?.find(
     ({from: a, to: b, up}) =>
       (a + b) / 2 > timeAt(x - 3 * NEAR) &&
@@ -33,10 +39,11 @@ export function markWords({strip, place}, x, y, timeAt, {state, text, samples}) 
         );
   for (const alarm of named) {
     if (y < 2 * NEAR && alarm.t > from && alarm.t < to)
-      return said(alarm.subject === strip.subject ? 'alarm' : 'second', alarm.t);
-    if (y > place.height - 2 * NEAR && alarm.from < to && alarm.to > from) return said('onset', alarm.from, alarm.to);
-    if (y < NEAR && t > alarm.t && t < (alarm.over ?? samples.now))
-      return said('stands', alarm.t, alarm.over ?? samples.now);
+      return said(alarm.subject === strip.subject ? t('page.marks.alarm') : t('page.marks.second'), alarm.t);
+    if (y > place.height - 2 * NEAR && alarm.from < to && alarm.to > from)
+      return said(t('page.marks.onset'), alarm.from, alarm.to);
+    if (y < NEAR && at > alarm.t && at < (alarm.over ?? samples.now))
+      return said(t('page.marks.stands'), alarm.t, alarm.over ?? samples.now);
   }
-  return gone ? text.marks.leaves : '';
+  return gone ? t('page.marks.leaves') : '';
 }

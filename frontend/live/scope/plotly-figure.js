@@ -3,6 +3,7 @@
 import {h} from '../../common/dom.js';
 import {plain, symbolic} from '../../common/names.js';
 import {palette} from './canvas.js';
+import {named, t} from '../../i18n/words.js';
 
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
 const OPTIONS = {
@@ -57,21 +58,21 @@ export function points(samples, name, t0, t1) {
 }
 
 /** Strips between two times as a Plotly figure, one above the other on one time axis. */
-export function figureOf({samples, strips, faults, alarms, bands, text, t0, t1, title}) {
+export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}) {
   const colours = palette();
   const figure = {
     data: [],
     layout: layoutOf({colours, title, t0, t1, axis: `y${strips.length > 1 ? strips.length : ''}`}),
   };
   const total = strips.reduce((sum, {weight}) => sum + weight, 0);
-  const named = new Set();
+  const listed = new Set();
   let top = 1;
   strips.forEach((strip, i) => {
     const axis = `y${i ? i + 1 : ''}`;
     const high = (strip.weight / total) * (1 - 0.03 * (strips.length - 1));
     figure.layout[`yaxis${i ? i + 1 : ''}`] = {
       domain: [Math.max(0, top - high), top],
-      title: {text: nameOf(strip, text), standoff: 6},
+      title: {text: nameOf(strip), standoff: 6},
       gridcolor: colours.grid,
       linecolor: colours.line,
       zerolinecolor: colours.line,
@@ -80,7 +81,7 @@ export function figureOf({samples, strips, faults, alarms, bands, text, t0, t1, 
       ...(strip.log ? {tickprefix: '10<sup>', ticksuffix: '</sup>', dtick: 1} : {}),
     };
     top -= high + 0.03;
-    figure.data.push(...curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}));
+    figure.data.push(...curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}));
     if (strip.kind === 'theta') figure.layout.shapes.push(...tintsOf(strip, axis, faults, t0, t1, samples.now));
     if (strip.threshold !== null)
       figure.layout.shapes.push({
@@ -95,12 +96,12 @@ export function figureOf({samples, strips, faults, alarms, bands, text, t0, t1, 
       });
     figure.layout.annotations.push(...flagsOf(strip, axis, alarms, t0, t1, colours));
   });
-  figure.data.push(...keysOf(figure, strips, text, colours));
+  figure.data.push(...keysOf(figure, strips, colours));
   return figure;
 }
 
 /** What the marks of a figure mean, as entries of its legend: curves without points. */
-function keysOf({layout}, strips, text, colours) {
+function keysOf({layout}, strips, colours) {
   const entry = (name, look) => ({
     type: 'scatter',
     mode: 'markers',
@@ -113,24 +114,24 @@ function keysOf({layout}, strips, text, colours) {
   });
   return [
     layout.shapes.some(({type}) => type === 'rect') &&
-      entry(text.faultActive, {marker: {symbol: 'square', size: 11, color: TINT}}),
+      entry(t('page.scope.fault-active'), {marker: {symbol: 'square', size: 11, color: TINT}}),
     layout.annotations.length > 0 &&
-      entry(text.alarm, {marker: {symbol: 'triangle-down', size: 10, color: colours.alarm}}),
+      entry(t('page.scope.alarm'), {marker: {symbol: 'triangle-down', size: 10, color: colours.alarm}}),
     strips.some(({threshold}) => threshold !== null) &&
-      entry(text.threshold, {mode: 'lines', line: {color: colours.alarm, width: 1, dash: 'dot'}}),
+      entry(t('page.scope.threshold'), {mode: 'lines', line: {color: colours.alarm, width: 1, dash: 'dot'}}),
   ].filter(Boolean);
 }
 
 /** Alarms on the strip that they name, as flags at its upper edge. */
 function flagsOf(strip, axis, alarms, t0, t1, colours) {
-  const named = ({explained, subject, subjects}) =>
+  const names = ({explained, subject, subjects}) =>
     strip.kind === 'theta'
       ? subjects.includes(strip.subject)
       : strip.kind === 'residual' && !explained && subject === strip.subject;
   return alarms
-    .filter((alarm) => named(alarm) && alarm.t >= t0 && alarm.t <= t1)
-    .map(({t, subject}) => ({
-      x: t,
+    .filter((alarm) => names(alarm) && alarm.t >= t0 && alarm.t <= t1)
+    .map(({t: at, subject}) => ({
+      x: at,
       y: 1,
       xref: 'x',
       yref: `${axis} domain`,
@@ -175,14 +176,14 @@ function layoutOf({colours, title, t0, t1, axis}) {
 }
 
 /** Bands, estimates and truth of a strip; a name stands in the legend once. */
-function curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}) {
+function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
   const base = {type: 'scatter', mode: 'lines', xaxis: 'x', yaxis: axis};
   const edge = {...base, line: {width: 0}, hoverinfo: 'skip', showlegend: false};
   const shown = strip.traces.filter(({low, label}) => low && bands.has(label)).reverse();
   const areas = shown.flatMap((trace) => {
-    const name = text.bandOf(trace.label);
-    const showlegend = !named.has(name);
-    named.add(name);
+    const name = t('page.scope.band-of', {label: trace.label});
+    const showlegend = !listed.has(name);
+    listed.add(name);
     return [
       {...edge, ...points(samples, trace.low, t0, t1), legendgroup: name},
       {
@@ -197,8 +198,8 @@ function curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}) {
     ];
   });
   const curve = (column, name, line) => {
-    const showlegend = !named.has(name);
-    named.add(name);
+    const showlegend = !listed.has(name);
+    listed.add(name);
     return {...base, ...points(samples, column, t0, t1), name: escaped(name), legendgroup: name, showlegend, line};
   };
   return [
@@ -206,7 +207,7 @@ function curvesOf(strip, axis, {samples, text, t0, t1, colours, named, bands}) {
     ...strip.traces.map((trace) =>
       curve(trace.column, trace.label, {color: colours.observers[trace.place % 6], width: 1.4}),
     ),
-    ...(strip.truth ? [curve(strip.truth, text.truth, {color: colours.ink, width: 1.2, dash: 'dash'})] : []),
+    ...(strip.truth ? [curve(strip.truth, t('page.scope.truth'), {color: colours.ink, width: 1.2, dash: 'dash'})] : []),
   ];
 }
 
@@ -231,9 +232,10 @@ function tintsOf(strip, axis, faults, t0, t1, now) {
 /** Text that Plotly is not to read as its own markup. */
 const escaped = (words) => words.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
 
-function nameOf(strip, text) {
-  const name = symbolic(strip.symbol) ? plain(strip.symbol) : text.named(strip.title) || plain(strip.symbol);
-  const words = {residual: `${name}: ${text.residual}`, excitation: text.excitation}[strip.kind] ?? name;
+function nameOf(strip) {
+  const name = symbolic(strip.symbol) ? plain(strip.symbol) : named(strip.title) || plain(strip.symbol);
+  const words =
+    {residual: t('page.scope.residual-of', {name}), excitation: t('page.scope.excitation')}[strip.kind] ?? name;
   return escaped(words + (strip.unit ? ` / ${strip.unit}` : ''));
 }
 

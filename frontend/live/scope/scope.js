@@ -11,6 +11,7 @@ import {showValues} from './values.js';
 import {untold} from '../../diagnosis/fault-size.js';
 import {leaving, setTicks, wanted} from './axis-view.js';
 import {stripsOf} from '../state/strips.js';
+import {named, say, t} from '../../i18n/words.js';
 
 const AIM = 300; // ms between looks at what the axes should show
 const GUTTER = 52; // px for the marks of the vertical axis
@@ -39,7 +40,7 @@ export function mountScope(root, app) {
   app.subscribe(
     (state) => state.language,
     () => {
-      scope.title.textContent = app.text.scope;
+      scope.title.textContent = t('page.scope.title');
     },
   );
   app.subscribe(
@@ -86,14 +87,14 @@ export class Scope {
 
   /** Make the rows anew where the strips have changed; rows that stay keep their axes. */
   build() {
-    const {state, text} = this.app;
+    const {state} = this.app;
     this.strips = stripsOf(state);
     const shown = this.strips.filter((strip) => strip.shown);
     for (const strip of shown) {
       const row = this.rows.get(strip.name) ?? createRow();
       this.rows.set(strip.name, row);
       row.strip = {...strip, ticks: [], labels: [], power: ''};
-      this.label(row, text);
+      this.label(row);
     }
     const wanted = shown.map((strip) => this.rows.get(strip.name).element);
     for (const name of [...this.rows.keys()]) if (!shown.some((strip) => strip.name === name)) this.rows.delete(name);
@@ -108,17 +109,18 @@ export class Scope {
     this.app.wake();
   }
 
-  label(row, text) {
+  label(row) {
     const {strip} = row;
-    const words = {residual: text.residual, excitation: text.excitation}[strip.kind] ?? text.named(strip.title);
+    const words =
+      {residual: t('page.scope.residual'), excitation: t('page.scope.excitation')}[strip.kind] ?? named(strip.title);
     const [letters, index] = split(strip.symbol);
     const wordy = strip.kind === 'excitation' ? false : letters.length > 1 || index.length > 3;
     const unit = strip.unit ? ` ${strip.unit}` : '';
     const open = tool('open', 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4', () =>
       openFigure(this.app, strip.name),
     );
-    open.title = text.openFigure;
-    open.setAttribute('aria-label', `${text.openFigure}: ${words}`);
+    open.title = t('page.scope.open-figure');
+    open.setAttribute('aria-label', t('page.scope.open-figure-of', {strip: words}));
     row.all ??= tool('all', 'M8 2v12M5 4.500L8 2l3 2.500M5 11.500L8 14l3-2.500', () => this.showAll(row));
     row.all.dataset.name = words;
     this.labelAll(row);
@@ -155,13 +157,14 @@ export class Scope {
 
   /** Say which faults the input of the last window does not tell. */
   showUntold() {
-    const {state, text} = this.app;
+    const {state} = this.app;
     const lost = untold(state);
     for (const {strip, untold: mark} of this.rows.values()) {
       if (strip.kind === 'excitation') continue;
       const one = strip.kind === 'theta' ? lost.find(({channel}) => channel === strip.subject) : undefined;
       mark.hidden = one === undefined;
-      mark.textContent = one?.smallest === null ? text.notSeenNow : text.underNoise;
+      mark.textContent =
+        one?.smallest === null ? t('page.diagnosis.not-identifiable') : t('page.detectability.below-noise');
     }
   }
 
@@ -297,23 +300,23 @@ export class Scope {
   }
 
   labelAll({all, whole}) {
-    const words = whole ? this.app.text.usualAxis : this.app.text.wholeAxis;
-    all.title = words;
-    all.setAttribute('aria-label', `${words}: ${all.dataset.name}`);
+    const action = whole ? t('page.scope.usual-axis') : t('page.scope.whole-axis');
+    all.title = action;
+    all.setAttribute('aria-label', t('page.scope.axis-of', {action, strip: all.dataset.name}));
     all.setAttribute('aria-pressed', String(Boolean(whole)));
   }
 
   /** What stands where there are no curves (yet). */
   showEmpty() {
-    const {state, samples, text} = this.app;
+    const {state, samples} = this.app;
     const words = ['ended', 'failed', 'full'].includes(state.connection)
       ? ''
       : !state.plant
-        ? text.loading
+        ? t('page.scope.starting')
         : this.rows.size === 0
-          ? text.noStrips
+          ? t('page.scope.no-strips')
           : samples.rows < 2 && !state.playing
-            ? text.nothingYet
+            ? t('page.scope.nothing-yet')
             : '';
     this.empty.hidden = words === '';
     if (this.empty.textContent !== words) this.empty.textContent = words;
@@ -329,7 +332,7 @@ export class Scope {
 
   /** Why no observer tells the excitation yet. */
   showNoExcitation() {
-    const {state, samples, text} = this.app;
+    const {state, samples} = this.app;
     const row = this.rows.get('excitation');
     if (!row) return;
     const told = row.strip.traces.some(({column}) => Number.isFinite(samples.latest(column)));
@@ -339,7 +342,7 @@ export class Scope {
           .flatMap(({label}) => state.checks[label] ?? [])
           .find(({name, value}) => /excit/i.test(name) && value === null);
     row.untold.hidden = !why;
-    const words = why ? text.said(why.text) : '';
+    const words = why ? say(why.text) : '';
     if (row.untold.textContent !== words) row.untold.textContent = words;
   }
 }

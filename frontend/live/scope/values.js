@@ -2,8 +2,9 @@
 
 import {power} from '../../widgets/number-format.js';
 import {written} from './axis-view.js';
+import {t} from '../../i18n/words.js';
 
-/** @import {App, Row, State, Strip, Words} from '../types.js' */
+/** @import {App, Row, State, Strip} from '../types.js' */
 
 /**
  * The time whose values are shown.
@@ -18,24 +19,28 @@ export const moment = ({cursor, looking, selection}, now) => Math.min(now, curso
  * @param {App} app
  */
 export function showValues(rows, app) {
-  const {state, samples, text} = app;
+  const {state, samples} = app;
   const row = Math.min(samples.rows - 1, Math.round(moment(state, samples.now) / samples.record));
   for (const {strip, values, range, canvas} of rows) {
     const spell = strip.log
       ? excitation
       : written(range.target ? {low: range.target[0], high: range.target[1]} : range);
-    const shown = [...(strip.truth ? [{column: strip.truth, label: text.truth, fallen: null}] : []), ...strip.traces];
+    const shown = [
+      ...(strip.truth ? [{column: strip.truth, label: t('page.scope.truth'), fallen: null}] : []),
+      ...strip.traces,
+    ];
     const words = shown.map(({column, fallen, label}, i) => {
       const value = samples.value(column, row);
-      const said = fallen !== null && value !== value ? text.diverged : spell(value);
+      const said = fallen !== null && value !== value ? t('page.scope.diverged') : spell(value);
       const cell = values.children[i];
       put(cell, said);
-      if (strip.log) cell?.classList.toggle('warning', said === text.diverged);
+      if (strip.log) cell?.classList.toggle('warning', said === t('page.scope.diverged'));
       return `${label} ${said}`;
     });
     if (strip.log && shown.length === 1)
-      words.push(judge(values.children[1], samples.value(shown[0].column, row), strip, text));
-    if (!state.playing) canvas.setAttribute('aria-label', text.describe(canvas.dataset.name, words.join(', ')));
+      words.push(judge(values.children[1], samples.value(shown[0].column, row), strip));
+    if (!state.playing)
+      canvas.setAttribute('aria-label', t('page.text.values', {title: canvas.dataset.name, values: words.join(', ')}));
   }
 }
 
@@ -52,11 +57,15 @@ const excitation = (value) => (value === value ? power(10 ** value) : '–');
  * @param {Element | undefined} cell
  * @param {number} value
  * @param {Strip} strip
- * @param {Words} text
  */
-function judge(cell, value, {threshold}, text) {
-  const words = value !== value || threshold === null ? '' : value >= threshold ? text.excited : text.notExcited;
+function judge(cell, value, {threshold}) {
+  const words =
+    value !== value || threshold === null
+      ? ''
+      : value >= threshold
+        ? t('page.scope.excited')
+        : t('page.scope.not-excited');
   put(cell, words);
-  cell?.classList.toggle('warning', words === text.notExcited);
+  cell?.classList.toggle('warning', words === t('page.scope.not-excited'));
   return words;
 }

@@ -1,38 +1,38 @@
-// Events of the session as sentences, in the language of the page.
+// Events of the session as messages, in the order in which the log shows them.
 
 import {number} from '../../common/dom.js';
 import {called, plain} from '../../common/names.js';
 import {amount} from '../../diagnosis/fault-size.js';
+import {say, t} from '../../i18n/words.js';
 
-const DRAGGED = 5; // s between two values of one slider that are told as one
+const DRAGGED = 5; // s between two values of one slider that are shown as one
 
 /**
- * Lines for the log, newest first: by the time of what they tell, as an alarm, say, is told later than it was raised. A gain or noise that was dragged
- * is one line. `signs`: what the observers' gains are called.
+ * Lines for the log, newest first by the time at which each event happened: an alarm, for example, is reported later than it was raised. A gain or a
+ * noise level that was dragged is one line. `signs`: the symbols of the observers' gains.
  * @returns {{event: object, t: number, words: string, alarm: boolean, own: boolean}[]}
  */
-export function lines(log, text, plant, signs = {}, most = 200) {
-  const told = log
+export function lines(log, plant, signs = {}, most = 200) {
+  const sorted = log
     .filter(({kind}) => kind !== 'substeps')
     .map((event, place) => ({event, place}))
     .sort((a, b) => b.event.t - a.event.t || b.place - a.place);
-  const made = [];
-  for (const [place, {event}] of told.entries()) {
-    if (made.length >= most) break;
-    const next = told[place - 1]?.event;
+  const shown = [];
+  for (const [place, {event}] of sorted.entries()) {
+    if (shown.length >= most) break;
+    const next = sorted[place - 1]?.event;
     if (dragged(event, next) || restarted(event, next)) continue;
-    const said = restarted(told[place + 1]?.event, event)
-      ? text.events.restarted(event)
-      : words(event, text, plant, signs);
-    made.push({
+    shown.push({
       event,
       t: event.t,
-      words: said,
+      words: restarted(sorted[place + 1]?.event, event)
+        ? t('page.events.restarted', {label: event.subject})
+        : words(event, plant, signs),
       alarm: event.kind === 'alarm' || event.kind === 'diverged',
       own: OWN.has(event.kind),
     });
   }
-  return made;
+  return shown;
 }
 
 /** Whether a slider went on from a gain or a noise to the next. */
@@ -43,7 +43,7 @@ const dragged = (event, next) =>
   next.value?.gain === event.value?.gain &&
   next.t - event.t < DRAGGED;
 
-/** Whether an observer was taken away and put back in one row: it was started again. */
+/** Whether an observer was removed and added again in one row: it was restarted. */
 const restarted = (removed, added) =>
   removed?.kind === 'observer-removed' &&
   added?.kind === 'observer-added' &&
@@ -62,50 +62,67 @@ const OWN = new Set([
   'reset',
 ]);
 
-function words(event, text, plant, signs) {
-  const say = text.events[event.kind];
-  if (!say) return event.text;
-  if (event.kind === 'alarm' || event.kind === 'alarm-over') return text.tight(say(alarmed(event, plant, text)));
-  return text.tight(
-    say({
-      name: event.subject && called(event.subject, plant, text),
-      subject: event.subject,
-      observer: event.observer,
-      ...numbers(event, text, signs),
-      planned: event.value?.planned,
-      t: number(event.t, 4),
+/** The words for each kind of event; `name` is what the page calls its subject. */
+const WORDS = {
+  inject: ({event, name}) => injected(event, name),
+  clear: ({event: {subject, value}, name}) => {
+    if (subject) return value?.planned ? t('page.events.clear-planned', {name}) : t('page.events.clear', {name});
+    return value?.planned ? t('page.events.clear-all-planned') : t('page.events.clear-all');
+  },
+  'fault-begins': ({name}) => t('page.events.fault-begins', {name}),
+  'fault-ends': ({name}) => t('page.events.fault-ends', {name}),
+  gain: ({event: {subject, value}, signs}) =>
+    t('page.events.gain', {
+      gain: signs[value.gain] ?? plain(value.gain),
+      label: subject,
+      size: spelt(value.value),
     }),
-  );
+  signal: ({name}) => t('page.events.signal', {name}),
+  noise: ({event, name}) => t('page.events.noise', {name, size: spelt(event.value)}),
+  'observer-added': ({event}) => t('page.events.observer-added', {label: event.subject}),
+  'observer-removed': ({event}) => t('page.events.observer-removed', {label: event.subject}),
+  alarm: ({event, plant}) => alarm(event, plant),
+  'alarm-over': ({event, plant}) => t('page.events.alarm-over', {names: alarmNames(event, plant)}),
+  diverged: ({event: {subject}}) =>
+    subject ? t('page.events.diverged', {label: subject}) : t('page.events.plant-diverged'),
+  rewound: ({event}) => t('page.events.rewound', {t: number(event.t, 4)}),
+  reset: () => t('page.events.reset'),
+};
+
+function words(event, plant, signs) {
+  const name = event.subject && called(event.subject, plant);
+  return WORDS[event.kind]?.({event, plant, signs, name}) ?? say(event.text);
 }
 
-/** What an alarm names: the channel and those that explain the data as well, or an output that nothing explains. */
-function alarmed({subject, value}, plant, text) {
+/** The channel that an alarm names and those that explain the data equally well, or an output that no fault explains. */
+const alarmNames = ({subject, value}, plant) =>
+  (value.kind === 'fault' ? [value.channel, ...value.alternatives] : [subject]).map((name) => called(name, plant));
+
+function alarm(event, plant) {
+  const {value} = event;
+  const names = alarmNames(event, plant);
+  if (value.kind !== 'fault') return t('page.events.alarm-unexplained', {name: names[0]});
+  if (names.length > 1) return t('page.events.alarm-ambiguous', {names});
   const channel = plant.channels.find((one) => one.name === value.channel);
-  const names = value.kind === 'fault' ? [value.channel, ...value.alternatives] : [subject];
   const size =
-    value.size === null ? '' : amount({size: value.size, half: (value.size_to - value.size_from) / 2}, channel);
-  return {
-    names: names.map((name) => called(name, plant, text)),
-    explained: value.kind === 'fault',
-    size,
-    onset: number(value.onset, 4),
-  };
+    value.size === null ? '–' : amount({size: value.size, half: (value.size_to - value.size_from) / 2}, channel);
+  return t('page.events.alarm', {name: names[0], size});
 }
 
-/** What a fault's shape is told by; anything but a size is told with its name. */
+/** The field that tells most about a fault of a shape; any but a size is shown with its name. */
 const MAIN = ['size', 'rate', 'intensity', 'value', 'std', 'probability', 'resolution', 'delay', 'values'];
 
-/** What an event's value says: a number, a gain, or a fault. */
-function numbers({value, t}, text, signs) {
-  if (value === null || typeof value !== 'object') return {size: spelt(value)};
-  if ('gain' in value) return {gain: signs[value.gain] ?? plain(value.gain), size: spelt(value.value)};
-  const name = MAIN.find((one) => one in value);
-  return {
-    size: name ? spelt(value[name]) : '',
-    quantity: name && name !== 'size' ? text.fields[name] : '',
-    shape: value.shape && (text.shapes[value.shape] ?? value.shape),
-    later: value.onset > 0 ? (t + value.onset).toFixed(1) : '',
-  };
+/** A fault that was injected: its shape, its main quantity, and when it starts if that is later. */
+function injected({value, t: at}, name) {
+  const shape = t(`page.fault.shape.${value.shape}`);
+  const main = MAIN.find((one) => one in value);
+  const size = main && spelt(value[main]);
+  const event = !main
+    ? t('page.events.inject-shape', {name, shape})
+    : main === 'size'
+      ? t('page.events.inject', {name, size, shape})
+      : t('page.events.inject-quantity', {name, shape, quantity: t(`page.fault.field.${main}`), size});
+  return value.onset > 0 ? t('page.events.later', {event, t: (at + value.onset).toFixed(1)}) : event;
 }
 
 function spelt(value) {

@@ -5,6 +5,7 @@ import {called} from '../../common/names.js';
 import {seconds} from '../../widgets/number-format.js';
 import {seconds as timed} from '../../widgets/controls.js';
 import {stand, isInHeader, watchRoom} from './free-place.js';
+import {t} from '../../i18n/words.js';
 
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
@@ -65,53 +66,60 @@ export function mountNotice(root, app) {
         told.action.act();
       };
       const offered = told.action && !(told.action.alone && app.state.viewers > 1);
-      show({kind: told.kind, words: told.text, buttons: offered ? [button(told.action.words, act)] : []});
+      show({kind: told.kind, words: told.words, buttons: offered ? [button(told.action.words, act)] : []});
       timer = setTimeout(hide, left);
     },
   );
 }
 
-/** The faults under which the plant broke down, as words. */
-function under({plant, faults}, text) {
+/** The faults with which the plant diverged, one text each. */
+function under({plant, faults}) {
   const sensors = new Set(plant?.channels.filter(({kind}) => kind === 'sensor').map(({name}) => name));
   const acting = faults.filter(({active, onChannel, subject}) => active && onChannel && !sensors.has(subject));
-  return acting
-    .map(
-      ({subject, fault}) =>
-        `${called(subject, plant, text)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`,
-    )
-    .join(', ');
+  return acting.map(
+    ({subject, fault}) =>
+      `${called(subject, plant)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`,
+  );
 }
 
 /** What stands in the way, with the ways on; null: nothing. */
 function inTheWay(app) {
-  const {state, text, act} = app;
-  const anew = button(text.startNew, () => act.open(state.experiment));
+  const {state, act} = app;
+  const anew = button(t('page.notice.new-session'), () => act.open(state.experiment));
   switch (state.connection) {
     case 'reconnecting':
-      return {kind: 'lost', words: text.reconnecting};
+      return {kind: 'lost', words: t('page.notice.reconnecting')};
     case 'full':
-      return {kind: 'problem', words: text.full, buttons: [anew]};
+      return {kind: 'problem', words: t('page.notice.full'), buttons: [anew]};
     case 'failed':
       return {
         kind: 'problem',
-        words: [h('b', {}, state.problem?.title ?? text.failed), ' ', state.problem?.detail ?? ''],
-        buttons: [button(text.startNew, () => act.open(null))],
+        words: [h('b', {}, state.problem?.title ?? t('page.notice.failed')), ' ', state.problem?.detail ?? ''],
+        buttons: [button(t('page.notice.new-session'), () => act.open(null))],
       };
     case 'ended':
       return {
         kind: 'problem',
-        words: text.sessionEnded,
-        buttons: [state.spec && button(text.startAgain, () => act.openSpec(state.spec, {t: app.samples.now})), anew],
+        words: t('page.notice.session-ended'),
+        buttons: [
+          state.spec && button(t('page.notice.restart'), () => act.openSpec(state.spec, {t: app.samples.now})),
+          anew,
+        ],
       };
     default:
   }
   if (!state.ended) return null;
-  if (state.broken === null) return {kind: 'note', words: text.horizon};
+  if (state.broken === null) return {kind: 'note', words: t('page.notice.horizon')};
+  const [faults, at] = [under(state), timed(state.broken, state.spec.horizon)];
   const before = Math.max(0, state.broken - Math.max(BEFORE * state.broken, 10 * state.record));
   return {
     kind: 'note',
-    words: text.plantEscaped(under(state, text), timed(state.broken, state.spec.horizon)),
-    buttons: state.role === 'control' ? [button(text.goBefore(seconds(before, 0.1)), () => act.seek(before))] : [],
+    words: faults.length
+      ? t('page.notice.plant-diverged-under', {t: at, faults})
+      : t('page.notice.plant-diverged', {t: at}),
+    buttons:
+      state.role === 'control'
+        ? [button(t('page.notice.back-to', {t: seconds(before, 0.1)}), () => act.seek(before))]
+        : [],
   };
 }

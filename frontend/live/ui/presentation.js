@@ -2,6 +2,7 @@
 // there and back: they read in the order in which they are seen, keep what was typed, and exist once. What it looks like is in presentation.css.
 
 import {fill, h} from '../../common/dom.js';
+import {t} from '../../i18n/words.js';
 
 /** The tabs with their keys; behind each is the panel of that name. */
 export const TABS = {inject: 'I', observers: 'O', comparison: 'M', log: 'G', try: 'Y'};
@@ -71,16 +72,16 @@ export function mountDesk(main, app) {
   ); // before the panel opens the row: it is mounted later
   app.subscribe(
     (state) => state.language,
-    () => label(list, tabs, app.text),
+    () => label(list, tabs),
   );
 }
 
-function label(list, tabs, text) {
-  list.setAttribute('aria-label', text.deskLabel);
-  const words = {...text, try: text.tryThis};
+function label(list, tabs) {
+  list.setAttribute('aria-label', t('page.desk.label'));
   for (const [name, tab] of tabs) {
-    fill(tab, words[name]);
-    tab.title = `${words[name]} (${TABS[name]})`;
+    const words = t(`page.desk.${name}`);
+    fill(tab, words);
+    tab.title = t('page.desk.tab', {name: words, key: TABS[name]});
   }
 }
 

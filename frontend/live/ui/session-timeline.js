@@ -7,6 +7,7 @@ import {palette} from '../scope/canvas.js';
 import {seconds} from '../../widgets/number-format.js';
 import {lines} from './event-words.js';
 import {stand, watchRoom} from './free-place.js';
+import {t} from '../../i18n/words.js';
 
 const NEAR = 6; // px
 const CHANGES = new Set(['gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
@@ -59,8 +60,8 @@ export function mountTimeline(root, app) {
   app.subscribe(
     (state) => state.language,
     () => {
-      slider.setAttribute('aria-label', app.text.timeline);
-      slider.title = app.text.timelineHint;
+      slider.setAttribute('aria-label', t('page.timeline.label'));
+      slider.title = t('page.timeline.hint');
     },
   );
   app.onFrame(() => draw(timeline));
@@ -183,25 +184,29 @@ function cross(ctx, x, y, colour) {
   ctx.stroke();
 }
 
-/** What can be done at the time that is looked at. */
-function offer(timeline, t) {
-  const {app, choice, root} = timeline;
-  const {text, act} = app;
-  choice.hidden = t === null;
-  if (t === null) return;
+/** The actions offered at the time that is looked at. */
+function offer(timeline, at) {
+  const {app, choice} = timeline;
+  const {act} = app;
+  choice.hidden = at === null;
+  if (at === null) return;
   const may = app.state.role === 'control';
   fill(
     choice,
-    h('span', {}, text.lookingAt(seconds(t, 0.1))),
+    h('span', {}, t('page.timeline.looking-at', {t: seconds(at, 0.1)})),
     may &&
       h(
         'button',
-        {type: 'button', class: 'run', title: text.continueHint, onclick: () => act.seek(t)},
-        text.continueHere,
+        {type: 'button', class: 'run', title: t('page.timeline.continue.hint'), onclick: () => act.seek(at)},
+        t('page.timeline.continue'),
       ),
     may &&
-      h('button', {type: 'button', class: 'quiet', title: text.forkHint, onclick: () => act.fork(t)}, text.forkHere),
-    h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, text.backToNow),
+      h(
+        'button',
+        {type: 'button', class: 'quiet', title: t('page.timeline.fork.hint'), onclick: () => act.fork(at)},
+        t('page.timeline.fork'),
+      ),
+    h('button', {type: 'button', class: 'quiet', onclick: () => act.look(null)}, t('page.timeline.now')),
   );
   place(timeline);
 }
@@ -231,7 +236,7 @@ function listen(timeline) {
   });
   slider.addEventListener('pointermove', (event) => {
     if (slider.hasPointerCapture(event.pointerId)) go(timeAt(event));
-    else slider.title = near(timeline, event) || app.text.timelineHint;
+    else slider.title = near(timeline, event) || t('page.timeline.hint');
   });
   slider.addEventListener('keydown', (event) => {
     const by = reach(timeline) / 100;
@@ -254,14 +259,14 @@ function listen(timeline) {
 
 /** What happened where the pointer is, as the log says it. */
 function near({app, slider, width, ...timeline}, event) {
-  const {state, text} = app;
+  const {state} = app;
   const x = event.clientX - slider.getBoundingClientRect().left;
   const end = reach({app, ...timeline});
-  const found = lines(state.log, text, state.plant).filter(({t}) => Math.abs((t / end) * width - x) < NEAR);
+  const found = lines(state.log, state.plant).filter((line) => Math.abs((line.t / end) * width - x) < NEAR);
   return found
     .slice(0, 5)
     .reverse()
-    .map(({t, words}) => `${seconds(t, state.record >= 1 ? 1 : 0.1)} s: ${words}`)
+    .map((line) => t('page.events.at', {t: seconds(line.t, state.record >= 1 ? 1 : 0.1), event: line.words}))
     .join('\n');
 }
 

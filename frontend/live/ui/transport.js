@@ -2,6 +2,7 @@
 
 import {fill, h} from '../../common/dom.js';
 import {seconds, SPEEDS, times} from '../../widgets/number-format.js';
+import {t} from '../../i18n/words.js';
 
 const ICONS = {
   start: ['M3.5 3v10M12.5 3.5v9L6 8z'],
@@ -47,19 +48,19 @@ export function mountTransport(root, app) {
   app.subscribe(
     (state) => [state.language, state.role, state.session, state.connection, state.ended, state.playing, state.speed],
     () => {
-      const {state, text} = app;
+      const {state} = app;
       const touch = state.role === 'control' && state.connection === 'live';
-      name(start, text.toStart);
-      name(step, text.step);
-      name(fork, text.fork);
-      name(speed, text.speed);
-      clock.title = text.clock;
-      name(play, state.playing ? text.pause : text.play);
+      name(start, t('page.transport.start'));
+      name(step, t('page.transport.step'));
+      name(fork, t('page.transport.fork'));
+      name(speed, t('page.transport.speed'));
+      clock.title = t('page.transport.clock');
+      name(play, state.playing ? t('page.transport.pause') : t('page.transport.play'));
       fill(play, icon(state.playing ? 'pause' : 'play', 16));
       for (const element of [start, speed]) element.disabled = !touch;
       for (const element of [step, play]) element.disabled = !touch || state.ended;
       fork.disabled = state.connection !== 'live';
-      showSpeeds(speed, state.speed, text);
+      showSpeeds(speed, state.speed);
     },
   );
   app.onTick(() => {
@@ -73,14 +74,14 @@ function name(element, text) {
   element.setAttribute('aria-label', text);
 }
 
-function showSpeeds(select, speed, text) {
+function showSpeeds(select, speed) {
   const all = SPEEDS.includes(speed) ? SPEEDS : [...SPEEDS.slice(0, -1), speed].sort((a, b) => a - b).concat(null);
   fill(
     select,
     all.map((value) =>
       h(
         'option',
-        {value: value ?? 'max', selected: value === speed, title: value === null ? text.fastest : null},
+        {value: value ?? 'max', selected: value === speed, title: value === null ? t('page.transport.fastest') : null},
         times(value),
       ),
     ),

@@ -4,10 +4,12 @@ import {connection, get, post, Problem} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
 import {focusWhenScrolling} from '../../common/scroll-focus.js';
 import {mathml} from '../../widgets/equations.js';
-import {text} from '../../i18n/pages.js';
 import {problemBlock} from '../../common/problem.js';
 import {mountTop} from '../../common/page-header.js';
+import {chosenLanguage} from '../../i18n/language.js';
+import {named, say, speak, t} from '../../i18n/words.js';
 
+await speak(chosenLanguage());
 const KINDS = Object.fromEntries((await get('/api/catalogue')).observers.map((kind) => [kind.id, kind.title]));
 
 /** The equations of a plant, as rows. */
@@ -18,7 +20,7 @@ function equations(answer) {
       'div',
       {class: 'equations'},
       rows.map((item) =>
-        h('div', {class: 'equation'}, mathml(item.math), h('span', {class: 'soft'}, text.named(item.description))),
+        h('div', {class: 'equation'}, mathml(item.math), h('span', {class: 'soft'}, named(item.description))),
       ),
     ),
   );
@@ -29,12 +31,12 @@ function card(line, experiments, editor) {
   const fold = h(
     'details',
     {class: 'card plant-card'},
-    h('summary', {}, h('b', {}, text.named(line.title) || line.id), h('span', {class: 'soft'}, line.source)),
+    h('summary', {}, h('b', {}, named(line.title) || line.id), h('span', {class: 'soft'}, line.source)),
     body,
   );
   fold.addEventListener('toggle', async () => {
     if (!fold.open || body.childElementCount) return;
-    fill(body, h('p', {class: 'soft'}, text.loading));
+    fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
     const {plant} = await get(`/api/equations/${encodeURIComponent(line.id)}`);
     const open = experiments
       .filter((one) => one.plant === line.id)
@@ -42,7 +44,7 @@ function card(line, experiments, editor) {
         h(
           'a',
           {class: 'quiet', href: `/?experiment=${encodeURIComponent(one.id)}`},
-          `${text.goLive}: ${text.named(one.title)}`,
+          t('page.plants.open-live', {title: named(one.title)}),
         ),
       );
     const take = h(
@@ -56,20 +58,31 @@ function card(line, experiments, editor) {
           editor.focus();
         },
       },
-      text.copyPlant,
+      t('page.plants.edit-copy'),
     );
-    fill(body, h('p', {}, text.named(line.description)), equations(plant), h('p', {class: 'links'}, open, take));
+    fill(body, h('p', {}, named(line.description)), equations(plant), h('p', {class: 'links'}, open, take));
   });
   return fold;
 }
 
-/** What a check found: sizes, equations, which observers can be built and why others cannot. */
+/** How many states, inputs, outputs and channels a plant has. */
+const sizes = ({states, inputs, outputs, channels}) =>
+  t('page.plants.sizes', {
+    sizes: [
+      t('page.plants.states', {n: states}),
+      t('page.plants.inputs', {n: inputs}),
+      t('page.plants.outputs', {n: outputs}),
+      t('page.plants.channels', {n: channels}),
+    ],
+  });
+
+/** The result of a check: sizes, equations, which observers can be built and why others cannot. */
 async function checked(typed, result) {
   let plant;
   try {
     plant = JSON.parse(typed);
   } catch (error) {
-    return fill(result, h('p', {class: 'alarm', role: 'alert'}, `${text.noJson}: ${error.message}`));
+    return fill(result, h('p', {class: 'alarm', role: 'alert'}, t('page.plants.not-json', {error: error.message})));
   }
   try {
     const [report, {plant: written}] = await Promise.all([
@@ -78,7 +91,7 @@ async function checked(typed, result) {
     ]);
     return fill(
       result,
-      h('p', {role: 'status'}, h('b', {}, text.valid), ` ${text.sizes(report.sizes)}.`),
+      h('p', {role: 'status'}, h('b', {}, t('page.plants.valid')), ` ${sizes(report.sizes)}`),
       equations(written),
       h(
         'ul',
@@ -88,8 +101,12 @@ async function checked(typed, result) {
             'li',
             {},
             h('span', {class: `light ${one.possible ? 'ok' : 'bad'}`}),
-            ` ${text.named(KINDS[one.kind]) ?? one.kind} `,
-            h('span', {class: 'soft'}, one.possible ? text.canBuild : `${text.cannotBuild}: ${text.said(one.why)}`),
+            ` ${named(KINDS[one.kind]) ?? one.kind} `,
+            h(
+              'span',
+              {class: 'soft'},
+              one.possible ? t('page.plants.can-build') : t('page.plants.cannot-build', {why: say(one.why)}),
+            ),
           ),
         ),
       ),
@@ -101,10 +118,10 @@ async function checked(typed, result) {
 }
 
 const root = document.querySelector('.plants');
-document.querySelector('.skip').textContent = text.plants;
+document.querySelector('.skip').textContent = t('page.plants.title');
 mountTop(document.querySelector('.top'), connection, 'plants');
 const [{plants}, {experiments}] = await Promise.all([get('/api/plants'), get('/api/experiments')]);
-const editor = h('textarea', {rows: 14, id: 'own', spellcheck: 'false', placeholder: text.pasteHint});
+const editor = h('textarea', {rows: 14, id: 'own', spellcheck: 'false', placeholder: t('page.plants.own.hint')});
 const result = h('div', {class: 'result'});
 const form = h(
   'form',
@@ -115,15 +132,15 @@ const form = h(
       checked(editor.value, result);
     },
   },
-  h('label', {for: 'own'}, h('h2', {}, text.paste)),
+  h('label', {for: 'own'}, h('h2', {}, t('page.plants.own'))),
   editor,
-  h('button', {class: 'run', type: 'submit'}, text.check),
+  h('button', {class: 'run', type: 'submit'}, t('page.plants.check')),
   result,
 );
 fill(
   root,
-  h('h1', {}, text.plants),
-  h('p', {class: 'soft'}, text.plantsText),
+  h('h1', {}, t('page.plants.title')),
+  h('p', {class: 'soft'}, t('page.plants.about')),
   plants.map((line) => card(line, experiments, editor)),
   form,
 );

@@ -2,28 +2,28 @@
 
 import {connection, get, post, Problem} from '../../common/api.js';
 import {fill, h, number, symbol} from '../../common/dom.js';
-import {language} from '../../i18n/language.js';
 import {alarmFrom} from '../../diagnosis/alarms.js';
 import {badge} from '../../widgets/controls.js';
 import {amount} from '../../diagnosis/fault-size.js';
-import * as words from '../../i18n/live.js';
 import {badges, called, capital, split, spoken} from '../../common/names.js';
-import {text} from '../../i18n/pages.js';
 import {problemBlock} from '../../common/problem.js';
 import {mountTop} from '../../common/page-header.js';
 import {columnsOf, needed} from './csv.js';
+import {chosenLanguage} from '../../i18n/language.js';
+import {asSentence, named, speak, t} from '../../i18n/words.js';
 
-let live = words[language()];
 const POINTS = 1200;
+const SLOT = '\u0000'; // where elements take the place of an argument
+await speak(chosenLanguage());
 
 /** An output over time, with what was found in it. */
-function course(output, t, y, alarms) {
-  const [first, last] = [t[0], t.at(-1)];
+function course(output, time, y, alarms) {
+  const [first, last] = [time[0], time.at(-1)];
   const [low, high] = y.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
   const x = (at) => ((at - first) / (last - first || 1)) * 1000;
   const up = (v) => 97 - ((v - low) / (high - low || 1)) * 94;
-  const every = Math.max(1, Math.floor(t.length / POINTS));
-  const path = t
+  const every = Math.max(1, Math.floor(time.length / POINTS));
+  const path = time
     .map((at, k) => [at, y[k]])
     .filter((_, k) => k % every === 0)
     .map(([at, v], k) => `${k ? 'L' : 'M'}${x(at).toFixed(1)} ${up(v).toFixed(1)}`)
@@ -38,7 +38,7 @@ function course(output, t, y, alarms) {
       h(
         'span',
         {class: 'soft'},
-        ` ${text.named(output.title ?? output.description ?? '')}${output.unit ? `, ${output.unit}` : ''}`,
+        ` ${named(output.title ?? output.description ?? '')}${output.unit ? `, ${output.unit}` : ''}`,
       ),
     ),
     h(
@@ -64,8 +64,8 @@ function row(one, plant, short) {
   const channel = plant.channels.find(({name}) => name === one.subject);
   const names = one.explained ? one.subjects : [one.subject];
   const title = one.explained
-    ? text.named(channel?.title ?? '') || called(one.subject, plant, live)
-    : live.measurementOf(called(one.subject, plant, live));
+    ? named(channel?.title ?? '') || called(one.subject, plant)
+    : capital(called(one.subject, plant));
   return h(
     'tr',
     {},
@@ -73,7 +73,7 @@ function row(one, plant, short) {
       'td',
       {class: 'name'},
       names.map((name, k) => [
-        k > 0 && ` ${live.or} `,
+        k > 0 && ` ${t('page.diagnosis.or')} `,
         badge(short.get(name) ?? split(name), {square: !one.explained}),
       ]),
       ' ',
@@ -83,14 +83,14 @@ function row(one, plant, short) {
     h('td', {}, number(one.onset, 5)),
     h('td', {}, one.from === one.to ? '–' : `${number(one.from, 5)} … ${number(one.to, 5)}`),
     h('td', {}, number(one.t, 5)),
-    h('td', {}, one.over === null ? text.stillOn : number(one.over, 5)),
+    h('td', {}, one.over === null ? t('page.records.still-on') : number(one.over, 5)),
   );
 }
 
 /** What was found: the sentence, one line each, the outputs, and what it rests on. */
 function found(told, plant, columns) {
-  const t = columns.t ?? columns.time;
-  const begin = t?.[0] ?? 0; // the diagnosis counts from the first row on
+  const time = columns.t ?? columns.time;
+  const begin = time?.[0] ?? 0; // the diagnosis counts from the first row on
   const alarms = told.alarms.map(alarmFrom).map((one) => ({
     ...one,
     t: one.t + begin,
@@ -100,7 +100,14 @@ function found(told, plant, columns) {
     over: one.over === null ? null : one.over + begin,
   }));
   const short = badges(plant.channels);
-  const heads = [text.fault, text.size, text.since, text.between, text.noticed, text.overAt];
+  const heads = [
+    t('page.records.column.fault'),
+    t('page.records.column.size'),
+    t('page.records.column.onset'),
+    t('page.records.column.interval'),
+    t('page.records.column.detected'),
+    t('page.records.column.cleared'),
+  ];
   const table =
     alarms.length > 0 &&
     h(
@@ -127,32 +134,42 @@ function found(told, plant, columns) {
     );
   const shown = plant.outputs
     .map((output) => [output, columns[`y.${output.name}`] ?? columns[output.name]])
-    .filter(([, y]) => y && t);
+    .filter(([, y]) => y && time);
   const {calibration, noise} = told;
   return [
     h(
       'section',
       {class: 'card found', role: 'status'},
-      h('h2', {}, text.diagnosis),
-      h('p', {class: 'verdict'}, alarms.length ? text.faultsFound(alarms.length) : text.noFault),
+      h('h2', {}, t('page.diagnosis.title')),
+      h(
+        'p',
+        {class: 'verdict'},
+        alarms.length ? t('page.records.faults', {n: alarms.length}) : t('page.records.no-fault'),
+      ),
       table,
       calibration &&
         h(
           'p',
           {class: 'soft'},
           [
-            ...noise.map((one) => text.noiseFound(called(one.output, plant, live), number(one.estimated, 3))),
-            text.judged(number(calibration.false_alarms), calibration.seeds, number(calibration.from_time, 3)),
+            ...noise.map((one) =>
+              t('page.records.noise', {output: called(one.output, plant), std: number(one.estimated, 3)}),
+            ),
+            t('page.records.calibrated', {
+              rate: number(calibration.false_alarms),
+              runs: calibration.seeds,
+              from: number(calibration.from_time, 3),
+            }),
           ].join(' '),
         ),
-      told.note && h('p', {class: 'soft'}, capital(spoken(text.said(told.note), plant, live))),
+      told.note && h('p', {class: 'soft'}, asSentence(spoken(told.note, plant))),
     ),
     shown.length > 0 &&
       h(
         'section',
         {class: 'card'},
-        h('h2', {}, text.recorded),
-        shown.map(([output, y]) => course(output, t, y, alarms)),
+        h('h2', {}, t('page.records.recorded')),
+        shown.map(([output, y]) => course(output, time, y, alarms)),
       ),
   ];
 }
@@ -191,19 +208,19 @@ const show = (elements) => {
 async function showNames() {
   const plant = await plantOf(choice.value);
   const columns = ['t', ...[...plant.inputs, ...plant.signals, ...plant.outputs].map((one) => one.name)];
+  // the names stand in a sentence of their own as code
+  const [before, after] = t('page.records.columns', {columns: SLOT}).split(SLOT);
   fill(
     names,
-    text.columnsAre,
-    ' ',
+    before,
     columns.map((name, k) => [k > 0 && ', ', h('code', {}, name)]),
-    '. ',
-    text.columnsMore,
+    after,
   );
 }
 
 /** Do something of which the server may refuse a part; what it gives is said beside the buttons. */
 async function attempt(work) {
-  say(() => text.running);
+  say(() => t('page.runs.running'));
   try {
     say((await work()) ?? (() => ''));
   } catch (error) {
@@ -242,40 +259,39 @@ async function simulated() {
   ];
   const answer = await fetch(`/api/runs/${run.id}/data?format=csv&columns=${columns.join(',')}`);
   taken = await answer.text();
-  return () => text.takenFrom(id);
+  return () => t('page.records.simulated', {id});
 }
 
 async function submit(event) {
   event.preventDefault();
   const csv = taken ?? (await file.files[0]?.text());
   if (csv) attempt(() => ask(csv));
-  else say(() => text.noFile);
+  else say(() => t('page.records.no-file'));
 }
 
 /** The page in the language at hand. What was chosen, and what came of it, stays. */
 function build() {
-  live = words[language()];
-  document.querySelector('.skip').textContent = text.records;
+  document.querySelector('.skip').textContent = t('page.records.title');
   plants.forEach((line, place) => {
-    choice.options[place].textContent = text.named(line.title) || line.id;
+    choice.options[place].textContent = named(line.title) || line.id;
   });
   const form = h(
     'form',
     {class: 'card ask', onsubmit: submit},
-    h('label', {}, text.plant, choice),
-    h('label', {}, text.file, file),
-    h('label', {title: text.learnHint}, text.learn, learn),
-    h('label', {title: text.rateHint}, text.rate, rate),
+    h('label', {}, t('page.records.plant'), choice),
+    h('label', {}, t('page.records.file'), file),
+    h('label', {title: t('page.records.learn.hint')}, t('page.records.learn'), learn),
+    h('label', {title: t('page.records.rate.hint')}, t('page.records.rate'), rate),
     names,
     h(
       'div',
       {class: 'all buttons'},
-      h('button', {class: 'run', type: 'submit'}, text.diagnose),
-      h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, text.simulate),
+      h('button', {class: 'run', type: 'submit'}, t('page.records.diagnose')),
+      h('button', {class: 'quiet', type: 'button', onclick: () => attempt(simulated)}, t('page.records.simulate')),
       state,
     ),
   );
-  fill(root, h('h1', {}, text.records), h('p', {class: 'soft'}, text.recordsText), form, result);
+  fill(root, h('h1', {}, t('page.records.title')), h('p', {class: 'soft'}, t('page.records.about')), form, result);
   say(beside);
   show(below);
   showNames();

@@ -2,18 +2,23 @@
 
 import {fill, h} from '../../common/dom.js';
 import {write} from './address.js';
-import {text} from '../../i18n/pages.js';
+import {named, t} from '../../i18n/words.js';
 
 const MANY = 8; // from so many experiments on there is a field to find one
 
 export function mountChooser(root, store, act) {
   const wide = matchMedia('(min-width: 1180px)');
-  const filter = h('input', {type: 'search', placeholder: text.filter, 'aria-label': text.filter, oninput: show});
+  const filter = h('input', {
+    type: 'search',
+    placeholder: t('page.title.find'),
+    'aria-label': t('page.title.find'),
+    oninput: show,
+  });
   const list = h('div', {class: 'list'});
   const fold = h(
     'details',
     {},
-    h('summary', {}, h('h2', {}, text.experiments), h('span', {class: 'now'})),
+    h('summary', {}, h('h2', {}, t('page.runs.experiments')), h('span', {class: 'now'})),
     filter,
     list,
   );
@@ -22,24 +27,24 @@ export function mountChooser(root, store, act) {
     fold.open = wide.matches;
   });
   fill(root, fold);
-  root.setAttribute('aria-label', text.experiments);
+  root.setAttribute('aria-label', t('page.runs.experiments'));
 
   function show() {
     const {experiments, chosen, spec} = store.state;
-    fill(fold.querySelector('.now'), text.named(spec?.title) ?? '');
+    fill(fold.querySelector('.now'), named(spec?.title) ?? '');
     filter.hidden = (experiments?.length ?? 0) < MANY;
-    if (experiments === null) return fill(list, h('p', {class: 'soft'}, text.loading));
-    if (experiments.length === 0) return fill(list, h('p', {class: 'soft'}, text.noExperiments));
+    if (experiments === null) return fill(list, h('p', {class: 'soft'}, t('page.text.loading')));
+    if (experiments.length === 0) return fill(list, h('p', {class: 'soft'}, t('page.runs.no-experiments')));
     const wanted = filter.value.trim().toLowerCase();
     const found = experiments.filter((one) =>
       [one.id, one.title, one.source, one.description].join(' ').toLowerCase().includes(wanted),
     );
-    if (found.length === 0) return fill(list, h('p', {class: 'soft'}, text.noMatch(filter.value)));
+    if (found.length === 0) return fill(list, h('p', {class: 'soft'}, t('page.runs.no-match', {text: filter.value})));
     const plants = [...new Set(found.map((one) => one.plant))];
     return fill(
       list,
       plants.map((plant) => [
-        h('h3', {}, text.named(store.state.plants[plant]?.title) ?? plant),
+        h('h3', {}, named(store.state.plants[plant]?.title) ?? plant),
         h(
           'ul',
           {},
@@ -65,9 +70,9 @@ export function mountChooser(root, store, act) {
           href: write({experiment: one.id}),
           'aria-current': current ? 'true' : null,
           onclick: open,
-          title: text.named(one.description),
+          title: named(one.description),
         },
-        h('b', {}, text.named(one.title) || one.id),
+        h('b', {}, named(one.title) || one.id),
         h('span', {class: 'soft'}, one.source),
       ),
     );

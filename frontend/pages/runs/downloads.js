@@ -2,7 +2,7 @@
 
 import {spell} from './address.js';
 import {h, number} from '../../common/dom.js';
-import {text} from '../../i18n/pages.js';
+import {t} from '../../i18n/words.js';
 
 export function downloads({run, chosen, foreign, ranWith}) {
   const link = (title, href, more = {}) => h('a', {class: 'quiet', href, ...more}, title);
@@ -13,21 +13,28 @@ export function downloads({run, chosen, foreign, ranWith}) {
     h(
       'p',
       {class: 'links'},
-      link(text.csv, data('csv'), {download: ''}),
-      link(text.mat, data('mat'), {download: ''}),
-      link(text.json, data('json'), {download: ''}),
-      link(text.report, run.links.report, {title: text.reportHint, target: '_blank', rel: 'noopener'}),
+      link('CSV', data('csv'), {download: ''}),
+      link('MATLAB .mat', data('mat'), {download: ''}),
+      link('JSON', data('json'), {download: ''}),
+      link(t('page.export.report'), run.links.report, {
+        title: t('page.export.report.hint'),
+        target: '_blank',
+        rel: 'noopener',
+      }),
       run.summary?.comparison &&
-        link(text.comparisonCsv, `${run.links.comparison}?format=csv`, {download: '', title: text.comparisonHint}),
-      link(text.spec, spec, {download: `${run.spec.id}.json`, title: text.specHint}),
+        link(t('page.comparison.title'), `${run.links.comparison}?format=csv`, {
+          download: '',
+          title: t('page.runs.comparison.hint'),
+        }),
+      link(t('page.export.spec'), spec, {download: `${run.spec.id}.json`, title: t('page.export.spec.hint')}),
     ),
     !foreign && command(chosen, JSON.parse(ranWith)),
     h(
       'p',
       {class: 'soft small'},
-      `${text.runId} `,
+      `${t('page.runs.id')} `,
       h('code', {}, run.id.slice(0, 12)),
-      seconds ? `, ${text.took(number(seconds, 2))}` : '',
+      seconds ? t('page.runs.took', {seconds: number(seconds, 2)}) : '',
     ),
   ];
 }
@@ -49,13 +56,13 @@ function command(chosen, changes) {
       class: 'quiet',
       onclick: async () => {
         await navigator.clipboard.writeText(line.textContent);
-        copy.textContent = text.copied;
+        copy.textContent = t('page.action.copied');
         setTimeout(() => {
-          copy.textContent = text.copy;
+          copy.textContent = t('page.action.copy');
         }, 1500);
       },
     },
-    text.copy,
+    t('page.action.copy'),
   );
-  return [h('p', {class: 'soft small'}, text.again), h('div', {class: 'command'}, line, copy)];
+  return [h('p', {class: 'soft small'}, t('page.runs.command')), h('div', {class: 'command'}, line, copy)];
 }

@@ -2,7 +2,7 @@
 
 import {h, number, symbol} from '../../common/dom.js';
 import {small} from '../../diagnosis/fault-size.js';
-import {text} from '../../i18n/pages.js';
+import {t} from '../../i18n/words.js';
 
 /** Root mean square errors, a row for each quantity and observer, a column for each stretch between two events; the largest error when pointed at. */
 export function errors(windows, rows, chip, place, plant) {
@@ -36,7 +36,7 @@ export function errors(windows, rows, chip, place, plant) {
           {},
           h('th', {scope: 'row'}, chip(place(row.label)), row.label),
           row.rmse[column].map((value, k) =>
-            h('td', {title: text.peak(small(row.peak[column]?.[k], 3))}, small(value, 3)),
+            h('td', {title: t('page.runs.peak', {value: small(row.peak[column]?.[k], 3)})}, small(value, 3)),
           ),
         ),
       ),

@@ -2,19 +2,23 @@
 
 import {fill, h} from '../../common/dom.js';
 import {spelt, stale} from './run-state.js';
-import {text} from '../../i18n/pages.js';
 import {createForm} from './override-form.js';
 import {problemBlock} from '../../common/problem.js';
 import {timeline} from './fault-bars.js';
+import {named, t} from '../../i18n/words.js';
 
 export function mountHead(root, store, act) {
   const about = h('div', {class: 'about'});
   const plan = h('div');
   const form = createForm(store, act);
-  const bar = h('progress', {max: 1, value: 0, 'aria-label': text.running});
+  const bar = h('progress', {max: 1, value: 0, 'aria-label': t('page.runs.running')});
   const status = h('p', {class: 'status', role: 'status'});
-  const cancel = h('button', {type: 'button', class: 'quiet', onclick: act.cancel, hidden: true}, text.cancel);
-  const start = h('button', {type: 'submit', class: 'run', form: 'form'}, text.run);
+  const cancel = h(
+    'button',
+    {type: 'button', class: 'quiet', onclick: act.cancel, hidden: true},
+    t('page.action.cancel'),
+  );
+  const start = h('button', {type: 'submit', class: 'run', form: 'form'}, t('page.runs.run'));
   const trouble = h('div');
   const controls = h('div', {class: 'controls'}, start, cancel, status);
   fill(root, about, plan, form.element, trouble, controls, bar);
@@ -27,16 +31,22 @@ export function mountHead(root, store, act) {
     start.hidden = !spec || foreign;
     if (!spec) {
       fill(plan);
-      return fill(about, phase === 'failed' ? null : h('p', {class: 'soft'}, text.loading));
+      return fill(about, phase === 'failed' ? null : h('p', {class: 'soft'}, t('page.text.loading')));
     }
-    const observers = text.observers(spec.observers.length);
+    const observers = spec.observers.length
+      ? t('page.runs.observers', {n: spec.observers.length})
+      : t('page.runs.no-observers');
     fill(
       about,
-      h('h1', {}, text.named(spec.title) || spec.id),
+      h('h1', {}, named(spec.title) || spec.id),
       spec.source && h('p', {class: 'soft'}, spec.source),
-      spec.description && h('p', {}, text.named(spec.description)),
+      spec.description && h('p', {}, named(spec.description)),
     );
-    fill(plan, timeline(spec, plant), h('p', {class: 'soft'}, text.plan(spec.horizon, spec.step, observers)));
+    fill(
+      plan,
+      timeline(spec, plant),
+      h('p', {class: 'soft'}, t('page.runs.plan', {horizon: spec.horizon, step: spec.step, observers})),
+    );
     return form.build();
   }
 
@@ -49,19 +59,19 @@ export function mountHead(root, store, act) {
     else bar.removeAttribute('value');
     cancel.hidden = !running || !progress.links.cancel;
     start.disabled = running || !spec;
-    fill(start, state.run ? text.runAgain : text.run);
+    fill(start, state.run ? t('page.runs.run-again') : t('page.runs.run'));
     fill(
       status,
       running
         ? progress.status === 'queued'
           ? progress.links.cancel
-            ? text.queued
-            : text.running
-          : text.percent(progress.progress)
+            ? t('page.runs.queued')
+            : t('page.runs.running')
+          : t('page.runs.percent', {percent: Math.floor(100 * progress.progress)})
         : phase === 'cancelled'
-          ? text.cancelled
+          ? t('page.runs.cancelled')
           : stale(state)
-            ? text.changed
+            ? t('page.runs.stale')
             : '',
     );
     status.classList.toggle('note', !running && stale(state));

@@ -1,28 +1,26 @@
 // When each fault acts, as bars over the horizon.
 
 import {fill, h, number, symbol} from '../../common/dom.js';
-import {text} from '../../i18n/pages.js';
+import {named, t} from '../../i18n/words.js';
 
 /** The timeline of an experiment, with what its plant says of the channels. */
 export function timeline(spec, plant) {
-  if (!spec.faults.length) return h('p', {class: 'soft'}, text.noFaults);
+  if (!spec.faults.length) return h('p', {class: 'soft'}, t('page.runs.no-faults'));
   const rows = spec.faults.map((fault) => {
     const name = fault.channel ?? fault.output;
     const channel = plant?.channels.find((one) => one.name === name);
     const share = (time) => `${Math.min(100, (100 * time) / spec.horizon)}%`;
     const from = fault.onset;
     const to = fault.end ?? spec.horizon;
-    const title = text.named(channel?.title);
-    const shape = text.shapes[fault.shape] ?? fault.shape;
+    const title = named(channel?.title);
+    const shape = t(`page.fault.shape.${fault.shape}`);
     return h(
       'li',
       {
-        title: text.faultText(
-          title || name,
-          shape,
-          number(from, 6),
-          typeof fault.end === 'number' ? number(fault.end, 6) : null,
-        ),
+        title:
+          typeof fault.end === 'number'
+            ? t('page.runs.fault', {name: title || name, shape, onset: number(from, 6), end: number(fault.end, 6)})
+            : t('page.runs.fault-open', {name: title || name, shape, onset: number(from, 6)}),
       },
       h('span', {class: 'name'}, symbol(name), h('small', {}, [title, shape].filter(Boolean).join(', '))),
       h(
@@ -41,7 +39,7 @@ export function timeline(spec, plant) {
   );
   return fill(
     h('div', {class: 'timeline'}),
-    h('ul', {'aria-label': text.timeline}, rows),
+    h('ul', {'aria-label': t('page.runs.timeline')}, rows),
     h('div', {class: 'ticks', 'aria-hidden': 'true'}, ticks),
   );
 }

@@ -3,7 +3,7 @@
 
 import {connection, get} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
-import {text} from '../../i18n/pages.js';
+import {named, t} from '../../i18n/words.js';
 
 // Plotly offers by default to send the figure to its makers' cloud: not from here.
 const OPTIONS = {
@@ -27,7 +27,7 @@ function plotly() {
       onerror: () => {
         library = null;
         script.remove();
-        stop(new Error(text.plotlyFailed));
+        stop(new Error(t('page.runs.plotly-failed')));
       },
     });
     document.head.append(script);
@@ -61,7 +61,7 @@ function enlarged(part) {
 
 export function mountFigures(root, store) {
   const boxes = new Map(); // name → {section, plot, address, drawn}
-  const bar = h('nav', {class: 'jump', 'aria-label': text.figures});
+  const bar = h('nav', {class: 'jump', 'aria-label': t('page.runs.figures')});
   let queue = Promise.resolve();
   const near = new IntersectionObserver(
     (entries) => {
@@ -83,7 +83,7 @@ export function mountFigures(root, store) {
       for (const [name, box] of boxes) if (!names.has(name)) remove(name, box);
       fill(
         bar,
-        figures.map((one) => h('a', {href: `#figure-${one.name}`, onclick: jump}, text.named(one.title))),
+        figures.map((one) => h('a', {href: `#figure-${one.name}`, onclick: jump}, named(one.title))),
       );
       root.replaceChildren(bar, ...figures.map((one) => section(one, run)));
       for (const box of boxes.values()) near.observe(box.section);
@@ -108,14 +108,14 @@ export function mountFigures(root, store) {
   }
 
   function create(one) {
-    const plot = h('div', {class: 'plot', role: 'img', 'aria-label': text.named(one.title)});
+    const plot = h('div', {class: 'plot', role: 'img', 'aria-label': named(one.title)});
     const box = {
       plot,
       caption: h('figcaption'),
       drawn: null,
       section: h('figure', {class: 'card', id: `figure-${one.name}`, 'data-name': one.name}),
     };
-    box.section.append(h('h2', {}, text.named(one.title)), box.caption, plot);
+    box.section.append(h('h2', {}, named(one.title)), box.caption, plot);
     boxes.set(one.name, box);
     return box;
   }
@@ -138,11 +138,8 @@ export function mountFigures(root, store) {
         if (box.drawn !== wanted) return;
         box.failed?.remove();
         box.figure = figure;
-        fill(box.caption, text.named(figure.layout.meta.caption));
-        box.plot.setAttribute(
-          'aria-label',
-          `${text.named(figure.layout.meta.title)}. ${text.named(figure.layout.meta.caption)}`,
-        );
+        fill(box.caption, named(figure.layout.meta.caption));
+        box.plot.setAttribute('aria-label', `${named(figure.layout.meta.title)}. ${named(figure.layout.meta.caption)}`);
         await Plotly.react(box.plot, figure.data, fitted(figure.layout, box.plot.clientWidth), OPTIONS);
         box.section.dataset.drawn = wanted;
       } catch (error) {
@@ -158,9 +155,9 @@ export function mountFigures(root, store) {
     h(
       'div',
       {class: 'problem', role: 'alert'},
-      h('b', {}, text.figureFailed),
+      h('b', {}, t('page.runs.figure-failed')),
       h('p', {}, error.message),
-      h('button', {type: 'button', class: 'quiet', onclick: again}, text.tryAgain),
+      h('button', {type: 'button', class: 'quiet', onclick: again}, t('page.action.try-again')),
     );
 
   /** Fit what is drawn to another size of the window. */
@@ -190,8 +187,10 @@ export function mountFigures(root, store) {
 
   function showEmpty({spec, phase}) {
     const words =
-      phase === 'running' ? h('h2', {}, text.running) : [h('h2', {}, text.notRun), h('p', {}, text.notRunText)];
-    const lost = connection.lost && h('p', {}, text.unreachable);
+      phase === 'running'
+        ? h('h2', {}, t('page.runs.running'))
+        : [h('h2', {}, t('page.runs.not-run')), h('p', {}, t('page.runs.not-run.hint'))];
+    const lost = connection.lost && h('p', {}, t('page.problem.unreachable'));
     fill(root, spec || lost ? h('div', {class: 'empty card'}, spec ? words : lost) : null);
   }
 

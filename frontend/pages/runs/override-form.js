@@ -4,8 +4,10 @@
 import {spell, value} from './address.js';
 import {fill, h, symbol} from '../../common/dom.js';
 import {original, spelt} from './run-state.js';
-import {text} from '../../i18n/pages.js';
-import {sentence} from '../../common/problem.js';
+import {explained} from '../../common/problem.js';
+import {t} from '../../i18n/words.js';
+
+const EXAMPLE = 'faults.theta3.size = 0.03\nhorizon = 50';
 
 export function createForm(store, act) {
   const fields = new Map(); // path → {input, error}
@@ -21,7 +23,7 @@ export function createForm(store, act) {
   const more = h('textarea', {
     rows: 3,
     spellcheck: 'false',
-    placeholder: text.moreExample,
+    placeholder: EXAMPLE,
     id: 'more',
     'aria-describedby': 'more-error',
     oninput: readMore,
@@ -38,7 +40,7 @@ export function createForm(store, act) {
         build();
       },
     },
-    text.reset,
+    t('page.runs.reset'),
   );
   let details = null;
 
@@ -63,7 +65,7 @@ export function createForm(store, act) {
     const {spec, changes} = store.state;
     fields.clear();
     const noise = Object.keys(spec.noise).map((output) =>
-      field(`noise.${output}.std`, [`${text.noiseOf} `, symbol(output)], text.noiseHint),
+      field(`noise.${output}.std`, [t('page.runs.noise-of'), ' ', symbol(output)], t('page.runs.noise.hint')),
     );
     const gains = spec.observers
       .map((observer) => [observer, Object.keys(observer.gains)])
@@ -79,7 +81,11 @@ export function createForm(store, act) {
             observer.label,
           ),
           names.map((name) =>
-            field(`observers.${observer.label}.gains.${name}`, symbol(name), text.gainsOf(observer.label)),
+            field(
+              `observers.${observer.label}.gains.${name}`,
+              symbol(name),
+              t('page.observers.gains-of', {label: observer.label}),
+            ),
           ),
         ),
       );
@@ -87,9 +93,9 @@ export function createForm(store, act) {
     details = h(
       'details',
       {class: 'more'},
-      h('summary', {}, text.gains),
+      h('summary', {}, t('page.runs.gains')),
       h('div', {class: 'gains'}, gains),
-      h('label', {for: 'more'}, text.more),
+      h('label', {for: 'more'}, t('page.runs.more')),
       more,
       moreError,
     );
@@ -104,8 +110,8 @@ export function createForm(store, act) {
       h(
         'div',
         {class: 'row'},
-        field('seed', text.seed, text.seedHint),
-        noise.length ? noise : h('p', {class: 'soft'}, text.noNoise),
+        field('seed', t('page.runs.seed'), t('page.runs.seed.hint')),
+        noise.length ? noise : h('p', {class: 'soft'}, t('page.runs.no-noise')),
         reset,
       ),
       details,
@@ -118,7 +124,8 @@ export function createForm(store, act) {
     fill(moreError);
     for (const line of more.value.split('\n').filter((one) => one.trim())) {
       const [path, ...rest] = line.split('=');
-      if (!path.trim() || !rest.length || !rest.join('=').trim()) fill(moreError, text.moreWrong(line.trim()));
+      if (!path.trim() || !rest.length || !rest.join('=').trim())
+        fill(moreError, t('page.runs.not-an-assignment', {line: line.trim()}));
       else changes[path.trim()] = value(rest.join('='));
     }
     act.replace(changes);
@@ -134,7 +141,7 @@ export function createForm(store, act) {
       const wrong = errors.get(path);
       input.toggleAttribute('aria-invalid', Boolean(wrong));
       if (wrong) input.setAttribute('aria-invalid', 'true');
-      fill(error, wrong ? sentence(wrong) : null);
+      fill(error, wrong ? explained(wrong) : null);
     }
     const first = [...fields].find(([path]) => errors.has(path));
     if (first?.[0].includes('.gains.')) details.open = true;

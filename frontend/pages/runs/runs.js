@@ -3,14 +3,16 @@
 import {connection, get, post, Problem, run} from '../../common/api.js';
 import {read, write} from './address.js';
 import {createStore} from './run-state.js';
-import {text} from '../../i18n/pages.js';
 import {mountChooser} from './chooser.js';
 import {mountFigures} from './figures.js';
 import {mountHead} from './experiment-head.js';
 import {mountSide} from './side-column.js';
 import {mountTop} from '../../common/page-header.js';
 import {mountVerdicts} from './verdicts.js';
+import {chosenLanguage} from '../../i18n/language.js';
+import {speak, t} from '../../i18n/words.js';
 
+await speak(chosenLanguage());
 const store = createStore();
 let following = null; // the AbortController of the run that is followed
 
@@ -80,7 +82,10 @@ async function guarded(work, signal) {
     const problem =
       error instanceof Problem
         ? error
-        : new Problem({title: text.broken, detail: `${error.message} ${text.brokenRemedy}`});
+        : new Problem({
+            title: t('page.problem.unreadable'),
+            detail: t('page.problem.unreadable.remedy', {error: error.message}),
+          });
     store.dispatch({type: 'failed', problem});
   }
 }
@@ -98,7 +103,9 @@ store.subscribe((state, before) => {
 
 store.subscribe((state, before) => {
   if (state.spec !== before.spec)
-    document.title = state.spec ? `${state.spec.title || state.spec.id} · ${text.title}` : text.title;
+    document.title = state.spec
+      ? `${state.spec.title || state.spec.id} · ${t('page.runs.document')}`
+      : t('page.runs.document');
 });
 
 async function open() {
@@ -109,7 +116,7 @@ async function open() {
   return first && act.choose(first.id, {push: false});
 }
 
-document.querySelector('.skip').textContent = text.skip;
+document.querySelector('.skip').textContent = t('page.nav.skip-to-figures');
 mountTop(document.querySelector('.top'), connection);
 mountChooser(document.querySelector('.chooser'), store, act);
 mountHead(document.querySelector('.head'), store, act);

@@ -1,8 +1,9 @@
 // Beside the figures: how the observers compare, whether their assumptions hold, the source's errata, what to take along.
 
 import {fill, h, number, symbol} from '../../common/dom.js';
-import {text} from '../../i18n/pages.js';
 import {downloads} from './downloads.js';
+import {VERDICTS, verdictWords} from '../../widgets/verdicts.js';
+import {named, say, t} from '../../i18n/words.js';
 
 const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
 const card = (title, ...body) => h('section', {class: 'card'}, h('h2', {}, title), ...body);
@@ -16,18 +17,18 @@ export function mountSide(root, store) {
     return fill(
       root,
       run && troubles(run.summary),
-      observers.length > 0 && card(text.comparison, comparison(observers, plant)),
-      observers.some((one) => one.checks.length) && card(text.assumptions, observers.map(assumptions)),
+      observers.length > 0 && card(t('page.comparison.title'), comparison(observers, plant)),
+      observers.some((one) => one.checks.length) && card(t('page.observers.assumptions'), observers.map(assumptions)),
       spec.errata.length > 0 &&
         card(
-          text.errata,
+          t('page.runs.errata'),
           h(
             'ul',
             {class: 'errata'},
             spec.errata.map((item) => h('li', {}, item)),
           ),
         ),
-      run && card(text.downloads, downloads(state)),
+      run && card(t('page.runs.downloads'), downloads(state)),
     );
   });
 }
@@ -36,11 +37,17 @@ export function mountSide(root, store) {
 function troubles({diverged, notes}) {
   const lines = [
     ...(diverged
-      ? [h('p', {class: 'alarm'}, text.plantDiverged(number(diverged.time), text.said(diverged.cause)))]
+      ? [
+          h(
+            'p',
+            {class: 'alarm'},
+            t('page.runs.plant-diverged', {t: number(diverged.time), cause: say(diverged.cause)}),
+          ),
+        ]
       : []),
     ...notes.map((note) => h('p', {}, note)),
   ];
-  return lines.length ? card(text.notes, lines) : null;
+  return lines.length ? card(t('page.runs.notes'), lines) : null;
 }
 
 /** One column an observer, one row a measure: RMSE of each state, θ̂ at the end, settling after each step of a fault. */
@@ -57,7 +64,11 @@ function comparison(observers, plant) {
         chip(place),
         one.label,
         one.diverged &&
-          h('small', {class: 'alarm', title: text.said(one.diverged.cause)}, text.diverged(number(one.diverged.time))),
+          h(
+            'small',
+            {class: 'alarm', title: say(one.diverged.cause)},
+            t('page.runs.diverged', {t: number(one.diverged.time)}),
+          ),
       ),
     ),
   );
@@ -87,7 +98,7 @@ function comparison(observers, plant) {
   const rmse = named((one) => one.rmse).map((state) =>
     row(
       state,
-      text.rmseHint,
+      t('page.runs.rmse.hint'),
       null,
       observers.map((one) => number(one.rmse[state], 3)),
     ),
@@ -96,15 +107,15 @@ function comparison(observers, plant) {
     const truth = number(observers.find((one) => one.theta?.[channel])?.theta[channel].truth);
     return row(
       channel,
-      text.atEndHint(truth),
-      many ? truth : `${text.truth} ${truth}`,
+      t('page.runs.truth-is', {truth}),
+      many ? truth : t('page.runs.truth', {truth}),
       observers.map((one) => number(one.theta?.[channel]?.estimate, many ? 3 : 4)),
     );
   });
   const steps = (observers.find((one) => one.settling?.length)?.settling ?? []).map(({channel, at}) =>
     row(
       channel,
-      text.settledHint,
+      t('page.runs.settled.hint'),
       `${at} s`,
       observers.map((one) => settled(one.settling?.find((entry) => entry.channel === channel && entry.at === at))),
     ),
@@ -116,9 +127,9 @@ function comparison(observers, plant) {
       'table',
       {class: many ? 'many' : null},
       h('thead', {}, head),
-      group(text.rmse, text.rmseHint, rmse),
-      group([h('span', {class: 'math'}, h('i', {class: 'hat'}, 'θ')), ` ${text.atEnd}`], null, final),
-      group(text.settled, text.settledHint, steps),
+      group(t('page.runs.rmse'), t('page.runs.rmse.hint'), rmse),
+      group([h('span', {class: 'math'}, h('i', {class: 'hat'}, 'θ')), ` ${t('page.runs.at-end')}`], null, final),
+      group(t('page.runs.settled'), t('page.runs.settled.hint'), steps),
     ),
   );
 }
@@ -126,7 +137,7 @@ function comparison(observers, plant) {
 function settled(entry) {
   if (!entry) return '–';
   if (entry.time !== null) return number(entry.time, 3);
-  return entry.reached === null ? text.never : `(${number(entry.reached, 3)})`;
+  return entry.reached === null ? t('page.runs.never') : `(${number(entry.reached, 3)})`;
 }
 
 /** The lights of an observer, each opening to what was checked. */
@@ -137,23 +148,20 @@ function assumptions(one, place) {
       'li',
       {},
       h('span', {class: `light ${verdict(check)}`}),
-      h('b', {}, text.said(check.name)),
-      ` ${text.verdicts[check.verdict]}`,
+      h('b', {}, say(check.name)),
+      ` ${verdictWords(check.verdict)}`,
       h(
         'span',
         {class: 'soft'},
-        text.said(check.text),
-        check.value === null
-          ? ''
-          : ` (${text.found(number(check.value), check.threshold === null ? null : number(check.threshold))})`,
+        say(check.text),
+        check.value === null ? '' : ` (${found(check)})`,
         check.source ? `. ${check.source}` : '',
       ),
     ),
   );
   const count = (kind) => one.checks.filter((check) => check.verdict === kind).length;
-  const spoken = Object.keys(text.verdicts)
-    .filter(count)
-    .map((kind) => `${count(kind)} ${text.verdicts[kind]}`)
+  const spoken = VERDICTS.filter(count)
+    .map((kind) => `${count(kind)} ${verdictWords(kind)}`)
     .join(', ');
   return h(
     'details',
@@ -165,9 +173,15 @@ function assumptions(one, place) {
       h('b', {}, one.label),
       h('span', {class: 'lights', role: 'img', 'aria-label': spoken, title: spoken}, lights),
     ),
-    one.title && h('p', {class: 'soft'}, text.named(one.title)),
+    one.title && h('p', {class: 'soft'}, named(one.title)),
     h('ul', {}, rows),
   );
 }
 
 const verdict = (check) => ({holds: 'ok', fails: 'bad'})[check.verdict] ?? 'open';
+
+/** The value of a check, with its threshold where it has one. */
+const found = ({value, threshold}) =>
+  threshold === null
+    ? t('page.runs.check-value', {value: number(value)})
+    : t('page.runs.check-value-threshold', {value: number(value), threshold: number(threshold)});

@@ -1,7 +1,6 @@
 // Between the experiment and its figures: what the detector found, and who found what how fast; with the numbers behind it folded away.
 
 import {fill, h, number} from '../../common/dom.js';
-import {language} from '../../i18n/language.js';
 import {alarmFrom} from '../../diagnosis/alarms.js';
 import {line, spell} from '../../diagnosis/finding-line.js';
 import {findings, sentence} from '../../diagnosis/findings.js';
@@ -10,12 +9,10 @@ import {trajectory, visible} from '../../diagnosis/detectability.js';
 import {amount} from '../../diagnosis/fault-size.js';
 import {certainty} from '../../diagnosis/confidence.js';
 import {faultsAt} from '../../live/state/reduce.js';
-import * as words from '../../i18n/live.js';
 import {called, capital, spoken} from '../../common/names.js';
-import {text} from '../../i18n/pages.js';
 import {errors, settling} from './error-tables.js';
+import {asSentence, say, t} from '../../i18n/words.js';
 
-const live = words[language()];
 const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
 
 export function mountVerdicts(root, store) {
@@ -26,8 +23,9 @@ export function mountVerdicts(root, store) {
     if (root.hidden || !state.plant) return fill(root);
     return fill(
       root,
-      diagnosis && card(text.diagnosis, detector(state, diagnosis)),
-      comparison?.observers.length > 0 && card(text.whoFound, compared(state.run, diagnosis, comparison, state.plant)),
+      diagnosis && card(t('page.diagnosis.title'), detector(state, diagnosis)),
+      comparison?.observers.length > 0 &&
+        card(t('page.runs.who-found'), compared(state.run, diagnosis, comparison, state.plant)),
     );
   });
 }
@@ -40,7 +38,7 @@ function detector({run, plant}, {detector: told}) {
   const {spec} = run;
   const faults = faultsAt(spec, spec.horizon);
   const state = {plant, spec, faults, alarms: told.alarms.map(alarmFrom), diagnosis: told, t: spec.horizon};
-  const app = {state, text: live};
+  const app = {state};
   const found = findings(state);
   return [
     h('p', {class: 'verdict'}, capital(spell(sentence(found, state), app))),
@@ -49,14 +47,14 @@ function detector({run, plant}, {detector: told}) {
       {class: 'side-by-side'},
       found.map((one) => line(one, app)),
     ),
-    told.calibration && fold(text.canSee, visible(app), trajectory(app)),
+    told.calibration && fold(t('page.diagnosis.detectability'), visible(app), trajectory(app)),
     told.calibration &&
       fold(
-        text.howSure,
+        t('page.diagnosis.certainty'),
         h(
           'div',
           {class: 'small'},
-          certainty(state, live).map((said) => h('p', {}, said)),
+          certainty(state).map((said) => h('p', {}, said)),
         ),
       ),
   ];
@@ -74,7 +72,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
     {},
     h('td'),
     [...COUNTS, 'delay', 'cost'].map((name) =>
-      h('th', {scope: 'col', title: text.measures[name][1]}, text.measures[name][0]),
+      h('th', {scope: 'col', title: t(`page.runs.measure.${name}.hint`)}, t(`page.runs.measure.${name}`)),
     ),
   );
   const cell = (row, name) =>
@@ -88,7 +86,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
     );
   const name = (row) =>
     place(row.label) < 0
-      ? [h('span', {class: 'flag', 'aria-hidden': 'true'}), h('b', {}, text.detector)]
+      ? [h('span', {class: 'flag', 'aria-hidden': 'true'}), h('b', {}, t('page.runs.detector'))]
       : [chip(place(row.label)), row.label];
   const order = [...rows].sort((a, b) => place(a.label) - place(b.label));
   const table = h(
@@ -109,30 +107,34 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
     ),
   );
   return [
-    judged.length > 0 ? h('p', {class: 'soft'}, text.whoFoundText) : null,
+    judged.length > 0 ? h('p', {class: 'soft'}, t('page.runs.who-found.hint')) : null,
     h('div', {class: 'wide', tabindex: 0}, table),
     diagnosis?.observers.length > 0 &&
       fold(
-        text.ownEstimates,
+        t('page.runs.own-estimates'),
         h(
           'ul',
           {class: 'own'},
           diagnosis.observers.map((one) => own(one, place(one.observer), plant)),
         ),
       ),
-    fold(text.byWindow, h('div', {class: 'wide', tabindex: 0}, errors(windows, rows, chip, place, plant))),
+    fold(t('page.runs.by-window'), h('div', {class: 'wide', tabindex: 0}, errors(windows, rows, chip, place, plant))),
     rows.some((row) => row.steps.length) &&
-      fold(text.settlingTimes, h('div', {class: 'wide', tabindex: 0}, settling(rows, chip, place))),
+      fold(t('page.runs.settling-times'), h('div', {class: 'wide', tabindex: 0}, settling(rows, chip, place))),
   ];
 }
 
 /** What became of each fault, one a line. */
 const told = (faults, plant) =>
   faults
-    .map(
-      (one) =>
-        `${called(one.name, plant, live)}, ${one.onset} s: ${text.outcomes[one.outcome]}${one.delay === null ? '' : ` ${took(one.delay)}`}${one.alternative ? `, ${text.asAlternative}` : ''}`,
-    )
+    .map(({name, onset, outcome, delay, alternative}) => {
+      const words = t(`page.runs.outcome.${outcome}`, {
+        fault: called(name, plant),
+        onset,
+        delay: delay === null ? '–' : took(delay),
+      });
+      return alternative ? t('page.runs.outcome.alternative', {outcome: words}) : words;
+    })
     .join('\n');
 
 /** What the tests on one observer's own estimates say: what is on at the end, else the last that were. */
@@ -141,13 +143,20 @@ function own({observer, alarms, note, calibration, resolution}, place, plant) {
   const on = raised.filter((alarm) => alarm.over === null);
   const said = (on.length ? on : raised.slice(-3)).map((alarm) => {
     const channel = plant.channels.find((one) => one.name === alarm.subject);
-    return `${called(alarm.subject, plant, live)} ${amount(alarm, channel)}, ${live.since(`${number(alarm.onset, 3)} s`)}${alarm.over === null ? '' : `, ${live.cleared}`}`;
+    const fault = {
+      fault: called(alarm.subject, plant),
+      size: amount(alarm, channel),
+      t: `${number(alarm.onset, 3)} s`,
+    };
+    return alarm.over === null
+      ? t('page.runs.own-estimates.fault', fault)
+      : t('page.runs.own-estimates.fault-over', fault);
   });
   const lost = resolution.filter((one) => !one.resolvable);
   const limit =
     calibration &&
     Object.entries(calibration.thresholds)
-      .map(([test, value]) => `${text.tests[test] ?? test} ${number(value, 3)}`)
+      .map(([test, value]) => `${t(`page.runs.test.${test}`)} ${number(value, 3)}`)
       .join(', ');
   return h(
     'li',
@@ -155,8 +164,12 @@ function own({observer, alarms, note, calibration, resolution}, place, plant) {
     chip(place),
     h('b', {}, observer),
     ' ',
-    note ? text.said(note) : said.join(text.andThen) || live.sentences.quiet(),
-    limit && h('span', {class: 'soft'}, ` ${text.thresholdOf(limit)}`),
-    lost.map((one) => h('span', {class: 'soft'}, ` ${capital(spoken(text.said(one.text), plant, live))}.`)),
+    note
+      ? say(note)
+      : said.length
+        ? said.reduce((first, second) => t('page.text.semicolon', {first, second}))
+        : t('page.runs.own-estimates.quiet'),
+    limit && h('span', {class: 'soft'}, ` ${t('page.runs.thresholds', {limits: limit})}`),
+    lost.map((one) => h('span', {class: 'soft'}, ` ${asSentence(spoken(one.text, plant))}`)),
   );
 }

@@ -94,7 +94,7 @@ def test_what_opens_moves_nothing_else(page):
     live.keyboard.press("Escape")
     assert (
         live.locator("#panel-diagnosis .fold-out:visible").count() == 0
-        and live.evaluate("document.activeElement.textContent") == "how sure?"
+        and live.evaluate("document.activeElement.textContent") == "How certain?"
     )
     live.click("#panel-observers .lights")
     listed = live.locator("#panel-observers .checks li")

@@ -52,7 +52,7 @@ def test_a_simulated_record_and_mistakes(page, tmp_path):
     opened.click("button.run")
     opened.wait_for_selector(".buttons [role=status]:has-text('Choose a file')")
     opened.select_option("#plant", "dts200")
-    opened.click("button:text-is('No record at hand: simulate one')")
+    opened.click("button:text-is('Simulate a record')")
     opened.wait_for_selector(".buttons [role=status]:has-text('dts200')", timeout=60_000)
     opened.click("button.run")
     opened.wait_for_selector(".found tbody tr:nth-child(4)", timeout=60_000)

@@ -3,6 +3,7 @@
 import {finding} from '../../../diagnosis/alarms.js';
 import {noise, rmse, settled, unsettled} from './metrics.js';
 import {took} from '../../../widgets/controls.js';
+import {t} from '../../../i18n/words.js';
 
 const MOST = 200_000; // rows after a fault that are looked at
 const SETTLED = 0.1; // of the step: as in backend/thetascope/diagnosis/evaluation/metrics.py
@@ -15,10 +16,12 @@ const SETTLED = 0.1; // of the step: as in backend/thetascope/diagnosis/evaluati
  */
 
 /** RMSE, time to settle and noise as {value or words, title}, over from … to; a session that has not come so far has none. */
-export function figuresOf({samples, faults}, label, [x, theta], [from, to], text) {
+export function figuresOf({samples, faults}, label, [x, theta], [from, to]) {
   const none = {words: '–', title: ''};
   if (to > samples.now + 1.5 * samples.record)
-    return theta ? [{words: '–', title: text.notSoFar}, none, none] : [{words: '–', title: text.notSoFar}];
+    return theta
+      ? [{words: '–', title: t('page.comparison.not-reached')}, none, none]
+      : [{words: '–', title: t('page.comparison.not-reached')}];
   const truth = samples.window(`x.${x}`, from, to);
   const mine = samples.window(`${label}.x.${x}`, from, to);
   const error = {value: mine.v.length === truth.v.length ? rmse(mine.v, truth.v) : NaN, title: ''};
@@ -27,7 +30,7 @@ export function figuresOf({samples, faults}, label, [x, theta], [from, to], text
   const fault = newest(faults, theta, to);
   return [
     error,
-    fault ? settling(samples, faults, label, theta, fault, text) : none,
+    fault ? settling(samples, faults, label, theta, fault) : none,
     {value: noise(estimate.t, estimate.v), title: ''},
   ];
 }
@@ -35,15 +38,17 @@ export function figuresOf({samples, faults}, label, [x, theta], [from, to], text
 const newest = (faults, theta, t) => faults.findLast((one) => one.subject === theta && one.onset <= t);
 
 /** How soon the detector named the newest fault. */
-export function detected({samples, faults, alarms}, theta, to, text) {
+export function detected({samples, faults, alarms}, theta, to) {
   const fault = newest(faults, theta, Math.min(to, samples.now));
   if (!fault) return {words: '–', title: ''};
   const found = finding(fault, alarms);
-  if (found === null) return {words: text.notYet, title: ''};
-  return found.delay === null ? {words: '–', title: text.alarmWasOn} : {words: took(found.delay), title: ''};
+  if (found === null) return {words: t('page.comparison.not-yet'), title: ''};
+  return found.delay === null
+    ? {words: '–', title: t('page.diagnosis.alarm-was-on')}
+    : {words: took(found.delay), title: ''};
 }
 
-function settling(samples, faults, label, theta, fault, text) {
+function settling(samples, faults, label, theta, fault) {
   const none = {words: '–', title: ''};
   if (fault.shape !== 'step') return none;
   const {record} = samples;
@@ -57,6 +62,6 @@ function settling(samples, faults, label, theta, fault, text) {
   const time = settled(truth.t, truth.v, mine.v, from, within);
   if (time !== null) return {words: took(time), title: ''};
   return unsettled(truth.t, truth.v, mine.v, within)
-    ? {words: text.tooNoisy, title: text.tooNoisyHint}
-    : {words: text.notYet, title: text.settleHint};
+    ? {words: t('page.comparison.too-noisy'), title: t('page.comparison.too-noisy.hint')}
+    : {words: t('page.comparison.not-yet'), title: t('page.comparison.settle.hint')};
 }

@@ -6,6 +6,8 @@ import {Form} from './column-format.js';
 import {detected, figuresOf} from './compare-observer.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
 import {chip, heading, link} from '../../../widgets/controls.js';
+import {kindName} from '../../../widgets/kind-name.js';
+import {named, t} from '../../../i18n/words.js';
 
 const EVERY = 900; // ms between two computations
 const LONGEST = 6000; // rows of a window of "all"
@@ -25,7 +27,6 @@ export function mount(element, app) {
     const {plant, observers, origin} = app.state;
     element.hidden = !plant || observers.length === 0;
     if (element.hidden) return;
-    const {text} = app;
     const [x, theta] = chosen();
     const head = h(
       'tr',
@@ -33,12 +34,12 @@ export function mount(element, app) {
       h('td'),
       h(
         'th',
-        {scope: 'col', title: text.rmseHint},
+        {scope: 'col', title: t('page.comparison.rmse.hint')},
         'RMSE ',
         picker(
           plant.states,
           x,
-          text.whichState,
+          t('page.comparison.state'),
           (name) => {
             state = name;
             build();
@@ -49,13 +50,13 @@ export function mount(element, app) {
       theta &&
         h(
           'th',
-          {scope: 'col', title: text.settleHint},
-          text.settle,
+          {scope: 'col', title: t('page.comparison.settle.hint')},
+          t('page.comparison.settle'),
           ' ',
           picker(
             plant.channels,
             theta,
-            text.whichFault,
+            t('page.comparison.fault'),
             (name) => {
               channel = name;
               build();
@@ -64,7 +65,13 @@ export function mount(element, app) {
           ),
         ),
       theta &&
-        h('th', {scope: 'col', title: text.noiseHint}, text.noiseShort, ' ', short(theta, plant.channels, app, true)),
+        h(
+          'th',
+          {scope: 'col', title: t('page.comparison.noise.hint')},
+          t('page.comparison.noise'),
+          ' ',
+          short(theta, plant.channels, app, true),
+        ),
     );
     rows = [];
     const mine = group(observers, () => ({samples: app.samples, faults: app.state.faults, alarms: app.state.alarms}));
@@ -87,7 +94,9 @@ export function mount(element, app) {
           h(
             'th',
             {scope: 'rowgroup', colspan: 4},
-            link(text.parentCurves, () => app.act.visit(app.state.parent.id), {title: text.toParent}),
+            link(t('page.scope.parent'), () => app.act.visit(app.state.parent.id), {
+              title: t('page.scope.parent.hint'),
+            }),
           ),
         ),
         first.map((row) => {
@@ -96,25 +105,24 @@ export function mount(element, app) {
         }),
       ],
     );
-    fill(scroll, h('table', {}, h('caption', {class: 'said'}, text.comparison), h('thead', {}, head), body));
-    fill(element, heading(text.comparison), scroll, more);
+    fill(scroll, h('table', {}, h('caption', {class: 'said'}, t('page.comparison.title')), h('thead', {}, head), body));
+    fill(element, heading(t('page.comparison.title')), scroll, more);
     forms = [new Form(), new Form(), new Form()];
     compute();
   };
   /** The rows of one session: one an observer, and how soon its detector found the fault. `watched` gives it when figures are wanted. */
   const group = (observers, watched) => {
-    const {text} = app;
     const [x, theta] = chosen();
     const cell = () => h('td');
     const made = observers.map(({label, colour, kind}) => {
       const cells = theta ? [cell(), cell(), cell()] : [cell()];
-      rows.push({cells, of: () => figuresOf(watched(), label, [x, theta], span(), text)});
+      rows.push({cells, of: () => figuresOf(watched(), label, [x, theta], span())});
       return h(
         'tr',
         {},
         h(
           'th',
-          {scope: 'row', title: [label, text.kindNames[kind]].filter(Boolean).join(', ')},
+          {scope: 'row', title: `${label}, ${kindName({id: kind, title: kind})}`},
           h('span', {class: 'who'}, chip(colour), h('span', {}, label)),
         ),
         cells,
@@ -122,13 +130,13 @@ export function mount(element, app) {
     });
     if (!theta || app.state.diagnosis?.note !== '') return made;
     const found = cell();
-    rows.push({cells: [found], of: () => [detected(watched(), theta, span()[1], text)]});
+    rows.push({cells: [found], of: () => [detected(watched(), theta, span()[1])]});
     return [
       ...made,
       h(
         'tr',
-        {class: 'detector', title: text.foundHint},
-        h('th', {scope: 'row', colspan: 2}, text.foundBy),
+        {class: 'detector', title: t('page.comparison.found.hint')},
+        h('th', {scope: 'row', colspan: 2}, t('page.comparison.found-by')),
         found,
         h('td'),
       ),
@@ -188,7 +196,7 @@ function short(name, items, app, hat = false) {
   const [letters, index] = badges(items).get(name);
   return h(
     'span',
-    {class: 'math', title: called(name, app.state.plant, app.text)},
+    {class: 'math', title: called(name, app.state.plant)},
     hat ? hatted(letters) : h('i', {}, letters),
     index && h('sub', {}, index),
   );
@@ -197,7 +205,7 @@ function short(name, items, app, hat = false) {
 /** Which state or channel a column is about. */
 function picker(items, chosen, name, choose, app) {
   if (items.length < 2) return short(chosen, items, app);
-  const title = (item) => app.text.named(titleOf(item));
+  const title = (item) => named(titleOf(item));
   return h(
     'span',
     {class: 'picker'},

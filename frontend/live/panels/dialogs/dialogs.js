@@ -7,6 +7,7 @@ import {showHelp} from './help.js';
 import {opens} from './open-dialog.js';
 import {showShare} from './share.js';
 import {icon} from '../../../widgets/svg.js';
+import {t} from '../../../i18n/words.js';
 
 const CONTENTS = {equations: showEquations, help: showHelp, share: showShare, export: showExport};
 
@@ -23,8 +24,8 @@ export function mount(element, app) {
   opens((name) => {
     if (dialog.open) dialog.close();
     dialog.dataset.name = name;
-    close.setAttribute('aria-label', app.text.close);
-    title.textContent = app.text.dialogs[name];
+    close.setAttribute('aria-label', t('page.action.close'));
+    title.textContent = t(`page.${name}.title`);
     CONTENTS[name](body, app, () => dialog.close());
     dialog.showModal();
   });

@@ -2,13 +2,13 @@
 
 import {fill, h} from '../../../common/dom.js';
 import {refused} from '../../actions.js';
+import {t} from '../../../i18n/words.js';
 
 export function showExport(body, app) {
-  const {text} = app;
-  const status = h('p', {class: 'soft', role: 'status'}, text.exportNote);
+  const status = h('p', {class: 'soft', role: 'status'}, t('page.export.note'));
   let run = null;
   const saved = async () => {
-    status.textContent = text.saving;
+    status.textContent = t('page.export.saving');
     run ??= app.act.save();
     try {
       return await run;
@@ -29,9 +29,9 @@ export function showExport(body, app) {
           target.disabled = true;
           try {
             await act();
-            status.textContent = text.exportNote;
+            status.textContent = t('page.export.note');
           } catch (error) {
-            status.textContent = refused(error, text);
+            status.textContent = refused(error);
           } finally {
             target.disabled = false;
           }
@@ -47,32 +47,37 @@ export function showExport(body, app) {
     download(await app.act.figure({strip: null, format}), `${app.state.spec.id}.${format}`);
   fill(
     body,
-    h('h3', {}, text.exportData),
+    h('h3', {}, t('page.export.data')),
     h(
       'div',
       {class: 'links'},
-      button('CSV', text.csvHint, data('csv')),
-      button('MATLAB .mat', text.matHint, data('mat')),
-      button('JSON', text.jsonHint, data('json')),
+      button('CSV', t('page.export.csv.hint'), data('csv')),
+      button('MATLAB .mat', t('page.export.mat.hint'), data('mat')),
+      button('JSON', t('page.export.json.hint'), data('json')),
     ),
-    h('h3', {}, text.exportPicture),
-    h('div', {class: 'links'}, button('PNG', text.pngHint, figure('png')), button('SVG', text.svgHint, figure('svg'))),
-    h('h3', {}, text.exportReport),
+    h('h3', {}, t('page.export.picture')),
     h(
       'div',
       {class: 'links'},
-      button(text.report, text.reportHint, async () => {
+      button('PNG', t('page.export.png.hint'), figure('png')),
+      button('SVG', t('page.export.svg.hint'), figure('svg')),
+    ),
+    h('h3', {}, t('page.export.run')),
+    h(
+      'div',
+      {class: 'links'},
+      button(t('page.export.report'), t('page.export.report.hint'), async () => {
         const {links} = await saved();
         fetchTo(`${links.report}?download=1`, `${app.state.spec.id}.html`);
       }),
-      button(text.spec, text.specHint, async () => {
+      button(t('page.export.spec'), t('page.export.spec.hint'), async () => {
         const {spec, id} = await saved();
         download(
           new Blob([JSON.stringify(spec, null, 2)], {type: 'application/json'}),
           `${spec.id}-${id.slice(0, 8)}.json`,
         );
       }),
-      button(text.openRun, text.openRunHint, async () => {
+      button(t('page.export.open-run'), t('page.export.open-run.hint'), async () => {
         const {id} = await saved();
         open(`/runs/?run=${id}`, '_blank', 'noopener');
       }),

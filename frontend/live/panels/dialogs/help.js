@@ -2,6 +2,7 @@
 
 import {fill, h} from '../../../common/dom.js';
 import {KEYS} from './keyboard.js';
+import {t} from '../../../i18n/words.js';
 
 const svg = (...parts) => h('svg', {viewBox: '0 0 26 14', width: 26, height: 14, 'aria-hidden': 'true'}, parts);
 const path = (d, colour, filled = true, more = {}) =>
@@ -24,7 +25,15 @@ const MARKS = {
   escaped: () => path('M9 3L17 11M9 11L17 3', 'var(--alarm)', false, {'stroke-width': 2}),
 };
 
-export function showHelp(body, app) {
+/** Keys whose name is not what is printed on them. */
+const KEY_NAMES = {
+  Space: () => t('page.help.key.space'),
+  ArrowLeft: () => '←',
+  ArrowRight: () => '→',
+  Escape: () => 'Esc',
+};
+
+export function showHelp(body) {
   const rows = KEYS.map(({keys, does}) =>
     h(
       'tr',
@@ -32,16 +41,16 @@ export function showHelp(body, app) {
       h(
         'th',
         {scope: 'row'},
-        keys.map((key) => h('kbd', {}, app.text.keyNames[key] ?? key)),
+        keys.map((key) => h('kbd', {}, KEY_NAMES[key]?.() ?? key)),
       ),
-      h('td', {}, app.text.keys[does]),
+      h('td', {}, t(`page.help.keys.${does}`)),
     ),
   );
   fill(
     body,
     h('table', {class: 'keys'}, h('tbody', {}, rows)),
-    h('p', {class: 'soft'}, app.text.keysNote),
-    h('h3', {}, app.text.marksTitle),
+    h('p', {class: 'soft'}, t('page.help.keys.note')),
+    h('h3', {}, t('page.help.marks')),
     h(
       'table',
       {class: 'keys marks-list'},
@@ -49,7 +58,7 @@ export function showHelp(body, app) {
         'tbody',
         {},
         Object.entries(MARKS).map(([name, draw]) =>
-          h('tr', {}, h('td', {}, svg(...[draw()].flat())), h('td', {}, app.text.marks[name])),
+          h('tr', {}, h('td', {}, svg(...[draw()].flat())), h('td', {}, t(`page.marks.${name}`))),
         ),
       ),
     ),

@@ -4,7 +4,7 @@ import {TABS} from '../../ui/presentation.js';
 import {SPEEDS} from '../../../widgets/number-format.js';
 import {open} from './open-dialog.js';
 
-/** What each key does; `does` names the words in app.text.keys. */
+/** What each key does; `does` names its words: page.help.keys.…. */
 export const KEYS = [
   {keys: ['Space'], does: 'toggle', act: (app) => app.act.toggle()},
   {keys: ['.'], does: 'step', act: (app) => app.act.step(1)},

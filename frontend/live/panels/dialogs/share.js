@@ -2,19 +2,19 @@
 
 import {fill, h} from '../../../common/dom.js';
 import {icon} from '../../../widgets/svg.js';
+import {t} from '../../../i18n/words.js';
 
 export async function showShare(body, app) {
-  const {text} = app;
-  fill(body, h('p', {class: 'soft'}, text.wait));
+  fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
   const kinds = [
-    [text.controlLink, text.controlLinkHint, {}],
-    [text.viewLink, text.viewLinkHint, {view: true}],
+    [t('page.share.copy'), t('page.share.copy.hint'), {}],
+    [t('page.share.view'), t('page.share.view.hint'), {view: true}],
   ];
   try {
     const links = await Promise.all(kinds.map(([, , options]) => app.act.link(options)));
     fill(
       body,
-      kinds.map(([title, hint], place) => row(title, hint, new URL(links[place], location.href).href, text)),
+      kinds.map(([title, hint], place) => row(title, hint, new URL(links[place], location.href).href)),
     );
     body.querySelector('button').focus();
   } catch (error) {
@@ -22,7 +22,7 @@ export async function showShare(body, app) {
   }
 }
 
-function row(title, hint, address, text) {
+function row(title, hint, address) {
   const field = h('input', {
     type: 'text',
     readonly: true,
@@ -44,7 +44,7 @@ function row(title, hint, address, text) {
           field.select();
           document.execCommand('copy');
         }
-        copied.textContent = text.copied;
+        copied.textContent = t('page.action.copied');
         setTimeout(() => {
           copied.textContent = '';
         }, 2500);
@@ -52,7 +52,7 @@ function row(title, hint, address, text) {
     },
     icon('link', 13),
     ' ',
-    text.copy,
+    t('page.action.copy'),
   );
   return h(
     'section',

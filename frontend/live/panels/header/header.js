@@ -5,6 +5,7 @@ import {times} from '../../../widgets/number-format.js';
 import {open} from '../dialogs/open-dialog.js';
 import {icon} from '../../../widgets/svg.js';
 import {mountTabs} from './tabs.js';
+import {t} from '../../../i18n/words.js';
 
 export function mount(element, app) {
   const state = h('span', {class: 'connection', role: 'status'});
@@ -72,25 +73,25 @@ export function mount(element, app) {
   };
   /** The button that begins the presentation is the way out of it. */
   const showPresent = () => {
-    const {
-      text,
-      state: {presentation: on},
-    } = app;
+    const on = app.state.presentation;
     present.firstChild.replaceWith(icon(on ? 'close' : 'screen'));
-    named(present, on ? text.leave : text.present, on ? text.leaveHint : text.presentHint);
+    named(
+      present,
+      on ? t('page.header.leave') : t('page.header.present'),
+      on ? t('page.header.leave.hint') : t('page.header.present.hint'),
+    );
   };
   const label = () => {
-    const {text} = app;
-    fill(nav, pages(text, 'live'));
-    fill(document.querySelector('.skip'), text.skip);
-    fill(document.querySelector('#scope > h2'), text.tabs.curves);
-    nav.setAttribute('aria-label', text.pages);
-    more.setAttribute('aria-label', text.moreActions);
-    named(share, text.share, text.shareHint);
-    named(take, text.export, text.exportHint);
+    fill(nav, pages('live'));
+    fill(document.querySelector('.skip'), t('page.nav.skip-to-curves'));
+    fill(document.querySelector('#scope > h2'), t('page.tabs.curves'));
+    nav.setAttribute('aria-label', t('page.nav.label'));
+    more.setAttribute('aria-label', t('page.header.more'));
+    named(share, t('page.header.share'), t('page.header.share.hint'));
+    named(take, t('page.header.export'), t('page.header.export.hint'));
     showPresent();
-    named(theme, text.look, text.themeHint);
-    named(help, text.help, text.helpHint);
+    named(theme, t('page.header.look'), t('page.header.look.hint'));
+    named(help, t('page.header.help'), t('page.header.help.hint'));
     const chinese = app.state.language === 'zh';
     fill(
       language,
@@ -98,19 +99,21 @@ export function mount(element, app) {
       ' · ',
       h('span', {class: chinese ? 'now' : null, lang: 'zh'}, '中文'),
     );
-    language.setAttribute('aria-label', text.languageHint);
-    language.title = text.languageHint;
+    language.setAttribute('aria-label', t('page.header.language.hint'));
+    language.title = t('page.header.language.hint');
     connect();
   };
   const connect = () => {
     const {connection, role, viewers, playing, rate, speed} = app.state;
-    const {text} = app;
     state.className = `connection ${connection}`;
-    const slow = playing && speed !== null && rate !== null && rate < 0.8 * speed ? text.slow(times(rate)) : null;
+    const slow =
+      playing && speed !== null && rate !== null && rate < 0.8 * speed
+        ? t('page.header.slow', {rate: times(rate)})
+        : null;
     const said = [
-      role === 'view' ? text.viewing : null,
-      text.connections[connection] ?? connection,
-      viewers > 1 ? text.viewers(viewers) : null,
+      role === 'view' ? t('page.header.view-only') : null,
+      t(`page.header.connection.${connection}`),
+      viewers > 1 ? t('page.header.viewers', {n: viewers}) : null,
       slow,
     ]
       .filter(Boolean)
@@ -129,11 +132,11 @@ export function mount(element, app) {
 }
 
 /** Links to the pages; `here` is the one that is shown. */
-export function pages(text, here) {
+export function pages(here) {
   return [
     ['live', '/'],
     ['runs', '/runs/'],
     ['plants', '/plants/'],
     ['records', '/records/'],
-  ].map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, text.page[name]));
+  ].map(([name, href]) => h('a', {href, 'aria-current': name === here ? 'page' : null}, t(`page.nav.${name}`)));
 }

@@ -1,6 +1,7 @@
 // On a phone the panels stand behind tabs at the foot of the page; elsewhere the tabs are not shown and all panels are.
 
 import {fill, h} from '../../../common/dom.js';
+import {t} from '../../../i18n/words.js';
 
 const TABS = ['curves', 'inject', 'observers', 'diagnosis']; // which panels belong to each is in panels.css
 
@@ -21,9 +22,9 @@ export function mountTabs(app) {
   app.subscribe(
     (state) => state.language,
     () => {
-      bar.setAttribute('aria-label', app.text.tabsLabel);
+      bar.setAttribute('aria-label', t('page.tabs.label'));
       TABS.forEach((name, at) => {
-        buttons[at].textContent = app.text.tabs[name];
+        buttons[at].textContent = t(`page.tabs.${name}`);
       });
     },
   );

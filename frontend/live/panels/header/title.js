@@ -2,6 +2,7 @@
 
 import {fill, h} from '../../../common/dom.js';
 import {icon} from '../../../widgets/svg.js';
+import {named, t} from '../../../i18n/words.js';
 
 export function mount(element, app) {
   const name = h('span', {class: 'what'});
@@ -27,8 +28,8 @@ export function mount(element, app) {
       experiments.map((one) => entry(one, titles[one.plant])),
     );
     filter.value = '';
-    filter.placeholder = app.text.findExperiment;
-    filter.setAttribute('aria-label', app.text.findExperiment);
+    filter.placeholder = t('page.title.find');
+    filter.setAttribute('aria-label', t('page.title.find'));
     filter.focus();
   };
   const entry = (one, plant) =>
@@ -48,8 +49,8 @@ export function mount(element, app) {
             app.act.open(one.id);
           },
         },
-        h('b', {}, app.text.named(one.title) || one.id),
-        h('span', {}, app.text.named(plant) ?? one.plant),
+        h('b', {}, named(one.title) || one.id),
+        h('span', {}, named(plant) ?? one.plant),
       ),
     );
   filter.addEventListener('input', () => {
@@ -85,17 +86,17 @@ export function mount(element, app) {
     (state) => [state.spec?.title, state.plant, state.observers.length, state.language],
     () => {
       const {spec, plant, observers} = app.state;
-      name.textContent = spec ? app.text.named(plant?.title) || app.text.named(spec.title) || spec.id : app.text.wait;
+      name.textContent = spec ? named(plant?.title) || named(spec.title) || spec.id : t('page.text.loading');
       fit();
-      button.title = app.text.chooseExperiment;
-      fill(
-        sub,
-        spec && [
-          app.text.named(spec.title),
-          plant && h('span', {class: 'sizes'}, ` · ${app.text.sizes(plant.channels.length, observers.length)}`),
-        ],
-      );
-      sub.title = [app.text.named(spec?.title), spec?.source].filter(Boolean).join('. ');
+      button.title = t('page.title.choose');
+      fill(sub, spec && [named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${sizes(plant, observers)}`)]);
+      sub.title = [named(spec?.title), spec?.source].filter(Boolean).join('. ');
     },
   );
 }
+
+const sizes = ({channels}, observers) =>
+  t('page.title.sizes', {
+    channels: t('page.title.channels', {n: channels.length}),
+    observers: t('page.title.observers', {n: observers.length}),
+  });

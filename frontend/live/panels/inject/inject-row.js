@@ -3,6 +3,7 @@
 import {fill, h, number} from '../../../common/dom.js';
 import {firstValues, limits, mainField, mainScale, ownFields, read, spell} from './fault-form.js';
 import {badge, refusal, seconds, slider} from '../../../widgets/controls.js';
+import {named, t} from '../../../i18n/words.js';
 
 /**
  * @param {object} app
@@ -10,13 +11,12 @@ import {badge, refusal, seconds, slider} from '../../../widgets/controls.js';
  * @param {{title: string, kind: string, badge: [string, string], shapes: object[]}} about
  */
 export function createRow(app, subjectOf, about) {
-  const {text} = app;
   const subject = subjectOf();
   const menu = h(
     'select',
-    {class: 'shape', 'aria-label': text.shapeOf(about.title)},
+    {class: 'shape', 'aria-label': t('page.inject.shape-of', {title: about.title})},
     about.shapes.map((shape) =>
-      h('option', {value: shape.shape, title: text.named(shape.description)}, text.shapes[shape.shape] ?? shape.shape),
+      h('option', {value: shape.shape, title: named(shape.description)}, shapeName(shape.shape)),
     ),
   );
   const control = h('div', {class: 'control'});
@@ -25,7 +25,7 @@ export function createRow(app, subjectOf, about) {
   const stack = h('p', {class: 'stack'});
   const sub = h('span', {class: 'sub'});
   const press = h('button', {type: 'button', class: 'press'});
-  const change = h('button', {type: 'button', class: 'press quiet-press', hidden: true}, text.change);
+  const change = h('button', {type: 'button', class: 'press quiet-press', hidden: true}, t('page.inject.change'));
   const element = h(
     'div',
     {class: 'fault', id: `fault-${subject.name}`, role: 'group', 'aria-label': about.title},
@@ -42,7 +42,7 @@ export function createRow(app, subjectOf, about) {
   const touch = () => {
     row.edited = row.active !== null;
     change.hidden = !row.edited;
-    refusal(problem, null, text);
+    refusal(problem, null);
   };
   const build = (values = null, end = null) => {
     row.shape = about.shapes.find((shape) => shape.shape === menu.value);
@@ -50,17 +50,17 @@ export function createRow(app, subjectOf, about) {
     row.values = values ?? firstValues(row.shape, now);
     row.end = end;
     const field = mainField(row.shape);
-    row.main = field && mainSlider(field, row, now, about.title, touch, text);
+    row.main = field && mainSlider(field, row, now, about.title, touch);
     const open = !row.fold?.hidden && row.fold !== undefined;
-    const {summary, entries} = moreFields(row, field, touch, text);
+    const {summary, entries} = moreFields(row, field, touch);
     const dots = h(
       'button',
       {
         type: 'button',
         class: 'plain dots',
         'aria-expanded': String(open),
-        'aria-label': text.moreOf(about.title),
-        title: text.moreOf(about.title),
+        'aria-label': t('page.inject.more-of', {title: about.title}),
+        title: t('page.inject.more-of', {title: about.title}),
         onclick: () => {
           entries.hidden = !entries.hidden;
           dots.setAttribute('aria-expanded', String(!entries.hidden));
@@ -80,14 +80,14 @@ export function createRow(app, subjectOf, about) {
   });
 
   const ask = async (commands) => {
-    refusal(problem, null, text);
+    refusal(problem, null);
     press.disabled = true;
     try {
       await app.act.together(commands);
       row.edited = false;
       change.hidden = true;
     } catch (error) {
-      refusal(problem, error, text);
+      refusal(problem, error);
     } finally {
       press.disabled = app.state.role === 'view';
     }
@@ -116,16 +116,16 @@ export function createRow(app, subjectOf, about) {
     const other = identity(fault) !== identity(row.active);
     row.active = fault ?? null;
     element.classList.toggle('on', Boolean(fault));
-    fill(press, fault ? text.clear : text.inject);
+    fill(press, fault ? t('page.inject.clear') : t('page.inject.inject'));
     press.classList.toggle('clear', Boolean(fault));
-    press.setAttribute('aria-label', `${fault ? text.clear : text.inject}: ${about.title}`);
+    press.setAttribute('aria-label', t('page.inject.press', {action: press.textContent, title: about.title}));
     press.disabled = role === 'view';
     const beside = fault
-      ? text.since(seconds(fault.onset, horizon))
+      ? t('page.inject.since', {t: seconds(fault.onset, horizon)})
       : planned.length
-        ? text.plannedAt(seconds(Math.min(...planned.map(({onset}) => onset)), horizon))
+        ? t('page.inject.planned-from', {t: seconds(Math.min(...planned.map(({onset}) => onset)), horizon)})
         : subject.unit;
-    stack.textContent = fault ? stacked(acting, planned, horizon, text) : '';
+    stack.textContent = fault ? stacked(acting, planned, horizon) : '';
     fill(sub, h('span', {class: 'kind'}, about.kind, beside && ' · '), beside);
     if (fault && other) adopt(row, menu, fault, build);
     if (!fault && row.end !== row.typed) build(row.values, row.typed); // how long the last one lasted says nothing of the next
@@ -138,30 +138,30 @@ export function createRow(app, subjectOf, about) {
   return row;
 }
 
-/** What else acts there and is added to it, and what is planned on top. */
-function stacked(acting, planned, horizon, text) {
+/** The other faults that are active on the same channel and add up, and those that are planned. */
+function stacked(acting, planned, horizon) {
   const part =
-    (way) =>
-    ({fault, shape, onset}) =>
-      way({
-        size: fault.size === undefined ? '' : number(fault.size, 3),
-        shape: text.shapes[shape] ?? shape,
+    (code) =>
+    ({fault, shape, onset}) => ({
+      code,
+      args: {
+        what: fault.size === undefined ? shapeName(shape) : number(fault.size, 3),
         t: seconds(onset, horizon),
-      });
+      },
+    });
   const steps = acting.length > 1 && acting.every(({shape, onChannel}) => shape === 'step' && onChannel);
-  const said = [
-    acting.length > 1 && text.besides(acting.slice(0, -1).map(part(text.part))),
-    steps &&
-      text.inAll(
-        number(
-          acting.reduce((sum, {fault}) => sum + fault.size, 0),
-          3,
-        ),
-      ),
-    planned.length > 0 && `${acting.length > 1 ? ' ' : ''}${text.moreFrom(planned.map(part(text.partFrom)))}`,
-  ];
-  return text.tight(said.filter(Boolean).join(''));
+  const sum = acting.reduce((total, {fault}) => total + fault.size, 0);
+  return [
+    acting.length > 1 && t('page.inject.together', {parts: acting.slice(0, -1).map(part('page.inject.part'))}),
+    steps && t('page.inject.total', {size: number(sum, 3)}),
+    planned.length > 0 && t('page.inject.planned', {parts: planned.map(part('page.inject.part-planned'))}),
+  ]
+    .filter(Boolean)
+    .join(' ');
 }
+
+const shapeName = (shape) => t(`page.fault.shape.${shape}`);
+const fieldName = (field) => t(`page.fault.field.${field}`);
 
 /** What makes a fault itself: all but its end, which Clear sets. */
 const identity = (state) => (state ? JSON.stringify({...state.fault, end: null}) : '');
@@ -176,10 +176,10 @@ function adopt(row, menu, {fault}, build) {
   build(values, fault.end === null || fault.end === undefined ? null : fault.end - fault.onset);
 }
 
-function mainSlider(field, row, subject, title, touch, text) {
+function mainSlider(field, row, subject, title, touch) {
   const first = firstValues(row.shape, subject)[field.name];
   const made = slider({
-    name: `${title}: ${text.fields[field.name] ?? field.name}`,
+    name: `${title}: ${fieldName(field.name)}`,
     scale: mainScale(field, subject, first),
     value: row.values[field.name],
     ...limits(field, subject),
@@ -188,18 +188,18 @@ function mainSlider(field, row, subject, title, touch, text) {
       touch();
     },
   });
-  made.range.title = text.named(field.description);
-  made.field.title = `${text.fields[field.name] ?? field.name}${subject.unit ? `, ${subject.unit}` : ''}`;
+  made.range.title = named(field.description);
+  made.field.title = `${fieldName(field.name)}${subject.unit ? `, ${subject.unit}` : ''}`;
   return made;
 }
 
 /** The other fields, folded away, and a line that says their values. */
-function moreFields(row, main, touch, text) {
+function moreFields(row, main, touch) {
   const rest = ownFields(row.shape).filter((field) => field !== main);
   const summary = h('p', {class: 'summary'});
   const show = () => {
-    const values = rest.map((field) => `${text.fields[field.name] ?? field.name} ${short(row.values[field.name])}`);
-    summary.textContent = [...values, row.end === null ? null : text.endsAfter(number(row.end, 3))]
+    const values = rest.map((field) => `${fieldName(field.name)} ${short(row.values[field.name])}`);
+    summary.textContent = [...values, row.end === null ? null : t('page.inject.lasts', {s: number(row.end, 3)})]
       .filter(Boolean)
       .join(' · ');
   };
@@ -217,7 +217,7 @@ function moreFields(row, main, touch, text) {
             type: 'text',
             value: spell(value),
             inputmode: field.type === 'array' ? 'text' : 'decimal',
-            title: text.named(field.description),
+            title: named(field.description),
             autocomplete: 'off',
             spellcheck: 'false',
           });
@@ -232,15 +232,15 @@ function moreFields(row, main, touch, text) {
     return [h('label', {for: id}, title), input];
   };
   const entries = rest.map((field) =>
-    entry(field.name, text.fields[field.name] ?? field.name, field, row.values[field.name], (value) => {
+    entry(field.name, fieldName(field.name), field, row.values[field.name], (value) => {
       row.values[field.name] = value;
     }),
   );
   entries.push(
     entry(
       'end',
-      text.fields.end,
-      {type: 'number', nullable: true, above: 0, description: text.endHint},
+      t('page.fault.field.end'),
+      {type: 'number', nullable: true, above: 0, description: t('page.inject.end.hint')},
       row.end,
       (value) => {
         row.end = row.typed = value;

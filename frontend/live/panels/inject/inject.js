@@ -6,6 +6,7 @@ import {createRow} from './inject-row.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
 import {asOfNow, badge, heading, link, slider, throttled} from '../../../widgets/controls.js';
 import {logarithmic} from '../../../widgets/slider-scale.js';
+import {named, t} from '../../../i18n/words.js';
 
 export function mount(element, app) {
   let rows = new Map();
@@ -21,11 +22,11 @@ export function mount(element, app) {
     if (plant !== app.state.plant) return;
     rows = new Map();
     for (const end of ends.splice(0)) end();
-    if (!plant) return fill(element, heading(app.text.injectTitle));
+    if (!plant) return fill(element, heading(t('page.inject.title')));
     const channels = channelRows(app, plant, faults, rows);
     const outputs = outputRows(app, plant, faults, rows);
     const toggle = link(
-      app.text.moreFaults,
+      t('page.inject.more-faults'),
       () => {
         show(!open);
         if (open) outputs[0]?.element.scrollIntoView({block: 'nearest'});
@@ -36,16 +37,16 @@ export function mount(element, app) {
     const show = (now) => {
       open = now;
       toggle.setAttribute('aria-expanded', String(open));
-      toggle.textContent = open ? app.text.fewerFaults : app.text.moreFaults;
+      toggle.textContent = open ? t('page.inject.fewer-faults') : t('page.inject.more-faults');
       for (const {element: row, active} of outputs) row.hidden = !open && !active;
     };
     fill(
       list,
       channels.map((row) => row.element),
-      plant.channels.length === 0 && h('p', {class: 'soft'}, app.text.noChannels),
+      plant.channels.length === 0 && h('p', {class: 'soft'}, t('page.inject.no-channels')),
       plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]),
     );
-    fill(element, heading(app.text.injectTitle, tag, toggle), list, more);
+    fill(element, heading(t('page.inject.title'), tag, toggle), list, more);
     list.show = show;
     show(open);
     return update();
@@ -91,9 +92,9 @@ function channelRows(app, plant, shapes, rows) {
       ...times(app),
     };
     const row = createRow(app, () => subject, {
-      title: titled(app.text.named(channel.title) || channel.name),
-      description: app.text.named(channel.description),
-      kind: app.text.kinds[channel.kind],
+      title: titled(named(channel.title) || channel.name),
+      description: named(channel.description),
+      kind: t(`page.fault.kind.${channel.kind}`),
       badge: short.get(channel.name),
       shapes: mine,
     });
@@ -114,9 +115,9 @@ function outputRows(app, plant, shapes, rows) {
       ...times(app),
     });
     const row = createRow(app, subject, {
-      title: app.text.measurementOf(titled(app.text.named(output.description) || output.name)),
+      title: titled(named(output.description) || output.name),
       description: '',
-      kind: app.text.kinds.measurement,
+      kind: t('page.fault.kind.measurement'),
       badge: split(output.name),
       shapes: mine,
     });
@@ -145,7 +146,6 @@ function size(app, name) {
 
 /** The measurement noise of one output: its standard deviation, moved while time runs. */
 function noiseRow(app, output, ends) {
-  const {text} = app;
   const noise = () => app.state.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
   const begin = noise().std || size(app, output.name).typical / 30 || 0.01;
   const send = throttled(async (std) => {
@@ -157,7 +157,7 @@ function noiseRow(app, output, ends) {
     }
   });
   const made = slider({
-    name: text.noiseOf(called(output.name, app.state.plant, text)),
+    name: t('page.inject.noise-of', {name: called(output.name, app.state.plant)}),
     scale: logarithmic(begin / 30, begin * 30, true),
     value: noise().std,
     low: 0,
@@ -172,16 +172,16 @@ function noiseRow(app, output, ends) {
       },
     ),
   );
-  const hint = [text.noiseHeld(String(noise().sample_time)), output.unit].filter(Boolean).join(', ');
+  const hint = [t('page.inject.noise-held', {s: String(noise().sample_time)}), output.unit].filter(Boolean).join(', ');
   return h(
     'div',
     {
       class: 'fault noise',
       role: 'group',
-      'aria-label': text.noiseOf(called(output.name, app.state.plant, text)),
+      'aria-label': t('page.inject.noise-of', {name: called(output.name, app.state.plant)}),
       title: hint,
     },
     badge(split(output.name), {square: true}),
-    h('div', {class: 'control'}, h('span', {}, text.noise, ' ', h('i', {}, 'σ')), made.range, made.field),
+    h('div', {class: 'control'}, h('span', {}, t('page.inject.noise'), ' ', h('i', {}, 'σ')), made.range, made.field),
   );
 }

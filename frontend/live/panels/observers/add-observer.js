@@ -3,6 +3,8 @@
 import {post} from '../../../common/api.js';
 import {fill, h} from '../../../common/dom.js';
 import {refusal} from '../../../widgets/controls.js';
+import {kindName} from '../../../widgets/kind-name.js';
+import {named, say, t} from '../../../i18n/words.js';
 
 /** What an observer of a kind is called; of a kind that is not known here: the kind. */
 const SHORT = {
@@ -21,23 +23,22 @@ const SHORT = {
 
 /** Fill `element`, which is shown, with the form; `done` is called when it has been added or given up. */
 export function createAdder(element, app, kinds, done) {
-  const {text} = app;
   const {plant, observers} = app.state;
   const discrete = plant?.time.kind === 'discrete';
   const offered = kinds.filter(
     (kind) => !(kind.time === 'continuous' && discrete) && !(kind.time === 'plant' && !discrete),
   );
   const others = kinds.filter((kind) => !offered.includes(kind));
-  const option = (kind, disabled) => h('option', {value: kind.id, disabled}, text.kindNames[kind.id] ?? kind.title);
+  const option = (kind, disabled) => h('option', {value: kind.id, disabled}, kindName(kind));
   const menu = h(
     'select',
-    {'aria-label': text.kind},
+    {'aria-label': t('page.observers.kind')},
     offered.map((kind) => option(kind, false)),
     others.length > 0 && others.map((kind) => option(kind, true)),
   );
   const label = h('input', {
     type: 'text',
-    'aria-label': text.label,
+    'aria-label': t('page.observers.label'),
     maxlength: 32,
     autocomplete: 'off',
     spellcheck: 'false',
@@ -45,8 +46,8 @@ export function createAdder(element, app, kinds, done) {
   const about = h('p', {class: 'soft small'});
   const options = h('div', {class: 'entries'});
   const problem = h('p', {class: 'refused', role: 'alert'});
-  const add = h('button', {type: 'submit', class: 'press'}, text.addIt);
-  const cancel = h('button', {type: 'button', class: 'press clear', onclick: done}, text.cancel);
+  const add = h('button', {type: 'submit', class: 'press'}, t('page.observers.add'));
+  const cancel = h('button', {type: 'button', class: 'press clear', onclick: done}, t('page.action.cancel'));
   const presses = h('div', {class: 'presses'}, add, cancel);
   const inputs = new Map();
   let typed = false; // a label of one's own outlives another choice of kind
@@ -58,11 +59,11 @@ export function createAdder(element, app, kinds, done) {
   const chosen = () => offered.find((kind) => kind.id === menu.value);
   const choose = () => {
     const kind = chosen();
-    about.textContent = text.named(kind?.summary) ?? '';
+    about.textContent = named(kind?.summary) ?? '';
     if (!typed) label.value = free(SHORT[kind?.id] ?? kind?.id ?? 'observer', observers);
     inputs.clear();
-    fill(options, kind ? optionFields(kind, plant, text, inputs) : null);
-    refusal(problem, null, text);
+    fill(options, kind ? optionFields(kind, plant, inputs) : null);
+    refusal(problem, null);
     presses.scrollIntoView({block: 'nearest'});
   };
   menu.addEventListener('change', () => {
@@ -71,10 +72,10 @@ export function createAdder(element, app, kinds, done) {
   });
   const form = h(
     'form',
-    {class: 'add-form', 'aria-label': text.addObserver},
+    {class: 'add-form', 'aria-label': t('page.observers.add-title')},
     menu,
     about,
-    h('div', {class: 'entries'}, h('label', {}, text.label), label),
+    h('div', {class: 'entries'}, h('label', {}, t('page.observers.label')), label),
     options,
     problem,
     presses,
@@ -95,7 +96,7 @@ export function createAdder(element, app, kinds, done) {
       await app.send({type: 'add-observer', observer: {label: label.value.trim(), kind: menu.value, options: given}});
       done();
     } catch (error) {
-      refusal(problem, error, text);
+      refusal(problem, error);
     } finally {
       add.disabled = false;
     }
@@ -106,7 +107,7 @@ export function createAdder(element, app, kinds, done) {
   choose();
   possible(plant).then(
     (found) => {
-      if (!mark(menu, found, text) || used) return;
+      if (!mark(menu, found, kinds) || used) return;
       const left = [...menu.options].filter((one) => !one.disabled).map((one) => one.value);
       menu.value = left.find((id) => kinds.find((kind) => kind.id === id).estimates_theta) ?? left[0] ?? '';
       choose();
@@ -129,13 +130,14 @@ function possible(plant) {
 }
 
 /** Grey out what cannot be built; true where another has to be chosen. */
-function mark(menu, found, text) {
+function mark(menu, found, kinds) {
   for (const option of menu.options) {
     const one = found.find(({kind}) => kind === option.value);
     if (!one || one.possible) continue;
     option.disabled = true;
-    option.title = text.said(one.why);
-    if (!option.textContent.endsWith(text.notHere)) option.textContent += text.notHere;
+    option.title = say(one.why);
+    const kind = kinds.find(({id}) => id === option.value);
+    option.textContent = t('page.observers.not-here', {title: kindName(kind)});
   }
   return Boolean(menu.selectedOptions[0]?.disabled);
 }
@@ -149,9 +151,9 @@ function free(base, observers) {
 }
 
 /** The options of a kind; those that every estimating observer has (which channels) come first. */
-function optionFields(kind, plant, text, inputs) {
+function optionFields(kind, plant, inputs) {
   const fields = [];
-  if (kind.estimates_theta && plant.channels.length > 1) fields.push(channelField(plant, text, inputs));
+  if (kind.estimates_theta && plant.channels.length > 1) fields.push(channelField(plant, inputs));
   for (const option of kind.options) {
     const input =
       option.kind === 'choice'
@@ -163,24 +165,24 @@ function optionFields(kind, plant, text, inputs) {
         : h('input', {
             type: 'text',
             inputmode: 'decimal',
-            placeholder: option.default === null ? text.automatic : String(option.default),
+            placeholder: option.default === null ? t('page.observers.automatic') : String(option.default),
           });
     input.setAttribute('aria-label', option.name);
     inputs.set(option.name, () =>
       option.kind === 'choice' ? input.value : input.value.trim() === '' ? null : Number(input.value),
     );
-    fields.push(h('label', {title: text.named(option.meaning)}, option.name.replaceAll('_', ' ')), input);
+    fields.push(h('label', {title: named(option.meaning)}, option.name.replaceAll('_', ' ')), input);
   }
   return fields;
 }
 
-function channelField(plant, text, inputs) {
+function channelField(plant, inputs) {
   const boxes = plant.channels.map((channel) =>
     h(
       'label',
       {class: 'box'},
       h('input', {type: 'checkbox', value: channel.name, checked: true}),
-      ` ${text.named(channel.title) || channel.name}`,
+      ` ${named(channel.title) || channel.name}`,
     ),
   );
   inputs.set('channels', () => {
@@ -191,7 +193,7 @@ function channelField(plant, text, inputs) {
     return picked.length === plant.channels.length || picked.length === 0 ? null : picked.join(',');
   });
   return [
-    h('span', {class: 'soft'}, text.estimates),
-    h('details', {class: 'fold'}, h('summary', {}, text.whichChannels), h('div', {class: 'boxes'}, boxes)),
+    h('span', {class: 'soft'}, t('page.observers.estimates')),
+    h('details', {class: 'fold'}, h('summary', {}, t('page.observers.channels')), h('div', {class: 'boxes'}, boxes)),
   ];
 }

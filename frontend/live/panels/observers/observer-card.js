@@ -4,6 +4,9 @@ import {fill, h, number, symbol} from '../../../common/dom.js';
 import {chip, refusal, seconds, slider, throttled} from '../../../widgets/controls.js';
 import {gainScale} from '../../../widgets/slider-scale.js';
 import {icon} from '../../../widgets/svg.js';
+import {kindName} from '../../../widgets/kind-name.js';
+import {VERDICTS, verdictWords} from '../../../widgets/verdicts.js';
+import {asSentence, named, say, t} from '../../../i18n/words.js';
 
 const SHOWN = 2; // gains that are always in sight
 
@@ -19,7 +22,6 @@ function entries(kind, gains) {
 }
 
 export function createCard(app, observer, kind) {
-  const {text} = app;
   let present = observer;
   let known = {}; // defaults from the server
   const lights = h('button', {type: 'button', class: 'lights', 'aria-expanded': 'false'});
@@ -27,7 +29,7 @@ export function createCard(app, observer, kind) {
   lights.popoverTargetElement = checks;
   const gains = h('div', {class: 'gains'});
   const more = h('div', {class: 'gains'});
-  const fold = h('details', {class: 'fold', hidden: true}, h('summary', {}, text.moreGains), more);
+  const fold = h('details', {class: 'fold', hidden: true}, h('summary', {}, t('page.observers.more-gains')), more);
   const problem = h('p', {class: 'refused', role: 'alert'});
   const fallen = h('div', {class: 'fallen', hidden: true});
   const cross = h(
@@ -35,8 +37,8 @@ export function createCard(app, observer, kind) {
     {
       type: 'button',
       class: 'plain control-only',
-      title: text.removeObserver(observer.label),
-      'aria-label': text.removeObserver(observer.label),
+      title: t('page.observers.remove', {label: observer.label}),
+      'aria-label': t('page.observers.remove', {label: observer.label}),
     },
     icon('close', 13),
   );
@@ -45,7 +47,7 @@ export function createCard(app, observer, kind) {
     {
       type: 'button',
       class: 'unfold',
-      title: `${text.gainsOf(observer.label)} (${text.kindNames[kind.id] ?? kind.title})`,
+      title: t('page.observers.gains-of-kind', {label: observer.label, kind: kindName(kind)}),
       onclick: () => open(body.hidden, true),
     },
     h('b', {}, observer.label),
@@ -66,11 +68,7 @@ export function createCard(app, observer, kind) {
       {class: 'observer-head'},
       chip(observer.colour),
       unfold,
-      h(
-        'span',
-        {class: 'kind soft', title: `${text.named(kind.title)}. ${kind.source}`},
-        text.kindNames[kind.id] ?? kind.title,
-      ),
+      h('span', {class: 'kind soft', title: `${named(kind.title)}. ${kind.source}`}, kindName(kind)),
       lights,
       cross,
     ),
@@ -90,9 +88,9 @@ export function createCard(app, observer, kind) {
   const ask = async (command) => {
     try {
       await app.send(command);
-      refusal(problem, null, text);
+      refusal(problem, null);
     } catch (error) {
-      refusal(problem, error, text);
+      refusal(problem, error);
       show(true);
     }
   };
@@ -112,7 +110,7 @@ export function createCard(app, observer, kind) {
     controls.names = names;
     const scalars = now.filter((one) => one.gain.size === null);
     const first = scalars.length ? scalars.slice(0, SHOWN) : now.filter((one) => one.gain === now[0].gain).slice(0, 4);
-    const line = (one) => gainLine(app, observer.label, one, controls, () => values()[one.gain.name], ask);
+    const line = (one) => gainLine(observer.label, one, controls, () => values()[one.gain.name], ask);
     fill(gains, first.map(line));
     const rest = now.filter((one) => !first.includes(one));
     fill(more, rest.map(line));
@@ -141,7 +139,7 @@ export function createCard(app, observer, kind) {
       show();
     },
     checks() {
-      showLights(lights, checks, app.state.checks[observer.label] ?? [], listed, text);
+      showLights(lights, checks, app.state.checks[observer.label] ?? [], listed);
       for (const control of controls.values()) control.disable(app.state.role === 'view');
       cross.hidden = app.state.role === 'view';
     },
@@ -157,8 +155,7 @@ export function createCard(app, observer, kind) {
 
 /** Where and why it diverged, what to do about it, and a button that lets it begin anew with its present gains. */
 function fall(app, {label, config, gains, diverged}) {
-  const {text} = app;
-  const words = text.said(diverged.text.replace(`${label} diverged: `, ''));
+  const cause = asSentence(diverged.text.replace(`${label} diverged: `, ''));
   const again = async (event) => {
     event.currentTarget.disabled = true;
     try {
@@ -174,23 +171,28 @@ function fall(app, {label, config, gains, diverged}) {
     h(
       'p',
       {class: 'alarm small'},
-      `${text.fellAt(seconds(diverged.t, app.state.spec?.horizon))}. ${words}${/[.。]$/.test(words) ? '' : text.stop}`,
+      t('page.observers.diverged', {t: seconds(diverged.t, app.state.spec?.horizon), cause}),
     ),
     app.state.broken === null &&
       h(
         'button',
-        {type: 'button', class: 'press quiet-press control-only', title: text.startObserverHint, onclick: again},
-        text.startObserver,
+        {
+          type: 'button',
+          class: 'press quiet-press control-only',
+          title: t('page.observers.restart.hint'),
+          onclick: again,
+        },
+        t('page.observers.restart'),
       ),
   ];
 }
 
 /** A slider for one number of a gain; sent while it moves. */
-function gainLine(app, label, {gain, place, value}, controls, column, ask) {
+function gainLine(label, {gain, place, value}, controls, column, ask) {
   if (value === null || value === undefined) {
     return h(
       'div',
-      {class: 'gain', title: app.text.named(gain.meaning)},
+      {class: 'gain', title: named(gain.meaning)},
       gainSymbol(gain, place),
       h('span', {class: 'soft'}, '…'),
     );
@@ -200,7 +202,7 @@ function gainLine(app, label, {gain, place, value}, controls, column, ask) {
     return ask({type: 'set-gain', observer: label, gain: gain.name, value: whole});
   }, 160);
   const made = slider({
-    name: `${label}: ${gain.symbol || gain.name}${place === null ? '' : ` ${place + 1}`}, ${app.text.named(gain.meaning)}`,
+    name: `${label}: ${gain.symbol || gain.name}${place === null ? '' : ` ${place + 1}`}, ${named(gain.meaning)}`,
     scale: gainScale(gain, value),
     value,
     low: gain.low,
@@ -210,7 +212,7 @@ function gainLine(app, label, {gain, place, value}, controls, column, ask) {
   controls.set(`${gain.name}.${place}`, made);
   return h(
     'div',
-    {class: 'gain', title: [app.text.named(gain.meaning), gain.unit].filter(Boolean).join(', ')},
+    {class: 'gain', title: [named(gain.meaning), gain.unit].filter(Boolean).join(', ')},
     gainSymbol(gain, place),
     made.range,
     made.field,
@@ -239,19 +241,17 @@ function beside(button, list, card) {
 const MARK = {holds: 'ok', fails: 'bad'};
 
 /** Lights, one a check, and the list that they open to. */
-function showLights(lights, list, found, listed, text) {
+function showLights(lights, list, found, listed) {
   const count = (verdict) => found.filter((check) => check.verdict === verdict).length;
-  const spoken = Object.keys(text.verdicts)
-    .filter(count)
-    .map((verdict) => `${count(verdict)} ${text.verdicts[verdict]}`)
-    .join(', ');
+  const verdicts = VERDICTS.filter(count).map((verdict) => `${count(verdict)} ${verdictWords(verdict)}`);
+  const spoken = t('page.observers.assumption-lights', {verdicts});
   fill(
     lights,
     found.map((check) => h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`})),
   );
   lights.hidden = found.length === 0;
   lights.title = spoken;
-  lights.setAttribute('aria-label', `${text.assumptions}: ${spoken}`);
+  lights.setAttribute('aria-label', spoken);
   const wanted = listed ? found : null;
   if (wanted === list.shown) return;
   list.shown = wanted;
@@ -266,8 +266,8 @@ function showLights(lights, list, found, listed, text) {
         'li',
         {},
         h('span', {class: `light ${MARK[check.verdict] ?? 'open'}`}),
-        h('b', {}, text.said(check.name)),
-        ` ${text.verdicts[check.verdict]}`,
+        h('b', {}, say(check.name)),
+        ` ${verdictWords(check.verdict)}`,
         check.value === null || check.value === undefined
           ? null
           : h(
@@ -275,7 +275,7 @@ function showLights(lights, list, found, listed, text) {
               {class: 'num'},
               ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`,
             ),
-        h('span', {class: 'soft'}, text.said(check.text)),
+        h('span', {class: 'soft'}, say(check.text)),
         check.source && h('span', {class: 'soft source'}, check.source),
       ),
     ),

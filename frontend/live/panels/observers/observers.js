@@ -6,6 +6,7 @@ import {createAdder} from './add-observer.js';
 import {createCard} from './observer-card.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
 import {heading, link} from '../../../widgets/controls.js';
+import {t} from '../../../i18n/words.js';
 
 const FOLDED = 3; // so many observers are a line each, until one is opened
 
@@ -19,7 +20,10 @@ export function mount(element, app) {
   let serial = 0;
 
   const build = () => {
-    const add = link(app.text.add, () => toggle(), {'aria-expanded': 'false', class: 'link control-only'});
+    const add = link(t('page.observers.add-link'), () => toggle(), {
+      'aria-expanded': 'false',
+      class: 'link control-only',
+    });
     const toggle = (on = adder.hidden) => {
       adder.hidden = !on;
       add.setAttribute('aria-expanded', String(on));
@@ -32,7 +36,7 @@ export function mount(element, app) {
     toggle(false);
     for (const card of cards.values()) card.end();
     cards = new Map();
-    fill(element, heading(app.text.observers, add), body, more);
+    fill(element, heading(t('page.observers.title'), add), body, more);
     update();
   };
   const update = () => {
@@ -48,7 +52,7 @@ export function mount(element, app) {
     for (const card of cards.values()) card.unfold(cards.size < FOLDED);
     const wanted = [...cards.values()].map((card) => card.element);
     if (wanted.some((one, place) => list.children[place] !== one) || list.children.length !== wanted.length)
-      fill(list, wanted.length ? wanted : h('p', {class: 'soft'}, app.text.noObserver));
+      fill(list, wanted.length ? wanted : h('p', {class: 'soft'}, t('page.observers.none')));
     for (const [key, card] of cards)
       card.update(observers.find((one) => key.startsWith(`${one.label}/${one.kind}/${one.since}`)));
     return filled();

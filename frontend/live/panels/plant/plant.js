@@ -6,6 +6,7 @@ import {HALF, layout, WIDTH} from './diagram.js';
 import {open} from '../dialogs/open-dialog.js';
 import {asOfNow, heading, link, steady} from '../../../widgets/controls.js';
 import {letters, s} from '../../../widgets/svg.js';
+import {named, t} from '../../../i18n/words.js';
 
 export function mount(element, app) {
   let values = [];
@@ -15,7 +16,7 @@ export function mount(element, app) {
     const {plant} = app.state;
     fill(
       element,
-      heading(app.text.plant, tag, plant && link(app.text.equations, () => open('equations'))),
+      heading(t('page.plant.title'), tag, plant && link(t('page.plant.equations'), () => open('equations'))),
       plant && picture(),
     );
     light();
@@ -41,8 +42,8 @@ export function mount(element, app) {
       group.classList.toggle('perhaps', mine.length > 0 && !sure);
       const said = [
         title,
-        active.has(subject) && app.text.activeNow,
-        mine.length > 0 && (sure ? app.text.namedNow : app.text.perhapsNow),
+        active.has(subject) && t('page.plant.site.active'),
+        mine.length > 0 && (sure ? t('page.plant.site.identified') : t('page.plant.site.possible')),
       ];
       group.setAttribute('aria-label', said.filter(Boolean).join(', '));
     }
@@ -70,7 +71,7 @@ function drawPlant(plant, app) {
   const short = badges(plant.channels);
   const sites = new Map();
   const values = [];
-  const parts = place.blocks.map((box) => block(box, plant, app.text));
+  const parts = place.blocks.map((box) => block(box, plant));
   const buttons = place.blocks.flatMap((box) => box.spots.map((spot) => button(spot, short, app, sites)));
   const svg = s(
     'svg',
@@ -78,7 +79,7 @@ function drawPlant(plant, app) {
       class: 'plant',
       viewBox: `0 0 ${WIDTH} ${place.height}`,
       role: 'group',
-      'aria-label': app.text.plantPicture(app.text.named(plant.title)),
+      'aria-label': t('page.plant.picture', {title: named(plant.title)}),
     },
     s(
       'defs',
@@ -89,7 +90,7 @@ function drawPlant(plant, app) {
         s('path', {d: 'M0 0L8 4L0 8z', fill: 'var(--ink)'}),
       ),
     ),
-    wires(place, plant, values, app.text.named),
+    wires(place, plant, values, named),
     parts,
     watchers(place, app),
     buttons,
@@ -139,29 +140,29 @@ function list(ports, prefix, x, foot, anchor, values, named) {
   });
 }
 
-function block(box, plant, text) {
+function block(box, plant) {
   const x = box.x + box.width / 2;
   const y = box.y + box.height / 2 + (box.sites.some((site) => site.onChannel) ? 5 : 0); // clear of the sites
   const frame = s('rect', {class: 'blk', x: box.x, y: box.y, width: box.width, height: box.height, rx: 6});
   if (box.id === 'hysteresis') {
     const loop = `M${x - 13} ${y + 14}h7c5 0 4 -26 13 -26h6M${x + 13} ${y - 12}h-7c-5 0 -4 26 -13 26`;
-    return [frame, s('path', {class: 'hysteresis', d: loop}), s('title', {}, text.blocks.hysteresis)];
+    return [frame, s('path', {class: 'hysteresis', d: loop}), s('title', {}, t('page.plant.block.hysteresis'))];
   }
   const discrete = plant.time.kind === 'discrete' && box.id === 'plant';
-  const states = box.states.length ? summary(box.states, box.width, text) : [];
+  const states = box.states.length ? summary(box.states, box.width) : [];
   const lift = (states.length ? 6 : -4) + (discrete ? 4 : 0);
   return [
     frame,
-    s('text', {class: box.width < 52 ? 't small' : 't', x, y: y - lift}, text.blocks[box.id]),
+    s('text', {class: box.width < 52 ? 't small' : 't', x, y: y - lift}, t(`page.plant.block.${box.id}`)),
     states.length && s('text', {class: 'ts', x, y: y - lift + 14}, states),
-    discrete && s('text', {class: 'ts', x, y: y - lift + 26}, text.every(plant.time.period)),
+    discrete && s('text', {class: 'ts', x, y: y - lift + 26}, t('page.plant.every', {s: plant.time.period})),
   ].filter(Boolean);
 }
 
 /** The states of a block, as many as fit. */
-function summary(names, width, text) {
+function summary(names, width) {
   const wide = names.reduce((sum, name) => sum + (name.length > 3 ? 6 * name.length : 15), 0);
-  if (wide > width - 6) return [text.manyStates(names.length)];
+  if (wide > width - 6) return [t('page.plant.states', {n: names.length})];
   return names.flatMap((name) => [...letters(name, 12), ' ']);
 }
 
@@ -179,7 +180,7 @@ function watchers({foot, axis}, app) {
   const x = (WIDTH - w) / 2;
   const step = Math.min(16, (w - 16) / Math.max(observers.length, 1));
   const begin = WIDTH / 2 - (step * observers.length) / 2;
-  const sees = plant.inputs.length ? app.text.fromInputs : app.text.fromOutputs;
+  const sees = t('page.plant.from');
   return [
     s('rect', {
       class: 'blk eye',
@@ -190,7 +191,7 @@ function watchers({foot, axis}, app) {
       rx: 6,
       style: observers[0] && `stroke:${observers[0].colour}`,
     }),
-    s('text', {class: 't', x: WIDTH / 2, y: foot - 9}, app.text.observersBlock),
+    s('text', {class: 't', x: WIDTH / 2, y: foot - 9}, t('page.plant.observers')),
     s(
       'text',
       {class: 'ts', x: WIDTH / 2, y: foot + 6.5},
@@ -221,8 +222,8 @@ function button(spot, short, app, sites) {
     app.act.site(spot.subject);
   };
   const title = spot.onChannel
-    ? app.text.siteOf(app.text.named(spot.title))
-    : app.text.siteOfOutput(called(spot.name, app.state.plant, app.text));
+    ? t('page.plant.site', {title: named(spot.title)})
+    : t('page.plant.site-output', {name: called(spot.name, app.state.plant)});
   const key = (event) => {
     if (event.key === 'Enter' || event.key === ' ') {
       event.preventDefault();

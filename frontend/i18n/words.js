@@ -1,0 +1,44 @@
+// The words of the page: codes with arguments, rendered with the catalogue of one language, which comes from the server.
+
+import {get} from '../common/api.js';
+import {Catalogue} from './render.js';
+import {named as chineseName, said as chineseText} from './zh/server-text.js';
+
+/** @type {Catalogue} */
+let catalogue = new Catalogue({language: 'en', plural: ['one', 'other'], messages: {}});
+
+/** Load the words of a language; from then on `t` and `say` use them. @param {import('./language.js').Language} language */
+export async function speak(language) {
+  catalogue = new Catalogue(await get(`/api/messages/${language}`));
+  document.documentElement.lang = language === 'zh' ? 'zh-CN' : language;
+}
+
+/** The language that is spoken. */
+export const language = () => catalogue.language;
+
+/** The words of a code: t('page.transport.play'), t('page.plant.states', {n: 3}). @param {string} code @param {Record<string, import('./render.js').Argument>} args */
+export const t = (code, args = {}) => catalogue.render({code, args});
+
+/** Whether there are words for a code. @param {string} code */
+export const hasWords = (code) => catalogue.has(code);
+
+/**
+ * What the server says, {code, args, text}, in the page's language: the text as it came only where the code is not known here.
+ * @param {import('./render.js').Message | string | null | undefined} message
+ * @returns {string}
+ */
+export function say(message) {
+  if (message === null || message === undefined) return '';
+  if (typeof message === 'string') return language() === 'zh' ? chineseText(message) : message;
+  return catalogue.has(message.code) ? catalogue.render(message) : (message.text ?? message.code);
+}
+
+/** What the library calls something. @param {string | null | undefined} words */
+export const named = (words) => (language() === 'zh' ? chineseName(words) : words) ?? '';
+
+/** What the server says as a sentence of its own, with a capital letter and a full stop. @param {Parameters<typeof say>[0]} message */
+export function asSentence(message) {
+  const words = say(message);
+  if (words === '') return '';
+  return `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : t('page.text.stop')}`;
+}

@@ -1,0 +1,8 @@
+// The verdicts of a check, in the order in which they are counted, and their words.
+
+import {t} from '../i18n/words.js';
+
+export const VERDICTS = ['holds', 'fails', 'cannot tell'];
+
+/** @param {string} verdict */
+export const verdictWords = (verdict) => t(`page.observers.verdict.${verdict.replaceAll(' ', '-')}`);
