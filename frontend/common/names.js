@@ -49,7 +49,8 @@ export const symbolic = (name) => split(name)[0].length === 1 && !/^[A-Za-z]{2}/
  * @param {string} text
  */
 export function word(text) {
-  const code = `page.name.${text.replaceAll(' ', '-')}`;
+  const key = text.replaceAll(' ', '-');
+  const code = `page.name.${key}`;
   return hasWords(code) ? t(code) : text;
 }
 

@@ -5,4 +5,7 @@ import {t} from '../i18n/words.js';
 export const VERDICTS = ['holds', 'fails', 'cannot tell'];
 
 /** @param {string} verdict */
-export const verdictWords = (verdict) => t(`page.observers.verdict.${verdict.replaceAll(' ', '-')}`);
+export function verdictWords(verdict) {
+  const key = verdict.replaceAll(' ', '-');
+  return t(`page.observers.verdict.${key}`);
+}

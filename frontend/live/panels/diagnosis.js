@@ -11,6 +11,11 @@ import {untold} from '../../diagnosis/fault-size.js';
 import {createSure} from '../../diagnosis/confidence.js';
 import {asSentence, t} from '../../i18n/words.js';
 
+const TITLES = {
+  detectability: () => t('page.diagnosis.detectability'),
+  certainty: () => t('page.diagnosis.certainty'),
+};
+
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
   const list = h('div', {class: 'scroll', role: 'region', tabindex: 0});
@@ -22,7 +27,7 @@ export function mount(element, app) {
     links = Object.fromEntries(
       Object.keys(folds).map((name) => [
         name,
-        link(t(`page.diagnosis.${name}`), () => open(name), {'aria-expanded': 'false'}),
+        link(TITLES[name](), () => open(name), {'aria-expanded': 'false'}),
       ]),
     );
     list.setAttribute('aria-label', t('page.diagnosis.findings'));

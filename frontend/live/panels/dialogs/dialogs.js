@@ -10,6 +10,12 @@ import {icon} from '../../../widgets/svg.js';
 import {t} from '../../../i18n/words.js';
 
 const CONTENTS = {equations: showEquations, help: showHelp, share: showShare, export: showExport};
+const TITLES = {
+  equations: () => t('page.equations.title'),
+  help: () => t('page.help.title'),
+  share: () => t('page.share.title'),
+  export: () => t('page.export.title'),
+};
 
 export function mount(element, app) {
   const title = h('h2', {id: 'dialog-title'});
@@ -25,7 +31,7 @@ export function mount(element, app) {
     if (dialog.open) dialog.close();
     dialog.dataset.name = name;
     close.setAttribute('aria-label', t('page.action.close'));
-    title.textContent = t(`page.${name}.title`);
+    title.textContent = TITLES[name]();
     CONTENTS[name](body, app, () => dialog.close());
     dialog.showModal();
   });
