@@ -50,7 +50,7 @@ const pause = (seconds, signal) =>
   });
 
 /**
- * The answer to a request, as JSON. Waits for a lost server: every request of this page may be repeated.
+ * The answer to a request, as JSON, its sentences in the page's language. Waits for a lost server: every request of this page may be repeated.
  * @template T   type of the answer
  * @param {string} method
  * @param {string} url
@@ -64,7 +64,11 @@ export async function request(method, url, {body, signal, headers = {}} = {}) {
       const answer = await fetch(url, {
         method,
         signal,
-        headers: body === undefined ? headers : {'Content-Type': 'application/json', ...headers},
+        headers: {
+          'Accept-Language': document.documentElement.lang,
+          ...(body === undefined ? {} : {'Content-Type': 'application/json'}),
+          ...headers,
+        },
         body: body === undefined ? undefined : JSON.stringify(body),
       });
       mark(false);

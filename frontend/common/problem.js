@@ -1,7 +1,7 @@
 // A refusal, in place: which field, what arrived, what is wrong with it, what to do.
 
 import {h} from './dom.js';
-import {asSentence, say, t} from '../i18n/words.js';
+import {asSentence, refusalWords, say, t} from '../i18n/words.js';
 
 const titleOf = (problem) =>
   problem.status === 422
@@ -37,9 +37,6 @@ export function problemBlock(problem, errors = problem.errors) {
 
 /** The problem and its remedy, as two short sentences. */
 export function explained(error) {
-  return [
-    asSentence(error.problem),
-    ' ',
-    h('span', {class: 'remedy'}, t('page.text.remedy', {remedy: asSentence(error.remedy)})),
-  ];
+  const {problem, remedy} = refusalWords(error);
+  return [asSentence(problem), ' ', h('span', {class: 'remedy'}, t('page.text.remedy', {remedy: asSentence(remedy)}))];
 }

@@ -92,18 +92,27 @@ export function formatted(value, format) {
   const parts = FORMAT.exec(format);
   if (!parts) throw new RangeError(`no such format: ${format}`);
   const [, sign, thousands, places, kind] = parts;
-  const digits = Number(places ?? 6);
-  const plain = {
-    g: () => general(value, digits),
-    f: () => fixed(value, digits),
-    e: () => powered(...scientific(value, digits)),
-    '%': () => `${fixed(100 * value, digits)}%`,
-    '': () => String(value),
-  }[kind]?.();
+  const plain = written(value, kind, Number(places ?? 6));
   const grouped = thousands
     ? String(plain).replace(/^(-?\d+)/, (whole) => whole.replace(/\B(?=(\d{3})+$)/g, ','))
     : plain;
-  return sign && value >= 0 ? `+${grouped}` : String(grouped);
+  return sign && value >= 0 ? `+${grouped}` : grouped;
+}
+
+/** @param {number} value @param {string} kind @param {number} digits */
+function written(value, kind, digits) {
+  switch (kind) {
+    case 'g':
+      return general(value, digits);
+    case 'f':
+      return fixed(value, digits);
+    case 'e':
+      return powered(...scientific(value, digits));
+    case '%':
+      return `${fixed(100 * value, digits)}%`;
+    default:
+      return String(value);
+  }
 }
 
 /** Python's `g`: significant digits without trailing zeros, a power of ten where it is shorter. @param {number} value @param {number} digits */

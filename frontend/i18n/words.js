@@ -42,3 +42,14 @@ export function asSentence(message) {
   if (words === '') return '';
   return `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : t('page.text.stop')}`;
 }
+
+/**
+ * The problem and the remedy of a refusal, or of another error, in the page's language: by its code, else as the server has worded them.
+ * @param {{code?: string, args?: {[name: string]: any}, problem?: string, detail?: string, message?: string, remedy?: string}} error
+ * @returns {{problem: string, remedy: string}}
+ */
+export function refusalWords({code = '', args = {}, problem, detail, message, remedy = ''}) {
+  if (!catalogue.has(code)) return {problem: say(problem ?? detail ?? message), remedy: say(remedy)};
+  const other = args.remedy?.code ? args.remedy : {code: `${code}.remedy`, args};
+  return {problem: t(code, args), remedy: catalogue.has(other.code) ? catalogue.render(other) : say(remedy)};
+}

@@ -5,7 +5,7 @@ import {seconds} from '../widgets/number-format.js';
 import * as permalink from './state/permalink.js';
 import {library, save} from './net/session.js';
 import {rememberLanguage} from '../i18n/language.js';
-import {say, speak, t} from '../i18n/words.js';
+import {refusalWords, speak, t} from '../i18n/words.js';
 
 const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
 
@@ -18,9 +18,9 @@ const tell = (app, words, {kind = 'note', action = null} = {}) =>
   set(app, {told: {words, kind, action, at: performance.now()}});
 
 /** A refusal in a line: the problem and its remedy. */
-export function refused({problem, detail, message, remedy}) {
-  const first = say(problem ?? detail ?? message);
-  return remedy ? t('page.text.semicolon', {first, second: say(remedy)}) : first;
+export function refused(error) {
+  const {problem, remedy} = refusalWords(error);
+  return remedy ? t('page.text.semicolon', {first: problem, second: remedy}) : problem;
 }
 
 /** A command whose refusal is told on the page; the Ack, or null. */

@@ -28,8 +28,6 @@ const AWAITED = 10; // s after which the first fault should come
 const BRISK = 100; // the fastest that a session begins with
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
-const NO_SESSION = {problem: {code: 'page.notice.no-session'}, remedy: {code: 'page.notice.no-session.remedy'}};
-
 const store = createStore({...initial, theme: window.theme.now, language: chosenLanguage()}, reduce);
 const loop = createLoop();
 let socket = null;
@@ -61,8 +59,8 @@ const app = {
   cursor: (t) => store.dispatch({type: 'set', cursor: t}),
   drop: () => socket?.drop(),
   send(command) {
-    if (!socket) return Promise.reject(new Refused(NO_SESSION));
-    if (store.state.role === 'view') return Promise.reject(new Refused({problem: {code: 'page.notice.view-only'}}));
+    if (!socket) return Promise.reject(new Refused({code: 'page.notice.no-session'}));
+    if (store.state.role === 'view') return Promise.reject(new Refused({code: 'page.notice.view-only'}));
     return socket.send(command);
   },
 };

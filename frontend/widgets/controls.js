@@ -2,7 +2,7 @@
 
 import {h, fill, number} from '../common/dom.js';
 import {ENDS, position, value as valueAt} from './slider-scale.js';
-import {say, t} from '../i18n/words.js';
+import {asSentence, refusalWords, t} from '../i18n/words.js';
 
 /** The heading of a panel, with a link at its right end. */
 export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2', {}, title), ...right);
@@ -151,14 +151,13 @@ export function throttled(send, pause = 200) {
   };
 }
 
-/** A refusal of the server in place: what is wrong, and the remedy. */
+/** A refusal in place: the problem and the remedy. */
 export function refusal(element, error) {
-  const closed = (words) =>
-    words && `${words[0].toUpperCase()}${words.slice(1)}${/[.?!。？！]$/.test(words) ? '' : t('page.text.stop')}`;
   if (!error) return fill(element);
+  const {problem, remedy} = refusalWords(error);
   return fill(
     element,
-    h('span', {}, closed(say(error.problem ?? error.message)), ' '),
-    error.remedy && h('span', {class: 'remedy'}, t('page.text.remedy', {remedy: closed(say(error.remedy))})),
+    h('span', {}, asSentence(problem), ' '),
+    remedy && h('span', {class: 'remedy'}, t('page.text.remedy', {remedy: asSentence(remedy)})),
   );
 }

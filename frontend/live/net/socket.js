@@ -15,22 +15,16 @@ const CLOSED = new Map([
 const SILENCE = 15_000; // ms without any message after which an offline browser's connection counts as lost
 const LONGEST = 8000; // ms between two tries
 
-const NO_CONNECTION = {
-  problem: {code: 'page.notice.no-connection'},
-  remedy: {code: 'page.notice.no-connection.remedy'},
-};
-const ANSWER_LOST = {problem: {code: 'page.notice.answer-lost'}, remedy: {code: 'page.notice.answer-lost.remedy'}};
-
-/** @typedef {string | import('../../i18n/render.js').Message} Said */
-
-/** A command that was not carried out; problem and remedy are messages, {code, args, text}. */
+/** A command that was not carried out. Its words are those of `code`; the server has rendered them, too. */
 export class Refused extends Error {
-  /** @param {{field?: string, value?: unknown, problem: Said, remedy?: Said}} refusal */
-  constructor({field = '', value = null, problem, remedy = ''}) {
-    super(typeof problem === 'string' ? problem : (problem.text ?? problem.code));
+  /** @param {{field?: string, value?: unknown, code?: string, args?: {[name: string]: any}, problem?: string, remedy?: string}} refusal */
+  constructor({field = '', value = null, code = '', args = {}, problem = '', remedy = ''}) {
+    super(problem || code);
     this.name = 'Refused';
     this.field = field;
     this.value = value;
+    this.code = code;
+    this.args = args;
     this.problem = problem;
     this.remedy = remedy;
   }
@@ -136,7 +130,7 @@ class Connection {
 
   /** @param {number} code */
   closed(code) {
-    for (const {fail} of this.waiting.values()) fail(new Refused(ANSWER_LOST));
+    for (const {fail} of this.waiting.values()) fail(new Refused({code: 'page.notice.answer-lost'}));
     this.waiting.clear();
     if (this.stopped) return;
     const end = CLOSED.get(code);
@@ -181,7 +175,7 @@ class Connection {
    */
   send(command) {
     if (this.socket.readyState !== WebSocket.OPEN) {
-      return Promise.reject(new Refused(NO_CONNECTION));
+      return Promise.reject(new Refused({code: 'page.notice.no-connection'}));
     }
     const id = this.next;
     this.next += 1;

@@ -2,7 +2,7 @@
 
 import {spell} from './address.js';
 import {h, number} from '../../common/dom.js';
-import {t} from '../../i18n/words.js';
+import {language, t} from '../../i18n/words.js';
 
 export function downloads({run, chosen, foreign, ranWith}) {
   const link = (title, href, more = {}) => h('a', {class: 'quiet', href, ...more}, title);
@@ -16,7 +16,7 @@ export function downloads({run, chosen, foreign, ranWith}) {
       link('CSV', data('csv'), {download: ''}),
       link('MATLAB .mat', data('mat'), {download: ''}),
       link('JSON', data('json'), {download: ''}),
-      link(t('page.export.report'), run.links.report, {
+      link(t('page.export.report'), `${run.links.report}?lang=${language()}`, {
         title: t('page.export.report.hint'),
         target: '_blank',
         rel: 'noopener',

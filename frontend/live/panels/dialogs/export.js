@@ -2,7 +2,7 @@
 
 import {fill, h} from '../../../common/dom.js';
 import {refused} from '../../actions.js';
-import {t} from '../../../i18n/words.js';
+import {language, t} from '../../../i18n/words.js';
 
 export function showExport(body, app) {
   const status = h('p', {class: 'soft', role: 'status'}, t('page.export.note'));
@@ -68,7 +68,7 @@ export function showExport(body, app) {
       {class: 'links'},
       button(t('page.export.report'), t('page.export.report.hint'), async () => {
         const {links} = await saved();
-        fetchTo(`${links.report}?download=1`, `${app.state.spec.id}.html`);
+        fetchTo(`${links.report}?download=1&lang=${language()}`, `${app.state.spec.id}.html`);
       }),
       button(t('page.export.spec'), t('page.export.spec.hint'), async () => {
         const {spec, id} = await saved();
