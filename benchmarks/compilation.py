@@ -40,7 +40,7 @@ from thetascope.engine.simulation.simulation import Simulation
 for kind in registry.kinds():
     registry.observer(kind)
 begin = time.perf_counter()
-engine = prepare(library.experiment("zhao-2012")).engine
+engine = prepare(library.resolve(library.experiment("zhao-2012"))).engine
 simulation = Simulation(engine)
 state, rows = simulation.advance(simulation.initial(), engine.every + 1)
 seconds = time.perf_counter() - begin
@@ -72,7 +72,7 @@ def figures() -> Iterator[Figure]:
 def first_estimate(spec: dict) -> float:
     """Seconds from the spec as JSON to the first estimate."""
     begin = time.perf_counter()
-    engine = prepare(Experiment.model_validate(spec)).engine
+    engine = prepare(library.resolve(Experiment.model_validate(spec))).engine
     simulation = Simulation(engine)
     _, rows = simulation.advance(simulation.initial(), engine.every + 1)
     seconds = time.perf_counter() - begin

@@ -60,7 +60,7 @@ def digests() -> Iterator[tuple[str, str]]:
 
 def run_digests(name: str) -> Iterator[tuple[str, str]]:
     """Yield the digests of one experiment's columns, and of the numbers of its diagnosis."""
-    result = prepare(library.experiment(name)).run()
+    result = prepare(library.resolve(library.experiment(name))).run()
     for column, data in zip(result.names, result.data, strict=True):
         yield f"{name}/{column}", digest_of(data)
     yield f"{name}/diagnosis", numbers_digest(result.diagnosis)
@@ -69,7 +69,7 @@ def run_digests(name: str) -> Iterator[tuple[str, str]]:
 
 def session_digests() -> Iterator[tuple[str, str]]:
     """Yield the digests of a session that receives every command, after each of them."""
-    session = Session(library.experiment("zhao-2012"))
+    session = Session(library.resolve(library.experiment("zhao-2012")))
     fault = {"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02}
     ekf = {"label": "ekf", "kind": "joint-ekf"}
     script = (
@@ -106,7 +106,7 @@ def record_digests() -> Iterator[tuple[str, str]]:
     """Yield the digest of one record's diagnosis."""
     spec = library.experiment("friction-motor")
     changes = {"observers": [], "figures": [], "diagnosis": {"enabled": False}, "seed": 5}
-    run = prepare(Experiment.model_validate(spec.model_dump() | changes)).run()
+    run = prepare(library.resolve(Experiment.model_validate(spec.model_dump() | changes))).run()
     columns = {c: run.column(c) for c in run.names if c == "t" or c.startswith(("u.", "signal.", "y."))}
     plant = library.plant("friction-motor")
     found = diagnose_recording(plant, recording(plant, columns), DiagnosisSettings(false_alarms=0.1))

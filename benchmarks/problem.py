@@ -28,7 +28,7 @@ PLACES = [0, 1, 14, 15, 16, 17, 18]  # of the estimates in the order of the code
 def engine(**changes) -> Experiment:
     """The experiment as engine objects; ``changes`` are fields of the spec."""
     spec = library.experiment("zhao-2012").model_dump() | {"figures": []} | changes
-    return prepare(Spec.model_validate(spec)).engine
+    return prepare(library.resolve(Spec.model_validate(spec))).engine
 
 
 def rows(e: Experiment) -> np.ndarray:

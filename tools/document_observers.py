@@ -127,7 +127,7 @@ def checks(kind: str) -> tuple[Check, ...]:
     if observer(kind).time == "discrete":
         spec["measurement"] = {"mode": "sampled", "period": 10 * spec["step"]}
     spec["observers"] = [used]
-    return prepare(Experiment.model_validate(spec)).run().observers[0].checks
+    return prepare(library.resolve(Experiment.model_validate(spec))).run().observers[0].checks
 
 
 if __name__ == "__main__":

@@ -16,7 +16,7 @@ from thetascope_schemas.experiment.diagnosis import (
     ObserverDiagnosis,
     Resolution,
 )
-from thetascope_schemas.experiment.experiment import Experiment, Noise
+from thetascope_schemas.experiment.experiment import Experiment, Noise, ResolvedExperiment
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.field_error import FieldError, field_errors
 from thetascope_schemas.experiment.figures import Figure, Panel, Trace
@@ -55,6 +55,7 @@ __all__ = [
     "Progress",
     "Record",
     "Resolution",
+    "ResolvedExperiment",
     "Run",
     "RunSummary",
     "Signal",

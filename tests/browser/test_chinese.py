@@ -54,7 +54,9 @@ def test_checks_are_translated(page, experiment):
     """Names and findings of every observer's checks become Chinese, with their numbers as they were."""
     spec = library.experiment(experiment)
     short = spec.model_copy(update={"horizon": round(300 * spec.record_interval, 9)})
-    checks = [check for observer in prepare(short).run(None, None).observers for check in observer.checks]
+    checks = [
+        check for observer in prepare(library.resolve(short)).run(None, None).observers for check in observer.checks
+    ]
     texts = [text for check in checks for text in (check.name, check.text)]
     said = [words for _, words in page("/").evaluate(SAID, texts)]
     assert len(checks) >= 4 and [words for words in said if ENGLISH.search(words)] == []

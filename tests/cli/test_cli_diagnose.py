@@ -54,7 +54,7 @@ def test_records_of_other_plants(name):
     plant = library.plant(spec.plant)
     for faults in (spec.faults, ()):
         changes = {"faults": faults, "observers": [], "figures": [], "diagnosis": {"enabled": False}, "seed": 3}
-        run = prepare(Experiment.model_validate(spec.model_dump() | changes)).run()
+        run = prepare(library.resolve(Experiment.model_validate(spec.model_dump() | changes))).run()
         columns = {c: run.column(c) for c in run.names if c == "t" or c.startswith(("u.", "signal.", "y."))}
         found = diagnose_recording(plant, recording(plant, columns), DiagnosisSettings(false_alarms=0.1))
         assert [a.channel for a in found.alarms] == [f.channel for f in faults]

@@ -9,7 +9,7 @@ from thetascope_schemas import Experiment
 def asked_in(name: str, stop) -> int:
     """How often a run asks whether it is cancelled, once its simulation is over."""
     spec = library.experiment(name).model_dump(mode="json") | {"seed": 7_301, "diagnosis": {"false_alarms": 0.0123}}
-    prepared = prepare(Experiment.model_validate(spec))
+    prepared = prepare(library.resolve(Experiment.model_validate(spec)))
     asked, done = 0, []
 
     def cancelled() -> bool:

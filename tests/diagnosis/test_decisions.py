@@ -54,7 +54,7 @@ def test_no_alarm_without_a_fault(name):
 
 def test_what_cannot_be_told_apart_is_said_so():
     """At the literal noise variance theta1 and theta2 look alike: neither is resolvable, and they are named together."""
-    result = prepare(library.experiment("zhao-2012-variance-as-printed")).run()
+    result = prepare(library.resolve(library.experiment("zhao-2012-variance-as-printed"))).run()
     told = result.diagnosis["detector"]
     able = {r["channel"]: r["resolvable"] for r in told["resolution"]}
     assert able == {"theta1": False, "theta2": False, "theta3": True}
@@ -207,7 +207,7 @@ def test_inputs_that_rows_do_not_show_are_refused_with_the_remedy(frequency, rec
     data = spec_data(
         horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[]
     )
-    told = prepare(Experiment.model_validate(data)).run().diagnosis["detector"]
+    told = prepare(library.resolve(Experiment.model_validate(data))).run().diagnosis["detector"]
     remedy = (
         f"u changes too much between two rows, {record:g} s apart, of which only the first is seen: record more often"
     )

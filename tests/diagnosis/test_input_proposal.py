@@ -19,7 +19,7 @@ PAIR = ("load_torque", "friction_increase")
 def healthy(name: str, **changes) -> Engine:
     """An experiment of the library without observers and faults, as the engine has it."""
     spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": [], "faults": []} | changes
-    return prepare(Experiment.model_validate(spec)).engine
+    return prepare(library.resolve(Experiment.model_validate(spec))).engine
 
 
 def constant(value: float) -> dict:

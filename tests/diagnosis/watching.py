@@ -23,8 +23,8 @@ class Watching:
 
     def __init__(self, name: str, changes: str):
         spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": []} | json.loads(changes)
-        prepared = prepare(Experiment.model_validate(spec))
-        self.spec = prepared.spec.with_plant(prepared.plant)
+        prepared = prepare(library.resolve(Experiment.model_validate(spec)))
+        self.spec = prepared.spec
         self.engine: Engine = prepared.stages[0].experiment
         self.made: Detector = prepare_detector(
             self.engine, self.engine.context, detector_settings(self.spec), calibration_key(self.spec)

@@ -2,6 +2,7 @@
 
 from typing import Any
 
+from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope_schemas import Experiment
@@ -53,4 +54,4 @@ def adaptive(label: str = "adaptive", channels: str = "force", **gains: float) -
 
 
 def engine(**changes: Any) -> Engine:
-    return prepare(Experiment.model_validate(spec(**changes))).engine
+    return prepare(library.resolve(Experiment.model_validate(spec(**changes)))).engine

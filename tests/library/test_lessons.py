@@ -12,7 +12,7 @@ def test_every_question_can_be_carried_out(id):
     lesson = library.lessons()[id]
     assert len(lesson.questions) == 3
     spec = library.experiment(id)
-    spec = spec.with_plant(library.plant(spec.plant))
+    spec = library.resolve(spec)
     session = Session(spec, 100_000)
     session.advance(20)
     for step in lesson.questions:

@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from tests.runs.samples import spec
+from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.live.room.room import Room
 from thetascope.live.room.room_parts import RoomServices
@@ -95,7 +96,7 @@ class Stage:
     ) -> None:
         self.now = 0.0
         self.at: float | None = None
-        self.session = Session(spec(**({"record": 0.01} | changes)), limit)
+        self.session = Session(library.resolve(spec(**({"record": 0.01} | changes))), limit)
         self.session.advance(1)
         services = RoomServices(
             clock=lambda: self.now,
@@ -205,7 +206,7 @@ def kinds(events: list[dict] | list[Event]) -> list[str]:
 
 def expected(given: Experiment, columns: list[str], rows: int) -> np.ndarray:
     """What an ordinary run of a spec gives, as it is sent."""
-    run = prepare(given.model_copy(update={"horizon": (rows - 1) * 0.01, "record": 0.01})).run()
+    run = prepare(library.resolve(given.model_copy(update={"horizon": (rows - 1) * 0.01, "record": 0.01}))).run()
     return np.array([run.column(name) for name in columns]).astype("<f4")
 
 

@@ -12,7 +12,7 @@ from thetascope_schemas import Experiment
 
 def run(id: str, **changes) -> Result:
     spec = library.experiment(id)
-    return prepare(Experiment.model_validate(spec.model_dump() | changes)).run()
+    return prepare(library.resolve(Experiment.model_validate(spec.model_dump() | changes))).run()
 
 
 @pytest.fixture(scope="module")
@@ -68,7 +68,7 @@ def test_excitation_falls_as_rho_grows(rho, window, level):
     """λmin of the Gramian of Ω: 0.0013 (T = 1 s) and 0.0026 (T = 2 s) at ρ = 4, 6e-5 at ρ = 32: against assumption 1."""
     spec = library.experiment("zhao-2012-noise-free").model_dump()
     spec["observers"][0]["gains"] |= {"rho": rho, "window": window}
-    result = prepare(Experiment.model_validate(spec | {"horizon": 20.0})).run()
+    result = prepare(library.resolve(Experiment.model_validate(spec | {"horizon": 20.0}))).run()
     settled = result.column("adaptive.pe")[inside(result, 10, 20)]
     assert settled.min() == pytest.approx(level, rel=0.08)
 
@@ -78,7 +78,7 @@ def test_any_start_in_the_unit_box_converges(start):
     """From x̂(0) in the unit box the estimates reach the truth."""
     spec = library.experiment("zhao-2012-noise-free").model_dump()
     spec["observers"][0]["initial"] = dict(zip(("x1", "x2"), start, strict=True))
-    result = prepare(Experiment.model_validate(spec | {"horizon": 40.0})).run()
+    result = prepare(library.resolve(Experiment.model_validate(spec | {"horizon": 40.0}))).run()
     assert abs(result.column("adaptive.theta.theta3")[-1] - 0.02) < 1e-5
 
 
@@ -95,7 +95,7 @@ def test_the_literal_variance_drowns_two_faults():
 def test_noise_of_std_0_001_leaves_the_means_right():
     """Over 64 seeds the means on [90, 100] are the faults, to four standard errors; those of a run are to 15 % of the largest."""
     spec = library.experiment("zhao-2012").model_copy(update={"record": 0.1})
-    base = prepare(spec).engine
+    base = prepare(library.resolve(spec)).engine
     batch = run_batch([with_seed(base, seed) for seed in range(64)])
     late = batch.index * base.step >= 90
     for theta, true in (("theta1", 0.01), ("theta2", 0.015), ("theta3", 0.02)):

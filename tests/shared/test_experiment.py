@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pydantic import ValidationError
 
 from thetascope.messages import words
-from thetascope_schemas import Experiment, Plant, field_errors
+from thetascope_schemas import Experiment, Plant, ResolvedExperiment, field_errors
 
 Change = Callable[[dict[str, Any]], object]
 
@@ -121,11 +121,23 @@ def test_a_library_plant_is_checked_once_it_is_put_in(experiment: dict[str, Any]
     inline = read(experiment)
     by_id = read(experiment | {"plant": "lag"})
     plant = Plant.model_validate(experiment["plant"])
-    assert by_id.with_plant(plant) == inline
+    assert by_id.with_plant(plant) == inline.with_plant(plant)
     assert by_id.spec_hash() != inline.spec_hash()
+    assert by_id.plant_id == inline.plant_id == plant.id
     wrong = read(experiment | {"plant": "lag", "initial": {"x9": 0}})
     with pytest.raises(ValidationError, match="x9"):
         wrong.with_plant(plant)
+
+
+def test_a_resolved_experiment_is_the_same_data(experiment: dict[str, Any]) -> None:
+    """Its JSON and its hash are those of the experiment with the plant inline; it cannot hold an id."""
+    inline = read(experiment)
+    resolved = inline.with_plant(Plant.model_validate(experiment["plant"]))
+    assert type(resolved) is ResolvedExperiment
+    assert resolved.model_dump_json() == inline.model_dump_json()
+    assert resolved.spec_hash() == inline.spec_hash()
+    with pytest.raises(ValidationError, match="plant"):
+        ResolvedExperiment.model_validate(experiment | {"plant": "lag"})
 
 
 @pytest.mark.parametrize(

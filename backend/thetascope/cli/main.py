@@ -160,10 +160,7 @@ def _list(options: argparse.Namespace) -> int:
     from thetascope import library
     from thetascope.cli.terminal import table
 
-    experiments = [
-        [item.id, item.plant if isinstance(item.plant, str) else item.plant.id, item.title]
-        for item in library.experiments().values()
-    ]
+    experiments = [[item.id, item.plant_id, item.title] for item in library.experiments().values()]
     plants = [[item.id, item.time.kind, item.title] for item in library.plants().values()]
     print(table(["EXPERIMENT", "PLANT", "TITLE"], experiments))
     print()

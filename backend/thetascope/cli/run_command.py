@@ -25,7 +25,7 @@ from thetascope.runs.specs.run_requests import asked
 from thetascope.runs.specs.spec_files import read
 from thetascope.settings import Settings, load
 from thetascope.store import Database, RunStore, StoreError
-from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
 from thetascope_schemas.service.comparison import Comparison, ComparisonRow
 
 _STATES = 3  # in the table of several observers
@@ -74,7 +74,7 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
     return finished
 
 
-def compute(job: Job, spec: Experiment, settings: Settings, progress: Progress) -> Result:
+def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Progress) -> Result:
     """Prepare and run in a thread, so that this one can draw the progress and hear Ctrl-C."""
 
     def work() -> Result:
@@ -136,7 +136,9 @@ def write_comparison(finished: Finished, path: Path) -> None:
     spec = finished.snapshot.spec
     found = compared(finished.result, spec)
     as_json = path.suffix.lower() == ".json"
-    path.write_bytes(found.model_dump_json(indent=1).encode() if as_json else comparison_csv(found, plant_of(spec)))
+    path.write_bytes(
+        found.model_dump_json(indent=1).encode() if as_json else comparison_csv(found, plant_of(spec.plant))
+    )
 
 
 def command_line(options: argparse.Namespace, path: Path) -> str:

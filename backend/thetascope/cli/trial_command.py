@@ -7,7 +7,7 @@ from thetascope.assembly.analyses.seed_trial import Tally, Trial, trial
 from thetascope.cli.run_command import experiment_of
 from thetascope.cli.terminal import Progress, number, table
 from thetascope.runs.specs.overrides import parse_assignment
-from thetascope.runs.specs.resolve_spec import with_changes
+from thetascope.runs.specs.resolve_spec import resolved, with_changes
 from thetascope.settings import load
 
 _HEAD = ("", "FALSE", "BEFORE", "FOUND", "WRONG", "DELAY")
@@ -18,7 +18,8 @@ FOUND: faults named, of {all}{faults}. WRONG: alarms that name none of the fault
 
 def trial_command(options: argparse.Namespace) -> int:
     """Run the trial and print its table."""
-    spec = with_changes(experiment_of(options.experiment, load()), dict(parse_assignment(t) for t in options.changes))
+    changes = dict(parse_assignment(t) for t in options.changes)
+    spec = resolved(with_changes(experiment_of(options.experiment, load()), changes))
     progress = Progress(quiet=options.quiet)
     try:
         found = trial(assembly.prepare(spec), options.seeds, options.lock, progress.show)

@@ -8,7 +8,7 @@ import yaml
 from thetascope.engine.compiler.cache import digest_of
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
-from thetascope_schemas import Experiment, Plant
+from thetascope_schemas import Experiment, Plant, ResolvedExperiment
 from thetascope_schemas.experiment.refusal import suggestion
 from thetascope_schemas.service.lesson import Lesson
 
@@ -66,6 +66,20 @@ def plant(id: str) -> Plant:
 def experiment(id: str) -> Experiment:
     """One experiment. Raises SpecError with near matches."""
     return _one("experiment", id)
+
+
+def plant_in_full(choice: str | Plant) -> Plant:
+    """Return a plant that is given by its id or in full. Raises SpecError for an id that the library lacks."""
+    return choice if isinstance(choice, Plant) else plant(choice)
+
+
+def resolve(spec: Experiment) -> ResolvedExperiment:
+    """Return the experiment with its plant in full, all names checked against it; one that is resolved stays as it is.
+
+    Raises SpecError for a plant that the library lacks, and pydantic.ValidationError where the experiment does not fit
+    its plant.
+    """
+    return spec if isinstance(spec, ResolvedExperiment) else spec.with_plant(plant_in_full(spec.plant))
 
 
 def _one(what: str, id: str):

@@ -86,7 +86,9 @@ def report(result, spec, plant, run_meta: Mapping[str, object]) -> str:
         _section("Errata of the source", _list(spec.errata)) if spec.errata else "",
         _section("Plant", _plant(plant, spec)),
         _section("Faults and noise", prose.timeline(scene)),
-        _section("Diagnosis", diagnosis(scene, found) + visible(observability(spec, plant))) if found else "",
+        _section("Diagnosis", diagnosis(scene, found) + visible(observability(spec.with_plant(plant))))
+        if found
+        else "",
         *drawings,
         _section("Comparison", comparison(scene, compared, summary)) if summary else "",
         _section("Observers and their assumptions", observers(scene)) if summary else "",

@@ -13,4 +13,4 @@ def report_html(finished: Finished, command: str | None = None) -> str:
     snapshot = finished.snapshot
     created = datetime.fromtimestamp(snapshot.created, UTC).strftime("%Y-%m-%d %H:%M UTC")
     about = {"id": snapshot.id, "created": created, "command": command}
-    return report(finished.result, snapshot.spec, plant_of(snapshot.spec), about)
+    return report(finished.result, snapshot.spec, plant_of(snapshot.spec.plant), about)

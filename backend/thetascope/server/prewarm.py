@@ -76,7 +76,7 @@ def prepare() -> None:
     time.sleep(_LATER)
     for spec in library.experiments().values():
         try:
-            Session(spec).advance(1)
+            Session(library.resolve(spec)).advance(1)
         except ThetascopeError as error:
             log.warning("%s is not compiled in advance: %s", spec.id, error)
     cache.write(_DONE, _key(), b"")

@@ -119,13 +119,18 @@ class Experiment(Strict):
         """Time in s between two recorded rows: `record`, or max(step, horizon/10000) as a multiple of the step."""
         return self.record if self.record is not None else self.record_every * self.step
 
-    def with_plant(self, plant: Plant) -> "Experiment":
-        """This experiment with `plant` in full, all names checked against it.
+    @property
+    def plant_id(self) -> str:
+        """Id of the plant, given by its id or in full."""
+        return self.plant.id if isinstance(self.plant, Plant) else self.plant
+
+    def with_plant(self, plant: Plant) -> "ResolvedExperiment":
+        """Return this experiment with `plant` in full, all names checked against it.
 
         Raises:
             pydantic.ValidationError: where the experiment does not fit the plant.
         """
-        return Experiment.model_validate(
+        return ResolvedExperiment.model_validate(
             {name: getattr(self, name) for name in type(self).model_fields} | {"plant": plant}
         )
 
@@ -275,3 +280,21 @@ class Experiment(Strict):
                 continue
             hint = suggestion(column, own + [f"{name}.…" for name in labels])
             raise refuse("figure.column.unknown", f"{path}.{field}", column, name=column, remedy=hint)
+
+
+class ResolvedExperiment(Experiment):
+    """An experiment that holds its plant in full. JSON and hash are those of the same data as an `Experiment`."""
+
+    model_config = example(
+        plant={
+            "id": "lag",
+            "states": [{"name": "x"}],
+            "inputs": [{"name": "u", "default": 1}],
+            "outputs": [{"name": "y", "expression": "x"}],
+            "dynamics": {"x": "u - x"},
+            "channels": [{"name": "theta", "kind": "actuator", "enters": {"x": "1"}}],
+        },
+        horizon=10,
+    )
+
+    plant: Plant = Field(description="The plant in full.")

@@ -11,7 +11,7 @@ from thetascope_schemas import Experiment
 def record(path, name: str = "friction-motor") -> None:
     """A run's measurement as a CSV file, its columns by their bare names, its clock not at zero."""
     changes = {"observers": [], "figures": [], "diagnosis": {"enabled": False}, "seed": 5}
-    run = prepare(Experiment.model_validate(library.experiment(name).model_dump() | changes)).run()
+    run = prepare(library.resolve(Experiment.model_validate(library.experiment(name).model_dump() | changes))).run()
     columns = {
         n.partition(".")[2] or n: run.column(n) for n in run.names if n == "t" or n.startswith(("u.", "signal.", "y."))
     }

@@ -17,7 +17,7 @@ from thetascope.engine.simulation.simulation import joined
 
 @pytest.fixture(scope="module")
 def zhao() -> Experiment:
-    return prepare(library.experiment("zhao-2012")).engine
+    return prepare(library.resolve(library.experiment("zhao-2012"))).engine
 
 
 @pytest.fixture(scope="module")

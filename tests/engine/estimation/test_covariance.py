@@ -19,7 +19,7 @@ SEEDS = 10
 
 def results(name: str) -> tuple[list[Result], tuple]:
     """An experiment without its faults and with its observers, run with several seeds."""
-    experiment = prepare(library.experiment(name)).stages[0].experiment
+    experiment = prepare(library.resolve(library.experiment(name))).stages[0].experiment
     plain = replace(healthy(experiment), estimators=experiment.estimators)
     return [run([Stage(0, with_seed(plain, 300 + k))]) for k in range(SEEDS)], experiment.estimators
 
@@ -53,6 +53,7 @@ def test_the_band_widens_when_excitation_is_lost():
     spec |= {"faults": [], "figures": [], "diagnosis": {"enabled": False}, "observers": kept}
     still = spec | {"inputs": {name: {"kind": "constant", "value": 0.0} for name in spec["inputs"]}}
     moving, rest = (
-        prepare(Experiment.model_validate(s)).run().column("ekf.sigma.gain_loss")[-1] for s in (spec, still)
+        prepare(library.resolve(Experiment.model_validate(s))).run().column("ekf.sigma.gain_loss")[-1]
+        for s in (spec, still)
     )
     assert rest > 5 * moving

@@ -16,7 +16,7 @@ from thetascope_schemas import Experiment
 def of_library(name: str, **changes) -> Engine:
     """An experiment of the library without its observers, as the engine has it."""
     spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": []} | changes
-    return prepare(Experiment.model_validate(spec)).engine
+    return prepare(library.resolve(Experiment.model_validate(spec))).engine
 
 
 def constant(value: float) -> dict:

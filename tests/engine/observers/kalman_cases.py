@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.reference import kalman, motor, tanks
+from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment
@@ -57,7 +58,7 @@ def run(
         "initial": initial or {},
         "options": {"channels": ",".join(channels), **(options or {})},
     }
-    return prepare(Experiment.model_validate({"plant": plant, "observers": [observer], **spec})).run()
+    return prepare(library.resolve(Experiment.model_validate({"plant": plant, "observers": [observer], **spec}))).run()
 
 
 def columns(result: Result, prefix: str, names: Sequence[str]) -> np.ndarray:

@@ -1,5 +1,6 @@
 """The reference's CARTS as a plant's text, and runs of one observer on it."""
 
+from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment
@@ -32,19 +33,21 @@ START = (0.0, 0.3, -0.5, 0.1, 0.4)  # x̂(0)
 def carts(kind: str, gains: dict, horizon: float = 8.0, **spec) -> Result:
     """One observer, labelled ``o``, on CARTS with the reference's inputs."""
     return prepare(
-        Experiment.model_validate(
-            {
-                "plant": CARTS,
-                "inputs": {
-                    "u1": {"kind": "expression", "text": "sin(1.3*t)"},
-                    "u2": {"kind": "expression", "text": "0.5*cos(0.7*t)"},
-                },
-                "horizon": horizon,
-                "record": 0.01,
-                "observers": [
-                    {"label": "o", "kind": kind, "gains": gains, "initial": dict(zip(STATES, START, strict=True))}
-                ],
-            }
-            | spec
+        library.resolve(
+            Experiment.model_validate(
+                {
+                    "plant": CARTS,
+                    "inputs": {
+                        "u1": {"kind": "expression", "text": "sin(1.3*t)"},
+                        "u2": {"kind": "expression", "text": "0.5*cos(0.7*t)"},
+                    },
+                    "horizon": horizon,
+                    "record": 0.01,
+                    "observers": [
+                        {"label": "o", "kind": kind, "gains": gains, "initial": dict(zip(STATES, START, strict=True))}
+                    ],
+                }
+                | spec
+            )
         )
     ).run()

@@ -153,7 +153,7 @@ LAG = {
 
 def test_library_motor_tells_four_faults_apart():
     """In the dc-motor experiment each estimate ends each phase within three of its σ, and every assumption holds."""
-    result = prepare(library.experiment("dc-motor")).run()
+    result = prepare(library.resolve(library.experiment("dc-motor"))).run()
     t = result.column("t")
     for label in ("adaptive", "sampled"):
         for channel in ("gain_loss", "load_torque", "friction_increase", "current_bias"):
@@ -172,7 +172,7 @@ def test_library_motor_tells_four_faults_apart():
 def test_works_in_coordinates_without_canonical_form():
     """In physical coordinates it finds the three faults to 1e-6 without noise, as the canonical observer does."""
     spec = library.experiment("contois-physical").model_dump(mode="json") | {"noise": {}, "figures": []}
-    result = prepare(Experiment.model_validate(spec)).run()
+    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
     end = result.column("t") > 90
     for label in ("adaptive", "kalman"):
         for channel, size in (("theta1", 0.01), ("theta2", 0.015), ("theta3", 0.02)):

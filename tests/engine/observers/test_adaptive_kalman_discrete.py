@@ -153,7 +153,7 @@ def test_discrete_plant_takes_its_own_map():
 @pytest.mark.parametrize("experiment", ["dts200", "quadruple-tank"])
 def test_library_tanks_are_diagnosed(experiment):
     """Every fault, and every channel that stays sound, ends its phase within three of its σ; every assumption holds."""
-    result = prepare(library.experiment(experiment)).run()
+    result = prepare(library.resolve(library.experiment(experiment))).run()
     onsets = sorted(f.onset for f in library.experiment(experiment).faults)
     t = result.column("t")
     channels = [n.removeprefix("sampled.theta.") for n in result.names if n.startswith("sampled.theta.")]

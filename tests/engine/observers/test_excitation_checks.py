@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from tests.runs.samples import spec
+from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.execution.run_experiment import run
 from thetascope.engine.model.result import Check, ObserverReport
@@ -16,7 +17,7 @@ from thetascope_schemas.experiment.experiment import Experiment
 def reported(checks) -> ObserverReport:
     """The report of an adaptive Kalman observer whose checks are others."""
     experiment: Experiment = spec(observers=[{"label": "a", "kind": "adaptive-kalman"}], diagnosis={"enabled": False})
-    (stage,) = prepare(experiment).stages
+    (stage,) = prepare(library.resolve(experiment)).stages
     (watching,) = stage.experiment.estimators
     other = replace(watching, kind=replace(watching.kind, checks=checks))
     result = run((replace(stage, experiment=replace(stage.experiment, estimators=(other,))),))

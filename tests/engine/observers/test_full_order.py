@@ -14,7 +14,9 @@ def test_on_the_papers_plant_it_agrees_with_dop853(L):
     """ẑ' = Aẑ + B[α + Fu] + L(y − Cẑ) for two gains, estimates in the user's coordinates."""
     spec = library.experiment("reduced-order-mimo")
     observer = spec.observers[1].model_copy(update={"gains": {"L": L}})
-    run = prepare(spec.model_copy(update={"observers": (observer,), "figures": (), "record": 0.01})).run()
+    run = prepare(
+        library.resolve(spec.model_copy(update={"observers": (observer,), "figures": (), "record": 0.01}))
+    ).run()
     exact = reduced_order.dop853(gains=(L[:2], L[2:]), kind="full")
     ours = np.stack([run.column(f"full.x.x{i}") for i in (1, 2, 3, 4)], axis=1)
     assert ours == pytest.approx(exact["xhat"], abs=1e-7)
@@ -37,7 +39,7 @@ def test_on_another_plant_it_agrees_with_dop853():
 
 def test_the_reduced_order_observer_is_ahead_on_the_papers_plant():
     """The library shows both: at 1 s the reduced-order errors are the smaller ones."""
-    run = prepare(library.experiment("reduced-order-mimo")).run()
+    run = prepare(library.resolve(library.experiment("reduced-order-mimo"))).run()
     at = {
         label: [abs(run.column(f"{label}.x.{s}") - run.column(f"x.{s}"))[1000] for s in ("x2", "x4")]
         for label in ("reduced", "full")

@@ -153,8 +153,10 @@ def test_refuses_a_plant_that_is_too_large():
 def test_comparison_on_the_papers_plant_is_fair():
     """Set to settle equally fast without noise, the Kalman filters carry less noise than the paper's observer."""
     spec = library.experiment("zhao-2012-observers")
-    quiet = prepare(Experiment.model_validate(spec.model_dump(mode="json") | {"noise": {}, "figures": []})).run()
-    noisy = [prepare(spec.model_copy(update={"figures": (), "seed": seed})).run() for seed in range(6)]
+    quiet = prepare(
+        library.resolve(Experiment.model_validate(spec.model_dump(mode="json") | {"noise": {}, "figures": []}))
+    ).run()
+    noisy = [prepare(library.resolve(spec.model_copy(update={"figures": (), "seed": seed}))).run() for seed in range(6)]
     t, spread = quiet.column("t"), {}
     for label in ("adaptive", "kalman", "ekf", "ukf"):
         error = np.abs(quiet.column(f"{label}.theta.theta1") - quiet.column("theta.theta1"))

@@ -50,7 +50,7 @@ def chain(kind="nonsmooth-adaptive", plant=CHAIN, horizon=20.0, faults=True, **o
 
 
 def paper(id="shen-hu-2015-noise-free", **changes):
-    return prepare(library.experiment(id).model_copy(update=changes)).run()
+    return prepare(library.resolve(library.experiment(id).model_copy(update=changes))).run()
 
 
 def errors(run, label):
@@ -124,7 +124,7 @@ def test_a_chain_of_three_states_and_two_parameters():
     """(11)–(12) for n = 3, p = 2, the direction depending on a parameter of the plant, against DOP853."""
     gains = shen_hu.CHAIN_GAINS
     config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam}
-    run = prepare(chain(gains=config)).run()
+    run = prepare(library.resolve(chain(gains=config))).run()
     exact = shen_hu.dop853(shen_hu.CHAIN, shen_hu.chain_scenario(), gains)
     expected = np.hstack([exact["xhat"], exact["thetahat"]])
     assert estimates(run, ZERO, ("theta1", "theta2")) == pytest.approx(expected, abs=1e-5)
@@ -136,7 +136,7 @@ def test_a_chain_of_three_states_and_two_parameters():
 def test_the_linear_baseline_on_the_chain():
     """The same with ρ = 0, to 1e-8."""
     gains = shen_hu.CHAIN_GAINS
-    run = prepare(chain("linear-adaptive", gains={"K": list(gains.K), "lambda": gains.lam})).run()
+    run = prepare(library.resolve(chain("linear-adaptive", gains={"K": list(gains.K), "lambda": gains.lam}))).run()
     exact = shen_hu.dop853(shen_hu.CHAIN, shen_hu.chain_scenario(), gains.linear())
     assert estimates(run, ZERO, ("theta1", "theta2")) == pytest.approx(
         np.hstack([exact["xhat"], exact["thetahat"]]), abs=1e-8
@@ -210,7 +210,7 @@ def test_P_is_found_exactly_where_the_transfer_function_is_strictly_positive_rea
 def test_columns_that_point_apart_fail_the_matching_condition_and_still_run():
     """A failed assumption warns and says why; the observer runs."""
     bent = CHAIN | {"channels": [CHAIN["channels"][0], CHAIN["channels"][1] | {"enters": {"x1": "w2", "x2": "w2"}}]}
-    run = prepare(chain(plant=bent, horizon=1.0)).run()
+    run = prepare(library.resolve(chain(plant=bent, horizon=1.0))).run()
     check = next(c for c in run.observers[0].checks if c.name == "matching condition")
     assert check.verdict == "fails" and "different vectors" in check.text
     assert np.isfinite(run.data).all()
@@ -220,7 +220,7 @@ def test_gains_too_small_for_the_direction_fail_the_inequality():
     """With a direction whose zeros are unstable no K helps, and the check says so."""
     unstable = CHAIN | {"channels": [CHAIN["channels"][0] | {"enters": {"x1": "w1", "x2": "-b*w1", "x3": "3.75*w1"}}]}
     spec = chain(plant=unstable, horizon=1.0)
-    check = next(c for c in prepare(spec).run().observers[0].checks if c.name == "Lyapunov inequality")
+    check = next(c for c in prepare(library.resolve(spec)).run().observers[0].checks if c.name == "Lyapunov inequality")
     assert check.verdict == "fails" and "no K helps" in check.text
 
 
@@ -238,11 +238,11 @@ def test_a_plant_that_is_not_of_the_form_is_refused_with_the_reason(change, says
     """The observer cannot be built there, and the error names what is in the way and a remedy."""
     spec = chain(plant=CHAIN | change, faults=False)
     with pytest.raises(SpecError, match=says) as caught:
-        prepare(spec)
+        prepare(library.resolve(spec))
     assert "adaptive-kalman" in caught.value.remedy
 
 
 def test_the_printed_example_is_for_two_states():
     """The option form is refused for n = 3."""
     with pytest.raises(SpecError, match="two states"):
-        prepare(chain(options={"form": "paper-example"}))
+        prepare(library.resolve(chain(options={"form": "paper-example"})))

@@ -48,7 +48,7 @@ def wave(amplitude, steps=1000):
 
 
 def paper(id="zhou-tan-2012", **changes):
-    return prepare(Experiment.model_validate(library.experiment(id).model_dump() | changes)).run()
+    return prepare(library.resolve(Experiment.model_validate(library.experiment(id).model_dump() | changes))).run()
 
 
 def linear_states(run, label):
@@ -70,7 +70,7 @@ def other(plant=OTHER, kind="sandwich-nonsmooth", amplitude=2.0, **observer):
         "observers": [config],
         "inputs": {"u": {"kind": "sine", "amplitude": amplitude, "frequency": 1.0}},
     }
-    return prepare(Experiment.model_validate(spec))
+    return prepare(library.resolve(Experiment.model_validate(spec)))
 
 
 def check(run, name, i=0):
@@ -142,7 +142,7 @@ def test_a_gain_on_the_front_part_fails_theorem_1():
     """K1 ≠ 0 is not covered by the proof; the run goes on."""
     spec = library.experiment("zhou-tan-2012")
     first = spec.observers[0].model_copy(update={"gains": {"K": [0.5, 0.0, 0.1, 0.1]}})
-    run = prepare(spec.model_copy(update={"observers": (first,), "figures": ()})).run()
+    run = prepare(library.resolve(spec.model_copy(update={"observers": (first,), "figures": ()}))).run()
     assert check(run, "K1 = 0").verdict == "fails" and check(run, "K1 = 0").value == 0.5
 
 

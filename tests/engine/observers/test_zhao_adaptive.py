@@ -43,16 +43,18 @@ FAULTS = [
 def pendulum(kind: str, gains: dict, horizon: float, step: float) -> "object":
     start = {"x1": 0, "x2": 0, "x3": 0}
     return prepare(
-        Experiment.model_validate(
-            {
-                "plant": PENDULUM,
-                "inputs": {"u": {"kind": "sine", "amplitude": 1.0, "frequency": 0.3}},
-                "faults": FAULTS,
-                "horizon": horizon,
-                "step": step,
-                "record": 0.01,
-                "observers": [{"label": "o", "kind": kind, "gains": gains, "initial": start}],
-            }
+        library.resolve(
+            Experiment.model_validate(
+                {
+                    "plant": PENDULUM,
+                    "inputs": {"u": {"kind": "sine", "amplitude": 1.0, "frequency": 0.3}},
+                    "faults": FAULTS,
+                    "horizon": horizon,
+                    "step": step,
+                    "record": 0.01,
+                    "observers": [{"label": "o", "kind": kind, "gains": gains, "initial": start}],
+                }
+            )
         )
     ).run()
 
@@ -88,7 +90,7 @@ def test_the_high_gain_observer_agrees_with_dop853():
 def test_the_paper_run_agrees_with_plain_runge_kutta_step_by_step():
     """Zhao's plant for 5 s at 1 ms against the same scheme in NumPy."""
     spec = library.experiment("zhao-2012-noise-free").model_dump() | {"horizon": 5.0}
-    result = prepare(Experiment.model_validate(spec)).run()
+    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
     plain = reference.rk4(scenario=reference.paper_scenario(5.0), h=0.001)
     np.testing.assert_allclose(result.column("adaptive.x.x2"), plain["xhat"][:, 1], atol=1e-11)
     np.testing.assert_allclose(result.column("adaptive.theta.theta3"), plain["thetahat"][:, 2], atol=1e-11)
@@ -97,24 +99,26 @@ def test_the_paper_run_agrees_with_plain_runge_kutta_step_by_step():
 def contois(plant: str, names: tuple[str, str], start: tuple[float, float]) -> "object":
     fault = [{"channel": "theta3", "shape": "step", "onset": 4, "size": 0.02}]
     return prepare(
-        Experiment.model_validate(
-            {
-                "plant": plant,
-                "faults": fault,
-                "horizon": 10.0,
-                "step": 0.0005,
-                "record": 0.01,
-                "initial": {},
-                "signals": {},
-                "observers": [
-                    {
-                        "label": "o",
-                        "kind": "zhao-adaptive",
-                        "gains": {"rho": 4, "lambda": 4},
-                        "initial": dict(zip(names, start, strict=True)),
-                    }
-                ],
-            }
+        library.resolve(
+            Experiment.model_validate(
+                {
+                    "plant": plant,
+                    "faults": fault,
+                    "horizon": 10.0,
+                    "step": 0.0005,
+                    "record": 0.01,
+                    "initial": {},
+                    "signals": {},
+                    "observers": [
+                        {
+                            "label": "o",
+                            "kind": "zhao-adaptive",
+                            "gains": {"rho": 4, "lambda": 4},
+                            "initial": dict(zip(names, start, strict=True)),
+                        }
+                    ],
+                }
+            )
         )
     ).run()
 

@@ -32,7 +32,7 @@ import sys
 from thetascope import library
 from thetascope.assembly import prepare
 spec = library.experiment("zhao-2012").model_copy(update={"horizon": 1.0})
-result = prepare(spec).run()
+result = prepare(library.resolve(spec)).run()
 print("sympy" in sys.modules, result.data.tobytes().hex()[-64:])
 """
 

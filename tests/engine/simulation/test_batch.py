@@ -152,7 +152,9 @@ def test_discrete_time():
     """A discrete plant with an observer in its own time (zhou-tan-2012), from different initial states, in lanes."""
     spec = library.experiment("zhou-tan-2012").model_dump() | {"horizon": 2.0, "record": None}
     state = library.plant(spec["plant"]).states[0].name
-    experiments = [prepare(Spec.model_validate(spec | {"initial": {state: 0.1 * i}})).engine for i in range(5)]
+    experiments = [
+        prepare(library.resolve(Spec.model_validate(spec | {"initial": {state: 0.1 * i}}))).engine for i in range(5)
+    ]
     assert all(batch._in_lanes(e) for e in experiments) and experiments[0].plant.time == "discrete"
     agree(experiments)
 

@@ -123,7 +123,7 @@ def test_an_observer_has_no_symbol_for_the_plant_state_or_the_true_fault(kind):
     found = [e for e in library.experiments().values() if any(o.kind == kind for o in e.observers)]
     assert found, f"no library experiment uses {kind}"
     assert observer(kind).id == kind
-    for estimator in prepare(found[0]).engine.estimators:
+    for estimator in prepare(library.resolve(found[0])).engine.estimators:
         program = estimator.program
         seen = {n for n in program.graph.index if n[0] == "var"}
         outside = {n[1] for n in seen} - set(program.states) - set(program.parameters) - {"t"}

@@ -7,6 +7,7 @@ from pydantic import TypeAdapter
 
 from tests.live.stage import apart
 from tests.runs.samples import spec
+from thetascope import library
 from thetascope.live.scheduling.hub import Hub, share
 from thetascope.live.session.session import Session
 from thetascope.settings import Settings
@@ -27,7 +28,7 @@ def test_sessions_on_the_same_experiment_do_not_know_of_each_other(tmp_path):
             one.session.handle(COMMAND.validate_python({"type": "inject", "id": 1, "fault": fault}))
             one.session.advance(50)
             third = await hub.create(lambda: given, play=False, t=0.5)
-            alone = Session(given)
+            alone = Session(library.resolve(given))
             alone.advance(51)
             for room, rows in ((two, 1), (third, 51)):
                 assert room.session.row == rows and len(room.session.spec.faults) == len(given.faults)

@@ -14,7 +14,7 @@ from thetascope.assembly.build.timed_commands import changed
 from thetascope.engine.errors import SpecError
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.simulation.simulation import Simulation
-from thetascope_schemas import Experiment
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.commands import (
     AddObserver,
     RemoveObserver,
@@ -29,13 +29,11 @@ FAULT = TypeAdapter(Fault)
 AT = np.linspace(0.0, 3.0, 301)
 
 
-def complete(id: str, **changes) -> Experiment:
-    spec = library.experiment(id).model_copy(update={"figures": (), **changes})
-    plant = library.plant(spec.plant) if isinstance(spec.plant, str) else spec.plant
-    return spec.with_plant(plant)
+def complete(id: str, **changes) -> ResolvedExperiment:
+    return library.resolve(library.experiment(id).model_copy(update={"figures": (), **changes}))
 
 
-def with_fault(spec: Experiment, fault) -> Experiment:
+def with_fault(spec: ResolvedExperiment, fault) -> ResolvedExperiment:
     return spec.model_copy(update={"faults": (*spec.faults, fault)})
 
 

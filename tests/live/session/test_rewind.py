@@ -21,8 +21,8 @@ ACTS = {
 @pytest.mark.parametrize("act", ACTS)
 @pytest.mark.parametrize("fork", [False, True])
 def test_what_was_done_before_stays_as_it_was(act, fork):
-    """CommandResult at 1 s, gone back from 2.5 s to 1.5 s, or forked there: the faults are those that were left at 1 s."""
-    session, pieces = Session(library.experiment("zhao-2012")), []
+    """Done at 1 s, gone back from 2.5 s to 1.5 s, or forked there: the faults are those that were left at 1 s."""
+    session, pieces = Session(library.resolve(library.experiment("zhao-2012"))), []
     advance(session, 100, pieces)
     kind, fields = ACTS[act]
     do(session, kind, **fields)
@@ -56,7 +56,7 @@ def test_a_fault_that_was_cleared_after_that_time_goes_on():
 
 def test_there_is_no_going_back_to_what_is_ahead():
     """It is refused with the time at which the session stands, and nothing is given up."""
-    session = Session(library.experiment("zhao-2012"))
+    session = Session(library.resolve(library.experiment("zhao-2012")))
     session.advance(100)
     before = session.spec
     with pytest.raises(SpecError, match="the session stands at 1 s"):
@@ -66,7 +66,7 @@ def test_there_is_no_going_back_to_what_is_ahead():
 
 def test_an_observer_that_diverged_is_started_again_under_its_name():
     """Removed and added again in one row, the only one, and while another watches: its columns go on, and the saved run has the same."""
-    session, pieces = Session(library.experiment("zhao-2012-as-printed")), []
+    session, pieces = Session(library.resolve(library.experiment("zhao-2012-as-printed"))), []
     own = session.spec.observers[0]
     advance(session, 100, pieces)
     assert [e.subject for e in session.log if e.kind == "diverged"] == ["adaptive"]
@@ -83,7 +83,7 @@ def test_an_observer_that_diverged_is_started_again_under_its_name():
 def test_what_was_told_is_not_told_again_when_rows_are_given_up():
     """A divergence and an alarm are events once, though the rows after them are given up and found again."""
     for experiment, rows, back in (("zhao-2012-as-printed", 100, 74), ("zhao-2012", 2300, 2250)):
-        session = Session(library.experiment(experiment))
+        session = Session(library.resolve(library.experiment(experiment)))
         session.advance(rows)
         assert {"diverged", "alarm"} & {e.kind for e in session.new_events()}
         session.drop_unseen_rows(back)

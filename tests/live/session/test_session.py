@@ -11,16 +11,16 @@ from thetascope.assembly import prepare
 from thetascope.engine.errors import SpecError
 from thetascope.live.room.advice import diagnosis_of
 from thetascope.live.session.session import Session
-from thetascope_schemas import Experiment
+from thetascope_schemas import Experiment, ResolvedExperiment
 from thetascope_schemas.experiment.commands import MAX_COMMANDS, SetNoise
 from thetascope_schemas.service.session import ClientMessage
 
 COMMAND = TypeAdapter(ClientMessage)
 
 
-def zhao(**changes) -> Experiment:
+def zhao(**changes) -> ResolvedExperiment:
     spec = library.experiment("zhao-2012").model_dump() | {"faults": [], "figures": []} | changes
-    return Experiment.model_validate(spec)
+    return library.resolve(Experiment.model_validate(spec))
 
 
 def do(session: Session, type: str, **fields):
@@ -30,7 +30,7 @@ def do(session: Session, type: str, **fields):
 def saved(session: Session):
     """The session's spec as an ordinary run up to its present time."""
     spec = session.spec.model_copy(update={"horizon": session.t, "record": session.record})
-    return prepare(Experiment.model_validate(spec.model_dump())).run()
+    return prepare(library.resolve(Experiment.model_validate(spec.model_dump()))).run()
 
 
 def live_rows(pieces: list[tuple[tuple[str, ...], np.ndarray]], name: str) -> np.ndarray:
@@ -275,7 +275,7 @@ def test_a_link_reopens_the_session():
     one.advance(80)
     do(one, "add-observer", observer={"label": "kalman", "kind": "adaptive-kalman"})
     one.advance(100)
-    two = Session(Experiment.model_validate_json(one.spec.model_dump_json()))
+    two = Session(library.resolve(Experiment.model_validate_json(one.spec.model_dump_json())))
     while two.row < one.row:
         two.advance(one.row - two.row)
     assert two.columns == one.columns
@@ -294,7 +294,7 @@ def test_stiff_gains_take_substeps_that_the_saved_run_takes_too():
 
 def test_a_discrete_plant_runs_live():
     """The sandwich system: zones and the hysteresis output are among the columns."""
-    session, pieces = Session(library.experiment("zhou-tan-2012")), []
+    session, pieces = Session(library.resolve(library.experiment("zhou-tan-2012"))), []
     advance(session, 200, pieces)
     assert any(n.startswith("nonsmooth.zone") for n in session.columns) and "nonsmooth.v" in session.columns
     assert_same(pieces, session)
@@ -315,7 +315,10 @@ def test_what_diverges_is_told_where_the_run_says_it_does(piece):
         {"plant": explosive, "horizon": 1.5, "record": 0.01, "diagnosis": {"enabled": False}}
     )
     for spec, who in ((library.experiment("zhao-2012-as-printed"), "adaptive"), (plant, "")):
-        run, session = prepare(spec.model_copy(update={"horizon": 1.5})).run(), Session(spec)
+        run, session = (
+            prepare(library.resolve(spec.model_copy(update={"horizon": 1.5}))).run(),
+            Session(library.resolve(spec)),
+        )
         while session.row < 150 and not session.ended:
             session.advance(piece)
         (told,) = [e for e in session.log if e.kind == "diverged"]
@@ -328,7 +331,7 @@ def test_the_log_says_what_was_cleared_and_what_an_alarm_was_named_with():
     """A planned fault that is given up is said so; an alarm's size is that of its naming, however the rows came in."""
     told = []
     for piece in (13, 900):
-        session = Session(library.experiment("zhao-2012"))
+        session = Session(library.resolve(library.experiment("zhao-2012")))
         while session.t < 26:
             session.advance(min(piece, 2600 - session.row))
         told.append([(e.row, e.subject, e.value["size"]) for e in session.log if e.kind == "alarm"])

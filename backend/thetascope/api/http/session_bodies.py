@@ -8,7 +8,7 @@ from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
 from thetascope.runs.specs.resolve_spec import library_experiment, resolved, with_changes
 from thetascope_schemas.experiment.base import Flag, Identifier, Instant, Strict, example
-from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
 
 
 class SessionRequest(Strict):
@@ -27,7 +27,7 @@ class SessionRequest(Strict):
     )
     t: Instant = Field(0.0, description="Time in s at which the session opens.")
 
-    def resolved(self) -> Experiment:
+    def resolved(self) -> ResolvedExperiment:
         """Return the experiment with its plant in full. Raises InvalidSpec, or Unknown for an id not in the library."""
         if (self.experiment is None) == (self.spec is None):
             raise invalid("experiment", self.experiment, Message("session.body.no-experiment"))

@@ -13,7 +13,7 @@ from thetascope.engine.language.render.mathml import math, plant_equations
 from thetascope.engine.language.render.unicode_math import notation
 from thetascope.engine.observers.registry import kinds, observer
 from thetascope.runs.specs.refusals import validated
-from thetascope.runs.specs.resolve_spec import library_plant
+from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.experiment import PlantChoice
 from thetascope_schemas.experiment.observers import Kind
@@ -33,7 +33,7 @@ class Question(Strict):
 @router.get("/equations/{id}", response_model=Equations, responses=documented(404))
 def get_equations(id: str) -> Response:
     """The equations of a library plant and of every kind of observer."""
-    return json_response(_answer(library_plant(id), kinds()))
+    return json_response(_answer(plant_of(id), kinds()))
 
 
 @router.post("/equations", response_model=Equations, responses=documented(404, 413, 415, 422))
@@ -42,7 +42,7 @@ async def post_equations(request: Request, services: Use) -> Response:
 
     def answer(data: Any) -> dict[str, Any]:
         asked = validated(Question, data)
-        plant = library_plant(asked.plant) if isinstance(asked.plant, str) else asked.plant
+        plant = plant_of(asked.plant)
         return _answer(plant, kinds() if asked.observers is None else asked.observers)
 
     return json_response(await parsed(request, services.settings.max_body, answer))

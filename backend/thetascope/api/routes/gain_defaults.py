@@ -10,6 +10,7 @@ from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
 from thetascope.runs.specs.refusals import validated
+from thetascope.runs.specs.resolve_spec import resolved
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.service.answers import PresentGains
 
@@ -25,6 +26,6 @@ async def gains(request: Request, services: Use) -> Response:
     def answer(data: Any) -> dict[str, Any]:
         from thetascope.assembly.build.gains import present_gains  # SymPy comes with it, so the service starts without
 
-        return {"gains": present_gains(validated(Experiment, data))}
+        return {"gains": present_gains(resolved(validated(Experiment, data)))}
 
     return json_response(await parsed(request, services.settings.max_body, answer))

@@ -11,7 +11,7 @@ from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
 from thetascope.runs.specs.refusals import validated
-from thetascope.runs.specs.resolve_spec import library_experiment, library_plant
+from thetascope.runs.specs.resolve_spec import library_experiment, plant_of
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import ExperimentList, PlantCheck, PlantList
@@ -36,13 +36,12 @@ def plant_line(plant: Plant) -> dict[str, object]:
 
 def experiment_line(experiment: Experiment) -> dict[str, object]:
     """An experiment in a list."""
-    plant = experiment.plant if isinstance(experiment.plant, str) else experiment.plant.id
     return {
         "id": experiment.id,
         "title": experiment.title,
         "description": experiment.description,
         "source": experiment.source,
-        "plant": plant,
+        "plant": experiment.plant_id,
         "horizon": experiment.horizon,
         "step": experiment.step,
         "observers": [observer.label for observer in experiment.observers],
@@ -59,7 +58,7 @@ def list_plants() -> Response:
 @router.get("/plants/{id}", response_model=Plant, responses=documented(404), tags=["plants"])
 def get_plant(id: str) -> Response:
     """A plant of the library in full: copy it, change it, and POST it to /api/plants/check."""
-    return Response(library_plant(id).model_dump_json(), media_type="application/json")
+    return Response(plant_of(id).model_dump_json(), media_type="application/json")
 
 
 @router.post(

@@ -13,7 +13,7 @@ from thetascope.api.http.services import Use
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import from_engine, invalid, validated
-from thetascope.runs.specs.resolve_spec import library_plant, plant_of, resolved
+from thetascope.runs.specs.resolve_spec import plant_of, resolved
 from thetascope_schemas.experiment.diagnosis import Observability, ObserverDiagnosis
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.service.record import MOST_ROWS, Record
@@ -55,7 +55,7 @@ def _observed(data: Any) -> Observability:
 
     spec = resolved(validated(Experiment, data))
     try:
-        return observability(spec, plant_of(spec))
+        return observability(spec)
     except SpecError as error:
         raise from_engine(error, True) from None
 
@@ -64,7 +64,7 @@ def _diagnosed(data: Any) -> ObserverDiagnosis:
     from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording  # the engine comes with it
 
     asked = validated(Record, data)
-    plant = library_plant(asked.plant) if isinstance(asked.plant, str) else asked.plant
+    plant = plant_of(asked.plant)
     try:
         return diagnose_recording(plant, recording(plant, _columns(asked)), asked.diagnosis, asked.learn)
     except SpecError as error:

@@ -79,7 +79,7 @@ async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] 
         spec = finished.snapshot.spec
         found = compared(finished.result, spec)
         name = f'attachment; filename="{spec.id}-{id[:8]}-comparison.{format}"'
-        content = found.model_dump_json() if format == "json" else comparison_csv(found, plant_of(spec))
+        content = found.model_dump_json() if format == "json" else comparison_csv(found, plant_of(spec.plant))
         return Response(content, 200, {"Content-Disposition": name, "Cache-Control": "no-cache"}, MEDIA_TYPES[format])
 
     return await from_result(services, id, make)
@@ -106,7 +106,7 @@ async def get_figure(id: str, name: str, services: Use, theme: Literal["light", 
     def make(finished: Finished) -> Response:
         spec = finished.snapshot.spec
         try:
-            return json_response(figures.figure(finished.result, spec, plant_of(spec), name, theme))
+            return json_response(figures.figure(finished.result, spec, plant_of(spec.plant), name, theme))
         except figures.UnknownFigure as error:
             hint = Message.from_data(suggestion(name[:80], error.names))
             raise Unknown(Message("figure.unknown", name=name[:80]), hint) from None

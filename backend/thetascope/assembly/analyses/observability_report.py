@@ -5,18 +5,20 @@ import math
 from thetascope.assembly.build.prepare import prepare
 from thetascope.engine.observability.empirical_gramian import empirical
 from thetascope.engine.observability.identifiability import structure
-from thetascope_schemas import Experiment, Plant
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import Observability
 
 WINDOW = 0.1  # of the horizon
 _INSTANTS = 6
 
 
-def observability(spec: Experiment, plant: Plant) -> Observability:
+def observability(spec: ResolvedExperiment) -> Observability:
     """What any input could show (symbolic rank), and what this one does along the run (empirical Gramian)."""
-    bare = {"plant": plant, "observers": (), "figures": (), "commands": ()}
-    experiment = prepare(Experiment.model_validate(spec.model_copy(update=bare).model_dump(mode="json"))).engine
-    found, along = structure(plant.model_dump(mode="json")), empirical(experiment, WINDOW * spec.horizon, _INSTANTS)
+    experiment = prepare(spec.model_copy(update={"observers": (), "figures": (), "commands": ()})).engine
+    found, along = (
+        structure(spec.plant.model_dump(mode="json")),
+        empirical(experiment, WINDOW * spec.horizon, _INSTANTS),
+    )
     return Observability(
         rank=found.rank if found.decided else None,
         size=found.size,

@@ -51,14 +51,14 @@ def _observability(found: Structure) -> dict:
 
 def _possible(kind: str, plant: Plant) -> dict:
     from thetascope.assembly.build.observer_builder import estimator
-    from thetascope_schemas import Experiment, ObserverConfig
+    from thetascope_schemas import ObserverConfig, ResolvedExperiment
 
     made = observer(kind)
     config = ObserverConfig(label="observer", kind=kind)
     step = plant.time.period if plant.time.kind == "discrete" else 0.001
-    spec = Experiment(plant=plant, horizon=1000 * step, step=step, observers=(config,))
+    spec = ResolvedExperiment(plant=plant, horizon=1000 * step, step=step, observers=(config,))
     try:
-        estimator(0, config, spec, plant, plant.model_dump(mode="json"), step)
+        estimator(0, config, spec, plant.model_dump(mode="json"), step)
     except SpecError as error:
         return {"kind": kind, "title": made.title, "possible": False, "why": f"{error.problem}; {error.remedy}"}
     return {"kind": kind, "title": made.title, "possible": True, "why": ""}

@@ -27,7 +27,7 @@ from thetascope.engine.errors import SpecError, Unwatchable
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.simulation import row_values
 from thetascope.messages import Message
-from thetascope_schemas import Experiment, Plant
+from thetascope_schemas import Plant, ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
 from thetascope_schemas.experiment.field_error import field_errors
 
@@ -132,7 +132,7 @@ def diagnose_recording(
         raise SpecError("plant", plant.id, Message("record.filter.diverges"))
     noise = dict(zip(plant.names("outputs"), experiment.measurement.std, strict=True))
     measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
-    spec = Experiment.model_validate(spec.model_dump() | {"noise": measured})
+    spec = ResolvedExperiment.model_validate(spec.model_dump() | {"noise": measured})
     try:
         made = prepare_detector(experiment, experiment.context, detector_settings(spec), calibration_key(spec))
     except Unwatchable as error:
@@ -150,7 +150,7 @@ def diagnose_recording(
     return ObserverDiagnosis.model_validate(told)
 
 
-def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> Experiment:
+def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> ResolvedExperiment:
     """The plant with the recorded inputs, held between samples."""
 
     def held(values: np.ndarray) -> dict:
@@ -168,7 +168,7 @@ def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> Exper
         "noise": {n: {"std": 1.0, "sample_time": record.period} for n in plant.names("outputs")},
     }
     try:
-        return Experiment.model_validate(data)
+        return ResolvedExperiment.model_validate(data)
     except ValidationError as error:
         first = field_errors(error.errors(include_url=False))[0]
         raise SpecError(first.field, first.value, Message.from_data({"code": first.code, "args": first.args})) from None

@@ -74,7 +74,7 @@ def trial(
     ``lock``: time in s at which a band of three standard deviations about each estimate is fixed, as tutorials do; leaving
     it is an alarm.
     """
-    spec = prepared.spec.with_plant(prepared.plant)
+    spec = prepared.spec
     experiment = prepared.stages[0].experiment
     channel_faults = [f for f in spec.faults if f.site.kind == "channel" and 0 < f.onset < spec.horizon]
     faults = [(f.site.name, f.onset) for f in channel_faults]

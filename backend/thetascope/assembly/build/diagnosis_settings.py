@@ -11,21 +11,21 @@ from thetascope.diagnosis.yield_points import pausing
 from thetascope.engine.errors import Cancelled
 from thetascope.engine.execution.run_experiment import Parts
 from thetascope.engine.model.result import Result
-from thetascope_schemas import Experiment, ObserverConfig
+from thetascope_schemas import ObserverConfig, ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
 
 
-def detector_settings(spec: Experiment) -> DetectorSettings:
+def detector_settings(spec: ResolvedExperiment) -> DetectorSettings:
     """What is asked of the detector."""
     return DetectorSettings(spec.diagnosis.false_alarms, spec.diagnosis.doubt)
 
 
-def span(spec: Experiment) -> float:
+def span(spec: ResolvedExperiment) -> float:
     """Time in s that thresholds are simulated over."""
     return spec.diagnosis.span or spec.horizon
 
 
-def calibration_key(spec: Experiment, observers: tuple[ObserverConfig, ...] = ()) -> str:
+def calibration_key(spec: ResolvedExperiment, observers: tuple[ObserverConfig, ...] = ()) -> str:
     """A hash of everything that a calibration depends on: the experiment without what may be found."""
     there = tuple(f for f in spec.faults if f.site.kind == "channel" and f.onset == 0)
     bare = {"seed": 0, "horizon": span(spec), "observers": observers, "commands": (), "figures": (), "faults": there}
@@ -33,9 +33,9 @@ def calibration_key(spec: Experiment, observers: tuple[ObserverConfig, ...] = ()
 
 
 def inspector(
-    spec: Experiment, cancelled: Callable[[], bool] | None = None
+    spec: ResolvedExperiment, cancelled: Callable[[], bool] | None = None
 ) -> Callable[[Parts, Result], Result] | None:
-    """What adds the diagnosis to a run's result; None where none is asked for. ``spec``: with its plant in full.
+    """What adds the diagnosis to a run's result; None where none is asked for.
 
     What it gives raises Cancelled soon after ``cancelled`` says so.
     """

@@ -1,4 +1,4 @@
-"""A spec as it is at one time, with its plant in full → the engine's experiment."""
+"""A resolved experiment as it is at one time → the engine's experiment."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -14,42 +14,42 @@ from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.messages import Message
-from thetascope_schemas import Experiment, Plant
+from thetascope_schemas import ResolvedExperiment
 
 
-def engine(spec: Experiment, since: dict[str, int] | None = None) -> Engine:
-    """The engine's experiment for a spec with its plant in full and no timed commands.
+def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None) -> Engine:
+    """Build the engine's experiment for a spec without timed commands. Raises SpecError.
 
-    ``since``: base steps at which observers began to watch, by label, where that was not at the start.
+    ``since``: the base steps at which observers were added, by label; those that are not in it start with the run.
     """
     plant = spec.plant
     data = plant.model_dump(mode="json")
-    step, steps, every = _times(spec, plant)
+    step, steps, every = _times(spec)
     program = plant_program(data).program  # before the observers: an error in the plant's text is the plant's
-    estimators = [estimator(i, c, spec, plant, data, step) for i, c in enumerate(spec.observers)]
+    estimators = [estimator(i, c, spec, data, step) for i, c in enumerate(spec.observers)]
     if since:
         estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
     return Engine(
         plant=program,
-        parameters={f"p.{n}": v for n, v in _parameters(spec, plant).items()},
+        parameters={f"p.{n}": v for n, v in _parameters(spec).items()},
         x0=np.array([spec.initial.get(s.name, s.initial) for s in plant.states], dtype=float),
-        signals=signals_of(spec, plant),
-        measurement=measurement(spec, plant, step),
+        signals=signals_of(spec),
+        measurement=measurement(spec, step),
         estimators=tuple(estimators),
         step=step,
         steps=steps,
         every=every,
         substeps=spec.substeps,
-        context=plant_context(plant, spec, data, step),
+        context=plant_context(spec, data, step),
     )
 
 
-def _parameters(spec: Experiment, plant: Plant) -> dict[str, float]:
-    return {p.name: spec.parameters.get(p.name, p.value) for p in plant.parameters}
+def _parameters(spec: ResolvedExperiment) -> dict[str, float]:
+    return {p.name: spec.parameters.get(p.name, p.value) for p in spec.plant.parameters}
 
 
-def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
-    step = spec.step
+def _times(spec: ResolvedExperiment) -> tuple[float, int, int]:
+    step, plant = spec.step, spec.plant
     if plant.time.kind == "discrete":
         if abs(step - plant.time.period) > 1e-9 * plant.time.period:
             raise SpecError("step", step, Message("experiment.step.not-period", period=plant.time.period, step=step))
@@ -58,10 +58,10 @@ def _times(spec: Experiment, plant: Plant) -> tuple[float, int, int]:
 
 
 def signals_of(
-    spec: Experiment, plant: Plant, known: Mapping[str, signals.Signal] = MappingProxyType({})
+    spec: ResolvedExperiment, known: Mapping[str, signals.Signal] = MappingProxyType({})
 ) -> dict[str, signals.Signal]:
     """u.*, signal.* and theta.*, in this order; those that are ``known`` already are taken as they are."""
-    made = {}
+    made, plant = {}, spec.plant
     for u in plant.inputs:
         name, given = f"u.{u.name}", spec.inputs.get(u.name)
         fresh = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
@@ -75,7 +75,7 @@ def signals_of(
     return made
 
 
-def _plain(spec: Experiment, channel: str) -> list[dict]:
+def _plain(spec: ResolvedExperiment, channel: str) -> list[dict]:
     return [f.model_dump(mode="json") for f in spec.faults if f.site == ("channel", channel)]
 
 
@@ -87,9 +87,10 @@ def _signal(given, field: str) -> signals.Signal:
         raise
 
 
-def measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
+def measurement(spec: ResolvedExperiment, step: float) -> Measurement:
     """The sensor side: noise, faults of the measurement, sampling."""
-    noise = [spec.noise.get(o.name) for o in plant.outputs]
+    outputs = spec.plant.names("outputs")
+    noise = [spec.noise.get(name) for name in outputs]
     plain = [f.model_dump(mode="json") for f in spec.faults if f.site.kind == "output"]
     for fault in plain:
         fault["output"] = f"y.{fault['output']}"
@@ -97,7 +98,7 @@ def measurement(spec: Experiment, plant: Plant, step: float) -> Measurement:
     if spec.measurement.mode == "sampled":
         every = multiple(spec.measurement.period, step, "measurement.period")
     return Measurement(
-        outputs=tuple(f"y.{o.name}" for o in plant.outputs),
+        outputs=tuple(f"y.{name}" for name in outputs),
         std=tuple(n.std if n else 0.0 for n in noise),
         sample_time=tuple(n.sample_time if n else step for n in noise),
         seed=spec.seed,

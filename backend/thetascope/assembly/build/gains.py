@@ -1,15 +1,13 @@
 """The gains that the observers of an experiment run with, every default filled in."""
 
-from thetascope import library
 from thetascope.assembly.build.experiment_builder import engine
-from thetascope_schemas import Experiment
+from thetascope_schemas import ResolvedExperiment
 
 
-def present_gains(spec: Experiment) -> dict[str, dict[str, float | list[float]]]:
+def present_gains(spec: ResolvedExperiment) -> dict[str, dict[str, float | list[float]]]:
     """Per observer label: each gain as a number or a list. Raises SpecError where the experiment cannot run."""
-    plant = library.plant(spec.plant) if isinstance(spec.plant, str) else spec.plant
     found: dict[str, dict[str, float | list[float]]] = {}
-    for estimator in engine(spec.with_plant(plant)).estimators:
+    for estimator in engine(spec).estimators:
         numbers = estimator.parameters
         gains: dict[str, float | list[float]] = {}
         for gain in estimator.kind.gains:

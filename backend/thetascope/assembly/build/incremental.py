@@ -12,31 +12,31 @@ from thetascope.assembly.build.observer_builder import estimator, with_gains
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.simulation.experiment import Estimator
 from thetascope.engine.simulation.experiment import Experiment as Engine
-from thetascope_schemas import Experiment
+from thetascope_schemas import ResolvedExperiment
 
 _FIXED = ("parameters", "initial", "seed", "step", "horizon", "record", "measurement", "noise")
 
 
-def adapted(spec: Experiment, since: dict[str, int], before: Experiment, made: Engine) -> Engine:
+def adapted(spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, made: Engine) -> Engine:
     """What ``engine(spec, since)`` gives, if ``made`` is the engine's experiment for ``before``. Raises SpecError."""
     if spec.plant is not before.plant or any(getattr(spec, name) != getattr(before, name) for name in _FIXED):
         return engine(spec, since)
     same_faults = _faults(spec, "output", None) == _faults(before, "output", None)
     return replace(
         made,
-        signals=signals_of(spec, spec.plant, _kept_signals(spec, before, made)),
-        measurement=made.measurement if same_faults else measurement(spec, spec.plant, made.step),
+        signals=signals_of(spec, _kept_signals(spec, before, made)),
+        measurement=made.measurement if same_faults else measurement(spec, made.step),
         estimators=tuple(_estimators(spec, since, before, made)),
         substeps=spec.substeps,
     )
 
 
-def _faults(spec: Experiment, kind: str, name: str | None) -> list:
+def _faults(spec: ResolvedExperiment, kind: str, name: str | None) -> list:
     """The faults on a channel or an output; on all of them if no name is given."""
     return [f for f in spec.faults if f.site.kind == kind and name in (None, f.site.name)]
 
 
-def _kept_signals(spec: Experiment, before: Experiment, made: Engine) -> dict[str, Signal]:
+def _kept_signals(spec: ResolvedExperiment, before: ResolvedExperiment, made: Engine) -> dict[str, Signal]:
     """Signals that both experiments have."""
     plant = spec.plant
     same = [f"u.{n}" for n in plant.names("inputs") if spec.inputs.get(n) == before.inputs.get(n)]
@@ -47,7 +47,9 @@ def _kept_signals(spec: Experiment, before: Experiment, made: Engine) -> dict[st
     return {name: made.signals[name] for name in same}
 
 
-def _estimators(spec: Experiment, since: dict[str, int], before: Experiment, made: Engine) -> Iterator[Estimator]:
+def _estimators(
+    spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, made: Engine
+) -> Iterator[Estimator]:
     known = {c.label: (c, e) for c, e in zip(before.observers, made.estimators, strict=True)}
     data = None
     for index, config in enumerate(spec.observers):
@@ -57,6 +59,6 @@ def _estimators(spec: Experiment, since: dict[str, int], before: Experiment, mad
             found = with_gains(index, config, old_config, found) if only_gains else None
         if found is None:
             data = data or spec.plant.model_dump(mode="json")
-            found = estimator(index, config, spec, spec.plant, data, made.step)
+            found = estimator(index, config, spec, data, made.step)
         begun = since.get(config.label, 0)
         yield found if found.since == begun else replace(found, since=begun)

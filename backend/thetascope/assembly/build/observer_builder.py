@@ -11,14 +11,14 @@ from thetascope.engine.observers.support.declaration import Context, Gain, Obser
 from thetascope.engine.programs.program_store import observer_program
 from thetascope.engine.simulation.experiment import Estimator
 from thetascope.messages import Message
-from thetascope_schemas import Experiment, ObserverConfig, Plant
+from thetascope_schemas import ObserverConfig, Plant, ResolvedExperiment
 from thetascope_schemas.experiment.refusal import suggestion
 
 
-def estimator(index: int, config: ObserverConfig, spec: Experiment, plant: Plant, data: dict, step: float) -> Estimator:
+def estimator(index: int, config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float) -> Estimator:
     """One observer of an experiment, ready to run. Raises SpecError that names the field below ``observers.<index>``."""
     with _located(index):
-        return _estimator(config, spec, plant, data, step)
+        return _estimator(config, spec, data, step)
 
 
 def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, made: Estimator) -> Estimator | None:
@@ -47,18 +47,18 @@ def _located(index: int) -> Iterator[None]:
         raise
 
 
-def _estimator(config: ObserverConfig, spec: Experiment, plant: Plant, data: dict, step: float) -> Estimator:
-    kind = observer(config.kind)
+def _estimator(config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float) -> Estimator:
+    kind, plant = observer(config.kind), spec.plant
     _suits(kind, plant)
     channels = _channels(kind, config, plant)
-    every = _sample_every(kind, config, spec, plant, step)
-    context = _context(plant, spec, data, channels, step, every)
+    every = _sample_every(kind, config, spec, step)
+    context = _context(spec, data, channels, step, every)
     gains = {g.name: _gain(g, config, context) for g in kind.gains}
     refuse_unknown("gains", config.gains, gains, Message("observer.gain.unknown", kind=kind.id))
     options = _options(kind, config, context)
     sizes = {name: None if isinstance(v, float) else len(v) for name, v in gains.items()}
     written = observer_program(data, kind, channels, sizes, options)
-    numbers = _numbers(gains, config, spec, plant, channels)
+    numbers = _numbers(gains, config, spec, channels)
     numbers["g.period"] = context.period
     return Estimator(config.label, kind, written.program, channels, numbers, written.facts, context, every)
 
@@ -95,11 +95,11 @@ def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str
     return tuple(picked)
 
 
-def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plant: Plant, step: float) -> int | None:
+def _sample_every(kind: Observer, config: ObserverConfig, spec: ResolvedExperiment, step: float) -> int | None:
     """Base steps in the observer's sample period; None if it runs in the plant's own time."""
     if kind.time != "discrete":
         return None
-    if plant.time.kind == "discrete":
+    if spec.plant.time.kind == "discrete":
         return 1
     period = config.options.get("period")
     if period is not None:
@@ -113,8 +113,9 @@ def _sample_every(kind: Observer, config: ObserverConfig, spec: Experiment, plan
 
 
 def _context(
-    plant: Plant, spec: Experiment, data: dict, channels: tuple[str, ...], step: float, every: int | None
+    spec: ResolvedExperiment, data: dict, channels: tuple[str, ...], step: float, every: int | None
 ) -> Context:
+    plant = spec.plant
     noise = [spec.noise.get(o.name) for o in plant.outputs]
     return Context(
         n=len(plant.states),
@@ -129,9 +130,9 @@ def _context(
     )
 
 
-def plant_context(plant: Plant, spec: Experiment, data: dict, step: float) -> Context:
-    """What is known of the plant with all its fault channels."""
-    return _context(plant, spec, data, tuple(c.name for c in plant.channels), step, None)
+def plant_context(spec: ResolvedExperiment, data: dict, step: float) -> Context:
+    """Return the facts about the plant that a filter for all its fault channels may use; ``data`` is the plant as JSON."""
+    return _context(spec, data, spec.plant.names("channels"), step, None)
 
 
 def _length(size: str | Callable[[Context], int], context: Context) -> int:
@@ -207,11 +208,12 @@ def _option(option: Option, given, context: Context):
 
 
 def _numbers(
-    gains: dict, config: ObserverConfig, spec: Experiment, plant: Plant, channels: tuple[str, ...]
+    gains: dict, config: ObserverConfig, spec: ResolvedExperiment, channels: tuple[str, ...]
 ) -> dict[str, float]:
     numbers: dict[str, float] = {}
     for name, value in gains.items():
         numbers |= _gain_numbers(name, value)
+    plant = spec.plant
     numbers |= {f"m.{p.name}": spec.parameters.get(p.name, p.value) for p in plant.parameters}
     start = {f"x0.{s.name}": s.initial for s in plant.states} | {f"theta0.{c}": 0.0 for c in channels}
     bare = {name.partition(".")[2]: name for name in start}

@@ -1,9 +1,8 @@
-"""An Experiment as data → an experiment that can run."""
+"""A resolved experiment → its programs and stages, ready to run."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
-from thetascope import library
 from thetascope.assembly.build.diagnosis_settings import inspector
 from thetascope.assembly.build.experiment_builder import engine
 from thetascope.assembly.build.incremental import adapted
@@ -13,7 +12,7 @@ from thetascope.engine.execution.run_experiment import run
 from thetascope.engine.execution.stages import Stage
 from thetascope.engine.model.result import Result
 from thetascope.engine.simulation.experiment import Experiment as Engine
-from thetascope_schemas import Experiment, Plant
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.commands import AddObserver
 
 
@@ -32,8 +31,7 @@ class Cost:
 class Prepared:
     """An experiment whose programs are ready."""
 
-    spec: Experiment
-    plant: Plant
+    spec: ResolvedExperiment
     stages: tuple[Stage, ...]
 
     @property
@@ -54,20 +52,18 @@ class Prepared:
         self, progress: Callable[[float], None] | None = None, cancelled: Callable[[], bool] | None = None
     ) -> Result:
         """Simulate. Raises Cancelled, or SpecError where the step cannot be made to suit the gains."""
-        return run(self.stages, progress, cancelled, inspector(self.spec.with_plant(self.plant), cancelled))
+        return run(self.stages, progress, cancelled, inspector(self.spec, cancelled))
 
 
-def prepare(spec: Experiment) -> Prepared:
-    """Check an experiment against its plant and make its programs.
+def prepare(spec: ResolvedExperiment) -> Prepared:
+    """Make the programs of an experiment.
 
     Raises SpecError (or ExpressionError, which points into a text) that names the field, the value and the remedy.
     """
-    plant = library.plant(spec.plant) if isinstance(spec.plant, str) else spec.plant
-    complete = spec.with_plant(plant)  # every name that it uses must be the plant's
-    return Prepared(spec, plant, tuple(_stages(complete)))
+    return Prepared(spec, tuple(_stages(spec)))
 
 
-def _stages(spec: Experiment) -> Iterator[Stage]:
+def _stages(spec: ResolvedExperiment) -> Iterator[Stage]:
     """The experiment as it begins, and as each timed command leaves it; commands of one moment make one stage."""
     current = before = spec.model_copy(update={"commands": ()})
     since: dict[str, int] = {}

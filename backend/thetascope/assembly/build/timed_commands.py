@@ -2,7 +2,7 @@
 
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
-from thetascope_schemas import Experiment
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.commands import (
     AddObserver,
     RemoveObserver,
@@ -16,16 +16,16 @@ from thetascope_schemas.experiment.experiment import Noise
 from thetascope_schemas.experiment.refusal import suggestion
 
 
-def changed(spec: Experiment, command: TimedCommand) -> Experiment:
+def changed(spec: ResolvedExperiment, command: TimedCommand) -> ResolvedExperiment:
     """Return the experiment after a command (the command itself is not noted). Raises SpecError where it does not fit."""
     return _APPLY[type(command)](spec, command)
 
 
-def _with(spec: Experiment, **fields: object) -> Experiment:
+def _with(spec: ResolvedExperiment, **fields: object) -> ResolvedExperiment:
     return spec.model_copy(update=fields)
 
 
-def _labelled(spec: Experiment, label: str, field: str) -> int:
+def _labelled(spec: ResolvedExperiment, label: str, field: str) -> int:
     labels = [o.label for o in spec.observers]
     if label not in labels:
         hint = Message.from_data(suggestion(label, labels))
@@ -33,14 +33,14 @@ def _labelled(spec: Experiment, label: str, field: str) -> int:
     return labels.index(label)
 
 
-def _set_gain(spec: Experiment, command: SetGain) -> Experiment:
+def _set_gain(spec: ResolvedExperiment, command: SetGain) -> ResolvedExperiment:
     i = _labelled(spec, command.observer, "observer")
     observer = spec.observers[i]
     observer = observer.model_copy(update={"gains": {**observer.gains, command.gain: command.value}})
     return _with(spec, observers=(*spec.observers[:i], observer, *spec.observers[i + 1 :]))
 
 
-def _set_signal(spec: Experiment, command: SetSignal) -> Experiment:
+def _set_signal(spec: ResolvedExperiment, command: SetSignal) -> ResolvedExperiment:
     plant = spec.plant
     if command.name in plant.names("inputs"):
         return _with(spec, inputs={**spec.inputs, command.name: command.signal})
@@ -50,7 +50,7 @@ def _set_signal(spec: Experiment, command: SetSignal) -> Experiment:
     raise SpecError("name", command.name, Message("command.signal.unknown", name=command.name), hint)
 
 
-def _set_noise(spec: Experiment, command: SetNoise) -> Experiment:
+def _set_noise(spec: ResolvedExperiment, command: SetNoise) -> ResolvedExperiment:
     if command.output not in spec.plant.names("outputs"):
         hint = Message.from_data(suggestion(command.output, spec.plant.names("outputs")))
         raise SpecError("output", command.output, Message("plant.output.unknown", name=command.output), hint)
@@ -58,19 +58,19 @@ def _set_noise(spec: Experiment, command: SetNoise) -> Experiment:
     return _with(spec, noise={**spec.noise, command.output: noise})
 
 
-def _add_observer(spec: Experiment, command: AddObserver) -> Experiment:
+def _add_observer(spec: ResolvedExperiment, command: AddObserver) -> ResolvedExperiment:
     if command.observer.label in [o.label for o in spec.observers]:
         label = command.observer.label
         raise SpecError("observer.label", label, Message("command.label.taken", label=label))
     return _with(spec, observers=(*spec.observers, command.observer))
 
 
-def _remove_observer(spec: Experiment, command: RemoveObserver) -> Experiment:
+def _remove_observer(spec: ResolvedExperiment, command: RemoveObserver) -> ResolvedExperiment:
     i = _labelled(spec, command.label, "label")
     return _with(spec, observers=(*spec.observers[:i], *spec.observers[i + 1 :]))
 
 
-def _set_substeps(spec: Experiment, command: SetSubsteps) -> Experiment:
+def _set_substeps(spec: ResolvedExperiment, command: SetSubsteps) -> ResolvedExperiment:
     return _with(spec, substeps=command.substeps)
 
 

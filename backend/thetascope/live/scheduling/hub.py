@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 from thetascope.engine.errors import SpecError
 from thetascope.live.room.playback_clock import MinimumInterval, RateLimiter
 from thetascope.live.room.serial_queue import Background, Callback, Job, outcome
-from thetascope_schemas import Experiment
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.service.session import CLOSE_ENDED
 
 if TYPE_CHECKING:
@@ -75,7 +75,7 @@ class Hub:
         return self._rooms.get(id)
 
     async def create(
-        self, read: Callable[[], Experiment], t: float = 0.0, play: bool = True, speed: float | None = 1.0
+        self, read: Callable[[], ResolvedExperiment], t: float = 0.0, play: bool = True, speed: float | None = 1.0
     ) -> "Room":
         """Open a session on what `read` gives (a spec with its plant in full), advanced to time `t`.
 
@@ -118,7 +118,7 @@ class Hub:
             session = await loop.run_in_executor(self._workshop, make)
         return self._add(session, play, speed, None)
 
-    def _begun(self, spec: Experiment, limit: int) -> "Session":
+    def _begun(self, spec: ResolvedExperiment, limit: int) -> "Session":
         """A session that has its first row: a copy of one that was opened before, if there was one on the same spec."""
         from thetascope.live.session.session import Session
 

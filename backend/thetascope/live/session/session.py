@@ -27,7 +27,7 @@ from thetascope.live.session.live_columns import LiveColumns
 from thetascope.live.session.live_detector import LiveDetector, pinned
 from thetascope.live.session.rewind import Rewinding
 from thetascope.live.session.snapshots import Block, SimulatedRows, Snapshot, Snapshots
-from thetascope_schemas import Experiment
+from thetascope_schemas import Experiment, ResolvedExperiment
 from thetascope_schemas.experiment.commands import AddObserver, SetSubsteps
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.service.session import (
@@ -50,10 +50,8 @@ class Session(Rewinding):
 
     detects_outside = False  # of its rows for faults, to background_checks.py; else they are watched as they come
 
-    def __init__(self, spec: Experiment, horizon_rows: int = 1_000_000):
-        prepared = prepare(spec)
-        self.spec = spec.with_plant(prepared.plant)
-        self.spec = self.spec.model_copy(update={"substeps": self.spec.substeps or 1, "diagnosis": pinned(self.spec)})
+    def __init__(self, spec: ResolvedExperiment, horizon_rows: int = 1_000_000):
+        self.spec = spec.model_copy(update={"substeps": spec.substeps or 1, "diagnosis": pinned(spec)})
         self._start = self.spec
         self._horizon = horizon_rows
         self._stand_at_start()

@@ -14,7 +14,7 @@ from thetascope.runs.results.summary import summarise
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
 from thetascope.settings import Settings
-from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.experiment import ResolvedExperiment
 
 if TYPE_CHECKING:
     from thetascope.assembly import Cost, Prepared
@@ -25,7 +25,7 @@ _PREPARERS = 2
 End = Callable[[Job, Finished | InvalidSpec], None]
 
 
-def allow(spec: Experiment, cost: "Cost", settings: Settings) -> None:
+def allow(spec: ResolvedExperiment, cost: "Cost", settings: Settings) -> None:
     """Refuse a run that asks for more steps or numbers than the settings allow. Raises InvalidSpec, in numbers."""
     if cost.steps > settings.max_steps:
         raise invalid(
@@ -60,8 +60,8 @@ class Execution:
         self._preparers = ThreadPoolExecutor(_PREPARERS, thread_name_prefix="prepare")
         self._workers = ThreadPoolExecutor(max(1, settings.workers), thread_name_prefix="run")
 
-    def start(self, job: Job, spec: Experiment) -> None:
-        """Queue a job; `spec` is its experiment with the plant in full."""
+    def start(self, job: Job, spec: ResolvedExperiment) -> None:
+        """Queue a job; `spec` is its experiment, resolved."""
         self._preparers.submit(self._guarded, job, lambda: self._prepare(job, spec))
 
     def close(self) -> None:
@@ -69,7 +69,7 @@ class Execution:
         self._preparers.shutdown(wait=True)
         self._workers.shutdown(wait=True)
 
-    def _prepare(self, job: Job, spec: Experiment) -> None:
+    def _prepare(self, job: Job, spec: ResolvedExperiment) -> None:
         if job.cancelled:
             raise Cancelled
         from thetascope.assembly import prepare  # SymPy comes with it, so the service starts without
@@ -83,14 +83,14 @@ class Execution:
             raise Cancelled
         job.begin(self._settings.max_seconds)
         result = prepared.run(job.report, job.stopped)
-        self._end(job, completed(job.snapshot(), result, job.spec))
+        self._end(job, completed(job.snapshot(), result, prepared.spec))
 
     def _guarded(self, job: Job, stage: Callable[[], None]) -> None:
         """Run a stage; whatever it raises becomes the job's end, so that nobody waits for ever."""
         try:
             stage()
         except SpecError as error:
-            self._end(job, from_engine(error, in_plant=not isinstance(job.spec.plant, str)))
+            self._end(job, from_engine(error, in_plant=True))
         except InvalidSpec as error:
             self._end(job, error)
         except Cancelled:
@@ -108,7 +108,7 @@ class Execution:
         return failed(job, Message("run.too-slow", seconds=limit, share=job.progress))
 
 
-def completed(snapshot: Snapshot, result: Result, spec: Experiment) -> Finished:
+def completed(snapshot: Snapshot, result: Result, spec: ResolvedExperiment) -> Finished:
     """The end of a run that has a result."""
     return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result, spec)), result)
 
