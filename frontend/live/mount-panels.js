@@ -1,5 +1,8 @@
-// The panels around the scope: where each stands and which module fills it.
+// The panels around the scope: the place of each, and the module that fills it.
 
+import {query} from '../common/dom.js';
+
+/** @type {[place: string | null, module: string][]} */
 const PANELS = [
   ['panel-header', 'header/header'],
   ['panel-title', 'header/title'],
@@ -14,13 +17,24 @@ const PANELS = [
   [null, 'dialogs/keyboard'],
 ];
 
-/** Load every panel, then mount them all at once, so that keys work as soon as there is something to see; one that fails leaves its place empty. */
+/** @import {App} from './types.js' */
+
+/** @typedef {{mount: (element: HTMLElement, app: App) => void}} Panel */
+
+/**
+ * Load every panel, then mount them together, so that keys work as soon as there is something to see. A panel that fails leaves its
+ * place empty.
+ * @param {App} app
+ */
 export async function mountPanels(app) {
-  const loaded = await Promise.allSettled(PANELS.map(([, name]) => import(`./panels/${name}.js`)));
+  const loaded = await Promise.allSettled(
+    PANELS.map(([, name]) => /** @type {Promise<Panel>} */ (import(`./panels/${name}.js`))),
+  );
   PANELS.forEach(([id, name], place) => {
     try {
-      if (loaded[place].reason) throw loaded[place].reason;
-      loaded[place].value.mount(id === null ? document.body : document.getElementById(id), app);
+      const panel = loaded[place];
+      if (panel.status === 'rejected') throw panel.reason;
+      panel.value.mount(id === null ? document.body : query(`#${id}`), app);
     } catch (error) {
       console.error(`panel ${name}:`, error);
     }

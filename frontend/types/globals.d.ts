@@ -4,7 +4,7 @@ import type {App} from '../live/types.js';
 
 export interface PlotlyFigure {
   data: {[name: string]: unknown}[];
-  layout: {[name: string]: unknown};
+  layout: {[name: string]: unknown; meta?: {narrow: object}};
 }
 
 export interface PlotlyLibrary {
@@ -27,6 +27,8 @@ export interface PlotlyLibrary {
 }
 
 declare global {
+  const Plotly: PlotlyLibrary;
+
   interface Window {
     theme: {readonly now: 'light' | 'dark'; toggle(): void};
     /** Set once /assets/plotly.min.js is loaded. */

@@ -1,6 +1,10 @@
-// Draws the figures whose JSON stands in the page, one after another; nothing is fetched and nothing leaves. The width is
-// given outright: Plotly's own resizing measures the height too, and loses the margins on the way.
-const figures = JSON.parse(document.getElementById('figures').textContent);
+// Draws the figures whose JSON is in the page, one after another. Nothing is fetched and nothing is sent. The width is set
+// explicitly: Plotly's own resizing measures the height too, and loses the margins.
+
+/** @import {PlotlyFigure} from '../../../frontend/types/globals.js' */
+
+/** @type {PlotlyFigure[]} */
+const figures = JSON.parse(document.getElementById('figures')?.textContent ?? '[]');
 const options = {
   responsive: false,
   displaylogo: false,
@@ -8,9 +12,10 @@ const options = {
   plotlyServerURL: '',
   modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
 };
-const boxes = figures.map((_, place) => document.getElementById(`plot-${place}`));
+const boxes = figures.map((_, place) => /** @type {HTMLElement} */ (document.getElementById(`plot-${place}`)));
 const paper = 660; // pixels that fit on a page in print
 const resizing = {pending: false, busy: false};
+/** @type {boolean | null} */
 let small = null;
 
 async function draw() {
@@ -21,7 +26,7 @@ async function draw() {
     if (same) await Plotly.relayout(boxes[place], {width});
     else {
       await Plotly.react(boxes[place], data, {...structuredClone(layout), width}, options);
-      if (small) await Plotly.relayout(boxes[place], structuredClone(layout.meta.narrow));
+      if (small && layout.meta) await Plotly.relayout(boxes[place], structuredClone(layout.meta.narrow));
     }
   }
 }

@@ -2,7 +2,7 @@
 
 import {query} from '../../common/dom.js';
 
-const WIDE = '(min-width: 1180px)'; // narrower pages have their own places for it (live.css)
+const WIDE = '(min-width: 1180px)'; // narrower pages have their own places for it (narrow.css)
 const LEAST = 300; // px of the header's middle in which text may wrap; less where the legend's place is taken
 const ROUNDING = 1; // px: an element as wide as its room may measure a fraction more
 

@@ -3,7 +3,7 @@
 import {fill, h} from '../../../common/dom.js';
 import {t} from '../../../i18n/words.js';
 
-const TABS = ['curves', 'inject', 'observers', 'diagnosis']; // which panels belong to each is in panels.css
+const TABS = ['curves', 'inject', 'observers', 'diagnosis']; // which panels belong to each is in tabs.css
 
 export function mountTabs(app) {
   const narrow = matchMedia('(max-width: 719px)');
