@@ -16,6 +16,10 @@ const PAGES = [
 /**
  * The header of a page; `here` is its name among the pages. `again` rebuilds the rest of the page in another language; without it the page is
  * reloaded, where nothing is lost by that.
+ * @param {HTMLElement} root
+ * @param {typeof import('./api.js').connection} connection
+ * @param {string} [here]
+ * @param {(() => void) | null} [again]
  */
 export function mountTop(root, connection, here = 'runs', again = null) {
   const state = h('span', {class: 'connection', role: 'status'});
@@ -50,6 +54,7 @@ export function mountTop(root, connection, here = 'runs', again = null) {
       h('span', {}, window.theme.now === 'dark' ? t('page.header.to-light') : t('page.header.to-dark')),
     );
   };
+  /** @param {'en' | 'zh'} other */
   const turn = async (other) => {
     rememberLanguage(other);
     if (!again) return location.reload();

@@ -3,6 +3,10 @@
 import {h} from './dom.js';
 import {asSentence, refusalWords, say, t} from '../i18n/words.js';
 
+/** @import {Failure} from '../live/types.js' */
+/** @import * as service from '../types/service.js' */
+
+/** @param {Problem} problem */
 const titleOf = (problem) =>
   problem.status === 422
     ? t('page.problem.invalid')
@@ -10,7 +14,11 @@ const titleOf = (problem) =>
       ? t('page.problem.not-found')
       : say(problem.title) || t('page.problem.failed');
 
-/** The block for what no field of the form can show; `errors` are those of the problem that are left. */
+/**
+ * The block for what no field of the form can show; `errors` are those of the problem that are left.
+ * @param {Problem} problem
+ * @param {service.FieldError[]} [errors]
+ */
 export function problemBlock(problem, errors = problem.errors) {
   const detail = problem.errors.length ? null : h('p', {}, asSentence(problem.detail));
   const rows = errors.map((error) =>
@@ -35,7 +43,10 @@ export function problemBlock(problem, errors = problem.errors) {
   );
 }
 
-/** The problem and its remedy, as two short sentences. */
+/**
+ * The problem and its remedy, as two short sentences.
+ * @param {Failure} error
+ */
 export function explained(error) {
   const {problem, remedy} = refusalWords(error);
   return [asSentence(problem), ' ', h('span', {class: 'remedy'}, t('page.text.remedy', {remedy: asSentence(remedy)}))];

@@ -6,6 +6,7 @@ const watcher = new ResizeObserver((entries) => {
 });
 const boxed = new WeakSet();
 
+/** @param {HTMLElement} box */
 function update(box) {
   const scrolls = box.scrollWidth > box.clientWidth || box.scrollHeight > box.clientHeight;
   if (scrolls) box.setAttribute('tabindex', '0');

@@ -7,23 +7,38 @@ import {library, save} from './net/session.js';
 import {rememberLanguage} from '../i18n/language.js';
 import {refusalWords, speak, t} from '../i18n/words.js';
 
+/** @import {App, Command, Failure, Language, SessionLink, State, Told} from './types.js' */
+
 const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
 
 /** @param {object} app  @param {object} link  what main.js does with sessions: {begin, fork, token} */
 export const actions = (app, link) => ({...transport(app, link), ...sessions(app, link), ...looks(app)});
 
+/** @param {App} app @param {Partial<State>} values */
 const set = (app, values) => app.store.dispatch({type: 'set', ...values});
 
+/**
+ * @param {App} app
+ * @param {string} words
+ * @param {{kind?: Told['kind'], action?: Told['action']}} [how]
+ */
 const tell = (app, words, {kind = 'note', action = null} = {}) =>
   set(app, {told: {words, kind, action, at: performance.now()}});
 
-/** A refusal in a line: the problem and its remedy. */
+/**
+ * A refusal in a line: the problem and its remedy.
+ * @param {Failure} error
+ */
 export function refused(error) {
   const {problem, remedy} = refusalWords(error);
   return remedy ? t('page.text.semicolon', {first: problem, second: remedy}) : problem;
 }
 
-/** A command whose refusal is told on the page; the Ack, or null. */
+/**
+ * A command whose refusal is told on the page; the Ack, or null.
+ * @param {App} app
+ * @param {Command} command
+ */
 async function ask(app, command) {
   try {
     return await app.send(command);
@@ -33,9 +48,15 @@ async function ask(app, command) {
   }
 }
 
+/** @param {App} app @param {SessionLink} link */
 function transport(app, link) {
+  /** @param {Command} command */
   const send = (command) => ask(app, command);
-  /** Go back to a time and discard what came after it; for a while this can be undone, with another session of the same history. */
+  /**
+   * Go back to a time and discard what came after it; for a while this can be undone, with another session of the same history.
+   * @param {Command} command
+   * @param {number} at
+   */
   async function goBack(command, at) {
     const {spec, experiment} = app.state;
     const now = app.samples.now;
@@ -58,6 +79,7 @@ function transport(app, link) {
   };
 }
 
+/** @param {App} app @param {SessionLink} link */
 function sessions(app, link) {
   return {
     open: (id) => link.begin({experiment: id ?? app.first, play: true}),
@@ -72,9 +94,11 @@ function sessions(app, link) {
   };
 }
 
+/** @param {App} app */
 function looks(app) {
   return {
     window: (length) => set(app, {window: length, selection: null, looking: null}),
+    /** @param {number} t0 @param {number} t1 */
     select(t0, t1) {
       const least = 4 * app.state.record;
       set(app, {
@@ -82,7 +106,10 @@ function looks(app) {
         selection: t0 === null || t0 === undefined || t1 - t0 < least ? null : [Math.max(0, t0), t1],
       });
     },
-    /** Look back to a time of the past (null: at now again); nothing is given up. */
+    /**
+     * Look back to a time of the past (null: at now again); nothing is given up.
+     * @param {number} t
+     */
     look(t) {
       const length = app.state.window ?? Math.max(app.samples.now, 10);
       const end = t === null ? null : Math.max(t, length);
@@ -103,18 +130,25 @@ function looks(app) {
     theme(wanted) {
       if (wanted !== null && wanted !== window.theme.now) window.theme.toggle();
     },
+    /** @param {Language} language */
     async language(language) {
       await speak(language);
       rememberLanguage(language);
       set(app, {language});
     },
     tell: (words, how) => tell(app, words, how),
+    /** @param {Failure} error */
     refused: (error) => tell(app, refused(error), {kind: 'problem'}),
     figure: (what) => picture(app, what),
   };
 }
 
-/** Keep a word, or (null) forget it. */
+/**
+ * Keep a word, or (null) forget it.
+ * @param {Storage} storage
+ * @param {string} name
+ * @param {string | null} value
+ */
 function keep(storage, name, value) {
   try {
     if (value === null) storage.removeItem(name);
@@ -124,6 +158,7 @@ function keep(storage, name, value) {
   }
 }
 
+/** @param {Storage} storage @param {string} name */
 function kept(storage, name) {
   try {
     return storage.getItem(name);
@@ -137,7 +172,10 @@ export const presented = () => kept(sessionStorage, PRESENTED) === 'on';
 
 const DONE = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
 
-/** The address of the session as it is now: the short form while nobody has done anything to a library experiment. */
+/**
+ * The address of the session as it is now: the short form while nobody has done anything to a library experiment.
+ * @param {App} app
+ */
 export async function addressOf(app) {
   const {state} = app;
   const t = app.samples.now;

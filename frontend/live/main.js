@@ -22,6 +22,9 @@ import {mountTimeline} from './ui/session-timeline.js';
 import {mountTransport} from './ui/transport.js';
 import {named, say, speak, t} from '../i18n/words.js';
 
+/** @import {Experiment} from '../pages/types.js' */
+/** @import {Command, Failure, ServerMessage} from './types.js' */
+
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
 const AWAITED = 10; // s after which the first fault should come
@@ -58,6 +61,7 @@ const app = {
   span: () => scope.span(),
   cursor: (t) => store.dispatch({type: 'set', cursor: t}),
   drop: () => socket?.drop(),
+  /** @param {Command} command */
   send(command) {
     if (!socket) return Promise.reject(new Refused({code: 'page.notice.no-session'}));
     if (store.state.role === 'view') return Promise.reject(new Refused({code: 'page.notice.view-only'}));
@@ -74,7 +78,10 @@ function leave() {
   socket = ghostSocket = app.ghost = null;
 }
 
-/** Join a session: its messages go to the store, its frames to the samples. `then` is called when it has said hello for the first time. */
+/**
+ * Join a session: its messages go to the store, its frames to the samples. `then` is called when it has said hello for the first time.
+ * @param {JoinOptions} options
+ */
 function join({id, control, experiment, plain, parent = null, fresh = false, then = () => {}}) {
   leave();
   token = control;
@@ -105,7 +112,12 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
   });
 }
 
-/** What a message means for the samples, before the store hears of it. */
+/**
+ * What a message means for the samples, before the store hears of it.
+ * @param {Samples} samples
+ * @param {Arrivals} arrivals
+ * @param {ServerMessage} message
+ */
 function prepare(samples, arrivals, message) {
   if (message.type === 'hello') {
     if (samples.epoch !== message.epoch || samples.record !== message.record)
@@ -118,7 +130,10 @@ function prepare(samples, arrivals, message) {
   if (message.type === 'jump') arrivals.jump(message);
 }
 
-/** The parent's curves, faintly behind: a second connection that only watches. */
+/**
+ * The parent's curves, faintly behind: a second connection that only watches.
+ * @param {string} id
+ */
 function watchParent(id) {
   const samples = new Samples(1, 24e6);
   const arrivals = new Arrivals(samples, id, loop.wake);
@@ -136,6 +151,7 @@ function watchParent(id) {
       if (known.spec && (origin?.observers !== observers || origin.faults !== faults || origin.alarms !== alarms))
         store.dispatch({type: 'set', origin: {observers, faults, alarms}});
     },
+    /** @param {number} now */
     onConnection(now) {
       if (now === 'ended' && app.ghost === null) store.dispatch({type: 'set', parent: null});
     },
@@ -174,7 +190,10 @@ const link = {
       app.act.refused(error);
     }
   },
-  /** Go to another session of this tab: the one that this was forked from, or one that was forked from this. */
+  /**
+   * Go to another session of this tab: the one that this was forked from, or one that was forked from this.
+   * @param {string} id
+   */
   async visit(id) {
     await writeAddress();
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
@@ -182,7 +201,10 @@ const link = {
   },
 };
 
-/** Join a session that this tab has had before, if it is still there. */
+/**
+ * Join a session that this tab has had before, if it is still there.
+ * @param {string} id
+ */
 async function rejoin(id) {
   const known = kept.of(id);
   if (!(await look(id).catch(() => null))) return false;
@@ -196,6 +218,7 @@ async function rejoin(id) {
   return true;
 }
 
+/** @param {Failure} error */
 function failed(error) {
   const problem = {
     title: say(error.title ?? t('page.notice.failed')),
@@ -237,7 +260,10 @@ addEventListener('pagehide', () => {
   if (mine?.id === store.state.session) kept.write({...mine, address: location.search + location.hash});
 });
 
-/** The speed that a session begins with: the first fault is soon there, and the whole is over in a minute. */
+/**
+ * The speed that a session begins with: the first fault is soon there, and the whole is over in a minute.
+ * @param {Experiment} spec
+ */
 function openingSpeed({horizon, faults}) {
   const first = Math.min(...faults.map(({onset}) => onset).filter((onset) => onset > 0));
   const wanted = Math.min(BRISK, Math.max(horizon / WATCHED, Number.isFinite(first) ? first / AWAITED : 0));
@@ -283,6 +309,7 @@ async function open() {
 // ---- the page ------------------------------------------------------------------------------------------------------------
 
 app.act = actions(app, link);
+/** @param {string} id */
 const place = (id) => document.getElementById(id);
 window.thetascope = app; // for the console, and for the tests
 await speak(store.state.language);

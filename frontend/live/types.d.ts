@@ -20,6 +20,9 @@ export type Fault = service.Experiment['faults'][number];
 export type FaultInput = service.Inject['fault'];
 export type TimedCommand = service.Experiment['commands'][number];
 export type Jump = service.Jump;
+export type Channel = Plant['channels'][number];
+export type Output = Plant['outputs'][number];
+export type Gain = number | number[];
 export type ServerMessage = service.ServerMessage;
 
 /** An experiment with its plant in full, as sessions have it. */

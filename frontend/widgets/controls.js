@@ -4,10 +4,20 @@ import {h, fill, number} from '../common/dom.js';
 import {ENDS, position, value as valueAt} from './slider-scale.js';
 import {asSentence, refusalWords, t} from '../i18n/words.js';
 
-/** The heading of a panel, with a link at its right end. */
+/** @import {App, Failure} from '../live/types.js' */
+/** @import {Child, Properties} from '../types/dom.js' */
+
+/**
+ * The heading of a panel, with a link at its right end.
+ * @param {Child} title
+ * @param {...Child} right
+ */
 export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2', {}, title), ...right);
 
-/** A mark for a heading: while one looks back, that what stands under it is of now. */
+/**
+ * A mark for a heading: while one looks back, that what stands under it is of now.
+ * @param {App} app
+ */
 export function asOfNow(app) {
   const tag = h('span', {class: 'as-of-now', hidden: true});
   app.onTick((now) => {
@@ -19,11 +29,20 @@ export function asOfNow(app) {
   return tag;
 }
 
-/** A button that looks like a link. */
+/**
+ * A button that looks like a link.
+ * @param {Child} words
+ * @param {() => void} act
+ * @param {Properties} [more]
+ */
 export const link = (words, act, more = {}) =>
   h('button', {type: 'button', class: 'link', onclick: act, ...more}, words);
 
-/** The round badge of a channel (or square one of an output), amber while its fault is active. */
+/**
+ * The round badge of a channel (or square one of an output), amber while its fault is active.
+ * @param {[letters: string, index: string]} sign
+ * @param {{square?: boolean, lit?: boolean}} [look]
+ */
 export function badge([letters, whole], {square = false, lit = false} = {}) {
   const index = whole.slice(0, 2);
   const long = letters.length + index.length > 2;
@@ -35,10 +54,18 @@ export function badge([letters, whole], {square = false, lit = false} = {}) {
   );
 }
 
-/** The colour of an observer. */
+/**
+ * The colour of an observer.
+ * @param {string} colour
+ */
 export const chip = (colour) => h('span', {class: 'chip', style: `--c:${colour}`});
 
-/** A number with so many decimals that numbers of its scale have four digits: it keeps its width while it changes. */
+/**
+ * A number with so many decimals that numbers of its scale have four digits: it keeps its width while it changes.
+ * @param {number} value
+ * @param {number} [scale]
+ * @param {number} [digits]
+ */
 export function steady(value, scale = value, digits = 4) {
   if (!Number.isFinite(value)) return '–';
   if (value === 0 && scale === 0) return '0';
@@ -48,13 +75,23 @@ export function steady(value, scale = value, digits = 4) {
   return value.toFixed(decimals).replace('-', '−');
 }
 
-/** A time in s, with as many decimals as a session of this length wants. */
+/**
+ * A time in s, with as many decimals as a session of this length wants.
+ * @param {number} t
+ * @param {number} [horizon]
+ */
 export const seconds = (t, horizon = 100) => `${t.toFixed(horizon >= 1000 ? 0 : horizon >= 20 ? 1 : 2)}\u202fs`;
 
-/** How long something took: 0.4 s, 12 s. */
+/**
+ * How long something took: 0.4 s, 12 s.
+ * @param {number} time
+ */
 export const took = (time) => `${time < 10 ? time.toFixed(time < 1 ? 2 : 1) : time.toFixed(0)}\u202fs`;
 
-/** A number as one types it, in few characters. */
+/**
+ * A number as one types it, in few characters.
+ * @param {number} value
+ */
 const typed = (value) =>
   value !== 0 && Math.abs(value) < 1e-3
     ? value.toExponential(2).replace(/\.?0*e/, 'e')
@@ -77,6 +114,7 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
   let present = value;
   let typing = false;
   let waiting = null; // what came from elsewhere while one typed
+  /** @param {number} next */
   const show = (next) => {
     [present, typing, waiting] = [next, false, null];
     range.value = position(scale, next);
@@ -84,6 +122,7 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
     field.value = typed(next);
     field.removeAttribute('aria-invalid');
   };
+  /** @param {boolean} done */
   const slide = (done) => {
     show(valueAt(scale, Number(range.value)));
     change(present, done);
@@ -111,11 +150,15 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
     get value() {
       return present;
     },
-    /** Show what a command has set, wherever it came from; it does not take what one is typing or dragging from under the hand. */
+    /**
+     * Show what a command has set, wherever it came from; it does not take what one is typing or dragging from under the hand.
+     * @param {number} next
+     */
     follow(next) {
       if (typing || range.matches(':active')) waiting = next;
       else show(next);
     },
+    /** @param {boolean} off */
     disable(off) {
       range.disabled = off;
       field.disabled = off;
@@ -151,7 +194,11 @@ export function throttled(send, pause = 200) {
   };
 }
 
-/** A refusal in place: the problem and the remedy. */
+/**
+ * A refusal in place: the problem and the remedy.
+ * @param {HTMLElement} element
+ * @param {Failure | null} error
+ */
 export function refusal(element, error) {
   if (!error) return fill(element);
   const {problem, remedy} = refusalWords(error);

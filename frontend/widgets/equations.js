@@ -6,6 +6,10 @@ import {focusWhenScrolling} from '../common/scroll-focus.js';
 import {chip} from './controls.js';
 import {named, t} from '../i18n/words.js';
 
+/** @import {Plant} from '../pages/types.js' */
+/** @import {App, ObserverState} from '../live/types.js' */
+/** @import * as service from '../types/service.js' */
+
 const ALLOWED = new Set([
   'math',
   'mrow',
@@ -38,12 +42,16 @@ const KEPT = new Set([
   'mathvariant',
 ]);
 
-/** MathML text as elements; only elements and attributes of mathematics are taken over. */
+/**
+ * MathML text as elements; only elements and attributes of mathematics are taken over.
+ * @param {string} text
+ */
 export function mathml(text) {
   const source = new DOMParser().parseFromString(text, 'application/xml').documentElement;
   return copy(source);
 }
 
+/** @param {Node} node @returns {Element | Text} */
 function copy(node) {
   if (node.nodeType === Node.TEXT_NODE) return document.createTextNode(node.data);
   if (node.nodeType !== Node.ELEMENT_NODE || !ALLOWED.has(node.localName)) return document.createTextNode('');
@@ -53,6 +61,7 @@ function copy(node) {
   return made;
 }
 
+/** @param {HTMLElement} body @param {App} app */
 export async function showEquations(body, app) {
   const {plant, observers} = app.state;
   fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
@@ -68,7 +77,9 @@ export async function showEquations(body, app) {
   }
 }
 
+/** @param {service.PlantEquations} answer @param {Plant} plant */
 function plantPart(answer, plant) {
+  /** @param {service.EquationLine[]} items */
   const lines = (items) =>
     focusWhenScrolling(
       h(
@@ -108,6 +119,7 @@ function plantPart(answer, plant) {
   );
 }
 
+/** @param {ObserverState} observer @param {service.ObserverEquations} answer */
 function observerPart(observer, answer) {
   return h(
     'section',

@@ -4,6 +4,8 @@
 import {h} from '../common/dom.js';
 import {t} from '../i18n/words.js';
 
+/** @import {App} from '../live/types.js' */
+
 const LOST = 80; // px of room that may stay empty below the last whole line; a taller one is cut after all
 
 const kept = new Set();
@@ -19,6 +21,9 @@ addEventListener('resize', soon);
 
 /**
  * Keep a scrolling list whole. `lines()` are its lines from above; what it returns says how many are out of sight below, and goes into the card.
+ * @param {HTMLElement} list
+ * @param {() => Element[]} lines
+ * @param {App} app
  * @returns {HTMLButtonElement}
  */
 export function wholeLines(list, lines, app) {
@@ -38,11 +43,18 @@ export function wholeLines(list, lines, app) {
   return more;
 }
 
-/** Numbers that change within a line change no line. */
+/**
+ * Numbers that change within a line change no line.
+ * @param {MutationRecord} change
+ */
 const matters = ({type, addedNodes, removedNodes}) =>
   type === 'attributes' || [...addedNodes, ...removedNodes].some((node) => node.nodeType === Node.ELEMENT_NODE);
 
-/** Where a line ends, from the top of what is seen. */
+/**
+ * Where a line ends, from the top of what is seen.
+ * @param {Element} line
+ * @param {HTMLElement} list
+ */
 const bottom = (line, list) => line.getBoundingClientRect().bottom - list.getBoundingClientRect().top;
 
 function fitAll() {
@@ -62,7 +74,10 @@ function fitAll() {
   }
 }
 
-/** The line with the focus, if it is seen whole. */
+/**
+ * The line with the focus, if it is seen whole.
+ * @param {Kept} kept
+ */
 function inUse({list, lines}) {
   const line = list.contains(document.activeElement)
     ? lines().find((each) => each.contains(document.activeElement))
@@ -70,15 +85,20 @@ function inUse({list, lines}) {
   return line && bottom(line, list) <= list.clientHeight + 1 ? line : null;
 }
 
+/** @param {HTMLElement} list */
 const grows = (list) => getComputedStyle(list.closest('.card') ?? list).flexGrow !== '0';
 
+/** @param {Kept} one */
 function refit(one) {
   cap(one.list, null);
   const end = lastWhole(one);
   if (end) cap(one.list, end);
 }
 
-/** How high the lines are that fit whole; null where all fit, or where too much would stay empty. */
+/**
+ * How high the lines are that fit whole; null where all fit, or where too much would stay empty.
+ * @param {Kept} kept
+ */
 function lastWhole({list, lines}) {
   const room = list.clientHeight;
   if (list.scrollHeight <= room + 1) return null;
@@ -91,13 +111,18 @@ function lastWhole({list, lines}) {
   return end > 0 && room - end < LOST ? Math.ceil(end) : null;
 }
 
-/** A list that has given way already gives way no further. */
+/**
+ * A list that has given way already gives way no further.
+ * @param {HTMLElement} list
+ * @param {number | null} height
+ */
 function cap(list, height) {
   list.style.maxHeight = height === null ? '' : `${height}px`;
   const card = list.closest('.card');
   if (card && !card.matches('.desk .card')) card.style.flexShrink = height === null ? '' : 0;
 }
 
+/** @param {Kept} kept */
 function count({list, lines, more}) {
   const below = lines().filter((line) => bottom(line, list) > list.clientHeight + 2).length;
   more.hidden = below === 0;

@@ -11,11 +11,14 @@ import {untold} from '../../diagnosis/fault-size.js';
 import {createSure} from '../../diagnosis/confidence.js';
 import {asSentence, t} from '../../i18n/words.js';
 
+/** @import {App, State} from '../types.js' */
+
 const TITLES = {
   detectability: () => t('page.diagnosis.detectability'),
   certainty: () => t('page.diagnosis.certainty'),
 };
 
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
   const list = h('div', {class: 'scroll', role: 'region', tabindex: 0});
@@ -25,10 +28,7 @@ export function mount(element, app) {
   let links = {};
   const build = () => {
     links = Object.fromEntries(
-      Object.keys(folds).map((name) => [
-        name,
-        link(TITLES[name](), () => open(name), {'aria-expanded': 'false'}),
-      ]),
+      Object.keys(folds).map((name) => [name, link(TITLES[name](), () => open(name), {'aria-expanded': 'false'})]),
     );
     list.setAttribute('aria-label', t('page.diagnosis.findings'));
     fill(
@@ -42,7 +42,10 @@ export function mount(element, app) {
     open(null);
     update();
   };
-  /** One fold at a time; beside the scope it lies over the column, from the findings on down, so that nothing moves. */
+  /**
+   * One fold at a time; beside the scope it lies over the column, from the findings on down, so that nothing moves.
+   * @param {string | null} name
+   */
   const open = (name) => {
     for (const [one, {element: fold, show}] of Object.entries(folds)) {
       fold.hidden = one !== name || !fold.hidden;
@@ -127,10 +130,16 @@ export function mount(element, app) {
   );
 }
 
-/** Whether it is too soon to judge: the sentence changes when that is over. */
+/**
+ * Whether it is too soon to judge: the sentence changes when that is over.
+ * @param {State} state
+ */
 const early = ({t, diagnosis}) => (diagnosis?.calibration?.from_time ?? 0) > t;
 
-/** The faults that cannot be distinguished now, not even of typical size; '' where all can. */
+/**
+ * The faults that cannot be distinguished now, not even of typical size; '' where all can.
+ * @param {State} state
+ */
 function weakness(state) {
   const lost = untold(state);
   const {excitation} = state.diagnosis ?? {};

@@ -7,6 +7,9 @@ import {icon} from '../../widgets/svg.js';
 import {lines} from '../ui/event-words.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {App} from '../types.js' */
+
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
   let signs = {}; // gains as their cards write them
@@ -22,10 +25,12 @@ export function mount(element, app) {
     const found = lines(app.state.log, app.state.plant, signs);
     fill(list, found.length ? found.map(kept) : h('li', {class: 'soft'}, t('page.log.empty')));
   };
+  /** @param {Line} one */
   const kept = (one) => {
     if (!made.has(one.event)) made.set(one.event, line(one));
     return made.get(one.event);
   };
+  /** @param {Line} entry */
   const line = ({t: at, words, alarm, own}) =>
     h(
       'li',
@@ -48,6 +53,7 @@ export function mount(element, app) {
         icon('back', 13),
       ),
     );
+  /** @param {number} at */
   const look = (at) => {
     const span = app.state.window ?? 30;
     app.act.select(Math.max(0, at - span / 5), Math.max(0, at - span / 5) + span);

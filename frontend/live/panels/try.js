@@ -8,9 +8,13 @@ import {heading, seconds} from '../../widgets/controls.js';
 import {icon} from '../../widgets/svg.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {App, Command, Language} from '../types.js' */
+/** @import * as service from '../../types/service.js' */
+
 const SAME = 1e-6; // s
 const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;
 
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const lessons = new Map();
   let shown = [];
@@ -37,6 +41,7 @@ export function mount(element, app) {
     );
     fill(element, heading(t('page.try.title')), list, more);
   };
+  /** @param {service.LessonQuestion} entry @param {Language} language */
   const question = ({question: words, do: commands}, language) =>
     h(
       'li',
@@ -56,6 +61,7 @@ export function mount(element, app) {
         ),
       h('p', {class: 'coming', role: 'status'}),
     );
+  /** @param {Command[]} commands */
   const carryOut = async (commands) => {
     try {
       await app.act.together(commands);
@@ -96,7 +102,10 @@ export function mount(element, app) {
   app.subscribe((state) => [state.faults, state.log.length], wait);
 }
 
-/** Words with their symbols in italics. */
+/**
+ * Words with their symbols in italics.
+ * @param {string} words
+ */
 function set(words) {
   const parts = [];
   let at = 0;

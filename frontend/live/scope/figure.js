@@ -5,8 +5,11 @@ import {figureOf, image, show} from './plotly-figure.js';
 import {wanted} from './axis-view.js';
 import {named, t} from '../../i18n/words.js';
 
+/** @import {App, Strip} from '../types.js' */
+
 const STRIP = 230; // px of height for each strip in a picture of all
 
+/** @param {App} app @param {string | null} name */
 function shown(app, name) {
   const all = app.strips();
   return name === null || name === undefined
@@ -14,6 +17,11 @@ function shown(app, name) {
     : all.filter((strip) => strip.name === name);
 }
 
+/**
+ * @param {App} app
+ * @param {Strip[]} strips
+ * @param {{span?: [number, number], whole?: boolean}} [options]
+ */
 function make(app, strips, {span = app.span(), whole = false} = {}) {
   const {state, samples} = app;
   const inSight = strips.map((strip) => ({
@@ -32,13 +40,22 @@ function make(app, strips, {span = app.span(), whole = false} = {}) {
   });
 }
 
-/** What the strip's own axis shows at present. */
+/**
+ * What the strip's own axis shows at present.
+ * @param {App} app
+ * @param {string} name
+ * @returns {[number, number] | null}
+ */
 function rangeOf(app, name) {
   const range = app.scope.rows.get(name)?.range;
   return range && Number.isFinite(range.low) ? [range.low, range.high] : null;
 }
 
-/** A picture as a Blob: {strip: name or null for all that are shown, format: 'png' or 'svg'}. */
+/**
+ * A picture as a Blob: {strip: name or null for all that are shown, format: 'png' or 'svg'}.
+ * @param {App} app
+ * @param {{strip?: string | null, format?: 'png' | 'svg'}} [what]
+ */
 export function picture(app, {strip = null, format = 'png'} = {}) {
   const strips = shown(app, strip);
   return image(make(app, strips), {
@@ -48,16 +65,22 @@ export function picture(app, {strip = null, format = 'png'} = {}) {
   });
 }
 
-/** Open a strip as a figure over the page. */
+/**
+ * Open a strip as a figure over the page.
+ * @param {App} app
+ * @param {string} name
+ */
 export async function openFigure(app, name) {
   const [strip] = shown(app, name);
   if (!strip) return;
   const plot = h('div', {class: 'plot'}, h('p', {class: 'soft'}, t('page.scope.drawing')));
+  /** @param {'png' | 'svg'} format */
   const keep = async (format) => {
     const address = URL.createObjectURL(await picture(app, {strip: name, format}));
     h('a', {href: address, download: `${app.state.spec.id}-${strip.name.replaceAll('.', '-')}.${format}`}).click();
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   };
+  /** @param {string} words @param {() => void} act */
   const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
   const dialog = h(
     'dialog',

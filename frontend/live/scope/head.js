@@ -7,6 +7,14 @@ import {link} from '../../widgets/controls.js';
 import {kept} from '../net/session.js';
 import {named, t} from '../../i18n/words.js';
 
+/** @import {Child, Properties} from '../../types/dom.js' */
+/** @import {App, ObserverState, Scope, Strip} from '../types.js' */
+
+/**
+ * @param {HTMLElement} root
+ * @param {App} app
+ * @param {Scope} scope
+ */
 export function mountHead(root, app, scope) {
   const legend = h('ul', {class: 'legend'});
   const zoom = h('span', {class: 'zoom-state', hidden: true});
@@ -77,7 +85,10 @@ export function mountHead(root, app, scope) {
   });
 }
 
-/** A projector's legend stands on one line: where there is no room, marks that mean the same everywhere go, the plainest first. Else it is set closer, and wraps. */
+/**
+ * A projector's legend stands on one line: where there is no room, marks that mean the same everywhere go, the plainest first. Else it is set closer, and wraps.
+ * @param {HTMLElement} legend
+ */
 function fitLegend(legend) {
   const plain = [...legend.children]
     .filter((item) => !item.classList.contains('own'))
@@ -95,11 +106,18 @@ function fitLegend(legend) {
   }
 }
 
+/** @param {App} app @param {Scope} scope */
 function legendOf(app, scope) {
   const {state} = app;
   const forked = kept.forkOf(state.session);
+  /**
+   * @param {HTMLElement} mark
+   * @param {Child} words
+   * @param {Properties} [extra]
+   */
   const item = (mark, words, extra = {}) =>
     h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
+  /** @param {string} name @param {string | null} [style] */
   const key = (name, style = null) => h('span', {class: `key ${name}`, style, 'aria-hidden': 'true'});
   const banded = state.observers.filter(({label}) =>
     state.columns.some((column) => column.startsWith(`${label}.sigma.`)),
@@ -131,7 +149,14 @@ function legendOf(app, scope) {
   ];
 }
 
-/** An observer's name; where several have a band, a button that leaves only its own. */
+/**
+ * An observer's name; where several have a band, a button that leaves only its own.
+ * @param {ObserverState} observer
+ * @param {ObserverState[]} banded
+ * @param {App} app
+ * @param {Scope} scope
+ * @param {HTMLElement} mark
+ */
 function nameOf({label}, banded, app, scope, mark) {
   const {band} = app.state;
   if (banded.length < 2 || !banded.some((one) => one.label === label))
@@ -162,7 +187,12 @@ function nameOf({label}, banded, app, scope, mark) {
   );
 }
 
-/** Whose bands are drawn: of all of them the colours, of the chosen one its name, and the way back to all. */
+/**
+ * Whose bands are drawn: of all of them the colours, of the chosen one its name, and the way back to all.
+ * @param {ObserverState[]} banded
+ * @param {App} app
+ * @param {(name: string, style?: string | null) => HTMLElement} key
+ */
 function bandOf(banded, app, key) {
   const {band} = app.state;
   const chosen = banded.length > 1 ? banded.find(({label}) => label === band) : null;
@@ -197,8 +227,10 @@ const GROUPS = [
   ['excitation', 'other'],
 ];
 
+/** @param {HTMLElement} menu @param {App} app */
 function fillMenu(menu, app) {
   const all = app.strips();
+  /** @param {Strip} strip */
   const box = (strip) =>
     h(
       'label',

@@ -7,12 +7,20 @@ import {fixed} from '../../widgets/number-format.js';
 import {moment} from './values.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {App, Samples} from '../types.js' */
+/** @import {Plant} from '../../pages/types.js' */
+
 const SHOWN = 240; // rows of the loop
 const BACKLASH = /^\s*backlash\(\s*(\w+)\s*,.*,\s*([\w.]+)\s*,\s*([\w.]+)\s*\)\s*$/;
 
-/** The backlash operators of a plant: {input, operators: [{name, memory, right, left}]}, or null without any. */
+/**
+ * The backlash operators of a plant: {input, operators: [{name, memory, right, left}]}, or null without any.
+ * @param {Plant | null} plant
+ * @returns {Hysteresis | null}
+ */
 export function operatorsOf(plant) {
   const values = Object.fromEntries((plant?.parameters ?? []).map(({name, value}) => [name, value]));
+  /** @param {string} text */
   const amount = (text) => (text in values ? values[text] : Number(text));
   const operators = [];
   let input = null;
@@ -26,6 +34,7 @@ export function operatorsOf(plant) {
   return operators.length ? {input, operators} : null;
 }
 
+/** @param {HTMLElement} root @param {App} app */
 export function mountHysteresis(root, app) {
   const loop = h('canvas', {role: 'img'});
   const slots = h('canvas', {role: 'img'});
@@ -88,6 +97,7 @@ export function mountHysteresis(root, app) {
   });
 }
 
+/** @param {Picture} picture */
 function measure(picture) {
   const ratio = Math.min(3, devicePixelRatio || 1);
   for (const [canvas, ctx] of [
@@ -102,10 +112,14 @@ function measure(picture) {
   picture.app.wake();
 }
 
-/** Zone of each operator in words: how many rise, fall, remember. */
+/**
+ * Zone of each operator in words: how many rise, fall, remember.
+ * @param {Picture} picture
+ */
 function zoneWords({app, found, observer}) {
   if (!observer) return '';
   const zones = found.operators.map((_, i) => app.latest(`${observer.label}.zone.${i + 1}`));
+  /** @param {number} zone */
   const count = (zone) => zones.filter((one) => one === zone).length;
   return [
     [1, t('page.hysteresis.zone.rising')],
@@ -116,6 +130,7 @@ function zoneWords({app, found, observer}) {
     .join(' · ');
 }
 
+/** @param {Picture} picture @param {number} now */
 function draw(picture, now) {
   const {app, found} = picture;
   if (!found || picture.loop.clientWidth === 0) return false;
@@ -137,7 +152,13 @@ function draw(picture, now) {
   return Boolean(moving);
 }
 
-/** The plant's own loop. An operator's output of a row is what its memory holds in the next one. */
+/**
+ * The plant's own loop. An operator's output of a row is what its memory holds in the next one.
+ * @param {Samples} samples
+ * @param {Hysteresis} hysteresis
+ * @param {number} end
+ * @returns {Points}
+ */
 function trueLoop(samples, {input, operators}, end) {
   const x = [];
   const y = [];
@@ -148,6 +169,13 @@ function trueLoop(samples, {input, operators}, end) {
   return {x, y};
 }
 
+/**
+ * @param {Samples} samples
+ * @param {Hysteresis} hysteresis
+ * @param {string} label
+ * @param {number} end
+ * @returns {Points}
+ */
 function estimated(samples, {input}, label, end) {
   const x = [];
   const y = [];
@@ -158,17 +186,30 @@ function estimated(samples, {input}, label, end) {
   return {x, y};
 }
 
+/**
+ * @param {Picture} picture
+ * @param {Points} true_
+ * @param {Points | null} own
+ */
 function drawLoop(picture, true_, own) {
   const {ctx, loop, x, y, colours, observer} = picture;
   const left = 40 * colours.size;
   const area = {left, w: loop.clientWidth - left - 1, h: loop.clientHeight - 15 * colours.size};
+  /** @param {number} value */
   const px = (value) => left + ((value - x.low) / (x.high - x.low)) * area.w;
+  /** @param {number} value */
   const py = (value) => area.h - ((value - y.low) / (y.high - y.low)) * area.h;
   drawAxes(picture, area, px, py);
   ctx.save();
   ctx.beginPath();
   ctx.rect(left, 0, area.w, area.h);
   ctx.clip();
+  /**
+   * @param {Points} points
+   * @param {string} colour
+   * @param {number[]} dash
+   * @param {number} wide
+   */
   const curve = (points, colour, dash, wide) => {
     ctx.beginPath();
     points.x.forEach((value, i) => ctx.lineTo(px(value), py(points.y[i])));
@@ -184,7 +225,14 @@ function drawLoop(picture, true_, own) {
   ctx.restore();
 }
 
+/**
+ * @param {Picture} picture
+ * @param {{left: number, w: number, h: number}} area
+ * @param {(value: number) => number} px
+ * @param {(value: number) => number} py
+ */
 function drawAxes({ctx, loop, x, y, colours}, area, px, py) {
+  /** @param {number} value @param {number} step */
   const mark = (value, step) => (value === 0 ? '0' : fixed(value, Math.max(0, Math.ceil(-Math.log10(step)))));
   ctx.clearRect(0, 0, loop.clientWidth, loop.clientHeight);
   Object.assign(ctx, {
@@ -214,7 +262,11 @@ function drawAxes({ctx, loop, x, y, colours}, area, px, py) {
   ctx.strokeRect(area.left + 0.5, 0.5, area.w - 1, area.h - 1);
 }
 
-/** Each operator as a slot of its width around its output; the dot is the input. Where it pushes a wall, the operator follows. */
+/**
+ * Each operator as a slot of its width around its output; the dot is the input. Where it pushes a wall, the operator follows.
+ * @param {Picture} picture
+ * @param {number} end
+ */
 function drawSlots({app, slotCtx: ctx, slots, found, colours, observer, x: range}, end) {
   const width = slots.clientWidth;
   const height = slots.clientHeight;
@@ -224,6 +276,7 @@ function drawSlots({app, slotCtx: ctx, slots, found, colours, observer, x: range
   const widest = Math.max(...operators.map(({right, left}) => Math.max(right, left)));
   const most = Math.max(widest, Math.abs(range.low), Math.abs(range.high)) * 1.08 + widest * 0.2;
   const name = 52 * colours.size;
+  /** @param {number} value */
   const px = (value) => name + ((value + most) / (2 * most)) * (width - name - 4);
   const pitch = height / operators.length;
   const x = samples.value(`x.${input}`, end - 1);
@@ -249,6 +302,14 @@ function drawSlots({app, slotCtx: ctx, slots, found, colours, observer, x: range
   });
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x
+ * @param {number} y
+ * @param {number} tall
+ * @param {string} colour
+ * @param {boolean} pushed
+ */
 function wall(ctx, x, y, tall, colour, pushed) {
   ctx.strokeStyle = colour;
   ctx.lineWidth = pushed ? 3 : 1.2;
@@ -256,6 +317,13 @@ function wall(ctx, x, y, tall, colour, pushed) {
   ctx.lineWidth = 1;
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x
+ * @param {number} y
+ * @param {number} radius
+ * @param {string} colour
+ */
 function dot(ctx, x, y, radius, colour) {
   ctx.fillStyle = colour;
   ctx.beginPath();
@@ -263,6 +331,13 @@ function dot(ctx, x, y, radius, colour) {
   ctx.fill();
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x0
+ * @param {number} y0
+ * @param {number} x1
+ * @param {number} y1
+ */
 function straight(ctx, x0, y0, x1, y1) {
   ctx.beginPath();
   ctx.moveTo(x0, y0);

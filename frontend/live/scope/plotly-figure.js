@@ -5,6 +5,9 @@ import {plain, symbolic} from '../../common/names.js';
 import {palette} from './canvas.js';
 import {named, t} from '../../i18n/words.js';
 
+/** @import {PlotlyFigure} from '../../types/globals.js' */
+/** @import {Alarm, FaultState, Palette, Samples} from '../types.js' */
+
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
 const OPTIONS = {
   displaylogo: false,
@@ -35,7 +38,14 @@ export function load() {
   return library;
 }
 
-/** A column between two times as {x, y}: all its rows, or the minimum and maximum of each bin. */
+/**
+ * A column between two times as {x, y}: all its rows, or the minimum and maximum of each bin.
+ * @param {Samples} samples
+ * @param {string} name
+ * @param {number} t0
+ * @param {number} t1
+ * @returns {{x: number[], y: (number | null)[]}}
+ */
 export function points(samples, name, t0, t1) {
   const first = Math.max(0, Math.floor(t0 / samples.record));
   const last = Math.min(samples.rows, Math.ceil(t1 / samples.record) + 1);
@@ -57,7 +67,11 @@ export function points(samples, name, t0, t1) {
   return {x, y};
 }
 
-/** Strips between two times as a Plotly figure, one above the other on one time axis. */
+/**
+ * Strips between two times as a Plotly figure, one above the other on one time axis.
+ * @param {FigureOptions} options
+ * @returns {PlotlyFigure}
+ */
 export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}) {
   const colours = palette();
   const figure = {
@@ -100,8 +114,14 @@ export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}
   return figure;
 }
 
-/** What the marks of a figure mean, as entries of its legend: curves without points. */
+/**
+ * What the marks of a figure mean, as entries of its legend: curves without points.
+ * @param {Marks} marks
+ * @param {FigureStrip[]} strips
+ * @param {Palette} colours
+ */
 function keysOf({layout}, strips, colours) {
+  /** @param {string} name @param {object} look */
   const entry = (name, look) => ({
     type: 'scatter',
     mode: 'markers',
@@ -122,8 +142,17 @@ function keysOf({layout}, strips, colours) {
   ].filter(Boolean);
 }
 
-/** Alarms on the strip that they name, as flags at its upper edge. */
+/**
+ * Alarms on the strip that they name, as flags at its upper edge.
+ * @param {FigureStrip} strip
+ * @param {string} axis
+ * @param {Alarm[]} alarms
+ * @param {number} t0
+ * @param {number} t1
+ * @param {Palette} colours
+ */
 function flagsOf(strip, axis, alarms, t0, t1, colours) {
+  /** @param {Alarm} alarm */
   const names = ({explained, subject, subjects}) =>
     strip.kind === 'theta'
       ? subjects.includes(strip.subject)
@@ -143,6 +172,7 @@ function flagsOf(strip, axis, alarms, t0, t1, colours) {
     }));
 }
 
+/** @param {{colours: Palette, title: string | null, t0: number, t1: number, axis: string}} options */
 function layoutOf({colours, title, t0, t1, axis}) {
   return {
     paper_bgcolor: colours.card,
@@ -175,7 +205,12 @@ function layoutOf({colours, title, t0, t1, axis}) {
   };
 }
 
-/** Bands, estimates and truth of a strip; a name stands in the legend once. */
+/**
+ * Bands, estimates and truth of a strip; a name stands in the legend once.
+ * @param {FigureStrip} strip
+ * @param {string} axis
+ * @param {Pick<FigureOptions, 'samples' | 't0' | 't1' | 'bands'> & {colours: Palette, listed: Set<string>}} options
+ */
 function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
   const base = {type: 'scatter', mode: 'lines', xaxis: 'x', yaxis: axis};
   const edge = {...base, line: {width: 0}, hoverinfo: 'skip', showlegend: false};
@@ -197,6 +232,11 @@ function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
       },
     ];
   });
+  /**
+   * @param {string} column
+   * @param {string} name
+   * @param {object} line
+   */
   const curve = (column, name, line) => {
     const showlegend = !listed.has(name);
     listed.add(name);
@@ -211,7 +251,15 @@ function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
   ];
 }
 
-/** The times at which a fault acts, as areas behind the curves. */
+/**
+ * The times at which a fault acts, as areas behind the curves.
+ * @param {FigureStrip} strip
+ * @param {string} axis
+ * @param {FaultState[]} faults
+ * @param {number} t0
+ * @param {number} t1
+ * @param {number} now
+ */
 function tintsOf(strip, axis, faults, t0, t1, now) {
   return faults
     .filter(({subject, onset}) => subject === strip.subject && onset <= t1)
@@ -229,9 +277,13 @@ function tintsOf(strip, axis, faults, t0, t1, now) {
     }));
 }
 
-/** Text that Plotly is not to read as its own markup. */
+/**
+ * Text that Plotly is not to read as its own markup.
+ * @param {string} words
+ */
 const escaped = (words) => words.replaceAll('&', '&amp;').replaceAll('<', '&lt;').replaceAll('>', '&gt;');
 
+/** @param {FigureStrip} strip */
 function nameOf(strip) {
   const name = symbolic(strip.symbol) ? plain(strip.symbol) : named(strip.title) || plain(strip.symbol);
   const words =
@@ -239,14 +291,22 @@ function nameOf(strip) {
   return escaped(words + (strip.unit ? ` / ${strip.unit}` : ''));
 }
 
-/** Draw a figure into an element. */
+/**
+ * Draw a figure into an element.
+ * @param {HTMLElement} element
+ * @param {PlotlyFigure} figure
+ */
 export async function show(element, figure) {
   const Plotly = await load();
   await Plotly.newPlot(element, figure.data, figure.layout, OPTIONS);
   return Plotly;
 }
 
-/** A figure as a Blob: format 'png' or 'svg'. */
+/**
+ * A figure as a Blob: format 'png' or 'svg'.
+ * @param {PlotlyFigure} figure
+ * @param {{format: 'png' | 'svg', width: number, height: number}} options
+ */
 export async function image(figure, {format, width, height}) {
   const Plotly = await load();
   const address = await Plotly.toImage(figure, {

@@ -13,10 +13,14 @@ import {leaving, setTicks, wanted} from './axis-view.js';
 import {stripsOf} from '../state/strips.js';
 import {named, say, t} from '../../i18n/words.js';
 
+/** @import {Plant} from '../../pages/types.js' */
+/** @import {App, Row, Strip} from '../types.js' */
+
 const AIM = 300; // ms between looks at what the axes should show
 const GUTTER = 52; // px for the marks of the vertical axis
 const LINE = 14.3; // px of one number beside a strip
 
+/** @param {HTMLElement} root @param {App} app */
 export function mountScope(root, app) {
   const scope = new Scope(root, app);
   app.subscribe(
@@ -71,6 +75,7 @@ export function mountScope(root, app) {
 }
 
 export class Scope {
+  /** @param {HTMLElement} root @param {App} app */
   constructor(root, app) {
     Object.assign(this, {app, rows: new Map(), strips: [], colours: palette(), aimed: 0, atOnce: true, still: ''});
     this.head = h('div', {class: 'scope-head'});
@@ -109,6 +114,7 @@ export class Scope {
     this.app.wake();
   }
 
+  /** @param {Row} row */
   label(row) {
     const {strip} = row;
     const words =
@@ -212,6 +218,7 @@ export class Scope {
     return [t1 - length, t1];
   }
 
+  /** @param {number} now */
   draw(now) {
     const {app} = this;
     const {state, samples, ghost} = app;
@@ -247,7 +254,10 @@ export class Scope {
     return moving || gliding;
   }
 
-  /** Only this observer's band is drawn while its name is pointed at. */
+  /**
+   * Only this observer's band is drawn while its name is pointed at.
+   * @param {string | null} label
+   */
   point(label) {
     this.pointed = label;
     this.still = '';
@@ -257,12 +267,18 @@ export class Scope {
   /** Whose bands are drawn: the one that is pointed at or was chosen, else all. */
   bands() {
     const {observers, band} = this.app.state;
+    /** @param {string} label */
     const known = (label) => observers.some((one) => one.label === label);
     const chosen = [this.pointed, band].find(known);
     return new Set(chosen ? [chosen] : observers.map(({label}) => label));
   }
 
-  /** Let every axis see what it should; whether one is still gliding. */
+  /**
+   * Let every axis see what it should; whether one is still gliding.
+   * @param {number} now
+   * @param {number} t0
+   * @param {number} t1
+   */
   aim(now, t0, t1) {
     const shown = `${this.app.samples.version} ${t0} ${t1}`;
     const due = this.seen !== shown; // look once more after the last change, too
@@ -280,7 +296,13 @@ export class Scope {
     return gliding || due;
   }
 
-  /** What one axis should show, and which curves leave it. */
+  /**
+   * What one axis should show, and which curves leave it.
+   * @param {Row} row
+   * @param {number} t0
+   * @param {number} t1
+   * @param {number} now
+   */
   look(row, t0, t1, now) {
     const {strip, range} = row;
     const {samples} = this.app;
@@ -289,7 +311,11 @@ export class Scope {
     row.all.classList.toggle('needed', row.whole || strip.leaving.length > 0);
   }
 
-  /** Show all of a strip's curves, wherever they go, or again what its axis usually holds. */
+  /**
+   * Show all of a strip's curves, wherever they go, or again what its axis usually holds.
+   * @param {Row} row
+   * @param {boolean} [whole]
+   */
   showAll(row, whole = !row.whole) {
     row.whole = whole;
     row.range.show(...wanted(row.strip, this.app.samples, ...this.span(), whole), performance.now());
@@ -299,6 +325,7 @@ export class Scope {
     this.app.wake();
   }
 
+  /** @param {Row} row */
   labelAll({all, whole}) {
     const action = whole ? t('page.scope.usual-axis') : t('page.scope.whole-axis');
     all.title = action;
@@ -347,7 +374,11 @@ export class Scope {
   }
 }
 
-/** What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant. */
+/**
+ * What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant.
+ * @param {Strip} strip
+ * @param {Plant} plant
+ */
 function signOf({kind, symbol: name}, plant) {
   if (kind === 'excitation') return h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min'));
   if (kind === 'residual')
@@ -363,7 +394,12 @@ function signOf({kind, symbol: name}, plant) {
   return h('span', {class: 'math'}, h('i', {}, letters), index && h('sub', {}, index));
 }
 
-/** A small button of a strip. */
+/**
+ * A small button of a strip.
+ * @param {string} name
+ * @param {string} d
+ * @param {() => void} act
+ */
 const tool = (name, d, act) =>
   h(
     'button',
@@ -404,6 +440,12 @@ function createRow() {
   };
 }
 
+/**
+ * @param {Drawn} owner
+ * @param {HTMLCanvasElement} canvas
+ * @param {number} ratio
+ * @param {number} gutter
+ */
 function fit(owner, canvas, ratio, gutter) {
   const width = canvas.clientWidth;
   const height = canvas.clientHeight;

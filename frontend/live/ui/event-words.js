@@ -5,11 +5,19 @@ import {called, plain} from '../../common/names.js';
 import {amount} from '../../diagnosis/fault-size.js';
 import {say, t} from '../../i18n/words.js';
 
+/** @import {Plant} from '../../pages/types.js' */
+/** @import {Event} from '../types.js' */
+
 const DRAGGED = 5; // s between two values of one slider that are shown as one
 
 /**
  * Lines for the log, newest first by the time at which each event happened: an alarm, for example, is reported later than it was raised. A gain or a
  * noise level that was dragged is one line. `signs`: the symbols of the observers' gains.
+ * @param {Event[]} log
+ * @param {Plant | null} plant
+ * @param {Signs} [signs]
+ * @param {number} [most]
+ * @returns {Line[]}
  * @returns {{event: object, t: number, words: string, alarm: boolean, own: boolean}[]}
  */
 export function lines(log, plant, signs = {}, most = 200) {
@@ -35,7 +43,11 @@ export function lines(log, plant, signs = {}, most = 200) {
   return shown;
 }
 
-/** Whether a slider went on from a gain or a noise to the next. */
+/**
+ * Whether a slider went on from a gain or a noise to the next.
+ * @param {Event} event
+ * @param {Event | undefined} next
+ */
 const dragged = (event, next) =>
   (event.kind === 'gain' || event.kind === 'noise') &&
   next?.kind === event.kind &&
@@ -43,7 +55,11 @@ const dragged = (event, next) =>
   next.value?.gain === event.value?.gain &&
   next.t - event.t < DRAGGED;
 
-/** Whether an observer was removed and added again in one row: it was restarted. */
+/**
+ * Whether an observer was removed and added again in one row: it was restarted.
+ * @param {Event | undefined} removed
+ * @param {Event | undefined} added
+ */
 const restarted = (removed, added) =>
   removed?.kind === 'observer-removed' &&
   added?.kind === 'observer-added' &&
@@ -89,15 +105,25 @@ const WORDS = {
   reset: () => t('page.events.reset'),
 };
 
+/**
+ * @param {Event} event
+ * @param {Plant | null} plant
+ * @param {Signs} signs
+ */
 function words(event, plant, signs) {
   const name = event.subject && called(event.subject, plant);
   return WORDS[event.kind]?.({event, plant, signs, name}) ?? say(event.text);
 }
 
-/** The channel that an alarm names and those that explain the data equally well, or an output that no fault explains. */
+/**
+ * The channel that an alarm names and those that explain the data equally well, or an output that no fault explains.
+ * @param {Event} event
+ * @param {Plant | null} plant
+ */
 const alarmNames = ({subject, value}, plant) =>
   (value.kind === 'fault' ? [value.channel, ...value.alternatives] : [subject]).map((name) => called(name, plant));
 
+/** @param {Event} event @param {Plant | null} plant */
 function alarm(event, plant) {
   const {value} = event;
   const names = alarmNames(event, plant);
@@ -112,7 +138,11 @@ function alarm(event, plant) {
 /** The field that tells most about a fault of a shape; any but a size is shown with its name. */
 const MAIN = ['size', 'rate', 'intensity', 'value', 'std', 'probability', 'resolution', 'delay', 'values'];
 
-/** A fault that was injected: its shape, its main quantity, and when it starts if that is later. */
+/**
+ * A fault that was injected: its shape, its main quantity, and when it starts if that is later.
+ * @param {Event} event
+ * @param {string} name
+ */
 function injected({value, t: at}, name) {
   const shape = t(`page.fault.shape.${value.shape}`);
   const main = MAIN.find((one) => one in value);
@@ -125,6 +155,7 @@ function injected({value, t: at}, name) {
   return value.onset > 0 ? t('page.events.later', {event, t: (at + value.onset).toFixed(1)}) : event;
 }
 
+/** @param {unknown} value @returns {string} */
 function spelt(value) {
   if (Array.isArray(value)) return `(${value.map(spelt).join(', ')})`;
   return typeof value === 'number' ? number(value, 3) : (value ?? '');

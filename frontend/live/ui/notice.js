@@ -7,15 +7,20 @@ import {seconds as timed} from '../../widgets/controls.js';
 import {stand, isInHeader, watchRoom} from './free-place.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {App, State} from '../types.js' */
+
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
 const BEFORE = 0.2; // of the time at which a plant broke down: so much earlier one may go on from
 const PATIENCE = 700; // ms of a lost connection before it is worth a word
 
+/** @param {string} words @param {() => void} act */
 const button = (words, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, words);
 
+/** @param {HTMLElement} root @param {App} app */
 export function mountNotice(root, app) {
   let timer = 0;
+  /** @param {Notice} notice */
   const show = ({kind, words, buttons = []}) => {
     root.className = kind;
     root.hidden = false;
@@ -72,7 +77,10 @@ export function mountNotice(root, app) {
   );
 }
 
-/** The faults with which the plant diverged, one text each. */
+/**
+ * The faults with which the plant diverged, one text each.
+ * @param {State} state
+ */
 function under({plant, faults}) {
   const sensors = new Set(plant?.channels.filter(({kind}) => kind === 'sensor').map(({name}) => name));
   const acting = faults.filter(({active, onChannel, subject}) => active && onChannel && !sensors.has(subject));
@@ -82,7 +90,11 @@ function under({plant, faults}) {
   );
 }
 
-/** What stands in the way, with the ways on; null: nothing. */
+/**
+ * What stands in the way, with the ways on; null: nothing.
+ * @param {App} app
+ * @returns {Notice | null}
+ */
 function inTheWay(app) {
   const {state, act} = app;
   const anew = button(t('page.notice.new-session'), () => act.open(state.experiment));

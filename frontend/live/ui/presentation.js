@@ -4,14 +4,18 @@
 import {fill, h} from '../../common/dom.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {App} from '../types.js' */
+
 /** The tabs with their keys; behind each is the panel of that name. */
 export const TABS = {inject: 'I', observers: 'O', comparison: 'M', log: 'G', try: 'Y'};
 const ABOVE = ['diagnosis', 'plant'];
 const WIDE = '(min-width: 960px)'; // as in presentation.css: where the screen is narrower, panels stay in their places
 
 const names = Object.keys(TABS);
+/** @param {string} name */
 const panel = (name) => document.getElementById(`panel-${name}`);
 
+/** @param {HTMLElement} main @param {App} app */
 export function mountDesk(main, app) {
   const wide = matchMedia(WIDE);
   const homes = ['.left', '.right']
@@ -53,6 +57,7 @@ export function mountDesk(main, app) {
     });
     choose(app.state.desk);
   };
+  /** @param {string} chosen */
   const choose = (chosen) => {
     for (const [name, tab] of tabs) {
       tab.setAttribute('aria-selected', String(name === chosen));
@@ -76,6 +81,7 @@ export function mountDesk(main, app) {
   );
 }
 
+/** @param {HTMLElement} list @param {Tabs} tabs */
 function label(list, tabs) {
   list.setAttribute('aria-label', t('page.desk.label'));
   for (const [name, tab] of tabs) {
@@ -85,7 +91,11 @@ function label(list, tabs) {
   }
 }
 
-/** Make a place the panel of a tab, or (null) what it was. */
+/**
+ * Make a place the panel of a tab, or (null) what it was.
+ * @param {HTMLElement} element
+ * @param {string | null} tab
+ */
 function become(element, tab) {
   if (tab) {
     element.setAttribute('role', 'tabpanel');
@@ -93,7 +103,11 @@ function become(element, tab) {
   } else for (const name of ['role', 'aria-labelledby']) element.removeAttribute(name);
 }
 
-/** Move elements without losing the focus, nor where lists are scrolled to. */
+/**
+ * Move elements without losing the focus, nor where lists are scrolled to.
+ * @param {HTMLElement} main
+ * @param {() => void} move
+ */
 function keeping(main, move) {
   const focused = document.activeElement;
   const scrolled = [...main.querySelectorAll('.scroll')].map((one) => [one, one.scrollTop]);
@@ -102,7 +116,11 @@ function keeping(main, move) {
   if (main.contains(focused) && document.activeElement !== focused) focused.focus({preventScroll: true});
 }
 
-/** A panel that has nothing to show hides itself; its tab keeps its place and cannot be chosen. */
+/**
+ * A panel that has nothing to show hides itself; its tab keeps its place and cannot be chosen.
+ * @param {Tabs} tabs
+ * @param {App} app
+ */
 function watchEmpty(tabs, app) {
   const look = () => {
     for (const [name, tab] of tabs) tab.disabled = panel(name).hidden;
@@ -116,7 +134,12 @@ function watchEmpty(tabs, app) {
   );
 }
 
-/** Arrows, Home and End go from tab to tab. */
+/**
+ * Arrows, Home and End go from tab to tab.
+ * @param {KeyboardEvent} event
+ * @param {Tabs} tabs
+ * @param {App} app
+ */
 function walk(event, tabs, app) {
   const open = names.filter((name) => !tabs.get(name).disabled);
   const at = open.indexOf(app.state.desk);

@@ -9,9 +9,12 @@ import {lines} from './event-words.js';
 import {stand, watchRoom} from './free-place.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {App} from '../types.js' */
+
 const NEAR = 6; // px
 const CHANGES = new Set(['gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
 
+/** @param {HTMLElement} root @param {App} app */
 export function mountTimeline(root, app) {
   const canvas = h('canvas', {'aria-hidden': 'true'});
   const slider = h(
@@ -69,7 +72,10 @@ export function mountTimeline(root, app) {
   listen(timeline);
 }
 
-/** Where the rail ends: the horizon, or where time has come to and some room. */
+/**
+ * Where the rail ends: the horizon, or where time has come to and some room.
+ * @param {Pick<Timeline, 'app'>} timeline
+ */
 function reach({app}) {
   const {now} = app.samples;
   const horizon = app.state.spec?.horizon ?? 100;
@@ -78,6 +84,7 @@ function reach({app}) {
   return Math.ceil((now * 1.02) / step) * step;
 }
 
+/** @param {Timeline} timeline */
 function measure(timeline) {
   const {canvas, ctx} = timeline;
   const ratio = Math.min(3, devicePixelRatio || 1);
@@ -90,11 +97,13 @@ function measure(timeline) {
   timeline.app.wake();
 }
 
+/** @param {Timeline} timeline */
 function draw(timeline) {
   const {app, ctx, width, height, colours} = timeline;
   const {state} = app;
   const end = reach(timeline);
   const now = app.edge.t;
+  /** @param {number} t */
   const x = (t) => (t / end) * width;
   const shown = `${Math.round(x(now) * 2)} ${end} ${state.looking} ${state.selection}`;
   if (shown === timeline.still || width === 0) return false;
@@ -138,6 +147,11 @@ function drawFaults({app, ctx, colours}, x, now, end, top, body) {
   for (const fault of faults) {
     const y = top + 5 + subjects.indexOf(fault.subject) * pitch;
     const tall = Math.max(1.5, pitch * 0.6);
+    /**
+     * @param {number} from
+     * @param {number} to
+     * @param {number} alpha
+     */
     const bar = (from, to, alpha) => {
       if (to <= from) return;
       ctx.globalAlpha = alpha;
@@ -171,6 +185,12 @@ function drawEvents({app, ctx, colours}, x, top, body) {
   }
 }
 
+/**
+ * @param {CanvasRenderingContext2D} ctx
+ * @param {number} x
+ * @param {number} y
+ * @param {string} colour
+ */
 function cross(ctx, x, y, colour) {
   Object.assign(ctx, {strokeStyle: colour, lineWidth: 2});
   ctx.beginPath();
@@ -211,6 +231,7 @@ function offer(timeline, at) {
   place(timeline);
 }
 
+/** @param {Timeline} timeline */
 function place({app, choice, root}) {
   if (choice.hidden) return;
   stand(choice, {narrow: (on) => choice.classList.toggle('short', on)});
@@ -221,13 +242,16 @@ function place({app, choice, root}) {
   choice.style.left = `${Math.max(scope.left - left, Math.min((app.state.looking / reach({app})) * width - wide / 2, scope.right - left - wide))}px`;
 }
 
+/** @param {Timeline} timeline */
 function listen(timeline) {
   const {slider, app} = timeline;
+  /** @param {PointerEvent} event */
   const timeAt = (event) => {
     const box = slider.getBoundingClientRect();
     const t = Math.min(app.samples.now, Math.max(0, ((event.clientX - box.left) / box.width) * reach(timeline)));
     return Math.round(t / app.state.record) * app.state.record;
   };
+  /** @param {number} t */
   const go = (t) => app.act.look(t >= app.samples.now ? null : Math.max(0, t));
   slider.addEventListener('pointerdown', (event) => {
     if (event.button !== 0 || !app.state.record) return;
@@ -257,7 +281,11 @@ function listen(timeline) {
   });
 }
 
-/** What happened where the pointer is, as the log says it. */
+/**
+ * What happened where the pointer is, as the log says it.
+ * @param {Timeline} timeline
+ * @param {PointerEvent} event
+ */
 function near({app, slider, width, ...timeline}, event) {
   const {state} = app;
   const x = event.clientX - slider.getBoundingClientRect().left;
@@ -270,6 +298,7 @@ function near({app, slider, width, ...timeline}, event) {
     .join('\n');
 }
 
+/** @param {Timeline} timeline */
 function speak({app, slider}) {
   const t = app.state.looking ?? app.samples.now;
   slider.setAttribute('aria-valuenow', t.toFixed(1));

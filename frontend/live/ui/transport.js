@@ -4,6 +4,8 @@ import {fill, h} from '../../common/dom.js';
 import {seconds, SPEEDS, times} from '../../widgets/number-format.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {App} from '../types.js' */
+
 const ICONS = {
   start: ['M3.5 3v10M12.5 3.5v9L6 8z'],
   step: ['M3.5 3.5v9L10 8zM12.5 3v10'],
@@ -12,6 +14,7 @@ const ICONS = {
   pause: ['M5.500 3.500v9M10.500 3.500v9'],
 };
 
+/** @param {keyof typeof ICONS} name @param {number} [size] */
 const icon = (name, size = 14) => {
   const [d, filled] = ICONS[name];
   return h(
@@ -31,7 +34,9 @@ const icon = (name, size = 14) => {
   );
 };
 
+/** @param {HTMLElement} root @param {App} app */
 export function mountTransport(root, app) {
+  /** @param {keyof typeof ICONS} name @param {() => void} act */
   const button = (name, act) => h('button', {type: 'button', class: 'tb', 'data-act': name, onclick: act}, icon(name));
   const start = button('start', () => app.act.reset());
   const step = button('step', () => app.act.step(1));
@@ -69,11 +74,13 @@ export function mountTransport(root, app) {
   });
 }
 
+/** @param {HTMLElement} element @param {string} text */
 function name(element, text) {
   element.title = text;
   element.setAttribute('aria-label', text);
 }
 
+/** @param {HTMLSelectElement} select @param {number | null} speed */
 function showSpeeds(select, speed) {
   const all = SPEEDS.includes(speed) ? SPEEDS : [...SPEEDS.slice(0, -1), speed].sort((a, b) => a - b).concat(null);
   fill(

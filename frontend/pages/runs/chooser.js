@@ -4,8 +4,15 @@ import {fill, h} from '../../common/dom.js';
 import {write} from './address.js';
 import {named, t} from '../../i18n/words.js';
 
+/** @import {ExperimentLine, RunActions, RunStore} from '../types.js' */
+
 const MANY = 8; // from so many experiments on there is a field to find one
 
+/**
+ * @param {HTMLElement} root
+ * @param {RunStore} store
+ * @param {RunActions} act
+ */
 export function mountChooser(root, store, act) {
   const wide = matchMedia('(min-width: 1180px)');
   const filter = h('input', {
@@ -54,7 +61,9 @@ export function mountChooser(root, store, act) {
     );
   }
 
+  /** @param {ExperimentLine} one @param {boolean} current */
   function entry(one, current) {
+    /** @param {MouseEvent} event */
     const open = (event) => {
       if (event.ctrlKey || event.metaKey || event.shiftKey) return; // a new tab, as with any link
       event.preventDefault();

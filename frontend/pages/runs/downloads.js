@@ -4,8 +4,18 @@ import {spell} from './address.js';
 import {h, number} from '../../common/dom.js';
 import {language, t} from '../../i18n/words.js';
 
+/** @import {Properties} from '../../types/dom.js' */
+/** @import {Changes, RunState} from '../types.js' */
+
+/** @param {RunState} state */
 export function downloads({run, chosen, foreign, ranWith}) {
+  /**
+   * @param {string} title
+   * @param {string} href
+   * @param {Properties} [more]
+   */
   const link = (title, href, more = {}) => h('a', {class: 'quiet', href, ...more}, title);
+  /** @param {string} format */
   const data = (format) => `${run.links.data}?format=${format}`;
   const spec = URL.createObjectURL(new Blob([JSON.stringify(run.spec, null, 1)], {type: 'application/json'}));
   const seconds = Object.values(run.summary?.seconds ?? {}).reduce((sum, one) => sum + one, 0);
@@ -39,8 +49,10 @@ export function downloads({run, chosen, foreign, ranWith}) {
   ];
 }
 
+/** @param {string} word */
 const quoted = (word) => (/^[\w.,:=+-]+$/.test(word) ? word : `'${word.replaceAll("'", `'\\''`)}'`);
 
+/** @param {string} chosen @param {Changes} changes */
 function command(chosen, changes) {
   const words = [
     'thetascope run',

@@ -4,7 +4,16 @@ import {h, number, symbol} from '../../common/dom.js';
 import {small} from '../../diagnosis/fault-size.js';
 import {t} from '../../i18n/words.js';
 
-/** Root mean square errors, a row for each quantity and observer, a column for each stretch between two events; the largest error when pointed at. */
+/** @import {Comparison, ComparisonRow, Plant} from '../types.js' */
+
+/**
+ * Root mean square errors, a row for each quantity and observer, a column for each stretch between two events; the largest error when pointed at.
+ * @param {Comparison['windows']} windows
+ * @param {ComparisonRow[]} rows
+ * @param {(place: number) => HTMLElement} chip
+ * @param {(label: string) => number} place
+ * @param {Plant} plant
+ */
 export function errors(windows, rows, chip, place, plant) {
   const columns = [...new Set(rows.flatMap((row) => Object.keys(row.rmse)))];
   const units = new Map([...plant.states, ...plant.channels].map((item) => [item.name, item.unit]));
@@ -14,6 +23,7 @@ export function errors(windows, rows, chip, place, plant) {
     h('td'),
     windows.map(({start, end}) => h('th', {scope: 'col'}, `${number(start, 3)}–${number(end, 3)} s`)),
   );
+  /** @param {string} column */
   const group = (column) => {
     const [kind, name] = column.split('.');
     const own = rows.filter((row) => row.rmse[column]);
@@ -45,10 +55,16 @@ export function errors(windows, rows, chip, place, plant) {
   return h('table', {class: 'measures'}, h('thead', {}, head), columns.map(group));
 }
 
-/** Seconds until each estimate stays within 10 % and 5 % of each step. */
+/**
+ * Seconds until each estimate stays within 10 % and 5 % of each step.
+ * @param {ComparisonRow[]} rows
+ * @param {(place: number) => HTMLElement} chip
+ * @param {(label: string) => number} place
+ */
 export function settling(rows, chip, place) {
   const own = rows.filter((row) => row.steps.length);
   const [{steps}] = own;
+  /** @param {number | null} value */
   const time = (value) => (value === null ? '–' : number(value, 2));
   return h(
     'table',

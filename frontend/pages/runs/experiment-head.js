@@ -7,6 +7,13 @@ import {problemBlock} from '../../common/problem.js';
 import {timeline} from './fault-bars.js';
 import {named, t} from '../../i18n/words.js';
 
+/** @import {RunActions, RunState, RunStore} from '../types.js' */
+
+/**
+ * @param {HTMLElement} root
+ * @param {RunStore} store
+ * @param {RunActions} act
+ */
 export function mountHead(root, store, act) {
   const about = h('div', {class: 'about'});
   const plan = h('div');
@@ -24,6 +31,7 @@ export function mountHead(root, store, act) {
   fill(root, about, plan, form.element, trouble, controls, bar);
   root.hidden = true;
 
+  /** @param {RunState} state */
   function showSpec({spec, plant, chosen, phase, foreign}) {
     root.hidden = !spec && !chosen && phase !== 'failed';
     root.classList.toggle('waiting', !spec && phase !== 'failed');
@@ -50,6 +58,7 @@ export function mountHead(root, store, act) {
     return form.build();
   }
 
+  /** @param {RunState} state */
   function showProgress(state) {
     const {phase, progress, problem, spec} = state;
     const running = phase === 'running';

@@ -3,12 +3,19 @@
 import {fill, h, number, symbol} from '../../common/dom.js';
 import {named, t} from '../../i18n/words.js';
 
-/** The timeline of an experiment, with what its plant says of the channels. */
+/** @import {Experiment, Plant} from '../types.js' */
+
+/**
+ * The timeline of an experiment, with what its plant says of the channels.
+ * @param {Experiment} spec
+ * @param {Plant | null} plant
+ */
 export function timeline(spec, plant) {
   if (!spec.faults.length) return h('p', {class: 'soft'}, t('page.runs.no-faults'));
   const rows = spec.faults.map((fault) => {
     const name = fault.channel ?? fault.output;
     const channel = plant?.channels.find((one) => one.name === name);
+    /** @param {number} time */
     const share = (time) => `${Math.min(100, (100 * time) / spec.horizon)}%`;
     const from = fault.onset;
     const to = fault.end ?? spec.horizon;

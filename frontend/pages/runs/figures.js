@@ -5,6 +5,12 @@ import {connection, get} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
 import {named, t} from '../../i18n/words.js';
 
+/** @import {Failure} from '../../live/types.js' */
+/** @import {FigureBox, Run, RunState, RunStore} from '../types.js' */
+
+/** @import {PlotlyFigure} from '../../types/globals.js' */
+/** @import * as service from '../../types/service.js' */
+
 // Plotly offers by default to send the figure to its makers' cloud: not from here.
 const OPTIONS = {
   displaylogo: false,
@@ -35,8 +41,12 @@ function plotly() {
   return library;
 }
 
-/** The layout for this screen: on a narrow one the server's own variant, on a projector everything larger. The width is
- * given outright: Plotly's own resizing measures the height too, and loses the margins on the way. */
+/**
+ * The layout for this screen: on a narrow one the server's own variant, on a projector everything larger. The width is
+ * given outright: Plotly's own resizing measures the height too, and loses the margins on the way.
+ * @param {PlotlyFigure['layout']} layout
+ * @param {number} width
+ */
 function fitted(layout, width) {
   const copy = {...structuredClone(layout), width};
   if (narrow.matches) {
@@ -51,6 +61,7 @@ function fitted(layout, width) {
 
 const LENGTHS = new Set(['size', 'height', 'l', 'r', 't', 'b', 'xshift', 'yshift', 'itemwidth', 'standoff']);
 
+/** @param {{[name: string]: unknown}} part */
 function enlarged(part) {
   for (const [key, value] of Object.entries(part)) {
     if (typeof value === 'number' && LENGTHS.has(key)) part[key] = value * PROJECTOR;
@@ -59,6 +70,7 @@ function enlarged(part) {
   return part;
 }
 
+/** @param {HTMLElement} root @param {RunStore} store */
 export function mountFigures(root, store) {
   const boxes = new Map(); // name → {section, plot, address, drawn}
   const bar = h('nav', {class: 'jump', 'aria-label': t('page.runs.figures')});
@@ -70,11 +82,13 @@ export function mountFigures(root, store) {
     {rootMargin: '500px'},
   );
 
+  /** @param {() => unknown} work */
   function later(work) {
     queue = queue.then(work, work);
     return queue;
   }
 
+  /** @param {Run} run */
   async function list(run) {
     try {
       const {figures} = await get(run.links.figures);
@@ -96,17 +110,20 @@ export function mountFigures(root, store) {
     }
   }
 
+  /** @param {MouseEvent & {currentTarget: HTMLElement}} event */
   function jump(event) {
     event.preventDefault(); // the address is the choice's
     document.querySelector(event.currentTarget.getAttribute('href')).scrollIntoView();
   }
 
+  /** @param {service.FigureLine} one @param {Run} run */
   function section(one, run) {
     const box = boxes.get(one.name) ?? create(one);
     near.unobserve(box.section); // observed anew, so that what is on the screen is drawn anew
     return Object.assign(box, {address: `${run.links.figures}/${encodeURIComponent(one.name)}`, drawn: null}).section;
   }
 
+  /** @param {service.FigureLine} one @returns {FigureBox} */
   function create(one) {
     const plot = h('div', {class: 'plot', role: 'img', 'aria-label': named(one.title)});
     const box = {
@@ -120,12 +137,14 @@ export function mountFigures(root, store) {
     return box;
   }
 
+  /** @param {string} name @param {FigureBox} box */
   function remove(name, box) {
     near.unobserve(box.section);
     if (box.plot.data) window.Plotly.purge(box.plot);
     boxes.delete(name);
   }
 
+  /** @param {FigureBox | undefined} box */
   function draw(box) {
     if (!box) return;
     const wanted = `${box.address}?theme=${window.theme.now}`;
@@ -151,6 +170,7 @@ export function mountFigures(root, store) {
     });
   }
 
+  /** @param {Failure} error @param {() => void} again */
   const failure = (error, again) =>
     h(
       'div',
@@ -160,7 +180,10 @@ export function mountFigures(root, store) {
       h('button', {type: 'button', class: 'quiet', onclick: again}, t('page.action.try-again')),
     );
 
-  /** Fit what is drawn to another size of the window. */
+  /**
+   * Fit what is drawn to another size of the window.
+   * @param {boolean} whole
+   */
   function refit(whole) {
     for (const box of boxes.values()) {
       if (!box.figure || !box.plot.data) continue;
@@ -185,6 +208,7 @@ export function mountFigures(root, store) {
     }
   });
 
+  /** @param {RunState} state */
   function showEmpty({spec, phase}) {
     const words =
       phase === 'running'

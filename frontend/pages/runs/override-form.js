@@ -7,8 +7,11 @@ import {original, spelt} from './run-state.js';
 import {explained} from '../../common/problem.js';
 import {t} from '../../i18n/words.js';
 
+/** @import {RunActions, RunState, RunStore} from '../types.js' */
+
 const EXAMPLE = 'faults.theta3.size = 0.03\nhorizon = 50';
 
+/** @param {RunStore} store @param {RunActions} act */
 export function createForm(store, act) {
   const fields = new Map(); // path → {input, error}
   const element = h('form', {
@@ -44,6 +47,11 @@ export function createForm(store, act) {
   );
   let details = null;
 
+  /**
+   * @param {string} path
+   * @param {string} label
+   * @param {string} hint
+   */
   function field(path, label, hint) {
     const {spec, changes} = store.state;
     const id = `field-${path.replaceAll('.', '-')}`;
@@ -131,6 +139,7 @@ export function createForm(store, act) {
     act.replace(changes);
   }
 
+  /** @param {RunState} state @param {RunState} before */
   function update(state, before) {
     if (!state.spec) return;
     reset.hidden = Object.keys(state.changes).length === 0;
@@ -148,5 +157,5 @@ export function createForm(store, act) {
     first?.[1].input.focus();
   }
 
-  return {element, build, update, has: (path) => fields.has(path)};
+  return {element, build, update, /** @param {string} path */ has: (path) => fields.has(path)};
 }

@@ -1,5 +1,7 @@
 // The state of the page and how events change it. One way: event → reduce → views.
 
+/** @import {Experiment, Phase, RunEvent, RunState, RunView} from '../types.js' */
+
 export const initial = {
   experiments: null, // the library's list; null while it loads
   plants: {},
@@ -48,14 +50,28 @@ const events = {
   failed: (state, {problem}) => ({...state, phase: 'failed', problem}),
 };
 
+/** @param {RunState} state @returns {Phase} */
 const settled = (state) => (state.run ? 'done' : 'idle');
 
+/**
+ * @param {RunState} state
+ * @param {RunEvent} event
+ * @returns {RunState}
+ */
 export const reduce = (state, event) => events[event.type](state, event);
 
-/** Whether the form asks for something else than what the figures show. */
+/**
+ * Whether the form asks for something else than what the figures show.
+ * @param {RunState} state
+ */
 export const stale = (state) => state.run !== null && state.ranWith !== JSON.stringify(state.changes);
 
-/** The value at a path of the specification; items of lists by index, label, name, channel or output. */
+/**
+ * The value at a path of the specification; items of lists by index, label, name, channel or output.
+ * @param {Experiment} spec
+ * @param {string} path
+ * @returns {unknown}
+ */
 export function original(spec, path) {
   return path.split('.').reduce((at, key) => {
     if (at === undefined || at === null) return undefined;
@@ -64,7 +80,11 @@ export function original(spec, path) {
   }, spec);
 }
 
-/** A field's name in an answer of the server, spelt as the form spells it: observers[0].gains.rho → observers.adaptive.gains.rho. */
+/**
+ * A field's name in an answer of the server, spelt as the form spells it: observers[0].gains.rho → observers.adaptive.gains.rho.
+ * @param {Experiment} spec
+ * @param {string} field
+ */
 export function spelt(spec, field) {
   const keys = field.replaceAll('[', '.').replaceAll(']', '').split('.').filter(Boolean);
   let at = spec;
@@ -86,9 +106,11 @@ export function createStore() {
     get state() {
       return state;
     },
+    /** @param {RunView} view */
     subscribe(view) {
       views.push(view);
     },
+    /** @param {RunEvent} event */
     dispatch(event) {
       const before = state;
       state = reduce(state, event);

@@ -12,6 +12,8 @@ import {mountVerdicts} from './verdicts.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {speak, t} from '../../i18n/words.js';
 
+/** @import {Changes, Experiment, Plant, RunState} from '../types.js' */
+
 await speak(chosenLanguage());
 const store = createStore();
 let following = null; // the AbortController of the run that is followed
@@ -38,6 +40,7 @@ const act = {
     const {chosen, changes} = store.state;
     store.dispatch({type: 'start'});
     await guarded(async () => {
+      /** @param {RunState['progress']} progress */
       const tell = (progress) => mine.signal.aborted || store.dispatch({type: 'progress', progress});
       const ended = await run({experiment: chosen, set: changes}, tell, mine.signal);
       if (mine.signal.aborted) return;
@@ -56,7 +59,11 @@ const act = {
   replace: (changes) => store.dispatch({type: 'changes', changes}),
 };
 
-/** Show a run that the address names; one that is gone is no error, it can be run again. */
+/**
+ * Show a run that the address names; one that is gone is no error, it can be run again.
+ * @param {string} id
+ * @param {Changes} changes
+ */
 async function reopen(id, changes) {
   try {
     const found = await get(`/api/runs/${encodeURIComponent(id)}`);
@@ -70,10 +77,15 @@ async function reopen(id, changes) {
   }
 }
 
+/** @param {Experiment} spec @returns {Promise<Plant> | Plant} */
 const plantOf = (spec) =>
   typeof spec.plant === 'string' ? get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant;
 
-/** Carry something out; what goes wrong becomes a problem on the page. */
+/**
+ * Carry something out; what goes wrong becomes a problem on the page.
+ * @param {() => Promise<unknown>} work
+ * @param {AbortSignal} signal
+ */
 async function guarded(work, signal) {
   try {
     await work();

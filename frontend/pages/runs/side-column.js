@@ -5,9 +5,16 @@ import {downloads} from './downloads.js';
 import {VERDICTS, verdictWords} from '../../widgets/verdicts.js';
 import {named, say, t} from '../../i18n/words.js';
 
+/** @import {ObserverSummary, Plant, RunStore, RunSummary} from '../types.js' */
+/** @import {Child} from '../../types/dom.js' */
+/** @import * as service from '../../types/service.js' */
+
+/** @param {number} place */
 const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
+/** @param {Child} title @param {...Child} body */
 const card = (title, ...body) => h('section', {class: 'card'}, h('h2', {}, title), ...body);
 
+/** @param {HTMLElement} root @param {RunStore} store */
 export function mountSide(root, store) {
   store.subscribe((state, before) => {
     if (state.spec === before.spec && state.run === before.run) return;
@@ -33,7 +40,10 @@ export function mountSide(root, store) {
   });
 }
 
-/** Notes of the run, and the divergence of the plant itself. */
+/**
+ * Notes of the run, and the divergence of the plant itself.
+ * @param {RunSummary} summary
+ */
 function troubles({diverged, notes}) {
   const lines = [
     ...(diverged
@@ -50,7 +60,11 @@ function troubles({diverged, notes}) {
   return lines.length ? card(t('page.runs.notes'), lines) : null;
 }
 
-/** One column an observer, one row a measure: RMSE of each state, θ̂ at the end, settling after each step of a fault. */
+/**
+ * One column an observer, one row a measure: RMSE of each state, θ̂ at the end, settling after each step of a fault.
+ * @param {ObserverSummary[]} observers
+ * @param {Plant | null} plant
+ */
 function comparison(observers, plant) {
   const many = observers.length > 2;
   const head = h(
@@ -73,6 +87,12 @@ function comparison(observers, plant) {
     ),
   );
   const units = new Map([...(plant?.states ?? []), ...(plant?.channels ?? [])].map((item) => [item.name, item.unit]));
+  /**
+   * @param {string} name
+   * @param {string} title
+   * @param {string | null} note
+   * @param {Child[]} cells
+   */
   const row = (name, title, note, cells) =>
     h(
       'tr',
@@ -85,7 +105,13 @@ function comparison(observers, plant) {
       ),
       cells.map((cell) => h('td', {}, cell)),
     );
+  /** @param {(one: ObserverSummary) => object | undefined} pick */
   const named = (pick) => [...new Set(observers.flatMap((one) => Object.keys(pick(one) ?? {})))];
+  /**
+   * @param {Child} title
+   * @param {string | null} hint
+   * @param {Child[]} rows
+   */
   const group = (title, hint, rows) =>
     rows.length
       ? h(
@@ -134,13 +160,18 @@ function comparison(observers, plant) {
   );
 }
 
+/** @param {service.Settling | undefined} entry */
 function settled(entry) {
   if (!entry) return '–';
   if (entry.time !== null) return number(entry.time, 3);
   return entry.reached === null ? t('page.runs.never') : `(${number(entry.reached, 3)})`;
 }
 
-/** The lights of an observer, each opening to what was checked. */
+/**
+ * The lights of an observer, each opening to what was checked.
+ * @param {ObserverSummary} one
+ * @param {number} place
+ */
 function assumptions(one, place) {
   const lights = one.checks.map((check) => h('span', {class: `light ${verdict(check)}`}));
   const rows = one.checks.map((check) =>
@@ -159,6 +190,7 @@ function assumptions(one, place) {
       ),
     ),
   );
+  /** @param {string} kind */
   const count = (kind) => one.checks.filter((check) => check.verdict === kind).length;
   const spoken = VERDICTS.filter(count)
     .map((kind) => `${count(kind)} ${verdictWords(kind)}`)
@@ -178,9 +210,13 @@ function assumptions(one, place) {
   );
 }
 
+/** @param {service.AssumptionCheck} check */
 const verdict = (check) => ({holds: 'ok', fails: 'bad'})[check.verdict] ?? 'open';
 
-/** The value of a check, with its threshold where it has one. */
+/**
+ * The value of a check, with its threshold where it has one.
+ * @param {service.AssumptionCheck} check
+ */
 const found = ({value, threshold}) =>
   threshold === null
     ? t('page.runs.check-value', {value: number(value)})

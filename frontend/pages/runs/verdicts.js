@@ -13,8 +13,13 @@ import {called, capital, spoken} from '../../common/names.js';
 import {errors, settling} from './error-tables.js';
 import {asSentence, say, t} from '../../i18n/words.js';
 
+/** @import {Child} from '../../types/dom.js' */
+/** @import {Comparison, ComparisonRow, Diagnosis, ObserverDiagnosis, Plant, Run, RunState, RunStore} from '../types.js' */
+
+/** @param {number} place */
 const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
 
+/** @param {HTMLElement} root @param {RunStore} store */
 export function mountVerdicts(root, store) {
   store.subscribe((state, before) => {
     if (state.run === before.run && state.plant === before.plant) return;
@@ -30,10 +35,16 @@ export function mountVerdicts(root, store) {
   });
 }
 
+/** @param {Child} title @param {...Child} body */
 const card = (title, ...body) => h('section', {class: 'card'}, h('h2', {}, title), ...body);
+/** @param {Child} title @param {...Child} body */
 const fold = (title, ...body) => h('details', {class: 'more'}, h('summary', {}, title), ...body);
 
-/** The sentence, the findings, and what can be seen at all: the words of the live page, at the end of the run. */
+/**
+ * The sentence, the findings, and what can be seen at all: the words of the live page, at the end of the run.
+ * @param {RunState} state
+ * @param {Diagnosis} diagnosis
+ */
 function detector({run, plant}, {detector: told}) {
   const {spec} = run;
   const faults = faultsAt(spec, spec.horizon);
@@ -62,9 +73,16 @@ function detector({run, plant}, {detector: told}) {
 
 const COUNTS = ['found', 'missed', 'false_alarms', 'isolation_errors'];
 
-/** Who found what: the detector and each observer's own estimates; what these say, and how far they were off. */
+/**
+ * Who found what: the detector and each observer's own estimates; what these say, and how far they were off.
+ * @param {Run} run
+ * @param {Diagnosis | null | undefined} diagnosis
+ * @param {Comparison} comparison
+ * @param {Plant} plant
+ */
 function compared(run, diagnosis, {windows, observers: rows}, plant) {
   const {observers} = run.summary;
+  /** @param {string} label */
   const place = (label) => observers.findIndex((one) => one.label === label);
   const judged = rows.filter((row) => row.found !== null);
   const head = h(
@@ -75,6 +93,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
       h('th', {scope: 'col', title: t(`page.runs.measure.${name}.hint`)}, t(`page.runs.measure.${name}`)),
     ),
   );
+  /** @param {ComparisonRow} row @param {Measure} name */
   const cell = (row, name) =>
     h(
       'td',
@@ -84,6 +103,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
       },
       row[name] === null ? '–' : name === 'delay' ? took(row[name]) : number(row[name], 3),
     );
+  /** @param {ComparisonRow} row */
   const name = (row) =>
     place(row.label) < 0
       ? [h('span', {class: 'flag', 'aria-hidden': 'true'}), h('b', {}, t('page.runs.detector'))]
@@ -124,7 +144,11 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
   ];
 }
 
-/** What became of each fault, one a line. */
+/**
+ * What became of each fault, one a line.
+ * @param {NonNullable<ComparisonRow['faults']>} faults
+ * @param {Plant} plant
+ */
 const told = (faults, plant) =>
   faults
     .map(({name, onset, outcome, delay, alternative}) => {
@@ -137,7 +161,12 @@ const told = (faults, plant) =>
     })
     .join('\n');
 
-/** What the tests on one observer's own estimates say: what is on at the end, else the last that were. */
+/**
+ * What the tests on one observer's own estimates say: what is on at the end, else the last that were.
+ * @param {ObserverDiagnosis} diagnosis
+ * @param {number} place
+ * @param {Plant} plant
+ */
 function own({observer, alarms, note, calibration, resolution}, place, plant) {
   const raised = alarms.map(alarmFrom);
   const on = raised.filter((alarm) => alarm.over === null);

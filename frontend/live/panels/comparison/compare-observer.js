@@ -5,6 +5,8 @@ import {noise, rmse, settled, unsettled} from './metrics.js';
 import {took} from '../../../widgets/controls.js';
 import {t} from '../../../i18n/words.js';
 
+/** @import {FaultState, Samples} from '../../types.js' */
+
 const MOST = 200_000; // rows after a fault that are looked at
 const SETTLED = 0.1; // of the step: as in backend/thetascope/diagnosis/evaluation/metrics.py
 
@@ -15,7 +17,14 @@ const SETTLED = 0.1; // of the step: as in backend/thetascope/diagnosis/evaluati
  * @property {object[]} alarms
  */
 
-/** RMSE, time to settle and noise as {value or words, title}, over from … to; a session that has not come so far has none. */
+/**
+ * RMSE, time to settle and noise as {value or words, title}, over from … to; a session that has not come so far has none.
+ * @param {Watched} watched
+ * @param {string} label
+ * @param {[state: string, channel: string | null]} subjects
+ * @param {[number, number]} span
+ * @returns {Figure[]}
+ */
 export function figuresOf({samples, faults}, label, [x, theta], [from, to]) {
   const none = {words: '–', title: ''};
   if (to > samples.now + 1.5 * samples.record)
@@ -35,9 +44,20 @@ export function figuresOf({samples, faults}, label, [x, theta], [from, to]) {
   ];
 }
 
+/**
+ * @param {FaultState[]} faults
+ * @param {string} theta
+ * @param {number} t
+ */
 const newest = (faults, theta, t) => faults.findLast((one) => one.subject === theta && one.onset <= t);
 
-/** How soon the detector named the newest fault. */
+/**
+ * How soon the detector named the newest fault.
+ * @param {Watched} watched
+ * @param {string} theta
+ * @param {number} to
+ * @returns {Figure}
+ */
 export function detected({samples, faults, alarms}, theta, to) {
   const fault = newest(faults, theta, Math.min(to, samples.now));
   if (!fault) return {words: '–', title: ''};
@@ -48,6 +68,14 @@ export function detected({samples, faults, alarms}, theta, to) {
     : {words: took(found.delay), title: ''};
 }
 
+/**
+ * @param {Samples} samples
+ * @param {FaultState[]} faults
+ * @param {string} label
+ * @param {string} theta
+ * @param {FaultState} fault
+ * @returns {Figure}
+ */
 function settling(samples, faults, label, theta, fault) {
   const none = {words: '–', title: ''};
   if (fault.shape !== 'step') return none;

@@ -9,9 +9,12 @@ import {chip, heading, link} from '../../../widgets/controls.js';
 import {kindName} from '../../../widgets/kind-name.js';
 import {named, t} from '../../../i18n/words.js';
 
+/** @import {App, ObserverState} from '../../types.js' */
+
 const EVERY = 900; // ms between two computations
 const LONGEST = 6000; // rows of a window of "all"
 
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   let state = null; // chosen by hand
   let channel = null;
@@ -110,7 +113,11 @@ export function mount(element, app) {
     forms = [new Form(), new Form(), new Form()];
     compute();
   };
-  /** The rows of one session: one an observer, and how soon its detector found the fault. `watched` gives it when figures are wanted. */
+  /**
+   * The rows of one session: one an observer, and how soon its detector found the fault. `watched` gives it when figures are wanted.
+   * @param {ObserverState[]} observers
+   * @param {() => Watched} watched
+   */
   const group = (observers, watched) => {
     const [x, theta] = chosen();
     const cell = () => h('td');
@@ -184,13 +191,24 @@ export function mount(element, app) {
   });
 }
 
-/** Set a cell; a number that has not changed is left alone. */
+/**
+ * Set a cell; a number that has not changed is left alone.
+ * @param {HTMLElement} cell
+ * @param {string} words
+ * @param {string} title
+ */
 function put(cell, words, title) {
   if (cell.textContent !== words) cell.textContent = words;
   if (cell.title !== title) cell.title = title;
 }
 
-/** A name that fits the head of a column: long ones as in the badges. */
+/**
+ * A name that fits the head of a column: long ones as in the badges.
+ * @param {string} name
+ * @param {Named[]} items
+ * @param {App} app
+ * @param {boolean} [hat]
+ */
 function short(name, items, app, hat = false) {
   if (split(name)[0].length === 1) return symbol(name, hat);
   const [letters, index] = badges(items).get(name);
@@ -202,9 +220,17 @@ function short(name, items, app, hat = false) {
   );
 }
 
-/** Which state or channel a column is about. */
+/**
+ * Which state or channel a column is about.
+ * @param {Named[]} items
+ * @param {string} chosen
+ * @param {string} name
+ * @param {(name: string) => void} choose
+ * @param {App} app
+ */
 function picker(items, chosen, name, choose, app) {
   if (items.length < 2) return short(chosen, items, app);
+  /** @param {Named} item */
   const title = (item) => named(titleOf(item));
   return h(
     'span',

@@ -3,7 +3,11 @@
 const REACH = 4; // standard deviations that noise may throw an estimate
 const LATEST = 0.9; // share of the rows by which an estimate must be there for good
 
-/** Root mean square of the difference of two columns; NaN without rows. */
+/**
+ * Root mean square of the difference of two columns; NaN without rows.
+ * @param {Float32Array} a
+ * @param {Float32Array} b
+ */
 export function rmse(a, b) {
   let sum = 0;
   let count = 0;
@@ -34,6 +38,10 @@ export function settled(t, truth, estimate, from, within) {
 /**
  * Whether an estimate has come to the truth, and noise alone keeps throwing it out of `within`: in the later half its mean is there, and single values
  * are not.
+ * @param {Float64Array} t
+ * @param {Float32Array} truth
+ * @param {Float32Array} estimate
+ * @param {number} within
  */
 export function unsettled(t, truth, estimate, within) {
   const from = Math.floor(t.length / 2);
@@ -49,7 +57,11 @@ export function unsettled(t, truth, estimate, within) {
   return out > 0 && Math.abs(sum / (t.length - from)) < within / 2 && REACH * spread > within;
 }
 
-/** How much an estimate trembles: standard deviation about its straight line over the samples given. */
+/**
+ * How much an estimate trembles: standard deviation about its straight line over the samples given.
+ * @param {Float64Array} t
+ * @param {Float32Array} values
+ */
 export function noise(t, values) {
   let n = 0;
   let st = 0;

@@ -4,6 +4,9 @@ import {fill, h} from '../../../common/dom.js';
 import {refused} from '../../actions.js';
 import {language, t} from '../../../i18n/words.js';
 
+/** @import {App} from '../../types.js' */
+
+/** @param {HTMLElement} body @param {App} app */
 export function showExport(body, app) {
   const status = h('p', {class: 'soft', role: 'status'}, t('page.export.note'));
   let run = null;
@@ -17,6 +20,11 @@ export function showExport(body, app) {
       throw error;
     }
   };
+  /**
+   * @param {string} words
+   * @param {string} hint
+   * @param {() => Promise<void>} act
+   */
   const button = (words, hint, act) =>
     h(
       'button',
@@ -39,10 +47,12 @@ export function showExport(body, app) {
       },
       words,
     );
+  /** @param {string} format */
   const data = (format) => async () => {
     const {id, links} = await saved();
     fetchTo(`${links.data}?format=${format}`, `${app.state.spec.id}-${id.slice(0, 8)}.${format}`);
   };
+  /** @param {'png' | 'svg'} format */
   const figure = (format) => async () =>
     download(await app.act.figure({strip: null, format}), `${app.state.spec.id}.${format}`);
   fill(
@@ -86,6 +96,7 @@ export function showExport(body, app) {
   );
 }
 
+/** @param {string} address @param {string} name */
 function fetchTo(address, name) {
   const link = h('a', {href: address, download: name});
   document.body.append(link);
@@ -93,6 +104,7 @@ function fetchTo(address, name) {
   link.remove();
 }
 
+/** @param {Blob} blob @param {string} name */
 function download(blob, name) {
   const address = URL.createObjectURL(blob);
   fetchTo(address, name);

@@ -33,6 +33,7 @@ const KEY_NAMES = {
   Escape: () => 'Esc',
 };
 
+/** @param {HTMLElement} body */
 export function showHelp(body) {
   const rows = KEYS.map(({keys, does}) =>
     h(

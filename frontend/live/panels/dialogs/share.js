@@ -4,6 +4,9 @@ import {fill, h} from '../../../common/dom.js';
 import {icon} from '../../../widgets/svg.js';
 import {t} from '../../../i18n/words.js';
 
+/** @import {App} from '../../types.js' */
+
+/** @param {HTMLElement} body @param {App} app */
 export async function showShare(body, app) {
   fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
   const kinds = [
@@ -22,6 +25,11 @@ export async function showShare(body, app) {
   }
 }
 
+/**
+ * @param {string} title
+ * @param {string} hint
+ * @param {string} address
+ */
 function row(title, hint, address) {
   const field = h('input', {
     type: 'text',

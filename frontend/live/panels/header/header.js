@@ -7,9 +7,13 @@ import {icon} from '../../../widgets/svg.js';
 import {mountTabs} from './tabs.js';
 import {t} from '../../../i18n/words.js';
 
+/** @import {App} from '../../types.js' */
+
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const state = h('span', {class: 'connection', role: 'status'});
   const words = h('span', {});
+  /** @param {string} name @param {() => void} act */
   const button = (name, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, icon(name), h('span', {}));
   const share = button('share', () => open('share'));
   const take = button('export', () => open('export'));
@@ -30,6 +34,7 @@ export function mount(element, app) {
     language,
     h('span', {class: 'marks'}, present, theme, help),
   );
+  /** @param {boolean} open */
   const fold = (open) => {
     actions.classList.toggle('open', open);
     more.setAttribute('aria-expanded', String(open));
@@ -66,6 +71,11 @@ export function mount(element, app) {
     more,
   );
 
+  /**
+   * @param {HTMLElement} one
+   * @param {string} name
+   * @param {string} hint
+   */
   const named = (one, name, hint) => {
     one.title = hint;
     one.setAttribute('aria-label', hint);
@@ -131,7 +141,10 @@ export function mount(element, app) {
   mountTabs(app);
 }
 
-/** Links to the pages; `here` is the one that is shown. */
+/**
+ * Links to the pages; `here` is the one that is shown.
+ * @param {string} here
+ */
 export function pages(here) {
   return [
     ['live', '/'],

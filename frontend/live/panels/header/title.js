@@ -4,6 +4,11 @@ import {fill, h} from '../../../common/dom.js';
 import {icon} from '../../../widgets/svg.js';
 import {named, t} from '../../../i18n/words.js';
 
+/** @import {ExperimentLine, Plant} from '../../../pages/types.js' */
+/** @import {App, ObserverState} from '../../types.js' */
+/** @import * as service from '../../../types/service.js' */
+
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const name = h('span', {class: 'what'});
   const button = h(
@@ -17,6 +22,7 @@ export function mount(element, app) {
   const menu = h('div', {class: 'chooser-menu', hidden: true}, filter, list);
   fill(element, button, sub, menu);
 
+  /** @param {boolean} [on] */
   const toggle = async (on = menu.hidden) => {
     menu.hidden = !on;
     button.setAttribute('aria-expanded', String(on));
@@ -32,6 +38,7 @@ export function mount(element, app) {
     filter.setAttribute('aria-label', t('page.title.find'));
     filter.focus();
   };
+  /** @param {service.ExperimentLine} one @param {string | undefined} plant */
   const entry = (one, plant) =>
     h(
       'li',
@@ -95,6 +102,7 @@ export function mount(element, app) {
   );
 }
 
+/** @param {Plant} plant @param {ObserverState[]} observers */
 const sizes = ({channels}, observers) =>
   t('page.title.sizes', {
     channels: t('page.title.channels', {n: channels.length}),

@@ -2,6 +2,9 @@
 
 import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
 
+/** @import {Scale} from '../../types.js' */
+/** @import * as service from '../../../types/service.js' */
+
 /**
  * @typedef {object} Subject       what the fault is on
  * @property {string} name
@@ -16,10 +19,16 @@ import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
 
 const GENERAL = new Set(['onset', 'end', 'channel', 'output']);
 
-/** The fields that are a shape's own. */
+/**
+ * The fields that are a shape's own.
+ * @param {service.FaultForm} shape
+ */
 export const ownFields = (shape) => shape.fields.filter((field) => !GENERAL.has(field.name));
 
-/** The one that a slider sets: the first number. */
+/**
+ * The one that a slider sets: the first number.
+ * @param {service.FaultForm} shape
+ */
 export const mainField = (shape) => ownFields(shape).find((field) => field.type === 'number') ?? null;
 
 /** First values by what a field is called; others take their default, or the catalogue's example. */
@@ -42,7 +51,12 @@ const FIRST = {
   times: (subject) => [0, nice(subject.horizon / 20)],
 };
 
-/** First values of a shape's own fields. */
+/**
+ * First values of a shape's own fields.
+ * @param {service.FaultForm} shape
+ * @param {Subject} subject
+ * @returns {Values}
+ */
 export function firstValues(shape, subject) {
   return Object.fromEntries(
     ownFields(shape).map((field) => [
@@ -52,7 +66,13 @@ export function firstValues(shape, subject) {
   );
 }
 
-/** The slider of the main field. */
+/**
+ * The slider of the main field.
+ * @param {service.FormField} field
+ * @param {Subject} subject
+ * @param {number} first
+ * @returns {Scale}
+ */
 export function mainScale(field, subject, first) {
   if (field.maximum !== undefined && field.minimum !== undefined) return linear(field.minimum, field.maximum);
   if (field.name === 'value') return linear(subject.level - 3 * subject.typical, subject.level + 3 * subject.typical);
@@ -65,14 +85,23 @@ export function mainScale(field, subject, first) {
   return positive ? logarithmic(Math.abs(first) / 20 || 0.001, 10 * Math.abs(first) || 1) : linear(-reach, reach);
 }
 
-/** Smallest and largest value that may be typed. */
+/**
+ * Smallest and largest value that may be typed.
+ * @param {service.FormField} field
+ * @param {Subject} subject
+ */
 export function limits(field, subject) {
   const [low, high] = subject.onChannel && field.name === 'size' ? subject.bounds : [null, null];
   const least = field.minimum ?? (field.above !== undefined ? field.above + Number.MIN_VALUE : null);
   return {low: least ?? low ?? -Infinity, high: field.maximum ?? high ?? Infinity};
 }
 
-/** A typed text as a value of a field; undefined where it is none. */
+/**
+ * A typed text as a value of a field; undefined where it is none.
+ * @param {service.FormField} field
+ * @param {string} text
+ * @returns {FieldValue | undefined}
+ */
 export function read(field, text) {
   const trimmed = text.trim().replace('−', '-');
   if (field.type === 'array') {
@@ -90,6 +119,9 @@ export function read(field, text) {
   return fits ? value : undefined;
 }
 
-/** A value as one types it. */
+/**
+ * A value as one types it.
+ * @param {unknown} value
+ */
 export const spell = (value) =>
   Array.isArray(value) ? value.join(', ') : value === null || value === undefined ? '' : String(value);

@@ -5,6 +5,9 @@ import {firstValues, limits, mainField, mainScale, ownFields, read, spell} from 
 import {badge, refusal, seconds, slider} from '../../../widgets/controls.js';
 import {named, t} from '../../../i18n/words.js';
 
+/** @import {Command, FaultState} from '../../types.js' */
+/** @import * as service from '../../../types/service.js' */
+
 /**
  * @param {object} app
  * @param {() => import('./fault-form.js').Subject} subjectOf    asked anew when a form is built, since outputs move
@@ -44,6 +47,7 @@ export function createRow(app, subjectOf, about) {
     change.hidden = !row.edited;
     refusal(problem, null);
   };
+  /** @param {Values | null} [values] @param {number | null} [end] */
   const build = (values = null, end = null) => {
     row.shape = about.shapes.find((shape) => shape.shape === menu.value);
     const now = subjectOf();
@@ -79,6 +83,7 @@ export function createRow(app, subjectOf, about) {
     touch();
   });
 
+  /** @param {Command[]} commands */
   const ask = async (commands) => {
     refusal(problem, null);
     press.disabled = true;
@@ -138,8 +143,14 @@ export function createRow(app, subjectOf, about) {
   return row;
 }
 
-/** The other faults that are active on the same channel and add up, and those that are planned. */
+/**
+ * The other faults that are active on the same channel and add up, and those that are planned.
+ * @param {FaultState[]} acting
+ * @param {FaultState[]} planned
+ * @param {number | undefined} horizon
+ */
 function stacked(acting, planned, horizon) {
+  /** @param {string} code */
   const part =
     (code) =>
     ({fault, shape, onset}) => ({
@@ -160,13 +171,24 @@ function stacked(acting, planned, horizon) {
     .join(' ');
 }
 
+/** @param {string} shape */
 const shapeName = (shape) => t(`page.fault.shape.${shape}`);
+/** @param {string} field */
 const fieldName = (field) => t(`page.fault.field.${field}`);
 
-/** What makes a fault itself: all but its end, which Clear sets. */
+/**
+ * What makes a fault itself: all but its end, which Clear sets.
+ * @param {FaultState | null | undefined} state
+ */
 const identity = (state) => (state ? JSON.stringify({...state.fault, end: null}) : '');
 
-/** Show what acts: its shape and values, and the duration where it has one from the start. */
+/**
+ * Show what acts: its shape and values, and the duration where it has one from the start.
+ * @param {InjectRow} row
+ * @param {HTMLSelectElement} menu
+ * @param {FaultState} state
+ * @param {(values?: Values | null, end?: number | null) => void} build
+ */
 function adopt(row, menu, {fault}, build) {
   menu.value = fault.shape;
   build();
@@ -176,6 +198,13 @@ function adopt(row, menu, {fault}, build) {
   build(values, fault.end === null || fault.end === undefined ? null : fault.end - fault.onset);
 }
 
+/**
+ * @param {service.FormField} field
+ * @param {InjectRow} row
+ * @param {Subject} subject
+ * @param {string} title
+ * @param {() => void} touch
+ */
 function mainSlider(field, row, subject, title, touch) {
   const first = firstValues(row.shape, subject)[field.name];
   const made = slider({
@@ -193,7 +222,12 @@ function mainSlider(field, row, subject, title, touch) {
   return made;
 }
 
-/** The other fields, folded away, and a line that says their values. */
+/**
+ * The other fields, folded away, and a line that says their values.
+ * @param {InjectRow} row
+ * @param {service.FormField | null} main
+ * @param {() => void} touch
+ */
 function moreFields(row, main, touch) {
   const rest = ownFields(row.shape).filter((field) => field !== main);
   const summary = h('p', {class: 'summary'});
@@ -203,6 +237,13 @@ function moreFields(row, main, touch) {
       .filter(Boolean)
       .join(' · ');
   };
+  /**
+   * @param {string} name
+   * @param {string} title
+   * @param {Pick<service.FormField, "type" | "nullable" | "description" | "choices">} field
+   * @param {unknown} value
+   * @param {(value: FieldValue) => void} set
+   */
   const entry = (name, title, field, value, set) => {
     const id = `field-${Math.random().toString(36).slice(2, 8)}`;
     const input =
@@ -251,5 +292,6 @@ function moreFields(row, main, touch) {
   return {summary, entries: h('div', {class: 'entries'}, entries)};
 }
 
+/** @param {unknown} value @returns {string} */
 const short = (value) =>
   Array.isArray(value) ? `${value.length}×` : typeof value === 'number' ? number(value, 3) : value;

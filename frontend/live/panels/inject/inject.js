@@ -8,6 +8,11 @@ import {asOfNow, badge, heading, link, slider, throttled} from '../../../widgets
 import {logarithmic} from '../../../widgets/slider-scale.js';
 import {named, t} from '../../../i18n/words.js';
 
+/** @import {Plant} from '../../../pages/types.js' */
+/** @import {App, Output} from '../../types.js' */
+/** @import * as service from '../../../types/service.js' */
+
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   let rows = new Map();
   let open = false; // the rows of measurement faults
@@ -34,6 +39,7 @@ export function mount(element, app) {
       },
       {'aria-expanded': 'false'},
     );
+    /** @param {boolean} now */
     const show = (now) => {
       open = now;
       toggle.setAttribute('aria-expanded', String(open));
@@ -61,6 +67,7 @@ export function mount(element, app) {
       );
     list.show?.(open);
   };
+  /** @param {string | null} site */
   const choose = (site) => {
     const row = rows.get(site);
     if (!row) return;
@@ -78,6 +85,12 @@ export function mount(element, app) {
   );
 }
 
+/**
+ * @param {App} app
+ * @param {Plant} plant
+ * @param {service.FaultForm[]} shapes
+ * @param {Map<string, InjectRow>} rows
+ */
 function channelRows(app, plant, shapes, rows) {
   const short = badges(plant.channels);
   const mine = shapes.filter((shape) => shape.on === 'channel');
@@ -103,6 +116,12 @@ function channelRows(app, plant, shapes, rows) {
   });
 }
 
+/**
+ * @param {App} app
+ * @param {Plant} plant
+ * @param {service.FaultForm[]} shapes
+ * @param {Map<string, InjectRow>} rows
+ */
 function outputRows(app, plant, shapes, rows) {
   const mine = shapes.filter((shape) => shape.on === 'output');
   return plant.outputs.map((output) => {
@@ -126,16 +145,24 @@ function outputRows(app, plant, shapes, rows) {
   });
 }
 
+/** @param {string} words */
 const titled = (words) => words && words[0].toUpperCase() + words.slice(1);
 
-/** The times that first values go by. */
+/**
+ * The times that first values go by.
+ * @param {App} app
+ */
 function times(app) {
   const {spec, noise, step} = app.state;
   const held = Object.values(noise)[0]?.sample_time;
   return {horizon: spec.horizon, sampleTime: spec.measurement?.period ?? held ?? 10 * step};
 }
 
-/** How large an output is, and a fault on it that one sees: a fifth of what it moved by, at least a tenth of itself. */
+/**
+ * How large an output is, and a fault on it that one sees: a fifth of what it moved by, at least a tenth of itself.
+ * @param {App} app
+ * @param {string} name
+ */
 function size(app, name) {
   const {min, max} = app.range(`y.${name}`, Math.max(0, app.state.t - 60), app.state.t);
   const now = app.latest(`y.${name}`);
@@ -144,7 +171,12 @@ function size(app, name) {
   return {level, typical: Math.max(swing / 3, Math.abs(level) / 10) || 1};
 }
 
-/** The measurement noise of one output: its standard deviation, moved while time runs. */
+/**
+ * The measurement noise of one output: its standard deviation, moved while time runs.
+ * @param {App} app
+ * @param {Output} output
+ * @param {(() => void)[]} ends
+ */
 function noiseRow(app, output, ends) {
   const noise = () => app.state.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
   const begin = noise().std || size(app, output.name).typical / 30 || 0.01;

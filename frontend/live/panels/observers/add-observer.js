@@ -6,6 +6,10 @@ import {refusal} from '../../../widgets/controls.js';
 import {kindName} from '../../../widgets/kind-name.js';
 import {named, say, t} from '../../../i18n/words.js';
 
+/** @import {Plant} from '../../../pages/types.js' */
+/** @import {App, ObserverState} from '../../types.js' */
+/** @import * as service from '../../../types/service.js' */
+
 /** What an observer of a kind is called; of a kind that is not known here: the kind. */
 const SHORT = {
   'zhao-adaptive': 'adaptive',
@@ -21,7 +25,13 @@ const SHORT = {
   'joint-ukf': 'ukf',
 };
 
-/** Fill `element`, which is shown, with the form; `done` is called when it has been added or given up. */
+/**
+ * Fill `element`, which is shown, with the form; `done` is called when it has been added or given up.
+ * @param {HTMLElement} element
+ * @param {App} app
+ * @param {service.ObserverKind[]} kinds
+ * @param {() => void} done
+ */
 export function createAdder(element, app, kinds, done) {
   const {plant, observers} = app.state;
   const discrete = plant?.time.kind === 'discrete';
@@ -29,6 +39,7 @@ export function createAdder(element, app, kinds, done) {
     (kind) => !(kind.time === 'continuous' && discrete) && !(kind.time === 'plant' && !discrete),
   );
   const others = kinds.filter((kind) => !offered.includes(kind));
+  /** @param {service.ObserverKind} kind @param {boolean} disabled */
   const option = (kind, disabled) => h('option', {value: kind.id, disabled}, kindName(kind));
   const menu = h(
     'select',
@@ -118,7 +129,11 @@ export function createAdder(element, app, kinds, done) {
 
 const checked = new Map();
 
-/** Which kinds can be built for a plant, and why not: asked once a plant. */
+/**
+ * Which kinds can be built for a plant, and why not: asked once a plant.
+ * @param {Plant} plant
+ * @returns {Promise<service.PlantCheck['observers']>}
+ */
 function possible(plant) {
   const key = JSON.stringify(plant);
   if (!checked.has(key))
@@ -129,7 +144,12 @@ function possible(plant) {
   return checked.get(key);
 }
 
-/** Grey out what cannot be built; true where another has to be chosen. */
+/**
+ * Grey out what cannot be built; true where another has to be chosen.
+ * @param {HTMLSelectElement} menu
+ * @param {service.PlantCheck['observers']} found
+ * @param {service.ObserverKind[]} kinds
+ */
 function mark(menu, found, kinds) {
   for (const option of menu.options) {
     const one = found.find(({kind}) => kind === option.value);
@@ -142,6 +162,7 @@ function mark(menu, found, kinds) {
   return Boolean(menu.selectedOptions[0]?.disabled);
 }
 
+/** @param {string} base @param {ObserverState[]} observers */
 function free(base, observers) {
   const taken = new Set(observers.map((one) => one.label));
   for (let count = 1; ; count += 1) {
@@ -150,7 +171,12 @@ function free(base, observers) {
   }
 }
 
-/** The options of a kind; those that every estimating observer has (which channels) come first. */
+/**
+ * The options of a kind; those that every estimating observer has (which channels) come first.
+ * @param {service.ObserverKind} kind
+ * @param {Plant} plant
+ * @param {Inputs} inputs
+ */
 function optionFields(kind, plant, inputs) {
   const fields = [];
   if (kind.estimates_theta && plant.channels.length > 1) fields.push(channelField(plant, inputs));
@@ -176,6 +202,7 @@ function optionFields(kind, plant, inputs) {
   return fields;
 }
 
+/** @param {Plant} plant @param {Inputs} inputs */
 function channelField(plant, inputs) {
   const boxes = plant.channels.map((channel) =>
     h(

@@ -8,9 +8,17 @@ import {kindName} from '../../../widgets/kind-name.js';
 import {VERDICTS, verdictWords} from '../../../widgets/verdicts.js';
 import {asSentence, named, say, t} from '../../../i18n/words.js';
 
+/** @import {App, Check, Command, Event, Gain, ObserverState} from '../../types.js' */
+/** @import * as service from '../../../types/service.js' */
+
 const SHOWN = 2; // gains that are always in sight
 
-/** Every number of the gains that a running observer takes: a column gain is one for each entry. */
+/**
+ * Every number of the gains that a running observer takes: a column gain is one for each entry.
+ * @param {service.ObserverKind} kind
+ * @param {Gains} gains
+ * @returns {Entry[]}
+ */
 function entries(kind, gains) {
   return kind.gains
     .filter((gain) => gain.live !== false)
@@ -21,6 +29,11 @@ function entries(kind, gains) {
     });
 }
 
+/**
+ * @param {App} app
+ * @param {ObserverState} observer
+ * @param {service.ObserverKind} kind
+ */
 export function createCard(app, observer, kind) {
   let present = observer;
   let known = {}; // defaults from the server
@@ -55,6 +68,7 @@ export function createCard(app, observer, kind) {
   const body = h('div', {class: 'tuning'}, gains, fold);
   let chosen = false; // opened or closed by hand
   let listed = false; // the checks
+  /** @param {boolean} on @param {boolean} [byHand] */
   const open = (on, byHand = false) => {
     chosen ||= byHand;
     body.hidden = !on;
@@ -85,6 +99,7 @@ export function createCard(app, observer, kind) {
     listed = newState === 'open';
     card.checks();
   });
+  /** @param {Command} command */
   const ask = async (command) => {
     try {
       await app.send(command);
@@ -95,6 +110,7 @@ export function createCard(app, observer, kind) {
     }
   };
   const values = () => ({...known, ...present.gains});
+  /** @param {boolean} [force] */
   const show = (force = false) => {
     const now = entries(kind, values());
     const names = now.map(({gain, place}) => `${gain.name}.${place}`).join();
@@ -105,11 +121,13 @@ export function createCard(app, observer, kind) {
         control[force ? 'show' : 'follow'](value);
     }
   };
+  /** @param {Entry[]} now @param {string} names */
   const build = (now, names) => {
     controls.clear();
     controls.names = names;
     const scalars = now.filter((one) => one.gain.size === null);
     const first = scalars.length ? scalars.slice(0, SHOWN) : now.filter((one) => one.gain === now[0].gain).slice(0, 4);
+    /** @param {Entry} one */
     const line = (one) => gainLine(observer.label, one, controls, () => values()[one.gain.name], ask);
     fill(gains, first.map(line));
     const rest = now.filter((one) => !first.includes(one));
@@ -153,9 +171,14 @@ export function createCard(app, observer, kind) {
   return card;
 }
 
-/** Where and why it diverged, what to do about it, and a button that lets it begin anew with its present gains. */
+/**
+ * Where and why it diverged, what to do about it, and a button that lets it begin anew with its present gains.
+ * @param {App} app
+ * @param {ObserverState} observer
+ */
 function fall(app, {label, config, gains, diverged}) {
   const cause = asSentence(diverged.text.replace(`${label} diverged: `, ''));
+  /** @param {Event} event */
   const again = async (event) => {
     event.currentTarget.disabled = true;
     try {
@@ -187,7 +210,14 @@ function fall(app, {label, config, gains, diverged}) {
   ];
 }
 
-/** A slider for one number of a gain; sent while it moves. */
+/**
+ * A slider for one number of a gain; sent while it moves.
+ * @param {string} label
+ * @param {Entry} entry
+ * @param {Map<string, Control>} controls
+ * @param {() => Gain} column
+ * @param {(command: Command) => Promise<void>} ask
+ */
 function gainLine(label, {gain, place, value}, controls, column, ask) {
   if (value === null || value === undefined) {
     return h(
@@ -219,12 +249,18 @@ function gainLine(label, {gain, place, value}, controls, column, ask) {
   );
 }
 
+/** @param {service.GainForm} gain @param {number | null} place */
 function gainSymbol(gain, place) {
   const base = gain.symbol ? h('i', {}, gain.symbol) : symbol(gain.name);
   return h('span', {class: 'math'}, base, place === null ? null : h('sub', {}, String(place + 1)));
 }
 
-/** Put a list that opens over the page below its button, as wide as the card and within the window. */
+/**
+ * Put a list that opens over the page below its button, as wide as the card and within the window.
+ * @param {HTMLElement} button
+ * @param {HTMLElement} list
+ * @param {HTMLElement} card
+ */
 function beside(button, list, card) {
   const {left, width} = card.getBoundingClientRect();
   const {top, bottom} = button.getBoundingClientRect();
@@ -240,8 +276,15 @@ function beside(button, list, card) {
 
 const MARK = {holds: 'ok', fails: 'bad'};
 
-/** Lights, one a check, and the list that they open to. */
+/**
+ * Lights, one a check, and the list that they open to.
+ * @param {HTMLElement} lights
+ * @param {HTMLElement} list
+ * @param {Check[]} found
+ * @param {boolean} listed
+ */
 function showLights(lights, list, found, listed) {
+  /** @param {string} verdict */
   const count = (verdict) => found.filter((check) => check.verdict === verdict).length;
   const verdicts = VERDICTS.filter(count).map((verdict) => `${count(verdict)} ${verdictWords(verdict)}`);
   const spoken = t('page.observers.assumption-lights', {verdicts});

@@ -8,8 +8,11 @@ import {wholeLines} from '../../../widgets/whole-lines.js';
 import {heading, link} from '../../../widgets/controls.js';
 import {t} from '../../../i18n/words.js';
 
+/** @import {App} from '../../types.js' */
+
 const FOLDED = 3; // so many observers are a line each, until one is opened
 
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const list = h('div', {class: 'watching'});
   const adder = h('div', {class: 'adder', hidden: true});
@@ -24,6 +27,7 @@ export function mount(element, app) {
       'aria-expanded': 'false',
       class: 'link control-only',
     });
+    /** @param {boolean} [on] */
     const toggle = (on = adder.hidden) => {
       adder.hidden = !on;
       add.setAttribute('aria-expanded', String(on));
@@ -57,7 +61,10 @@ export function mount(element, app) {
       card.update(observers.find((one) => key.startsWith(`${one.label}/${one.kind}/${one.since}`)));
     return filled();
   };
-  /** Every gain's present value, with defaults that depend on plant and noise, from the server; `anew`: the noise is another now. */
+  /**
+   * Every gain's present value, with defaults that depend on plant and noise, from the server; `anew`: the noise is another now.
+   * @param {boolean} [anew]
+   */
   const filled = async (anew = false) => {
     const {spec, noise, observers} = app.state;
     const mine = (serial += 1);

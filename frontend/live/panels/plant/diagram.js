@@ -1,15 +1,20 @@
 // From a plant's description to what its picture is made of: which blocks, which fault sites on them. No drawing here.
 
+/** @import {Channel} from '../../types.js' */
+/** @import {Plant} from '../../../pages/types.js' */
+
 /**
  * @typedef {{name: string, title: string, subject: string, onChannel: boolean}} Site
  * @typedef {{id: 'actuator'|'plant'|'l1'|'hysteresis'|'l2'|'sensor', states: string[], sites: Site[]}} Block
  */
 
 const NAMES = /[A-Za-z_]\w*/g;
+/** @param {string} text */
 const mentioned = (text) => new Set(String(text).match(NAMES) ?? []);
 
 /**
  * The states before, in and after a hysteresis of backlash operators; null where the plant has none.
+ * @param {Plant} plant
  * @returns {{before: string[], memory: string[], after: string[]} | null}
  */
 export function sandwich(plant) {
@@ -40,14 +45,20 @@ export function sandwich(plant) {
   };
 }
 
-/** @returns {Block[]} from the input to the output */
+/**
+ *
+ * @param {Plant} plant
+ * @returns {Block[]} from the input to the output
+ */
 export function blocks(plant) {
+  /** @param {Channel} channel @returns {Site} */
   const site = (channel) => ({
     name: channel.name,
     title: channel.title || channel.name,
     subject: channel.name,
     onChannel: true,
   });
+  /** @param {Channel['kind']} kind */
   const of = (kind) => plant.channels.filter((channel) => channel.kind === kind);
   const actuators = of('actuator').map(site);
   const first = plant.inputs.length || actuators.length ? [{id: 'actuator', states: [], sites: actuators}] : [];
@@ -64,9 +75,16 @@ export function blocks(plant) {
   ];
 }
 
+/**
+ * @param {Plant} plant
+ * @param {Channel[]} faults
+ * @param {(channel: Channel) => Site} site
+ * @returns {Block[]}
+ */
 function middle(plant, faults, site) {
   const parts = sandwich(plant);
   if (!parts) return [{id: 'plant', states: plant.states.map((one) => one.name), sites: faults.map(site)}];
+  /** @param {Channel} channel */
   const behind = (channel) => Object.keys(channel.enters).every((state) => parts.after.includes(state));
   return [
     {id: 'l1', states: parts.before, sites: faults.filter((channel) => !behind(channel)).map(site)},
@@ -84,6 +102,7 @@ const SHARE = {actuator: 0.8, plant: 1.25, l1: 0.62, hysteresis: 0.58, l2: 0.62,
 
 /**
  * Where everything stands in a picture 272 wide.
+ * @param {Plant} plant
  * @returns {{blocks: object[], axis: number, foot: number, height: number, left: number, right: number}}
  */
 export function layout(plant) {
@@ -112,8 +131,18 @@ export function layout(plant) {
   return {blocks: placed, axis, foot, height: foot + 24, left, right: placed.at(-1).x + placed.at(-1).width / 2};
 }
 
-/** Channel sites in rows on the upper edge, upwards; output sites on the lower edge. */
+/**
+ * Channel sites in rows on the upper edge, upwards; output sites on the lower edge.
+ * @param {Omit<Box, "spots" | "y" | "height" | "top">} box
+ * @param {number} top
+ * @returns {Spot[]}
+ */
 function spots(box, top) {
+  /**
+   * @param {Site[]} sites
+   * @param {number} y
+   * @param {number} step
+   */
   const spread = (sites, y, step) =>
     sites.map((site, place) => {
       const line = Math.floor(place / box.columns);

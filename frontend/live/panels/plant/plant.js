@@ -8,6 +8,10 @@ import {asOfNow, heading, link, steady} from '../../../widgets/controls.js';
 import {letters, s} from '../../../widgets/svg.js';
 import {named, t} from '../../../i18n/words.js';
 
+/** @import {Plant} from '../../../pages/types.js' */
+/** @import {App} from '../../types.js' */
+
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   let values = [];
   let sites = new Map();
@@ -66,6 +70,7 @@ export function mount(element, app) {
   app.onTick(tick);
 }
 
+/** @param {Plant} plant @param {App} app */
 function drawPlant(plant, app) {
   const place = layout(plant);
   const short = badges(plant.channels);
@@ -98,8 +103,15 @@ function drawPlant(plant, app) {
   return {svg, values, sites};
 }
 
-/** Signal lines: through the blocks, and down to the observers; with the present values of u and y beside these. */
+/**
+ * Signal lines: through the blocks, and down to the observers; with the present values of u and y beside these.
+ * @param {Layout} place
+ * @param {Plant} plant
+ * @param {Value[]} values
+ * @param {(words: string) => string} named
+ */
 function wires({blocks, axis, foot, left, right}, plant, values, named) {
+  /** @param {string} d */
   const wire = (d) => s('path', {class: 'wire', d, 'marker-end': 'url(#tip)'});
   const between = blocks
     .slice(1)
@@ -123,7 +135,16 @@ function wires({blocks, axis, foot, left, right}, plant, values, named) {
   return parts;
 }
 
-/** Names and present values, one under the other beside a wire. */
+/**
+ * Names and present values, one under the other beside a wire.
+ * @param {Port[]} ports
+ * @param {string} prefix
+ * @param {number} x
+ * @param {number} foot
+ * @param {string} anchor
+ * @param {Value[]} values
+ * @param {(words: string) => string} named
+ */
 function list(ports, prefix, x, foot, anchor, values, named) {
   const top = foot - 22 - 14 * ports.length + 6;
   return ports.map((port, place) => {
@@ -140,6 +161,7 @@ function list(ports, prefix, x, foot, anchor, values, named) {
   });
 }
 
+/** @param {Box} box @param {Plant} plant */
 function block(box, plant) {
   const x = box.x + box.width / 2;
   const y = box.y + box.height / 2 + (box.sites.some((site) => site.onChannel) ? 5 : 0); // clear of the sites
@@ -159,21 +181,33 @@ function block(box, plant) {
   ].filter(Boolean);
 }
 
-/** The states of a block, as many as fit. */
+/**
+ * The states of a block, as many as fit.
+ * @param {string[]} names
+ * @param {number} width
+ */
 function summary(names, width) {
   const wide = names.reduce((sum, name) => sum + (name.length > 3 ? 6 * name.length : 15), 0);
   if (wide > width - 6) return [t('page.plant.states', {n: names.length})];
   return names.flatMap((name) => [...letters(name, 12), ' ']);
 }
 
-/** A letter with its hat so much higher than a font puts it. */
+/**
+ * A letter with its hat so much higher than a font puts it.
+ * @param {string} letter
+ * @param {number} up
+ */
 const hat = (letter, up) => [
   s('tspan', {class: 'letter'}, letter),
   s('tspan', {class: 'letter', dx: -5, dy: -up}, 'ˆ'),
   s('tspan', {dx: 1, dy: up}, '\u200b'),
 ];
 
-/** The observers below: they see u and y only. One stroke of colour each. */
+/**
+ * The observers below: they see u and y only. One stroke of colour each.
+ * @param {Layout} place
+ * @param {App} app
+ */
 function watchers({foot, axis}, app) {
   const {observers, plant} = app.state;
   const w = 112;
@@ -215,7 +249,13 @@ function watchers({foot, axis}, app) {
   ];
 }
 
-/** One fault site: round for a channel, a small square for what can happen to a measurement. */
+/**
+ * One fault site: round for a channel, a small square for what can happen to a measurement.
+ * @param {Spot} spot
+ * @param {Map<string, [string, string]>} short
+ * @param {App} app
+ * @param {Map<string, Drawn>} sites
+ */
 function button(spot, short, app, sites) {
   const press = () => {
     app.act.site(null);
@@ -224,6 +264,7 @@ function button(spot, short, app, sites) {
   const title = spot.onChannel
     ? t('page.plant.site', {title: named(spot.title)})
     : t('page.plant.site-output', {name: called(spot.name, app.state.plant)});
+  /** @param {KeyboardEvent} event */
   const key = (event) => {
     if (event.key === 'Enter' || event.key === ' ') {
       event.preventDefault();
