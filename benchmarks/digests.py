@@ -90,8 +90,9 @@ def session_digests() -> Iterator[tuple[str, str]]:
         yield f"session/{command.id}-{command.type}", digest_of(*advanced)
     yield "session/end", digest_of(*advance(session, 4000))
     yield "session/history", digest_of(session.rows(0, session.row))
-    events = [[e.row, e.t, e.kind, e.subject, e.observer, e.value] for e in session.log]
-    yield "session/log", hashlib.sha256(json.dumps(events).encode()).hexdigest()[:16]
+    events = [(e.kind, e.subject, e.observer) for e in session.log]
+    yield "session/events", hashlib.sha256(json.dumps(events).encode()).hexdigest()[:16]
+    yield "session/log", numbers_digest([[e.row, e.t, e.value] for e in session.log])
 
 
 def advance(session: Session, row: int) -> list[np.ndarray]:
