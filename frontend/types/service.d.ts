@@ -505,6 +505,8 @@ export interface Event {
   subject: string;
   /** The observer that says so (alarms). */
   observer: string;
+  /** Id of the fault that it is about (inject, fault-begins, fault-ends). */
+  fault: string;
   /** Size, gain value, estimate … */
   value: JsonValue;
   /** The event in English. */
@@ -673,6 +675,37 @@ export interface ExpressionSignalInput {
   text: string;
 }
 
+/** Everything that follows from the experiment and its findings at one time, computed by one function for all. */
+export interface Facts {
+  /** The time in s: of a run, its end; of a session, the last row that was shown. */
+  t: number;
+  observers: (ObserverNow)[];
+  /** All faults so far and to come, in the order of the experiment. */
+  faults: (FaultNow)[];
+  /** Measurement noise of every output that has some. */
+  noise: {[name: string]: Noise};
+  /** Time in s at which the plant itself diverged. */
+  broken: number | null;
+  /** The detector's alarms up to that time, in order of time. */
+  alarms: (Alarm)[];
+  /** The verdict on each of them. */
+  alarm_verdicts: (AlarmOutcome)[];
+  /** The outcome for each fault so far. */
+  fault_outcomes: (FaultOutcome)[];
+  /** Ids of the faults that act and that no alarm names now, one a site. */
+  unseen: (string)[];
+  /** The diagnosis in one sentence. */
+  summary: Text;
+}
+
+/** The facts at the row that is shown, after every change of them; newer replaces older. */
+export interface FactsNow {
+  type: 'facts';
+  /** Rows shown so far. */
+  row: number;
+  facts: Facts;
+}
+
 /** A fault shape with its fields. */
 export interface FaultForm {
   shape: string;
@@ -680,6 +713,26 @@ export interface FaultForm {
   description: string;
   fields: (FormField)[];
   example: {[name: string]: JsonValue};
+}
+
+/** A fault of the experiment, and whether it acts at that time. */
+export interface FaultNow {
+  /** Id within the run or session; it stays when the fault is cleared. */
+  id: string;
+  /** Name of the channel or output. */
+  subject: string;
+  kind: 'channel' | 'output';
+  shape: string;
+  /** The fault itself; its times count from the start. */
+  fault: StepFault | RampFault | DriftFault | ExponentialFault | SineFault | PulseTrainFault | RandomWalkFault | TableFault | StuckFault | FreezeFault | DropoutFault | OutliersFault | NoiseBurstFault | QuantisationFault | DelayFault;
+  /** Time in s at which it begins. */
+  onset: number;
+  /** Time in s at which it ends; null: it stays. */
+  end: number | null;
+  /** Whether it acts. In a session: from the next row on. */
+  active: boolean;
+  /** Whether it is over. */
+  ended: boolean;
 }
 
 /** The outcome for one fault: whether an observer's alarms found it (diagnosis/evaluation/verdicts.py has the rule). */
@@ -845,6 +898,8 @@ export interface Hello {
   parent: string | null;
   /** Everything that happened so far. */
   log: (Event)[];
+  /** Observers, faults, noise, alarms and verdicts at the row that is shown. */
+  facts: Facts;
 }
 
 /** Let a fault begin now. Its onset (and end) in `fault` are counted from now. */
@@ -1094,6 +1149,28 @@ export interface ObserverKind {
   estimates_theta: boolean;
   gains: (GainForm)[];
   options: (OptionForm)[];
+}
+
+/** When an observer diverged, and the likely cause. */
+export interface ObserverLost {
+  /** Time in s. */
+  t: number;
+  /** The likely cause. */
+  text: string;
+}
+
+/** An observer that runs at that time. */
+export interface ObserverNow {
+  label: string;
+  kind: string;
+  /** Present values of the gains that were set; others have their defaults. */
+  gains: {[name: string]: number | (number)[]};
+  options: {[name: string]: JsonValue};
+  /** Its configuration when it was started. */
+  config: ObserverConfig;
+  /** Time in s at which it was started. */
+  since: number;
+  diverged: ObserverLost | null;
 }
 
 /** What came out for one observer. */
@@ -1736,6 +1813,8 @@ export interface RunSummary {
   /** Divergence of the plant itself. */
   diverged: Divergence | null;
   observers: (ObserverSummary)[];
+  /** Observers, faults, noise, alarms and verdicts at the end of the run. */
+  facts: Facts | null;
   /** The observers compared on the same data. */
   comparison: Comparison | null;
   /** Which fault, since when, how large, how sure. */
@@ -1768,7 +1847,7 @@ export interface Seek {
   t: number;
 }
 
-export type ServerMessage = Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow;
+export type ServerMessage = Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow | FactsNow;
 
 /** A new session. The token grants control. */
 export interface SessionOpened {
@@ -2230,6 +2309,16 @@ export interface TableSignalInput {
   values: (number)[];
   /** Between two times: linear, or hold the earlier value. */
   interpolation?: 'hold' | 'linear';
+}
+
+/** A message: code, arguments, and the sentence in the asked language. */
+export interface Text {
+  /** Key of the sentence in the catalogues, GET /api/messages/{language}. */
+  code: string;
+  /** Arguments of the sentence by name; a nested message is {code, args}. */
+  args: {[name: string]: JsonValue};
+  /** The sentence in the asked language. */
+  text: string;
 }
 
 /** One line of a panel: a column, or the difference of two. */

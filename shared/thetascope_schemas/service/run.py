@@ -10,6 +10,7 @@ from thetascope_schemas.experiment.diagnosis import Diagnosis
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.field_error import FieldError
 from thetascope_schemas.service.comparison import Comparison
+from thetascope_schemas.service.facts import Facts
 
 Status = Literal["queued", "running", "done", "failed", "cancelled"]
 
@@ -156,6 +157,9 @@ class RunSummary(Strict):
     substeps: int = Field(1, ge=1, description="Steps that observers take within one step.")
     diverged: Divergence | None = Field(None, description="Divergence of the plant itself.")
     observers: tuple[ObserverSummary, ...] = ()
+    facts: Facts | None = Field(
+        None, description="Observers, faults, noise, alarms and verdicts at the end of the run."
+    )
     comparison: Comparison | None = Field(None, description="The observers compared on the same data.")
     diagnosis: Diagnosis | None = Field(None, description="Which fault, since when, how large, how sure.")
     notes: tuple[str, ...] = ()

@@ -26,6 +26,7 @@ from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.observers import Gain, Label, ObserverConfig
 from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.service.facts import EXAMPLE, Facts
 from thetascope_schemas.service.run import AssumptionCheck
 
 PROTOCOL_VERSION = 1
@@ -228,6 +229,7 @@ class Hello(Strict):
     speed: Number | None
     parent: str | None = Field(None, description="The session that this one was forked from.")
     log: tuple["Event", ...] = Field((), description="Everything that happened so far.")
+    facts: Facts = Field(description="Observers, faults, noise, alarms and verdicts at the row that is shown.")
 
 
 class Ack(Strict):
@@ -291,6 +293,7 @@ class Event(Strict):
         description='Channel, output, observer label, or signal that it is about; of "diverged", empty: the plant itself.',
     )
     observer: str = Field("", description="The observer that says so (alarms).")
+    fault: str = Field("", description="Id of the fault that it is about (inject, fault-begins, fault-ends).")
     value: JsonValue = Field(None, description="Size, gain value, estimate …")
     text: str = Field("", description="The event in English.")
 
@@ -346,7 +349,17 @@ class DiagnosisNow(Strict):
     diagnosis: ObserverDiagnosis
 
 
+class FactsNow(Strict):
+    """The facts at the row that is shown, after every change of them; newer replaces older."""
+
+    model_config = example(type="facts", row=3001, facts=EXAMPLE)
+
+    type: Literal["facts"] = "facts"
+    row: int = Field(description="Rows shown so far.")
+    facts: Facts
+
+
 ServerMessage = Annotated[
-    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow,
+    Hello | Ack | Refused | Status | Event | Columns | Rewound | Jump | Spec | Assumptions | DiagnosisNow | FactsNow,
     Field(discriminator="type"),
 ]

@@ -21,6 +21,15 @@ def changed(spec: ResolvedExperiment, command: TimedCommand) -> ResolvedExperime
     return _APPLY[type(command)](spec, command)
 
 
+def after_commands(spec: ResolvedExperiment, at: float) -> ResolvedExperiment:
+    """Return the experiment as its timed commands have left it at a time in s, and without them."""
+    current = spec.model_copy(update={"commands": ()})
+    for command in spec.commands:
+        if command.at <= at:
+            current = changed(current, command)
+    return current
+
+
 def _with(spec: ResolvedExperiment, **fields: object) -> ResolvedExperiment:
     return spec.model_copy(update=fields)
 

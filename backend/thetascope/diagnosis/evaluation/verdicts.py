@@ -78,7 +78,19 @@ class AlarmLike(Protocol):
     def alternatives(self) -> Sequence[str]: ...
 
     @property
+    def onset(self) -> float: ...
+
+    @property
     def onset_from(self) -> float: ...
+
+    @property
+    def size(self) -> float | None: ...
+
+    @property
+    def size_from(self) -> float | None: ...
+
+    @property
+    def size_to(self) -> float | None: ...
 
     @property
     def cleared(self) -> float | None: ...
@@ -152,10 +164,14 @@ class AlarmVerdict:
 
 @dataclass(frozen=True)
 class Judgement:
-    """All verdicts on one detector, in order of time."""
+    """All verdicts on one detector, in order of time.
+
+    `unseen`: of the faults that act at the time of judging those that no alarm that is on names, the newest of each site.
+    """
 
     faults: tuple[FaultVerdict, ...]
     alarms: tuple[AlarmVerdict, ...]
+    unseen: tuple[Presence, ...] = ()
 
     def count(self, verdict: str) -> int:
         """Return how many faults have this outcome, or alarms this verdict."""
@@ -293,7 +309,20 @@ def judge(
     """
     ordered = sorted(alarms, key=lambda alarm: alarm.t)
     outcomes = tuple(fault_verdict(ordered, fault, own) for fault in faults_to_find(faults, present))
-    return Judgement(outcomes, tuple(_alarm(alarm, outcomes, present, own, grace) for alarm in ordered))
+    verdicts = tuple(_alarm(alarm, outcomes, present, own, grace) for alarm in ordered)
+    acting = [p for p in present if np.isinf(p.until)]
+    unseen = [p for p in acting if not any(_seen(p, a, present, own, grace) for a in ordered)]
+    newest = {(p.kind, p.name): p for p in unseen}
+    return Judgement(outcomes, verdicts, tuple(newest.values()))
+
+
+def _seen(fault: Presence, alarm: AlarmLike, present: Sequence[Presence], own: set[str], grace: float) -> bool:
+    """Return whether an alarm that is on names a fault that acts, or covers it."""
+    if alarm.cleared is not None or not (how := naming(alarm, fault, own)):
+        return False
+    if alarm.t < fault.onset - _EPS and how == "first":
+        return True
+    return any(not set(fault.ids).isdisjoint(p.ids) for p in related_faults(alarm, present, grace))
 
 
 def _alarm(

@@ -50,6 +50,7 @@ class BackgroundChecks:
             log.error("session %s: what was found is lost", self._room.id, exc_info=error)
         if found:
             self._room.broadcast.publish_findings(found)
+            self._room.facts.changed()
             self.check(0.0)
         if not self._room.closed and pending_detection(self._room.session) is not None:
             self._room.services.request_detection(self._room)
@@ -77,6 +78,8 @@ class BackgroundChecks:
             log.error("the assumptions of session %s cannot be checked", self._room.id, exc_info=error)
         for one in found or []:
             self._room.broadcast.send(one, one.type if isinstance(one, DiagnosisNow) else f"assumptions {one.observer}")
+            if isinstance(one, DiagnosisNow):
+                self._room.facts.learn(one.diagnosis)
 
 
 def pending_detection(session: "Session") -> DetectorProgress | None:

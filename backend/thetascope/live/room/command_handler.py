@@ -22,6 +22,7 @@ from thetascope_schemas.service.session import (
     Refused,
     Reset,
     Seek,
+    SetGainNow,
     Spec,
     Speed,
     Step,
@@ -99,6 +100,7 @@ class CommandHandler:
             room.clock_started()
             room.prefetch_rows()
         room.send_status()
+        room.facts.publish()
 
     # ---- the session ---------------------------------------------------------------------------------------------------
 
@@ -160,6 +162,7 @@ class CommandHandler:
         else:
             self._take_over(viewer, command, done)
         room.frozen = False
+        room.facts.changed(urgent=not isinstance(command, SetGainNow))  # a slider that is dragged sends many of these
         self._busy = False
         room.prefetch_rows()
         self._next()

@@ -14,6 +14,7 @@ import numpy as np
 from thetascope.live.room.background_checks import BackgroundChecks
 from thetascope.live.room.broadcast import Broadcast
 from thetascope.live.room.command_handler import CommandHandler
+from thetascope.live.room.facts_publisher import FactsPublisher
 from thetascope.live.room.playback_clock import MeasuredSpeed, PlaybackClock
 from thetascope.live.room.prefetch import Prefetcher
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
@@ -57,6 +58,7 @@ class Room:
         )
         self.queue = SerialQueue(services.background)
         self.commands, self.prefetcher = CommandHandler(self), Prefetcher(self)
+        self.facts = FactsPublisher(self)
         self.frozen = False  # while a command that takes long is carried out
         self.closed = False
         self.empty_since: float | None = services.clock()
@@ -122,6 +124,7 @@ class Room:
             speed=self.playback.speed,
             parent=self.parent,
             log=tuple(event for event in self.session.log if self._seen(event)),
+            facts=self.facts.facts(),
         )
         viewer.put(hello.model_dump_json())
         self.broadcast.viewers.append(viewer)
@@ -237,6 +240,7 @@ class Room:
         if self.finished and self.ended and playback.moving:
             playback.pause()
             self.send_status()
+        self.facts.publish()
 
     def prefetch_rows(self) -> None:
         """Compute ahead, if there is need to."""

@@ -7,10 +7,21 @@ from typing import TYPE_CHECKING, Any, Protocol
 from thetascope.live.room.playback_clock import PlaybackClock
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
 from thetascope.live.room.serial_queue import Background, SerialQueue
+from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 
 if TYPE_CHECKING:
     from thetascope.live.room.broadcast import Broadcast
     from thetascope.live.session.session import Session
+
+
+class PublishesFacts(Protocol):
+    """What the parts of a room need of its facts."""
+
+    def changed(self, urgent: bool = False) -> None: ...
+
+    def publish(self, urgent: bool = False) -> None: ...
+
+    def learn(self, diagnosis: ObserverDiagnosis) -> None: ...
 
 
 class RoomParts(Protocol):
@@ -23,6 +34,7 @@ class RoomParts(Protocol):
     playback: PlaybackClock
     prefetch_plan: PrefetchPlan
     queue: SerialQueue
+    facts: "PublishesFacts"
     frozen: bool
     finished: bool
     closed: bool

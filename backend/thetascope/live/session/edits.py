@@ -1,6 +1,6 @@
 """Commands of a live session → the spec that they leave behind."""
 
-from thetascope.assembly.build.timed_commands import changed
+from thetascope.assembly.build.timed_commands import after_commands, changed
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope_schemas import Experiment
@@ -121,9 +121,5 @@ def truncated_at(spec: Experiment, start: Experiment, faults: tuple[Fault, ...],
 
 
 def without_commands(spec: Experiment, t: float) -> Experiment:
-    """The experiment as its timed commands have left it at ``t``, and without them."""
-    current = spec.model_copy(update={"commands": ()})
-    for command in spec.commands:
-        if command.at <= t:
-            current = changed(current, command)
-    return current
+    """Return the experiment as its timed commands have left it at ``t``, and without them."""
+    return after_commands(spec, t)

@@ -16,7 +16,7 @@ from thetascope.engine.errors import Unwatchable
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.experiment import Rows, State
 from thetascope_schemas import Experiment
-from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, InputProposal, ObserverDiagnosis
+from thetascope_schemas.experiment.diagnosis import Alarm, DiagnosisSettings, InputProposal, ObserverDiagnosis
 from thetascope_schemas.service.session import DiagnosisNow, Event
 
 _MOST_WAITING = 8  # pieces of rows that wait to be watched in passing
@@ -145,6 +145,28 @@ class LiveDetector:
         return Event(
             row=row, t=row * self.record, kind=kind, subject=subject, observer="detector", value=value, text=text
         )
+
+    def alarms(
+        self, seen: "DetectorProgress | None", until: float, known: dict[int, tuple[Finding, Alarm]]
+    ) -> tuple[Alarm, ...]:
+        """Return the alarms raised up to a time in s, in order of time, as they were on at that time.
+
+        known: alarms by place, with the findings that they were made of; a cache that the caller keeps.
+        """
+        if seen is None or self.detector is None:
+            return ()
+        last = (until + 1e-9) / self.detector.interval
+        answer = []
+        for place, finding in enumerate(seen.watched.decisions.findings):
+            if finding.raised_at > last:
+                continue
+            if finding.cleared is not None and finding.cleared > last:
+                finding = replace(finding, cleared=None)
+            if place not in known or known[place][0] != finding:
+                told = alarm(finding, self.detector, self.settings.confidence, place)
+                known[place] = finding, Alarm.model_validate(told)
+            answer.append(known[place][1])
+        return tuple(sorted(answer, key=lambda one: one.t))
 
     def propose_input(self, experiment: Engine, state: State) -> InputProposal:
         """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""

@@ -2,6 +2,7 @@
 
 import math
 
+from thetascope.diagnosis.evaluation.verdicts import fault_ids
 from thetascope_schemas import Experiment
 from thetascope_schemas.experiment.commands import (
     AddObserver,
@@ -37,7 +38,7 @@ def due_events(spec: Experiment, log: list[Event], first: int, last: int, record
             made = command_event(command, row, row * record)
             if made.value not in told.get((made.kind, made.subject, row), []):
                 found.append(made)
-    for fault in spec.faults:
+    for id, fault in zip(fault_ids(spec.faults), spec.faults, strict=True):
         name = fault.site.name
         for kind, when, by_hand in (("fault-begins", fault.onset, ("inject",)), ("fault-ends", fault.end, ("clear",))):
             row = None if when is None else math.ceil(when / record - 1e-9)
@@ -46,7 +47,7 @@ def due_events(spec: Experiment, log: list[Event], first: int, last: int, record
             if not any((hand, subject, row) in told for hand in by_hand for subject in (name, "")):
                 word = "begins" if kind == "fault-begins" else "ends"
                 text = f"the fault {name} {word}"
-                found.append(Event(row=row, t=row * record, kind=kind, subject=name, text=text))
+                found.append(Event(row=row, t=row * record, kind=kind, subject=name, fault=id, text=text))
     return found
 
 

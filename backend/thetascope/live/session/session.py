@@ -14,6 +14,7 @@ import numpy as np
 from thetascope.assembly.build.experiment_builder import engine
 from thetascope.assembly.build.incremental import adapted
 from thetascope.assembly.build.prepare import prepare
+from thetascope.diagnosis.evaluation.verdicts import fault_ids
 from thetascope.engine.errors import SpecError
 from thetascope.engine.execution.run_experiment import needed_substeps
 from thetascope.engine.execution.stages import Stage, carry
@@ -226,7 +227,10 @@ class Session(Rewinding):
         self._change(command)
         if self.spec.faults is not faults:
             self._faults = (*self._faults, (self.row, self.spec.faults))
-        return [self._noted(log_events.command_event(command, self.row, self.t, len(faults) - len(self.spec.faults)))]
+        event = log_events.command_event(command, self.row, self.t, len(faults) - len(self.spec.faults))
+        if isinstance(command, Inject):
+            event = event.model_copy(update={"fault": fault_ids(self.spec.faults)[-1]})
+        return [self._noted(event)]
 
     def _carried_out_within(self, member: object, place: int) -> list[Event]:
         """Carry out one command of a batch; a SpecError names its place."""

@@ -2,20 +2,47 @@
 
 from dataclasses import asdict
 
+from thetascope.assembly.analyses.facts import DetectorState, Losses, facts
 from thetascope.assembly.build.diagnosis_settings import findings
-from thetascope.diagnosis.evaluation.observer_comparison import COVERED, FOUND, MISSED, Row, compare
+from thetascope.diagnosis.evaluation.observer_comparison import (
+    COVERED,
+    DETECTOR,
+    FOUND,
+    MISSED,
+    Row,
+    compare,
+)
+from thetascope.diagnosis.evaluation.observer_comparison import Comparison as Compared
 from thetascope.diagnosis.evaluation.verdicts import Judgement
 from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment
 from thetascope_schemas.service.comparison import AlarmOutcome, Comparison, ComparisonRow, FaultOutcome
+from thetascope_schemas.service.facts import Facts
 
 
 def compared(result: Result, spec: Experiment) -> Comparison:
     """Return the comparison of the observers of a result; the spec gives the faults."""
-    found = compare(result, spec.faults, findings(result))
+    return comparison_rows(compare(result, spec.faults, findings(result)))
+
+
+def comparison_rows(found: Compared) -> Comparison:
+    """Return a comparison in the schemas' terms."""
     return Comparison.model_validate(
         {"windows": [asdict(window) for window in found.windows], "observers": [_row(row) for row in found.rows]}
     )
+
+
+def facts_of(result: Result, spec: Experiment, found: Compared) -> Facts:
+    """Return the facts at the end of a run: of a session that was saved, those of the session."""
+    told = findings(result).get(DETECTOR)
+    judgement = next((row.judgement for row in found.rows if row.label == DETECTOR), None)
+    settled = told.calibration.from_time if told and told.calibration else 0.0
+    note = told.note if told else "none is asked for"
+    alarms = sorted(told.alarms, key=lambda alarm: alarm.t) if told and judgement else ()
+    lost = {r.label: (r.diverged.time, r.diverged.cause) for r in result.observers if r.diverged is not None}
+    end = float(result.column("t")[-1])
+    detector = DetectorState(alarms, judgement, told, settled, "" if judgement else note)
+    return facts(spec, end, end, detector, Losses(lost, result.diverged.time if result.diverged else None))
 
 
 def _row(row: Row) -> ComparisonRow:

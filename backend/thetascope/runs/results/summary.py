@@ -6,16 +6,19 @@ from typing import Any
 
 import numpy as np
 
+from thetascope.assembly.build.diagnosis_settings import findings
 from thetascope.diagnosis.evaluation.metrics import LAST, event_times, final_values, settling, state_rmse, step_changes
+from thetascope.diagnosis.evaluation.observer_comparison import compare
 from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
-from thetascope.runs.results.comparison_rows import compared
+from thetascope.runs.results.comparison_rows import comparison_rows, facts_of
 from thetascope_schemas import Experiment
 from thetascope_schemas.experiment.diagnosis import Diagnosis
 from thetascope_schemas.service.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
 
 
 def summarise(result: Result, spec: Experiment) -> RunSummary:
-    """The run's summary: divergence, errors, estimates, settling and assumption checks of every observer."""
+    """Return the run's summary: facts at its end, divergence, errors, estimates, settling and assumption checks of every observer."""
+    found = compare(result, spec.faults, findings(result))
     return RunSummary(
         columns=len(result.names),
         rows=result.data.shape[1],
@@ -23,7 +26,8 @@ def summarise(result: Result, spec: Experiment) -> RunSummary:
         substeps=result.substeps,
         diverged=_divergence(result.diverged),
         observers=tuple(_observer(result, report, spec) for report in result.observers),
-        comparison=compared(result, spec),
+        comparison=comparison_rows(found),
+        facts=facts_of(result, spec, found),
         diagnosis=None if result.diagnosis is None else Diagnosis.model_validate(result.diagnosis),
         notes=tuple(result.notes),
         seconds=result.seconds,

@@ -1,0 +1,68 @@
+"""Tells the viewers of a room the facts whenever they change: by a command, a finding, or a time that passes."""
+
+from typing import TYPE_CHECKING
+
+from thetascope.live.session.session_facts import FactsMemory, facts_of
+from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
+from thetascope_schemas.service.facts import Facts
+from thetascope_schemas.service.session import FactsNow
+
+if TYPE_CHECKING:
+    from thetascope.live.room.room_parts import RoomParts
+
+SPACING = 0.1
+"""Seconds between two messages, at least, while time runs."""
+
+
+class FactsPublisher:
+    """Of one room. Everything is called on the event loop."""
+
+    def __init__(self, room: "RoomParts") -> None:
+        self._room = room
+        self._memory = FactsMemory(room.session.record)
+        self._diagnosis: ObserverDiagnosis | None = None
+        self._sent: Facts | None = None
+        self._due, self._at = True, -SPACING
+        self._row, self._next = 0, 0.0  # rows for which the facts hold, and the time in s up to which nothing changes
+
+    def facts(self) -> Facts:
+        """Return the facts at the row that is shown, for a new viewer; the others get them too if they have changed."""
+        room = self._room
+        self._row, self._due = room.shown, False
+        facts = facts_of(room.session, room.shown, self._memory, self._diagnosis)
+        self._next = self._following(facts)
+        if self._sent is None or facts != self._sent.model_copy(update={"t": facts.t}):
+            self._sent, self._at = facts, room.services.clock()
+            room.broadcast.send(FactsNow(row=room.shown, facts=facts), "facts")
+        return facts
+
+    def _following(self, facts: Facts) -> float:
+        """Return the time of the next row at which the spec alone changes the facts."""
+        spec, at = self._room.session.spec, facts.t + self._room.session.record
+        times = [t for fault in spec.faults for t in (fault.onset, fault.end) if t is not None]
+        times += [command.at for command in spec.commands]
+        if self._diagnosis is not None and self._diagnosis.calibration is not None:
+            times.append(self._diagnosis.calibration.from_time)
+        return min((t for t in times if t > at * (1 + 1e-9)), default=float("inf"))
+
+    def learn(self, diagnosis: ObserverDiagnosis) -> None:
+        """Take the newest report of the detector."""
+        self._diagnosis = diagnosis
+        self.changed()
+
+    def changed(self, urgent: bool = False) -> None:
+        """Publish after something has happened: now, or with the next rows if facts were sent a moment ago."""
+        self._due = True
+        self.publish(urgent)
+
+    def publish(self, urgent: bool = False) -> None:
+        """Send the facts if they have changed; `urgent`: however soon after the last ones."""
+        room = self._room
+        reached = (room.shown + 1) * room.session.record > self._next
+        if room.frozen or not (self._due or reached or room.shown < self._row):
+            return
+        now = room.services.clock()
+        if not urgent and room.playback.moving and now - self._at < SPACING:
+            self._due = True
+            return
+        self.facts()

@@ -1,0 +1,83 @@
+"""The facts of a live session at the row that is shown, by the functions that runs use."""
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.assembly.analyses.facts import DetectorState, Losses, facts
+from thetascope.diagnosis.evaluation.verdicts import Judgement, judge, presences
+from thetascope.diagnosis.isolation.decision_state import Finding
+from thetascope.engine.inputs.signals import Signal
+from thetascope_schemas.experiment.diagnosis import Alarm, ObserverDiagnosis
+from thetascope_schemas.service.facts import Facts
+
+if TYPE_CHECKING:
+    from thetascope.live.session.session import Session
+
+_EARLY = 1e-3  # of a row: times that differ by rounding only are the same
+_CHUNK = 64  # rows of θ that are looked at first
+
+
+def facts_of(session: "Session", row: int, memory: "FactsMemory", diagnosis: ObserverDiagnosis | None = None) -> Facts:
+    """Return the facts of a session of which rows 0 … row − 1 have been shown.
+
+    A fault or a command acts from the next row on: what was done while time stands still counts. `diagnosis` is the
+    newest report of the detector.
+    """
+    t = max(0, row - 1) * session.record
+    at = t + session.record * (1 + _EARLY)
+    return facts(session.spec, t, at, detector_state(session, t, at, memory, diagnosis), losses(session, row))
+
+
+def detector_state(
+    session: "Session", t: float, at: float, memory: "FactsMemory", diagnosis: ObserverDiagnosis | None = None
+) -> DetectorState:
+    """Return the detector's alarms up to t (s), judged against the faults with an onset before `at` (s)."""
+    live = session.detector
+    if live.detector is None:
+        return DetectorState(note=live.note)
+    alarms = live.alarms(session.current.watched, t, memory.alarms)
+    settled = max(float(live.detector.thresholds.begin * live.detector.interval), 0.0)
+    return DetectorState(alarms, _judged(session, alarms, at, memory, settled), diagnosis, settled)
+
+
+def _judged(session: "Session", alarms: tuple[Alarm, ...], at: float, memory: "FactsMemory", grace: float) -> Judgement:
+    def nonzero(channel: str, start: float, end: float) -> bool:
+        return memory.nonzero(session.experiment.signals[f"theta.{channel}"], channel, start, end)
+
+    faults = session.spec.faults
+    channels = {channel.name for channel in session.spec.plant.channels}
+    return judge(alarms, faults, presences(faults, at, nonzero), channels, grace)
+
+
+def losses(session: "Session", row: int) -> Losses:
+    """Return which observers have diverged in the rows before `row`, and whether the plant has."""
+    lost = [event for event in session.log if event.kind == "diverged" and event.row < row]
+    plant = next((event.t for event in lost if event.subject == ""), None)
+    return Losses({event.subject: (event.t, event.text) for event in lost if event.subject}, plant)
+
+
+class FactsMemory:
+    """Results that are kept between two calls: alarms, and in which stretches of rows the true θ is not zero."""
+
+    def __init__(self, record: float) -> None:
+        self._record = record
+        self.alarms: dict[int, tuple[Finding, Alarm]] = {}
+        self._known: dict[tuple[str, float], tuple[Signal, int, bool]] = {}  # signal, rows looked at, result
+
+    def nonzero(self, signal: Signal, channel: str, start: float, end: float) -> bool:
+        """Return whether θ of a channel is nonzero at some row of [start, end) in s, or has no row there."""
+        first, last = (math.ceil(time / self._record - 1e-6) for time in (start, end))
+        if last <= first:
+            return True
+        known, row, found = self._known.get((channel, start), (signal, first, False))
+        if known is not signal:
+            row, found = first, False
+        size = _CHUNK
+        while not found and row < last:
+            rows = np.arange(row, min(row + size, last)) * self._record
+            found = bool(np.any(signal(rows, rows)))
+            row, size = row + len(rows), 4 * size
+        self._known[channel, start] = signal, row, found
+        return found

@@ -1,0 +1,126 @@
+"""The facts of a session: what acts at the row that is shown, and verdicts equal to those of the run of its spec."""
+
+import pytest
+
+from tests.live.session.test_session import do, zhao
+from tests.live.stage import Stage, staged
+from thetascope.assembly import prepare
+from thetascope.engine.inputs.fault_signals import theta
+from thetascope.live.session.session import Session
+from thetascope.live.session.session_facts import FactsMemory, facts_of
+from thetascope.runs.results.summary import summarise
+
+FAULT = {"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02}
+NOISE = {"y": {"std": 0.001, "sample_time": 0.01}}
+
+
+def facts_now(session: Session):
+    """The facts at the newest row."""
+    return facts_of(session, session.row, FactsMemory(session.record))
+
+
+def summary_of_run(session: Session):
+    """The summary of the session's spec as a run up to the newest row."""
+    t = (session.row - 1) * session.record
+    spec = session.spec.model_copy(update={"horizon": t, "record": session.record})
+    return summarise(prepare(spec).run(), spec)
+
+
+def test_the_verdicts_of_a_session_are_those_of_the_run_of_its_spec():
+    """Faults found, cleared, injected again and changed: outcome, delay, alarm ids and the sentence are the run's."""
+    session = Session(zhao(noise=NOISE))
+    session.advance(1500)
+    do(session, "inject", fault=FAULT)
+    session.advance(1000)
+    do(session, "clear", channel="theta3")
+    session.advance(700)
+    do(session, "inject", fault=FAULT | {"channel": "theta1", "size": 0.05})
+    session.advance(800)
+    live = facts_now(session)
+    run = summary_of_run(session).facts
+    assert [f.outcome for f in live.fault_outcomes] == ["found", "found"]
+    assert live.fault_outcomes == run.fault_outcomes
+    assert live.alarm_verdicts == run.alarm_verdicts
+    assert live.unseen == run.unseen == ()
+    assert live.summary == run.summary and live.summary.code == "diagnosis.summary.one-found"
+    assert live.observers == run.observers and live.faults == run.faults and live.noise == run.noise
+
+
+def test_what_was_done_while_time_stands_still_acts_at_once():
+    """A fault injected at the newest row is active and not found yet; its id is in the log, too."""
+    session = Session(zhao(noise=NOISE))
+    session.advance(1500)
+    before = facts_now(session)
+    do(session, "inject", fault=FAULT)
+    now = facts_now(session)
+    assert before.faults == () and before.summary.code == "diagnosis.summary.quiet"
+    (fault,) = now.faults
+    assert fault.active and now.unseen == (fault.id,) and now.summary.code == "diagnosis.summary.looking"
+    assert session.log[-1].fault == fault.id
+
+
+def test_observers_gains_and_noise_are_those_of_the_shown_row():
+    """Also in the past of commands that are still to come: two commands, three states."""
+    session = Session(zhao())
+    session.advance(100)
+    do(session, "set-gain", observer="adaptive", gain="rho", value=9)
+    session.advance(100)
+    do(session, "set-noise", output="y", std=0.003)
+    do(session, "add-observer", observer={"label": "ekf", "kind": "joint-ekf"})
+    session.advance(100)
+    memory = FactsMemory(session.record)
+    early, middle, late = (facts_of(session, row, memory) for row in (50, 150, 250))
+    assert [f.observers[0].gains.get("rho") == 9 for f in (early, middle, late)] == [False, True, True]
+    assert [len(f.observers) for f in (early, middle, late)] == [1, 1, 2]
+    assert late.observers[1].since == pytest.approx(200 * session.record)
+    assert middle.noise == early.noise != late.noise and late.noise["y"].std == 0.003
+
+
+def test_an_alarm_is_on_until_the_row_at_which_it_clears_is_shown():
+    """Judged at an earlier row, a cleared alarm is still on and a later one does not exist."""
+    session = Session(zhao(noise=NOISE))
+    session.advance(1500)
+    do(session, "inject", fault=FAULT)
+    session.advance(1000)
+    do(session, "clear", channel="theta3")
+    session.advance(1000)
+    (alarm,) = facts_now(session).alarms
+    assert alarm.cleared is not None
+    memory = FactsMemory(session.record)
+    row = round(alarm.cleared / session.record)
+    assert facts_of(session, row, memory).alarms[0].cleared is None
+    assert facts_of(session, row + 1, memory).alarms[0].cleared == alarm.cleared
+    assert facts_of(session, round(alarm.t / session.record), memory).alarms == ()
+
+
+def test_where_theta_is_zero_is_found_in_pieces_as_rows_come():
+    """A ramp that begins late in a stretch is found when its rows are there; a signal that is replaced is looked at again."""
+    memory = FactsMemory(0.01)
+    late = {"channel": "a", "shape": "table", "times": [0, 9], "values": [0, 1], "onset": 0}
+    signal = theta("a", [late], 0)
+    assert not memory.nonzero(signal, "a", 0.0, 5.0)
+    assert memory.nonzero(signal, "a", 0.0, 20.0)
+    assert not memory.nonzero(theta("a", [late | {"values": [0, 0]}], 0), "a", 0.0, 20.0)
+    assert memory.nonzero(signal, "a", 0.001, 0.002), "no row at all"
+
+
+def test_a_room_sends_the_facts_when_they_change_and_only_then():
+    """With hello, when judging begins, when a planned fault begins, after a command and with going back; not otherwise."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        planned = page.texts[0]["facts"]["faults"]
+        assert [fault["active"] for fault in planned] == [False]
+        await stage.say(page, "play")
+        await stage.go(0.4)
+        assert [one["facts"]["summary"]["code"] for one in page.of("facts")] == ["diagnosis.summary.quiet"]
+        await stage.go(0.4)
+        begun = page.of("facts")[1]
+        assert begun["facts"]["faults"][0]["active"] and begun["facts"]["t"] == pytest.approx(0.5, abs=0.03)
+        await stage.say(page, "set-noise", output="y", std=0.5)
+        assert page.of("facts")[-1]["facts"]["noise"]["y"]["std"] == 0.5
+        await stage.say(page, "seek", t=0.2)
+        back = page.of("facts")[-1]["facts"]
+        assert not back["faults"][0]["active"] and back["noise"] == page.texts[0]["facts"]["noise"]
+
+    staged(scenario)
