@@ -1,10 +1,11 @@
-"""Write docs/observers.md from the observers' own files: `python -m tools.document_observers`.
+"""Write docs/observers.md, and the README's counts, from the registry: `python -m tools.document_observers`.
 
-Equations and remarks are the modules' docstrings, gains and options what the observers declare, and the assumptions
-those that a short run of each reports. A test compares the file with what this would write.
+Equations and remarks are the modules' docstrings, gains and options are declared by the observers, and the assumptions
+are those that a short run of each reports. Tests compare both files with the output of this module.
 """
 
 import inspect
+import re
 import sys
 from collections.abc import Iterable
 from importlib import import_module
@@ -12,28 +13,39 @@ from pathlib import Path
 
 from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.registry import kinds, observer
 from thetascope.engine.observers.support.declaration import Gain, Observer, Option
 from thetascope_schemas import Experiment
 
-FILE = Path(__file__).resolve().parents[1] / "docs" / "observers.md"
+ROOT = Path(__file__).resolve().parents[1]
+FILE = ROOT / "docs" / "observers.md"
+README = ROOT / "README.md"
 
-#: A library experiment on whose plant each kind can be built; it is run for a moment.
-SHOWN_ON = {
-    "high-gain": "zhao-2012",
-    "zhao-adaptive": "zhao-2012",
-    "nonsmooth-adaptive": "shen-hu-2015",
-    "linear-adaptive": "shen-hu-2015",
-    "reduced-order": "reduced-order-mimo",
-    "full-order": "reduced-order-mimo",
-    "sandwich-nonsmooth": "zhou-tan-2012",
-    "sandwich-conventional": "zhou-tan-2012",
-    "adaptive-kalman": "zhao-2012",
-    "adaptive-kalman-discrete": "zhao-2012",
-    "joint-ekf": "zhao-2012",
-    "joint-ukf": "zhao-2012",
-}
+WORDS = [
+    "no",
+    "one",
+    "two",
+    "three",
+    "four",
+    "five",
+    "six",
+    "seven",
+    "eight",
+    "nine",
+    "ten",
+    "eleven",
+    "twelve",
+    "thirteen",
+    "fourteen",
+    "fifteen",
+    "sixteen",
+    "seventeen",
+    "eighteen",
+    "nineteen",
+    "twenty",
+]
 
 HEAD = """# Observers
 
@@ -52,18 +64,31 @@ as JSON.
 
 
 def main() -> int:
-    """Write the page."""
+    """Write the page and the README's counts."""
     FILE.write_text(page(), encoding="utf-8")
-    print(FILE)
+    README.write_text(counted(README.read_text(encoding="utf-8")), encoding="utf-8")
+    print(FILE, README, sep="\n")
     return 0
 
 
+def counted(text: str) -> str:
+    """Return a text with its numbers of observers and plants, written as words, brought up to date."""
+    for noun, count in (("observers", len(kinds())), ("plants", len(library.plants()))):
+        word = WORDS[count] if count < len(WORDS) else str(count)
+
+        def exact(match: re.Match[str], word: str = word) -> str:
+            return (word.capitalize() if match[1][0].isupper() else word) + match[2]
+
+        text = re.sub(rf"\b(\d+|{'|'.join(WORDS[1:])})( {noun}\b)", exact, text, flags=re.IGNORECASE)
+    return text
+
+
 def page() -> str:
-    """The whole page as Markdown."""
-    found = [observer(kind) for kind in kinds()]
-    index = "\n".join(f"| [`{o.id}`](#{o.id}) | {o.summary} | {o.source} |" for o in found)
-    table = f"| Kind | What it is for | Source |\n|---|---|---|\n{index}\n"
-    return "\n".join([HEAD, table, *(section(o) for o in found)])
+    """Return the whole page as Markdown."""
+    observers = [observer(kind) for kind in kinds()]
+    index = "\n".join(f"| [`{o.id}`](#{o.id}) | {o.summary} | {o.source} |" for o in observers)
+    table = f"| Kind | Purpose | Source |\n|---|---|---|\n{index}\n"
+    return "\n".join([HEAD, table, *(section(o) for o in observers)])
 
 
 def section(kind: Observer) -> str:
@@ -99,11 +124,14 @@ def gain(g: Gain) -> str:
 
 
 def size(g: Gain) -> str:
-    """How many numbers it takes, in words."""
+    """Return in words how many numbers a gain takes."""
     each = {"n": "state", "m": "output", "p": "fault channel", "n-m": "state that is not measured"}
     if g.size is None:
         return ""
-    return f"; one per {each[g.size]}" if g.size in each else "; a list"
+    rows = each.get(str(g.size))
+    if g.columns is not None:
+        return f"; a matrix, one row per {rows} and one column per {each.get(str(g.columns))}"
+    return f"; one per {rows}" if rows else "; a list"
 
 
 def option(o: Option) -> str:
@@ -119,15 +147,29 @@ def cell(text: str) -> str:
 
 
 def checks(kind: str) -> tuple[Check, ...]:
-    """The assumptions that this kind reports."""
-    spec = library.experiment(SHOWN_ON[kind]).model_dump(mode="json")
-    moment = 50 * spec["step"]
-    spec |= {"horizon": moment, "record": spec["step"], "faults": [], "figures": []}
-    used = next((o for o in spec["observers"] if o["kind"] == kind), {"label": "one", "kind": kind})
+    """Return the assumptions that a kind reports, from a short run on the first experiment it can be built for.
+
+    Experiments that use the kind come first. Raises the last SpecError where it can be built for no library experiment.
+    """
+    experiments = [library.experiment(name) for name in library.experiments()]
+    experiments.sort(key=lambda e: all(o.kind != kind for o in e.observers))
+    refusal: Exception | None = None
+    for experiment in experiments:
+        try:
+            return prepare(library.resolve(moment_of(experiment, kind))).run().observers[0].checks
+        except SpecError as error:
+            refusal = error
+    raise refusal or LookupError("the library has no experiments")
+
+
+def moment_of(experiment: Experiment, kind: str) -> Experiment:
+    """Return the first fifty steps of an experiment, with one observer of a kind."""
+    spec = experiment.model_dump(mode="json")
+    spec |= {"horizon": 50 * spec["step"], "record": spec["step"], "faults": [], "figures": [], "commands": []}
     if observer(kind).time == "discrete":
         spec["measurement"] = {"mode": "sampled", "period": 10 * spec["step"]}
-    spec["observers"] = [used]
-    return prepare(library.resolve(Experiment.model_validate(spec))).run().observers[0].checks
+    spec["observers"] = [next((o for o in spec["observers"] if o["kind"] == kind), {"label": "one", "kind": kind})]
+    return Experiment.model_validate(spec)
 
 
 if __name__ == "__main__":

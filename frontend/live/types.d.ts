@@ -22,7 +22,7 @@ export type TimedCommand = service.Experiment['commands'][number];
 export type Jump = service.Jump;
 export type Channel = Plant['channels'][number];
 export type Output = Plant['outputs'][number];
-export type Gain = number | number[];
+export type Gain = number | number[] | number[][];
 export type ServerMessage = service.ServerMessage;
 
 /** An experiment with its plant in full, as sessions have it. */

@@ -869,12 +869,22 @@ export interface GainForm {
   default: number | (number)[] | null;
   low: number;
   high: number;
-  /** Length of a column (n, m, p, …), null for a number. */
+  /** Length of a column or rows of a matrix (n, m, p, …), null for a number. */
   size: string | null;
+  /** Columns of a matrix (n, m, p, …), null for a number or a column. */
+  columns: string | null;
   symbol: string;
   unit: string;
   /** Whether moving it during a run has an effect. */
   live: boolean;
+}
+
+/** Labels of a gain that is a column or a matrix. */
+export interface GainLabels {
+  /** States, outputs, channels or coordinates that the rows belong to. */
+  rows: (string)[];
+  /** The same for columns; empty for a column gain. */
+  columns: (string)[];
 }
 
 /** The first message on a connection: everything a page needs to draw itself. */
@@ -1089,8 +1099,8 @@ export interface ObserverConfig {
   label: string;
   /** Kind, from the catalogue. */
   kind: string;
-  /** Gains that differ from their defaults: a number or a list. */
-  gains: {[name: string]: number | (number)[]};
+  /** Gains that differ from their defaults: a number, a list for a column, or a list of rows for a matrix. */
+  gains: {[name: string]: number | (number)[] | ((number)[])[]};
   /** Options that differ from their defaults. */
   options: {[name: string]: boolean | string | number};
   /** Estimates at t = 0 by state or channel, in their units. Where none is given, a state starts from the plant's own initial value and a channel from 0. */
@@ -1103,8 +1113,8 @@ export interface ObserverConfigInput {
   label: string;
   /** Kind, from the catalogue. */
   kind: string;
-  /** Gains that differ from their defaults: a number or a list. */
-  gains?: {[name: string]: number | (number)[]};
+  /** Gains that differ from their defaults: a number, a list for a column, or a list of rows for a matrix. */
+  gains?: {[name: string]: number | (number)[] | ((number)[])[]};
   /** Options that differ from their defaults. */
   options?: {[name: string]: boolean | string | number};
   /** Estimates at t = 0 by state or channel, in their units. Where none is given, a state starts from the plant's own initial value and a channel from 0. */
@@ -1464,7 +1474,9 @@ export interface PrbsSignalInput {
 
 /** Every gain of every observer of an experiment, by label and name. */
 export interface PresentGains {
-  gains: {[name: string]: {[name: string]: number | (number)[]}};
+  gains: {[name: string]: {[name: string]: number | (number)[] | ((number)[])[]}};
+  /** Labels of gains that are columns or matrices, by observer and gain. */
+  labels: {[name: string]: {[name: string]: GainLabels}};
 }
 
 /** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the asked language. */
@@ -1896,8 +1908,8 @@ export interface SetGain {
   observer: string;
   /** Name of the gain. */
   gain: string;
-  /** The new value: a number, or a list for a gain that is a column. */
-  value: number | (number)[];
+  /** The new value: a number, a list for a column, or a list of rows for a matrix. */
+  value: number | (number)[] | ((number)[])[];
 }
 
 /** Give an observer's gain another value. */
@@ -1909,8 +1921,8 @@ export interface SetGainInput {
   observer: string;
   /** Name of the gain. */
   gain: string;
-  /** The new value: a number, or a list for a gain that is a column. */
-  value: number | (number)[];
+  /** The new value: a number, a list for a column, or a list of rows for a matrix. */
+  value: number | (number)[] | ((number)[])[];
 }
 
 /** Give an observer's gain another value from now on. */
@@ -1920,7 +1932,7 @@ export interface SetGainNow {
   type: 'set-gain';
   observer: string;
   gain: string;
-  value: number | (number)[];
+  value: number | (number)[] | ((number)[])[];
 }
 
 /** Change the measurement noise of one output. */

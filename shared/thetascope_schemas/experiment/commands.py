@@ -26,7 +26,7 @@ class SetGain(Timed):
     command: Literal["set-gain"] = "set-gain"
     observer: Label = Field(description="Label of the observer.")
     gain: Reference = Field(description="Name of the gain.")
-    value: Gain = Field(description="The new value: a number, or a list for a gain that is a column.")
+    value: Gain = Field(description="The new value: a number, a list for a column, or a list of rows for a matrix.")
 
 
 class SetSignal(Timed):

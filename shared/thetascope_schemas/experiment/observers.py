@@ -18,7 +18,9 @@ def _label_free(label: str) -> str:
 
 
 def _shape_of(value: object) -> str:
-    return "list" if isinstance(value, list | tuple) else "number"
+    if not isinstance(value, list | tuple):
+        return "number"
+    return "rows" if value and isinstance(value[0], list | tuple) else "list"
 
 
 def _type_of(value: object) -> str:
@@ -27,7 +29,13 @@ def _type_of(value: object) -> str:
 
 Label = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_-]{0,31}$"), AfterValidator(_label_free)]
 Gain = Annotated[
-    Annotated[Number, Tag("number")] | Annotated[tuple[Number, ...], Field(min_length=1, max_length=4000), Tag("list")],
+    Annotated[Number, Tag("number")]
+    | Annotated[tuple[Number, ...], Field(min_length=1, max_length=4000), Tag("list")]
+    | Annotated[
+        tuple[Annotated[tuple[Number, ...], Field(min_length=1, max_length=100)], ...],
+        Field(min_length=1, max_length=100),
+        Tag("rows"),
+    ],
     Discriminator(_shape_of),
 ]
 Option = Annotated[
@@ -55,7 +63,9 @@ class ObserverConfig(Strict):
     label: Label = Field(description="Label, unique in the experiment; its columns start with it.")
     kind: Kind = Field(description="Kind, from the catalogue.")
     gains: dict[Reference, Gain] = Field(
-        default_factory=dict, max_length=100, description="Gains that differ from their defaults: a number or a list."
+        default_factory=dict,
+        max_length=100,
+        description="Gains that differ from their defaults: a number, a list for a column, or a list of rows for a matrix.",
     )
     options: dict[Reference, Option] = Field(
         default_factory=dict, max_length=100, description="Options that differ from their defaults."

@@ -65,7 +65,8 @@ class GainForm(Strict):
     default: Number | tuple[Number, ...] | None = Field(description="null: it depends on the plant and its noise.")
     low: Number
     high: Number
-    size: str | None = Field(description="Length of a column (n, m, p, …), null for a number.")
+    size: str | None = Field(description="Length of a column or rows of a matrix (n, m, p, …), null for a number.")
+    columns: str | None = Field(None, description="Columns of a matrix (n, m, p, …), null for a number or a column.")
     symbol: str
     unit: str
     live: bool = Field(description="Whether moving it during a run has an effect.")
@@ -255,10 +256,20 @@ class PlantCheck(Strict):
     observers: tuple[PossibleObserver, ...]
 
 
+class GainLabels(Strict):
+    """Labels of a gain that is a column or a matrix."""
+
+    rows: tuple[str, ...] = Field(description="States, outputs, channels or coordinates that the rows belong to.")
+    columns: tuple[str, ...] = Field((), description="The same for columns; empty for a column gain.")
+
+
 class PresentGains(Strict):
     """Every gain of every observer of an experiment, by label and name."""
 
-    gains: dict[str, dict[str, Number | tuple[Number, ...]]]
+    gains: dict[str, dict[str, Number | tuple[Number, ...] | tuple[tuple[Number, ...], ...]]]
+    labels: dict[str, dict[str, GainLabels]] = Field(
+        default_factory=dict, description="Labels of gains that are columns or matrices, by observer and gain."
+    )
 
 
 class FigureLine(Strict):

@@ -21,11 +21,12 @@ router = APIRouter(tags=["catalogue"])
     "/gains", response_model=PresentGains, openapi_extra=body_schema("Experiment"), responses=documented(413, 415, 422)
 )
 async def gains(request: Request, services: Use) -> Response:
-    """Per observer of an experiment, every gain: what a form shows before anything is changed."""
+    """Return every gain of every observer of an experiment, defaults filled in, with the labels of rows and columns."""
 
     def answer(data: Any) -> dict[str, Any]:
         from thetascope.assembly.build.gains import present_gains  # SymPy comes with it, so the service starts without
 
-        return {"gains": present_gains(resolved(validated(Experiment, data)))}
+        gains, labels = present_gains(resolved(validated(Experiment, data)))
+        return {"gains": gains, "labels": labels}
 
     return json_response(await parsed(request, services.settings.max_body, answer))

@@ -3,7 +3,7 @@
 from dataclasses import asdict
 
 from thetascope.engine.observers.registry import kinds, observer
-from thetascope.engine.observers.support.declaration import Gain, Observer, Option
+from thetascope.engine.observers.support.declaration import Count, Gain, Observer, Option
 
 
 def observer_kinds() -> list[dict]:
@@ -27,8 +27,14 @@ def _kind(kind: Observer) -> dict:
 def _gain(gain: Gain) -> dict:
     plain = asdict(gain)
     plain["default"] = None if callable(gain.default) else gain.default  # None: it depends on plant and noise
-    plain["size"] = gain.size.__doc__ if callable(gain.size) else gain.size
+    plain["size"], plain["columns"] = _counted(gain.size), _counted(gain.columns)
+    del plain["rows"]  # labels depend on the plant: POST /api/gains
     return plain
+
+
+def _counted(size: Count | None) -> str | None:
+    """Return n, m, p, …, or the docstring of the function that counts."""
+    return size.__doc__ if callable(size) else size
 
 
 def _option(option: Option) -> dict:

@@ -1,23 +1,32 @@
 """The gains that the observers of an experiment run with, every default filled in."""
 
 from thetascope.assembly.build.experiment_builder import engine
+from thetascope.assembly.build.gain_values import Values, from_parameters
+from thetascope.engine.simulation.experiment import Estimator
 from thetascope_schemas import ResolvedExperiment
 
+Labels = dict[str, dict[str, list[str]]]
+"""By gain: the labels of its rows and of its columns."""
 
-def present_gains(spec: ResolvedExperiment) -> dict[str, dict[str, float | list[float]]]:
-    """Per observer label: each gain as a number or a list. Raises SpecError where the experiment cannot run."""
-    found: dict[str, dict[str, float | list[float]]] = {}
-    for estimator in engine(spec).estimators:
-        numbers = estimator.parameters
-        gains: dict[str, float | list[float]] = {}
-        for gain in estimator.kind.gains:
-            name = f"g.{gain.name}"
-            if name in numbers:
-                gains[gain.name] = numbers[name]
-            else:
-                column = []
-                while f"{name}.{len(column)}" in numbers:
-                    column.append(numbers[f"{name}.{len(column)}"])
-                gains[gain.name] = column
-        found[estimator.label] = gains
-    return found
+
+def present_gains(spec: ResolvedExperiment) -> tuple[dict[str, dict[str, Values]], dict[str, Labels]]:
+    """Return the gains of each observer by label, and the labels of their rows and columns.
+
+    Raises SpecError where the experiment cannot run.
+    """
+    estimators = engine(spec).estimators
+    return {e.label: _values(e) for e in estimators}, {e.label: _labels(e) for e in estimators}
+
+
+def _values(estimator: Estimator) -> dict[str, Values]:
+    context, numbers = estimator.context, estimator.parameters
+    return {g.name: from_parameters(g.name, g.shape(context), numbers) for g in estimator.kind.gains}
+
+
+def _labels(estimator: Estimator) -> Labels:
+    context = estimator.context
+    return {
+        g.name: {"rows": list(g.row_labels(context)), "columns": list(g.column_labels(context))}
+        for g in estimator.kind.gains
+        if g.size is not None
+    }

@@ -1,13 +1,14 @@
 """An observer as data → its program and the numbers for it, every default filled in and every name checked."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
+from thetascope.assembly.build.gain_values import gain_values, parameters, size_of
 from thetascope.assembly.build.step_counts import multiple
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observers.registry import observer
-from thetascope.engine.observers.support.declaration import Context, Gain, Observer, Option
+from thetascope.engine.observers.support.declaration import Context, Observer, Option
 from thetascope.engine.programs.program_store import observer_program
 from thetascope.engine.simulation.experiment import Estimator
 from thetascope.messages import Message
@@ -32,7 +33,7 @@ def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, made:
         refuse_unknown("gains", config.gains, known, Message("observer.gain.unknown", kind=made.kind.id))
         for name in {*config.gains, *before.gains}:
             if config.gains.get(name) != before.gains.get(name):
-                numbers |= _gain_numbers(name, _gain(known[name], config, made.context))
+                numbers |= parameters(name, gain_values(known[name], config.gains.get(name), made.context))
     return replace(made, parameters=numbers) if numbers.keys() == made.parameters.keys() else None
 
 
@@ -53,10 +54,10 @@ def _estimator(config: ObserverConfig, spec: ResolvedExperiment, data: dict, ste
     channels = _channels(kind, config, plant)
     every = _sample_every(kind, config, spec, step)
     context = _context(spec, data, channels, step, every)
-    gains = {g.name: _gain(g, config, context) for g in kind.gains}
+    gains = {g.name: gain_values(g, config.gains.get(g.name), context) for g in kind.gains}
     refuse_unknown("gains", config.gains, gains, Message("observer.gain.unknown", kind=kind.id))
     options = _options(kind, config, context)
-    sizes = {name: None if isinstance(v, float) else len(v) for name, v in gains.items()}
+    sizes = {name: size_of(values) for name, values in gains.items()}
     written = observer_program(data, kind, channels, sizes, options)
     numbers = _numbers(gains, config, spec, channels)
     numbers["g.period"] = context.period
@@ -135,54 +136,6 @@ def plant_context(spec: ResolvedExperiment, data: dict, step: float) -> Context:
     return _context(spec, data, spec.plant.names("channels"), step, None)
 
 
-def _length(size: str | Callable[[Context], int], context: Context) -> int:
-    if callable(size):
-        return size(context)
-    counts = {"n": context.n, "m": context.m, "p": context.p}
-    total, sign = 0, 1
-    for part in size.replace("+", " + ").replace("-", " - ").split():
-        if part in "+-":
-            sign = 1 if part == "+" else -1
-        else:
-            total += sign * (counts[part] if part in counts else int(part))
-    return total
-
-
-def _gain(gain: Gain, config: ObserverConfig, context: Context) -> float | list[float]:
-    given = config.gains.get(gain.name)
-    value = given
-    if given is None:  # some defaults are designed for the plant with SymPy: not where they are not needed
-        value = gain.default(context) if callable(gain.default) else gain.default
-    field = f"gains.{gain.name}"
-    if gain.size is None:
-        if isinstance(given, tuple):
-            raise SpecError(field, list(given), Message("observer.gain.one-number"))
-        values = [float(value)]
-    else:
-        length = _length(gain.size, context)
-        if callable(gain.default) and isinstance(given, tuple) and len(given) != length:
-            gain.default(context)  # where the plant is not of the observer's kind this says so, and why
-        values = _column(gain, value, length, field, given is None)
-    for value in values:
-        if not gain.low <= value <= gain.high:
-            limits = {"low": gain.low, "high": gain.high}
-            raise SpecError(field, value, Message("observer.gain.outside-bounds", meaning=gain.meaning, **limits))
-    return values[0] if gain.size is None else values
-
-
-def _column(gain: Gain, value, length: int, field: str, is_default: bool) -> list[float]:
-    if isinstance(value, int | float):
-        return [float(value)] * length
-    values = [float(v) for v in value]
-    if len(values) != length:
-        if is_default and values:
-            return (values + [values[-1]] * length)[:length]
-        meaning = gain.size.__doc__ if callable(gain.size) else gain.size
-        problem = Message("observer.gain.length", given=len(values), needed=length, size=meaning)
-        raise SpecError(field, values, problem)
-    return values
-
-
 def _options(kind: Observer, config: ObserverConfig, context: Context) -> dict:
     known = {o.name: o for o in kind.options}
     general = {"channels"} if kind.estimates_theta else set()
@@ -212,17 +165,10 @@ def _numbers(
 ) -> dict[str, float]:
     numbers: dict[str, float] = {}
     for name, value in gains.items():
-        numbers |= _gain_numbers(name, value)
+        numbers |= parameters(name, value)
     plant = spec.plant
     numbers |= {f"m.{p.name}": spec.parameters.get(p.name, p.value) for p in plant.parameters}
     start = {f"x0.{s.name}": s.initial for s in plant.states} | {f"theta0.{c}": 0.0 for c in channels}
     bare = {name.partition(".")[2]: name for name in start}
     refuse_unknown("initial", config.initial, bare, Message("observer.initial.unknown"))
     return numbers | start | {bare[name]: float(value) for name, value in config.initial.items()}
-
-
-def _gain_numbers(name: str, value: float | list[float]) -> dict[str, float]:
-    """A gain as the parameters of the program."""
-    if isinstance(value, float):
-        return {f"g.{name}": value}
-    return {f"g.{name}.{i}": v for i, v in enumerate(value)}

@@ -3,6 +3,7 @@
 import {fill, h, number, symbol} from '../../../common/dom.js';
 import {chip, refusal, seconds, slider, throttled} from '../../../widgets/controls.js';
 import {gainScale} from '../../../widgets/slider-scale.js';
+import {entriesOf, placeName, withEntry} from '../../state/gain-entries.js';
 import {icon} from '../../../widgets/svg.js';
 import {kindName} from '../../../widgets/kind-name.js';
 import {VERDICTS, verdictWords} from '../../../widgets/verdicts.js';
@@ -14,19 +15,23 @@ import {asSentence, named, say, t} from '../../../i18n/words.js';
 const SHOWN = 2; // gains that are always in sight
 
 /**
- * Every number of the gains that a running observer takes: a column gain is one for each entry.
+ * Every number of the gains that a running observer takes: one for each entry of a column or a matrix.
  * @param {service.ObserverKind} kind
  * @param {Gains} gains
+ * @param {Record<string, service.GainLabels>} labels
  * @returns {Entry[]}
  */
-function entries(kind, gains) {
+function entries(kind, gains, labels) {
   return kind.gains
     .filter((gain) => gain.live !== false)
-    .flatMap((gain) => {
-      const now = gains[gain.name] ?? gain.default;
-      if (Array.isArray(now)) return now.map((value, place) => ({gain, place, value}));
-      return [{gain, place: null, value: now}];
-    });
+    .flatMap((gain) =>
+      entriesOf(gains[gain.name] ?? gain.default).map(({place, value}) => ({
+        gain,
+        place,
+        value,
+        name: placeName(place, labels[gain.name]),
+      })),
+    );
 }
 
 /**
@@ -37,6 +42,7 @@ function entries(kind, gains) {
 export function createCard(app, observer, kind) {
   let present = observer;
   let known = {}; // defaults from the server
+  let labels = {}; // of the rows and columns of gains, from the server
   const lights = h('button', {type: 'button', class: 'lights', 'aria-expanded': 'false'});
   const checks = h('ul', {class: 'checks', popover: 'auto', tabindex: 0}); // over the page: opened, it moves nothing
   lights.popoverTargetElement = checks;
@@ -112,8 +118,8 @@ export function createCard(app, observer, kind) {
   const values = () => ({...known, ...present.gains});
   /** @param {boolean} [force] */
   const show = (force = false) => {
-    const now = entries(kind, values());
-    const names = now.map(({gain, place}) => `${gain.name}.${place}`).join();
+    const now = entries(kind, values(), labels);
+    const names = now.map(({gain, place, name}) => `${gain.name}.${place}.${name}`).join();
     if (controls.names !== names) build(now, names);
     for (const {gain, place, value} of now) {
       const control = controls.get(`${gain.name}.${place}`);
@@ -152,8 +158,9 @@ export function createCard(app, observer, kind) {
           (anew || !(gain.name in known)) &&
           gain.default === null,
       ),
-    defaults(found) {
+    defaults(found, named = {}) {
       known = {...found};
+      labels = {...named};
       show();
     },
     checks() {
@@ -215,24 +222,23 @@ function fall(app, {label, config, gains, diverged}) {
  * @param {string} label
  * @param {Entry} entry
  * @param {Map<string, Control>} controls
- * @param {() => Gain} column
+ * @param {() => Gain} whole
  * @param {(command: Command) => Promise<void>} ask
  */
-function gainLine(label, {gain, place, value}, controls, column, ask) {
+function gainLine(label, {gain, place, value, name}, controls, whole, ask) {
   if (value === null || value === undefined) {
     return h(
       'div',
       {class: 'gain', title: named(gain.meaning)},
-      gainSymbol(gain, place),
+      gainSymbol(gain, place, name),
       h('span', {class: 'soft'}, '…'),
     );
   }
   const send = throttled((next) => {
-    const whole = place === null ? next : column().map((one, at) => (at === place ? next : one));
-    return ask({type: 'set-gain', observer: label, gain: gain.name, value: whole});
+    return ask({type: 'set-gain', observer: label, gain: gain.name, value: withEntry(whole(), place, next)});
   }, 160);
   const made = slider({
-    name: `${label}: ${gain.symbol || gain.name}${place === null ? '' : ` ${place + 1}`}, ${named(gain.meaning)}`,
+    name: `${label}: ${gain.symbol || gain.name}${name && ` ${name}`}, ${named(gain.meaning)}`,
     scale: gainScale(gain, value),
     value,
     low: gain.low,
@@ -243,16 +249,17 @@ function gainLine(label, {gain, place, value}, controls, column, ask) {
   return h(
     'div',
     {class: 'gain', title: [named(gain.meaning), gain.unit].filter(Boolean).join(', ')},
-    gainSymbol(gain, place),
+    gainSymbol(gain, place, name),
     made.range,
     made.field,
   );
 }
 
-/** @param {service.GainForm} gain @param {number | null} place */
-function gainSymbol(gain, place) {
+/** @param {service.GainForm} gain @param {number[]} place @param {string} name */
+function gainSymbol(gain, place, name) {
   const base = gain.symbol ? h('i', {}, gain.symbol) : symbol(gain.name);
-  return h('span', {class: 'math'}, base, place === null ? null : h('sub', {}, String(place + 1)));
+  const count = place.map((index) => index + 1).join(',');
+  return h('span', {class: 'math', title: name}, base, place.length ? h('sub', {}, count) : null);
 }
 
 /**

@@ -71,7 +71,7 @@ export function mount(element, app) {
     if (!spec || ![...cards.values()].some((card) => card.lacks(anew))) return;
     const plain = observers.map(({label, kind, gains, options}) => ({label, kind, gains, options}));
     try {
-      const {gains} = await post('/api/gains', {
+      const {gains, labels} = await post('/api/gains', {
         ...spec,
         noise,
         commands: [],
@@ -79,7 +79,7 @@ export function mount(element, app) {
         figures: [],
         observers: plain,
       });
-      if (mine === serial) for (const card of cards.values()) card.defaults(gains[card.label]);
+      if (mine === serial) for (const card of cards.values()) card.defaults(gains[card.label], labels[card.label]);
     } catch {
       /* the gains that were set are shown all the same */
     }

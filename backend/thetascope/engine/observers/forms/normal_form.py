@@ -11,7 +11,7 @@ The inverse is found symbolically, one state at a time (invert).
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING
@@ -21,6 +21,7 @@ from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model, clock
 from thetascope.engine.observers.forms.observable_form import rank_at, sample, tidy
 from thetascope.engine.observers.forms.state_inversion import NoInverse, invert
+from thetascope.engine.observers.support.matrices import Matrix, matrix
 
 if TYPE_CHECKING:
     from sympy import Expr, ImmutableMatrix, Symbol
@@ -32,6 +33,7 @@ PAPER = "Reduced-order observer for MIMO nonlinear time-varying systems, Control
 class NormalForm:
     """A normal form in the model's symbols. ``blocks`` holds ρ1, …, ρm, summing to n."""
 
+    outputs: tuple[str, ...]
     blocks: tuple[int, ...]
     T: ImmutableMatrix  # z as a function of x and t (n×1)
     top: ImmutableMatrix  # α + F u: the highest derivatives (m×1)
@@ -45,12 +47,19 @@ class NormalForm:
         return tuple(sum(self.blocks[:i]) for i in range(len(self.blocks)))
 
     @property
+    def coordinate_names(self) -> list[str]:
+        """Labels of the coordinates z: ``y1``, ``L y1``, ``L² y1`` … by output, L the derivative (3)."""
+        powers = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+        orders = [(y, k) for y, rho in zip(self.outputs, self.blocks, strict=True) for k in range(rho)]
+        return [y if k == 0 else f"L {y}" if k == 1 else f"L{str(k).translate(powers)} {y}" for y, k in orders]
+
+    @property
     def unmeasured(self) -> tuple[int, ...]:
         """Positions in z of all but the outputs."""
         return tuple(k for k in range(sum(self.blocks)) if k not in self.firsts)
 
-    def from_z(self, z: Sequence[Expr]) -> ImmutableMatrix:
-        """x (n×1) at a given z."""
+    def from_z(self, z: Iterable[Expr]) -> ImmutableMatrix:
+        """Return x (n×1) at a given z."""
         swap = dict(zip(self.z, z, strict=True))
         return sympy.ImmutableMatrix([e.xreplace(swap) for e in self.inverse.values()])
 
@@ -61,22 +70,23 @@ class NormalForm:
         return {x: e for x, e in self.inverse.items() if not (e.free_symbols & hidden)}
 
 
-def brunovsky(blocks: Sequence[int]) -> tuple[ImmutableMatrix, ImmutableMatrix, ImmutableMatrix]:
-    """A, B and C of (7) for chains of integrators of the given lengths, which may be 0 (then Ã, B̃, C̃ of (11))."""
+def brunovsky(blocks: Sequence[int]) -> tuple[Matrix, Matrix, Matrix]:
+    """Return A (n×n), B (n×m) and C (m×n) of (7) for m chains of integrators.
+
+    ``blocks`` holds the lengths of the chains, which may be 0; shortened by one they give Ã, B̃, C̃ of (11).
+    """
     n, m = sum(blocks), len(blocks)
     start = [sum(blocks[:i]) for i in range(m)]
-    A = sympy.ImmutableMatrix(n, n, lambda i, j: int(j == i + 1 and j not in start))
-    B = sympy.ImmutableMatrix(n, m, lambda i, j: int(blocks[j] > 0 and i == start[j] + blocks[j] - 1))
-    C = sympy.ImmutableMatrix(m, n, lambda i, j: int(blocks[i] > 0 and j == start[i]))
+    A = matrix(n, n, lambda i, j: int(j == i + 1 and j not in start))
+    B = matrix(n, m, lambda i, j: int(blocks[j] > 0 and i == start[j] + blocks[j] - 1))
+    C = matrix(m, n, lambda i, j: int(blocks[i] > 0 and j == start[i]))
     return A, B, C
 
 
-def block_column(gain: Sequence, blocks: Sequence[int]) -> ImmutableMatrix:
-    """A gain given as one column, block after block, as the block diagonal matrix of its columns."""
+def block_column(gain: Matrix, blocks: Sequence[int]) -> Matrix:
+    """Return the block diagonal matrix (n×m) of a gain that is given as one column, block after block."""
     ends = [sum(blocks[: j + 1]) for j in range(len(blocks))]
-    return sympy.ImmutableMatrix(
-        sum(blocks), len(blocks), lambda i, j: gain[i] if ends[j] - blocks[j] <= i < ends[j] else 0
-    )
+    return matrix(sum(blocks), len(blocks), lambda i, j: gain[i] if ends[j] - blocks[j] <= i < ends[j] else 0)
 
 
 def normal_form(model: Model) -> NormalForm:
@@ -121,7 +131,7 @@ def _cached(key: _Key) -> NormalForm:
     except NoInverse as why:
         raise _refused(model, f"the coordinates z = T(x, t) could not be solved for x: {why}") from None
     F = top.jacobian(sympy.Matrix(model.u)) if model.u else sympy.ImmutableMatrix(model.m, 0, [])
-    return NormalForm(blocks, map_, top, sympy.ImmutableMatrix(F), z, {x: inverse[x] for x in model.x})
+    return NormalForm(model.outputs, blocks, map_, top, sympy.ImmutableMatrix(F), z, {x: inverse[x] for x in model.x})
 
 
 def _chain(model: Model, i: int) -> list[Expr]:

@@ -11,8 +11,9 @@ import random
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from thetascope.engine.compiler.graph import Graph, evaluate
-from thetascope.engine.compiler.lowering import Lowering
+import numpy as np
+
+from thetascope.engine.compiler.numeric import numbers
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
@@ -105,19 +106,8 @@ def sample(model: Model, seed: int) -> dict[str, float]:
     return point | {"t": draw.uniform(0, 10)}
 
 
-def _numbers(M: Matrix, point: dict[str, float]):
-    import numpy as np
-
-    graph = Graph()
-    lowering = Lowering(graph, set(point))
-    roots = [lowering(e) for e in M]
-    return np.array([float(v) for v in evaluate(graph, roots, point)]).reshape(M.shape)
-
-
 def rank_at(M: Matrix, point: dict[str, float]) -> int:
-    import numpy as np
-
-    values = _numbers(M, point)
+    values = numbers(M, point).reshape(M.shape)
     return (
         int(np.linalg.matrix_rank(values, tol=1e-9 * max(1.0, np.abs(values).max())))
         if np.isfinite(values).all()

@@ -154,6 +154,11 @@ def before(o: Backlash) -> Expr:
     return sympy.expand(o.args[0] - o.args[1])
 
 
+def input_matrix(model: Model) -> ImmutableMatrix:
+    """Return B of (11), ∂f/∂u (n × inputs)."""
+    return _jacobian(model.f, list(model.u))
+
+
 def slope(o: Backlash) -> Expr:
     """Mean slope of the linear zones of an operator."""
     return (o.args[3] + o.args[4]) / 2

@@ -15,12 +15,10 @@ from __future__ import annotations
 
 import numpy as np
 
-from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.support.common_checks import claimed_sigma, positive_definite
 from thetascope.engine.observers.support.declaration import Observed, Observer
 from thetascope.engine.observers.support.draft import Draft
-from thetascope.engine.observers.support.draft_linalg import product
 from thetascope.engine.observers.support.excitation_checks import (
     closed_loop,
     excitation,
@@ -37,34 +35,36 @@ from thetascope.engine.observers.support.kalman_defaults import (
     WINDOW,
     Q,
 )
+from thetascope.engine.observers.support.matrices import diag
 
 SOURCE = "Zhang 2002, IEEE TAC 47(3)"
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer."""
     n, p, lam = d.n, d.p, d.gain("lambda")
-    Q, R_inv = sympy.diag(*d.gain("q")), sympy.diag(*[1 / r for r in d.gain("r")])
+    Q, R_inv = diag(d.gain("q")), diag([1 / r for r in d.gain("r")])
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
-    P = d.symmetric("P", n, initial=sympy.diag(*d.gain("p0")))
+    P = d.symmetric("P", n, initial=diag(d.gain("p0")))
     Upsilon = d.states("Upsilon", n, p)
-    Gamma = d.symmetric("Gamma", p, initial=sympy.diag(*d.gain("gamma0")))
+    Gamma = d.symmetric("Gamma", p, initial=diag(d.gain("gamma0")))
     at = d.at(x, theta)
     A, C, Phi, Psi = d.let("A", at.A), d.let("C", at.C), d.let("Phi", at.Phi), d.let("Psi", at.Psi)
+    d.let("AP", A @ P), d.let("CP", C @ P)  # products that appear twice below, also transposed
 
-    AP, CP = d.let("AP", product(A, P)), d.let("CP", product(C, P))
-    K = d.let("K", product(CP.T, R_inv))  # P Cᵀ R⁻¹
-    Omega = d.let("Omega", product(C, Upsilon) + Psi)
-    OmegaGamma = d.let("OmegaGamma", product(Omega, Gamma))
-    L = d.let("L", product(OmegaGamma.T, R_inv))  # Γ Ωᵀ R⁻¹
-    y_hat = d.let("y_hat", at.h + product(Psi, theta))
+    K = d.let("K", P @ C.T @ R_inv)
+    Omega = d.let("Omega", C @ Upsilon + Psi)
+    d.let("OmegaGamma", Omega @ Gamma)
+    L = d.let("L", Gamma @ Omega.T @ R_inv)
+    y_hat = d.let("y_hat", at.h + Psi @ theta)
     r = d.let("r", d.measured() - y_hat)
-    dtheta = d.let("dtheta", product(L, r))
+    dtheta = d.let("dtheta", L @ r)
 
-    d.set(P, AP + AP.T + Q - product(K, CP))  # A P + P Aᵀ + Q − P Cᵀ R⁻¹ C P
-    d.set(Upsilon, product(A, Upsilon) + Phi - product(K, Omega))  # (A − KC) Υ + Φ − KΨ
-    d.set(Gamma, lam * Gamma - product(L, OmegaGamma))  # λΓ − Γ Ωᵀ R⁻¹ Ω Γ
+    d.set(P, A @ P + P @ A.T + Q - K @ C @ P)
+    d.set(Upsilon, A @ Upsilon + Phi - K @ Omega)  # (A − KC) Υ + Φ − KΨ
+    d.set(Gamma, lam * Gamma - L @ Omega @ Gamma)  # λΓ − Γ Ωᵀ R⁻¹ Ω Γ
     d.set(theta, dtheta)  # Γ Ωᵀ R⁻¹ (y − ŷ)
-    d.set(x, at.f + product(Phi, theta) + product(K, r) + product(Upsilon, dtheta))  # f + Φθ̂ + [K + Υ Γ Ωᵀ R⁻¹] (y − ŷ)
+    d.set(x, at.f + Phi @ theta + K @ r + Upsilon @ dtheta)
     d.estimates(x, theta, y_hat)
     d.outputs("Omega", Omega)
     offer_linearisation(d, A, C, Phi, Psi)

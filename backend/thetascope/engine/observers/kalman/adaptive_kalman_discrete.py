@@ -13,8 +13,6 @@ weights μ^(2·age); where Ω changes slowly that is S/(1 + μ), of which ``clai
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from thetascope.engine.language.lazy_sympy import sympy
@@ -23,7 +21,7 @@ from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, flow
 from thetascope.engine.observers.support.common_checks import claimed_sigma, positive_definite
 from thetascope.engine.observers.support.declaration import Observed, Observer
 from thetascope.engine.observers.support.draft import NOW, Draft
-from thetascope.engine.observers.support.draft_linalg import congruence, product, solve
+from thetascope.engine.observers.support.draft_linalg import joseph, solve
 from thetascope.engine.observers.support.excitation_checks import (
     closed_loop,
     excitation,
@@ -32,53 +30,46 @@ from thetascope.engine.observers.support.excitation_checks import (
     offer_linearisation,
 )
 from thetascope.engine.observers.support.kalman_defaults import DELTA, GAMMA0, LAMBDA, P0, R_VARIANCE, WINDOW, Q
-
-if TYPE_CHECKING:
-    from sympy import Matrix
+from thetascope.engine.observers.support.matrices import diag
 
 SOURCE = "Zhang 2018, Automatica 93"
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer."""
     n, m, p = d.n, d.m, d.p
-    Q, R = sympy.diag(*d.gain("q")) * d.period, sympy.diag(*d.gain("r"))
+    Q, R = diag(d.gain("q")) * d.period, diag(d.gain("r"))
     mu = d.let("mu", sympy.exp(-d.gain("lambda") * d.period))
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
-    P = d.symmetric("P", n, initial=sympy.diag(*d.gain("p0")))
+    P = d.symmetric("P", n, initial=diag(d.gain("p0")))
     Upsilon = d.states("Upsilon", n, p)
-    S = d.symmetric("S", p, initial=sympy.diag(*d.gain("gamma0")))
-    used = d.states("Omega", m, p)  # Ω of the last sample, kept for the record
+    S = d.symmetric("S", p, initial=diag(d.gain("gamma0")))
+    last_Omega = d.states("Omega", m, p)  # Ω of the last sample, kept for the record
 
-    moved = flow(d, "flow", x, theta)  # x⁻, F = ∂x⁻/∂x, Φ = ∂x⁻/∂θ
-    now = d.at(moved.x, theta, NOW)
-    C, Psi = d.let("C", now.C), d.let("Psi", now.Psi)
-    P_minus = d.let_symmetric("P-", congruence(d, "FPF", moved.F, P) + Q)  # F P Fᵀ + Q
-    Sigma = d.let_symmetric("Sigma", congruence(d, "CPC", C, P_minus) + R)  # C P⁻ Cᵀ + R
-    K = solve(d, "K", Sigma, d.let("CP", product(C, P_minus))).T  # P⁻ Cᵀ Σ⁻¹
-    Upsilon_minus = d.let("Upsilon-", product(moved.F, Upsilon) + moved.Phi)  # F Υ + Φ
-    Omega = d.let("Omega", product(C, Upsilon_minus) + Psi)  # C Υ⁻ + Ψ
-    Lambda = d.let_symmetric("Lambda", mu * Sigma + congruence(d, "OSO", Omega, S))  # μΣ + Ω S Ωᵀ
-    G = solve(d, "G", Lambda, d.let("OS", product(Omega, S))).T  # S Ωᵀ Λ⁻¹
+    x_minus, F, Phi = flow(d, "flow", x, theta)  # x⁻, F = ∂x⁻/∂x, Φ = ∂x⁻/∂θ
+    at = d.at(x_minus, theta, NOW)
+    C, Psi = d.let("C", at.C), d.let("Psi", at.Psi)
+    P_minus = d.let("P-", F @ P @ F.T + Q, symmetric=True)
+    Sigma = d.let("Sigma", C @ P_minus @ C.T + R, symmetric=True)
+    K = solve(d, "K", Sigma, C @ P_minus).T  # P⁻ Cᵀ Σ⁻¹
+    Upsilon_minus = d.let("Upsilon-", F @ Upsilon + Phi)
+    Omega = d.let("Omega", C @ Upsilon_minus + Psi)
+    Lambda = d.let("Lambda", mu * Sigma + Omega @ S @ Omega.T, symmetric=True)
+    G = solve(d, "G", Lambda, Omega @ S).T  # S Ωᵀ Λ⁻¹
 
-    innovation = d.let("innovation", d.measured(NOW) - now.h - product(Psi, theta))  # ỹ
-    dtheta = d.let("dtheta", product(G, innovation))
-    Upsilon_plus = d.let("Upsilon+", Upsilon_minus - product(K, Omega))
-    d.set(x, moved.x + product(K, innovation) + product(Upsilon_plus, dtheta))  # x⁻ + K ỹ + Υ⁺ (θ̂⁺ − θ̂)
+    innovation = d.let("innovation", d.measured(NOW) - at.h - Psi @ theta)  # ỹ
+    dtheta = d.let("dtheta", G @ innovation)
+    Upsilon_plus = d.let("Upsilon+", Upsilon_minus - K @ Omega)
+    d.set(x, x_minus + K @ innovation + Upsilon_plus @ dtheta)
     d.set(theta, theta + dtheta)
     d.set(Upsilon, Upsilon_plus)
-    d.set(used, Omega)
-    d.set(P, joseph(d, "P+", P_minus, K, C, R))
-    d.set(S, joseph(d, "S+", S, G, Omega, mu * Sigma) / mu)
+    d.set(last_Omega, Omega)
+    d.set(P, joseph(d, "P+", P_minus, K, C, R))  # (I − KC) P⁻ (I − KC)ᵀ + K R Kᵀ
+    d.set(S, joseph(d, "S+", S, G, Omega, mu * Sigma) / mu)  # S − GΩS, over μ
 
-    here = d.at(x, theta)
-    d.estimates(x, theta, here.h + product(here.Psi, theta))
-    offer_linearisation(d, here.A, here.C, here.Phi, here.Psi)
-
-
-def joseph(d: Draft, name: str, P: Matrix, K: Matrix, C: Matrix, R: Matrix) -> Matrix:
-    """(I − KC) P (I − KC)ᵀ + K R Kᵀ: Joseph's form of the covariance after a measurement."""
-    kept = d.let(f"{name}.kept", sympy.eye(P.shape[0]) - product(K, C))
-    return congruence(d, f"{name}.P", kept, P) + congruence(d, f"{name}.R", K, R)
+    updated = d.at(x, theta)
+    d.estimates(x, theta, updated.h + updated.Psi @ theta)
+    offer_linearisation(d, updated.A, updated.C, updated.Phi, updated.Psi)
 
 
 def checks(run: Observed) -> list[Check]:

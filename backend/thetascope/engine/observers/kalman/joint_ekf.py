@@ -8,62 +8,57 @@ What one would try first; the baseline of the adaptive observers. Jazwinski, Sto
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.result import CANNOT_TELL, Check
-from thetascope.engine.observers.kalman.adaptive_kalman_discrete import joseph
 from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, flow
 from thetascope.engine.observers.support.common_checks import positive_definite, verdict
 from thetascope.engine.observers.support.declaration import Observed, Observer
 from thetascope.engine.observers.support.draft import NOW, Draft
-from thetascope.engine.observers.support.draft_linalg import congruence, product, solve
+from thetascope.engine.observers.support.draft_linalg import joseph, solve
 from thetascope.engine.observers.support.excitation_checks import joint_observability, offer_linearisation
 from thetascope.engine.observers.support.kalman_defaults import DELTA, GAMMA0, P0, Q_THETA, R_VARIANCE, WINDOW, Q
-
-if TYPE_CHECKING:
-    from sympy import Matrix
+from thetascope.engine.observers.support.matrices import Matrix, block, diag, eye, zeros
 
 GAINS = (Q, R_VARIANCE, Q_THETA, P0, GAMMA0, WINDOW, DELTA)
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the filter."""
     n, p = d.n, d.p
     x, theta, P, Q = augmented(d)
-    R = sympy.diag(*d.gain("r"))
-    moved = flow(d, "flow", x, theta)
-    now = d.at(moved.x, theta, NOW)
-    F = moved.F.row_join(moved.Phi).col_join(sympy.zeros(p, n).row_join(sympy.eye(p)))  # ∂z⁻/∂z
-    H = d.let("H", now.C.row_join(now.Psi))
+    R = diag(d.gain("r"))
+    x_minus, F_x, Phi = flow(d, "flow", x, theta)
+    at = d.at(x_minus, theta, NOW)
+    F = d.let("F", block([[F_x, Phi], [zeros(p, n), eye(p)]]))  # ∂z⁻/∂z
+    H = d.let("H", block([[at.C, at.Psi]]))
 
-    P_minus = d.let_symmetric("P-", congruence(d, "FPF", F, P) + Q)  # F P Fᵀ + Q
-    Sigma = d.let_symmetric("Sigma", congruence(d, "HPH", H, P_minus) + R)  # H P⁻ Hᵀ + R
-    K = solve(d, "K", Sigma, d.let("HP", product(H, P_minus))).T  # P⁻ Hᵀ Σ⁻¹
-    innovation = d.let("innovation", d.measured(NOW) - now.h - product(now.Psi, theta))
-    correction = product(K, innovation)
+    P_minus = d.let("P-", F @ P @ F.T + Q, symmetric=True)
+    Sigma = d.let("Sigma", H @ P_minus @ H.T + R, symmetric=True)
+    K = solve(d, "K", Sigma, H @ P_minus).T  # P⁻ Hᵀ Σ⁻¹
+    innovation = d.let("innovation", d.measured(NOW) - at.h - at.Psi @ theta)
+    correction = K @ innovation
 
-    d.set(x, moved.x + correction[:n, :])
+    d.set(x, x_minus + correction[:n, :])
     d.set(theta, theta + correction[n:, :])
-    d.set(P, joseph(d, "P+", P_minus, K, H, R))
+    d.set(P, joseph(d, "P+", P_minus, K, H, R))  # (I − KH) P⁻ (I − KH)ᵀ + K R Kᵀ
     report(d, x, theta, innovation, Sigma)
 
 
 def augmented(d: Draft) -> tuple[Matrix, Matrix, Matrix, Matrix]:
-    """x̂, θ̂, their joint covariance P, and the covariance Q that one sample interval adds to it."""
+    """Declare x̂ (n×1), θ̂ (p×1) and their joint covariance P; return them with Q, which one sample interval adds to P."""
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
-    P = d.symmetric("P", d.n + d.p, initial=sympy.diag(*d.gain("p0"), *d.gain("gamma0")))
-    return x, theta, P, sympy.diag(*d.gain("q"), *[walk**2 for walk in d.gain("q_theta")]) * d.period
+    P = d.symmetric("P", d.n + d.p, initial=diag([*d.gain("p0"), *d.gain("gamma0")]))
+    return x, theta, P, diag([*d.gain("q"), *[walk**2 for walk in d.gain("q_theta")]]) * d.period
 
 
 def report(d: Draft, x: Matrix, theta: Matrix, innovation: Matrix, Sigma: Matrix) -> None:
-    """What both joint filters record: the estimates, ỹᵀ Σ⁻¹ ỹ of the last sample, the Jacobians."""
-    squared = d.states("nis", 1)
-    d.set(squared, product(innovation.T, solve(d, "nis", Sigma, innovation)))
-    here = d.at(x, theta)
-    d.estimates(x, theta, here.h + product(here.Psi, theta))
-    offer_linearisation(d, here.A, here.C, here.Phi, here.Psi)
+    """Offer the estimates, ỹᵀ Σ⁻¹ ỹ of the last sample, and the Jacobians at the updated estimate."""
+    nis = d.states("nis", 1)
+    d.set(nis, innovation.T @ solve(d, "nis", Sigma, innovation))
+    updated = d.at(x, theta)
+    d.estimates(x, theta, updated.h + updated.Psi @ theta)
+    offer_linearisation(d, updated.A, updated.C, updated.Phi, updated.Psi)
 
 
 def checks(run: Observed) -> list[Check]:

@@ -6,18 +6,20 @@ Jacobians. Noise is additive; the points are drawn anew from the predicted covar
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.observers.kalman.joint_ekf import GAINS, augmented, checks, diagnostics, report
-from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, flow
+from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, carried
 from thetascope.engine.observers.support.declaration import Gain, Observer
 from thetascope.engine.observers.support.draft import NOW, Draft
-from thetascope.engine.observers.support.draft_linalg import cholesky, product, solve, symmetric
+from thetascope.engine.observers.support.draft_linalg import cholesky, solve
+from thetascope.engine.observers.support.matrices import Matrix, block, column, matrix, symmetric
 
 if TYPE_CHECKING:
-    from sympy import ImmutableMatrix
+    from sympy import Expr
 
 LARGEST = 24  # N = n + p: beyond it 2N + 1 copies of the model are too much to compile
 
@@ -29,6 +31,7 @@ SPREAD = (
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the filter. Raises SpecError for a plant with too many states and channels."""
     n, m, N = d.n, d.m, d.n + d.p
     if N > LARGEST:
         raise SpecError(
@@ -39,46 +42,44 @@ def write(d: Draft) -> None:
         )
     x, theta, P, Q = augmented(d)
     spread, mean, cov = weights(d, N)
-    z = sympy.ImmutableMatrix(x).col_join(theta)
+    z = block([[x], [theta]])
 
     points = sigma_points(d, "draw", z, P, spread)
-    moved = [
-        flow(d, f"flow{i}", s[:n, :], s[n:, :], derivatives=False).x.col_join(s[n:, :]) for i, s in enumerate(points)
-    ]
-    z_minus = d.let("z-", weighted(mean, moved)[:n, :]).col_join(theta)  # the points of θ do not move: their mean is θ̂
+    moved = [block([[carried(d, f"flow{i}", s[:n, :], s[n:, :])], [s[n:, :]]]) for i, s in enumerate(points)]
+    x_minus = d.let("z-", weighted(mean, moved)[:n, :])
+    z_minus = block([[x_minus], [theta]])  # the points of θ do not move, so their mean is θ̂
     off = [d.let(f"off{i}", s - z_minus) for i, s in enumerate(moved)]
-    P_minus = symmetric(N, lambda i, j: weighted(cov, [o[i] * o[j] for o in off]))
-    P_minus = d.let_symmetric("P-", P_minus + Q)
+    P_minus = symmetric(N, lambda i, j: weighted_sum(cov, [o[i] * o[j] for o in off]))
+    P_minus = d.let("P-", P_minus + Q, symmetric=True)
 
     points = sigma_points(d, "redraw", z_minus, P_minus, spread)
-    seen = [output(d, f"y{i}", s) for i, s in enumerate(points)]
-    y_hat = d.let("y_hat", weighted(mean, seen))
-    off, away = [s - z_minus for s in points], [d.let(f"away{i}", s - y_hat) for i, s in enumerate(seen)]
-    Pyy = symmetric(m, lambda i, j: weighted(cov, [a[i] * a[j] for a in away]) + d.gain("r")[i] * int(i == j))
-    Pyy = d.let_symmetric("Pyy", Pyy)
-    Pzy = d.let(
-        "Pzy", sympy.ImmutableMatrix(N, m, lambda i, j: weighted(cov, [o[i] * a[j] for o, a in zip(off, away)]))
-    )
+    eta = [output(d, f"y{i}", s) for i, s in enumerate(points)]
+    y_hat = d.let("y_hat", weighted(mean, eta))
+    off, away = [s - z_minus for s in points], [d.let(f"away{i}", s - y_hat) for i, s in enumerate(eta)]
+    Pyy = symmetric(m, lambda i, j: weighted_sum(cov, [a[i] * a[j] for a in away]) + d.gain("r")[i] * int(i == j))
+    Pyy = d.let("Pyy", Pyy, symmetric=True)
+    Pzy = matrix(N, m, lambda i, j: weighted_sum(cov, [o[i] * a[j] for o, a in zip(off, away, strict=True)]))
+    Pzy = d.let("Pzy", Pzy)
     K = solve(d, "K", Pyy, Pzy.T).T  # Pzy Pyy⁻¹
     innovation = d.let("innovation", d.measured(NOW) - y_hat)
-    z_plus = z_minus + product(K, innovation)
+    z_plus = z_minus + K @ innovation
 
     d.set(x, z_plus[:n, :])
     d.set(theta, z_plus[n:, :])
-    d.set(P, symmetric(N, lambda i, j: P_minus[i, j] - product(K[i, :], Pzy[j, :].T)[0]))  # P⁻ − K Pyy Kᵀ
+    d.set(P, P_minus - K @ Pzy.T)  # P⁻ − K Pyy Kᵀ
     report(d, x, theta, innovation, Pyy)
 
 
-def weights(d: Draft, N: int) -> tuple[sympy.Expr, list[sympy.Expr], list[sympy.Expr]]:
-    """N + λ = α²(N + κ), and the weights of the points in means and in covariances."""
+def weights(d: Draft, N: int) -> tuple[Expr, list[Expr], list[Expr]]:
+    """Return N + λ = α²(N + κ), and the weights of the 2N + 1 points in means and in covariances."""
     alpha, beta, kappa = d.gain("alpha"), d.gain("beta"), d.gain("kappa")
     spread = d.let("spread", alpha**2 * (N + kappa))
     side, centre = d.let("W", 1 / (2 * spread)), d.let("W0", 1 - N / spread)
     return spread, [centre] + [side] * (2 * N), [d.let("W0c", centre + 1 - alpha**2 + beta)] + [side] * (2 * N)
 
 
-def sigma_points(d: Draft, name: str, z: sympy.Matrix, P: sympy.Matrix, spread: sympy.Expr) -> list[ImmutableMatrix]:
-    """z and z ± the columns of √((N + λ) P), by Cholesky."""
+def sigma_points(d: Draft, name: str, z: Matrix, P: Matrix, spread: Expr) -> list[Matrix]:
+    """Return z and z ± the columns of √((N + λ) P), by Cholesky: 2N + 1 points (N×1)."""
     root = d.let(f"{name}.root", sympy.sqrt(spread))
     L = d.let(f"{name}.L", cholesky(d, name, P) * root)
     columns = [L[:, j] for j in range(L.shape[1])]
@@ -89,18 +90,21 @@ def sigma_points(d: Draft, name: str, z: sympy.Matrix, P: sympy.Matrix, spread: 
     ]
 
 
-def weighted(weights: list[sympy.Expr], values: list):
-    """Σ Wᵢ vᵢ, where all but the first weight are one: the sum of the others is multiplied once."""
-    if isinstance(values[0], sympy.MatrixBase):
-        return sympy.ImmutableMatrix([weighted(weights, list(entries)) for entries in zip(*values)])
+def weighted(weights: Sequence[Expr], columns: Sequence[Matrix]) -> Matrix:
+    """Return Σ Wᵢ vᵢ of columns vᵢ."""
+    return column([weighted_sum(weights, entries) for entries in zip(*columns, strict=True)])
+
+
+def weighted_sum(weights: Sequence[Expr], values: Sequence[Expr]) -> Expr:
+    """Return Σ Wᵢ vᵢ. All weights but the first are equal, so the sum of the other values is multiplied once."""
     return weights[0] * values[0] + weights[1] * sympy.Add(*values[1:])
 
 
-def output(d: Draft, name: str, z: sympy.Matrix) -> ImmutableMatrix:
-    """h + Ψθ at a sigma point, at the instant of the sample."""
+def output(d: Draft, name: str, z: Matrix) -> Matrix:
+    """Return h + Ψθ at a sigma point, at the instant of the sample (m×1)."""
     theta = z[d.n :, :]
     at = d.at(z[: d.n, :], theta, NOW)
-    return d.let(name, at.h + product(at.Psi, theta))
+    return d.let(name, at.h + at.Psi @ theta)
 
 
 OBSERVER = Observer(

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from math import comb
 
-from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.normal_form import PAPER, block_column, brunovsky, normal_form
@@ -23,7 +22,7 @@ from thetascope.engine.observers.papers.reduced_order import (
     relative_degree,
 )
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
-from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.draft import Draft, Matrix
 
 
 def default_L(context: Context) -> list[float]:
@@ -39,22 +38,24 @@ L = Gain(
     -1e6,
     1e6,
     size="n",
+    rows=lambda context: normal_form(Model(context.model)).coordinate_names,
     symbol="L",
 )
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant without a normal form."""
     form = normal_form(d.model)
     A, B, C = brunovsky(form.blocks)
     L = block_column(d.gain("L"), form.blocks)
-    start = form.T.xreplace(dict(zip(d.model.x, d.x0, strict=True))).xreplace(parameters(d))
+    start = Matrix(form.T.xreplace(dict(zip(d.model.x, d.x0, strict=True))).xreplace(parameters(d)))
     z = d.states("z", d.n, initial=start)
     x, at = at_coordinates(d, form, z)
-    top = d.let("top", sympy.ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
-    r = d.let("r", d.measured() - C * z)
+    top = d.let("top", at.matrix(form.top))  # α(ẑ, t) + F(ẑ, t) u
+    r = d.let("r", d.measured() - C @ z)
 
-    d.set(z, A * z + B * top + L * r)
-    d.estimates(x, None, C * z)
+    d.set(z, A @ z + B @ top + L @ r)
+    d.estimates(x, None, C @ z)
     describe(d, form, at)
 
 

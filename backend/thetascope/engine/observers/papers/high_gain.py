@@ -8,7 +8,6 @@ It knows of no faults: its error shows what they do to a plain observer.
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,50 +16,53 @@ from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.observable_form import CanonicalForm, canonical_form
 from thetascope.engine.observers.support.common_checks import gain_at_least, stable, verdict
 from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
-from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.draft import Draft, ModelAt
 from thetascope.engine.observers.support.draft_linalg import solve
-
-if TYPE_CHECKING:
-    from sympy import ImmutableMatrix
+from thetascope.engine.observers.support.matrices import Matrix, column, diag, matrix
 
 RHO = Gain("rho", "high gain: the error decays faster and noise grows with its powers", 4.0, 1e-3, 1e3, symbol="ρ")
 
 
-def k0(n: int) -> ImmutableMatrix:
-    """k0 = ½ S⁻¹ c0ᵀ (8), where S solves A0ᵀS + S A0 + S = c0ᵀc0 (7): half the binomial coefficients C(n, i)."""
-    return sympy.ImmutableMatrix([sympy.Rational(sympy.binomial(n, i), 2) for i in range(1, n + 1)])
+def k0(n: int) -> Matrix:
+    """Return k0 = ½ S⁻¹ c0ᵀ (8), half the binomial coefficients C(n, i); S solves A0ᵀS + S A0 + S = c0ᵀc0 (7) (n×1)."""
+    return column([sympy.Rational(math.comb(n, i), 2) for i in range(1, n + 1)])
 
 
-def S(n: int) -> ImmutableMatrix:
-    """The solution of (7): S_ij = (−1)^(i+j) C(i+j−2, j−1), i, j = 1…n."""
-    return sympy.ImmutableMatrix(n, n, lambda i, j: (-1) ** (i + j) * sympy.binomial(i + j, j))
+def S(n: int) -> Matrix:
+    """Return the solution of (7), S_ij = (−1)^(i+j) C(i+j−2, j−1) for i, j = 1…n (n×n)."""
+    return matrix(n, n, lambda i, j: (-1) ** (i + j) * math.comb(i + j, j))
 
 
-def A0(n: int) -> ImmutableMatrix:
-    """The shift matrix of (4)."""
-    return sympy.ImmutableMatrix(n, n, lambda i, j: int(j == i + 1))
+def A0(n: int) -> Matrix:
+    """Return the shift matrix of (4) (n×n)."""
+    return matrix(n, n, lambda i, j: int(j == i + 1))
 
 
-def c0(n: int) -> ImmutableMatrix:
-    return sympy.ImmutableMatrix(1, n, lambda i, j: int(j == 0))
+def c0(n: int) -> Matrix:
+    """Return the first unit row (1×n)."""
+    return matrix(1, n, lambda i, j: int(j == 0))
 
 
-def to_user(d: Draft, at, form: CanonicalForm, correction: ImmutableMatrix) -> ImmutableMatrix:
-    """J⁻¹ · correction: a correction given in canonical coordinates, in the user's."""
+def Delta(d: Draft) -> Matrix:
+    """Return diag(ρ, …, ρⁿ)."""
+    return diag([d.gain("rho") ** i for i in range(1, d.n + 1)])
+
+
+def to_user(d: Draft, at: ModelAt, form: CanonicalForm, correction: Matrix) -> Matrix:
+    """Return J⁻¹ · correction (n×1): a correction in canonical coordinates, turned into the user's coordinates."""
     if form.identity:
         return correction
-    return solve(d, "J", d.let("dT", sympy.ImmutableMatrix(form.J.applyfunc(at.put))), correction)
+    return solve(d, "J", d.let("dT", at.matrix(form.J)), correction)
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant without a canonical form."""
     form = canonical_form(d.model)
-    n, rho = d.n, d.gain("rho")
     x = d.estimate_of_state()
     at = d.at(x)
     y_hat = d.let("y_hat", at.h)
     r = d.let("r", (d.measured() - y_hat)[0])
-    Delta = sympy.diag(*[rho**i for i in range(1, n + 1)])
-    d.set(x, at.f + to_user(d, at, form, sympy.ImmutableMatrix(Delta * k0(n) * r)))  # (9)
+    d.set(x, at.f + to_user(d, at, form, Delta(d) @ k0(d.n) * r))  # (9)
     d.estimates(x, None, y_hat)
     describe(d, form)
 

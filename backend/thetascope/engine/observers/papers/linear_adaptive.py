@@ -21,10 +21,10 @@ from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
 from thetascope.engine.observers.forms.matching_condition import closed, direction, find_P, lyapunov_margin
 from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
-from thetascope.engine.observers.support.draft import Draft, ModelAt
+from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
 
 if TYPE_CHECKING:
-    from sympy import Expr, ImmutableMatrix
+    from sympy import Expr
 
 SOURCE = "Shen & Hu 2015"
 
@@ -39,18 +39,19 @@ LAMBDA = Gain("lambda", "rate of adaptation of θ̂ (with P scaled to P d = Cᵀ
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant that is not of the form (1)."""
     x, theta, at, e1 = begin(d)
-    d.set(x, at.f + at.Phi * theta + d.gain("K") * e1)  # (11)
+    d.set(x, at.f + at.Phi @ theta + d.gain("K") * e1)  # (11)
     d.set(theta, d.gain("lambda") * g(at) * e1)  # (12)
 
 
-def g(at: ModelAt) -> ImmutableMatrix:
-    """g = (CΦ)ᵀ (p×1): what (8) gives with P d = Cᵀ."""
+def g(at: ModelAt) -> Matrix:
+    """Return g = (CΦ)ᵀ (p×1), from (8) with P d = Cᵀ."""
     return at.Phi[0, :].T
 
 
-def begin(d: Draft) -> tuple[ImmutableMatrix, ImmutableMatrix, ModelAt, Expr]:
-    """x̂, θ̂, the model there and e1 = y − ŷ; refuses a plant that is not of the form (1)."""
+def begin(d: Draft) -> tuple[Matrix, Matrix, ModelAt, Expr]:
+    """Return x̂, θ̂, the model at them and e1 = y − ŷ. Raises SpecError for a plant that is not of the form (1)."""
     model = d.model
     require(model.time == "continuous", model, "it is a discrete-time plant")
     require(
@@ -62,7 +63,7 @@ def begin(d: Draft) -> tuple[ImmutableMatrix, ImmutableMatrix, ModelAt, Expr]:
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     at = d.at(x, theta)
     e1 = d.let("e1", d.measured()[0] - x[0])
-    d.estimates(x, theta, sympy.ImmutableMatrix([x[0]]))
+    d.estimates(x, theta, [x[0]])
     describe(d, at)
     return x, theta, at, e1
 
@@ -85,10 +86,10 @@ def describe(d: Draft, at: ModelAt) -> None:
     d.facts["matching"] = reason or "Φ = d·(CΦ), g = (CΦ)ᵀ"
     if vector is not None:
         d.facts["direction"] = [str(e) for e in vector]
-        d.outputs("direction", sympy.ImmutableMatrix([at.put(e) for e in vector]))
+        d.outputs("direction", at.matrix(vector))
     d.outputs("Phi", at.Phi)
     gamma = sympy.Matrix(model.f) - sympy.Matrix([*model.x[1:], 0])
-    d.outputs("Dgamma", sympy.ImmutableMatrix(model.jacobian(gamma).applyfunc(at.put)))
+    d.outputs("Dgamma", at.matrix(model.jacobian(gamma)))
     d.facts["affine"] = all(model.is_affine)
     flat = model.f.xreplace(model.expansion)
     d.facts["chain"] = all(flat[i].expand().coeff(model.x[i + 1]) == 1 for i in range(model.n - 1))

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from thetascope.engine.language.lazy_sympy import functions, sympy
+from thetascope.engine.language.lazy_sympy import functions
 from thetascope.engine.model.result import FAILS, Check
 from thetascope.engine.observers.forms.matching_condition import closed
 from thetascope.engine.observers.papers.linear_adaptive import LAMBDA, SOURCE, K, begin, g, matched, require
@@ -24,9 +24,10 @@ from thetascope.engine.observers.papers.linear_adaptive import checks as shared_
 from thetascope.engine.observers.support.common_checks import verdict
 from thetascope.engine.observers.support.declaration import Gain, Observed, Observer, Option
 from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.matrices import Matrix, column
 
 if TYPE_CHECKING:
-    from sympy import Expr, ImmutableMatrix
+    from sympy import Expr
 
 GENERAL, PAPER_EXAMPLE = "general", "paper-example"
 
@@ -48,30 +49,29 @@ FORM = Option(
 )
 
 
-def F(k: ImmutableMatrix, alpha: Expr, e1: Expr) -> ImmutableMatrix:
-    """The homogeneous injection, below (12)."""
-    return sympy.ImmutableMatrix(
-        [k[i - 1] * functions.SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)]
-    )
+def F(k: Matrix, alpha: Expr, e1: Expr) -> Matrix:
+    """Return the homogeneous injection F (n×1), defined below (12)."""
+    return column([k[i - 1] * functions.SignedPower(e1, i * alpha - (i - 1)) for i in range(1, len(k) + 1)])
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant that is not of the form (1)."""
     x, theta, at, e1 = begin(d)
     K, rho, alpha = d.gain("K"), d.gain("rho"), d.gain("alpha")
     form = d.facts["form"] = d.options.get("form", GENERAL)
 
     if form == PAPER_EXAMPLE:
-        dx = paper_example(d, x, at.Phi * theta, e1)
+        dx = paper_example(d, x, at.Phi @ theta, e1)
     else:
-        dx = at.f + at.Phi * theta + K * e1 + rho * F(K, alpha, e1)  # (11)
+        dx = at.f + at.Phi @ theta + K * e1 + rho * F(K, alpha, e1)  # (11)
     dtheta = d.gain("lambda") * g(at) * e1  # (12)
 
     d.set(x, dx)
     d.set(theta, dtheta)
 
 
-def paper_example(d: Draft, x: ImmutableMatrix, w_theta: ImmutableMatrix, e1: Expr) -> ImmutableMatrix:
-    """Section 3 as printed; its wθ̂, printed twice with a comma between, is taken once."""
+def paper_example(d: Draft, x: Matrix, w_theta: Matrix, e1: Expr) -> Matrix:
+    """Return x̂' of section 3 as printed (2×1). Its wθ̂, printed twice with a comma between, is taken once."""
     require(
         d.n == 2, d.model, f"the example of section 3 has two states, this plant {d.n}; choose the form {GENERAL!r}"
     )
@@ -79,7 +79,7 @@ def paper_example(d: Draft, x: ImmutableMatrix, w_theta: ImmutableMatrix, e1: Ex
     power = functions.SignedPower(e1, 2 * d.gain("alpha") - 1)
     dx1 = x[1] + K[0] * e1 + K[0] * rho * power + w_theta[0]
     dx2 = w_theta[1] + K[1] * e1 + rho**2 * power
-    return sympy.ImmutableMatrix([dx1, dx2])
+    return column([dx1, dx2])
 
 
 # ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------

@@ -9,7 +9,7 @@ is the highest derivative of the outputs at x̂, so the observer is written down
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from math import comb
 from typing import TYPE_CHECKING
 
@@ -21,16 +21,23 @@ from thetascope.engine.model.result import CANNOT_TELL, Check
 from thetascope.engine.observers.forms.normal_form import PAPER, NormalForm, block_column, brunovsky, normal_form
 from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
-from thetascope.engine.observers.support.draft import Draft, ModelAt
+from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
+from thetascope.engine.observers.support.matrices import column
 
 if TYPE_CHECKING:
-    from sympy import Expr, ImmutableMatrix, Symbol
+    from sympy import Expr, Symbol
 
 
 def default_H(context: Context) -> list[float]:
     """Ã − HC̃ gets all its eigenvalues at −5: the coefficients of (s + 5)^(ρ − 1), block after block."""
     blocks = [rho - 1 for rho in normal_form(Model(context.model)).blocks]
     return [comb(size, i) * 5.0**i for size in blocks for i in range(1, size + 1)]
+
+
+def hidden_names(context: Context) -> list[str]:
+    """Return the labels of the unmeasured coordinates: the time-varying Lie derivatives of each output."""
+    form = normal_form(Model(context.model))
+    return [form.coordinate_names[k] for k in form.unmeasured]
 
 
 H = Gain(
@@ -40,44 +47,49 @@ H = Gain(
     -1e6,
     1e6,
     size="n-m",
+    rows=hidden_names,
     symbol="H",
 )
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant without a normal form."""
     form = normal_form(d.model)
     blocks = [rho - 1 for rho in form.blocks]
     A, B, C = brunovsky(blocks)
     H, y = block_column(d.gain("H"), blocks), d.measured()
-    omega = d.states("omega", sum(blocks), initial=initial(d, form) - H * y)
-    hidden = d.let("hidden", omega + H * y)  # (14)
+    omega = d.states("omega", sum(blocks), initial=initial(d, form) - H @ y)
+    hidden = d.let("hidden", omega + H @ y)  # (14)
     z = dict(zip((*form.firsts, *form.unmeasured), (*y, *hidden), strict=True))
     x, at = at_coordinates(d, form, [z[k] for k in range(d.n)])
-    top = d.let("top", sympy.ImmutableMatrix(form.top.applyfunc(at.put)))  # α(ẑ, t) + F(ẑ, t) u
+    top = d.let("top", at.matrix(form.top))  # α(ẑ, t) + F(ẑ, t) u
 
-    d.set(omega, (A - H * C) * hidden + B * top)  # (17)
+    d.set(omega, (A - H @ C) @ hidden + B @ top)  # (17)
     d.estimates(x, None, at.h)
     describe(d, form, at)
 
 
-def at_coordinates(d: Draft, form: NormalForm, z: Sequence[Expr]) -> tuple[ImmutableMatrix, ModelAt]:
-    """x̂ at ẑ, and the model there."""
-    x = d.let("x", form.from_z(z).xreplace(parameters(d)))
+def at_coordinates(d: Draft, form: NormalForm, z: Iterable[Expr]) -> tuple[Matrix, ModelAt]:
+    """Return x̂ = T⁻¹(ẑ, t) (n×1) and the model at it."""
+    x = d.let("x", Matrix(form.from_z(z).xreplace(parameters(d))))
     return x, d.at(x)
 
 
-def initial(d: Draft, form: NormalForm) -> ImmutableMatrix:
-    """The unmeasured coordinates at the start: T(x, 0) with the initial estimates for x, but with the measurement for
-    the states that the outputs alone determine."""
+def initial(d: Draft, form: NormalForm) -> Matrix:
+    """Return the unmeasured coordinates at the start (n − m × 1).
+
+    That is T(x, 0) with the initial estimates for x, and with the measurement for the states that the outputs alone
+    determine.
+    """
     outputs = {form.z[k]: y for k, y in zip(form.firsts, d.measured(), strict=True)}
     start = dict(zip(d.model.x, d.x0, strict=True))
     start |= {x: e.xreplace(outputs) for x, e in form.from_outputs.items()}
     z = form.T.xreplace(start).xreplace(parameters(d))
-    return sympy.ImmutableMatrix(len(form.unmeasured), 1, [z[k] for k in form.unmeasured])
+    return column([z[k] for k in form.unmeasured])
 
 
 def parameters(d: Draft) -> dict[Symbol, Symbol]:
-    """What stands for the plant's parameters in an observer."""
+    """Return the symbol of each of the plant's parameters in an observer."""
     return dict(zip(d.model.parameters, symbols("m", d.model.parameter_names), strict=True))
 
 
@@ -89,7 +101,7 @@ def describe(d: Draft, form: NormalForm, at: ModelAt) -> None:
     d.facts["affine"] = not (form.top.jacobian(sympy.Matrix(d.model.x)).free_symbols & set(d.model.x))
     d.facts["inputs"] = len(d.model.inputs)
     if form.F.shape[1]:
-        d.outputs("F", sympy.ImmutableMatrix(form.F.applyfunc(at.put)))
+        d.outputs("F", at.matrix(form.F))
 
 
 # ---- the assumptions of Theorem 2 ------------------------------------------------------------------------------------

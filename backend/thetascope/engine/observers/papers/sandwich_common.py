@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import TYPE_CHECKING
-
 import numpy as np
 
-from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.sandwich_parts import Sandwich, blocks, memory_names, refused, sandwich
 from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed
-from thetascope.engine.observers.support.draft import Draft
-
-if TYPE_CHECKING:
-    from sympy import Expr, ImmutableMatrix
+from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
+from thetascope.engine.observers.support.matrices import column
 
 SOURCE = "Zhou & Tan 2012"
 
@@ -24,6 +18,12 @@ SOURCE = "Zhou & Tan 2012"
 def corrected(context: Context) -> int:
     """the states of L1 and L2"""
     return context.n - len(memory_names(context.model))
+
+
+def corrected_names(context: Context) -> list[str]:
+    """Return the names of the states of L1 and L2, in the plant's order."""
+    memory = memory_names(context.model)
+    return [s["name"] for s in context.model["states"] if s["name"] not in memory]
 
 
 def default_K(context: Context) -> list[float]:
@@ -39,11 +39,13 @@ K = Gain(
     -1e3,
     1e3,
     size=corrected,
+    rows=corrected_names,
     symbol="K",
 )
 
 
 def begin(d: Draft) -> Sandwich:
+    """Find the parts of the plant and note them as facts. Raises SpecError where it is not a sandwich system."""
     if d.m != 1:
         raise refused(d.model, f"it has {d.m} outputs and the observer is for one")
     parts = sandwich(d.model)
@@ -54,18 +56,18 @@ def begin(d: Draft) -> Sandwich:
     return parts
 
 
-def injection(d: Draft, parts: Sandwich) -> ImmutableMatrix:
-    """K with a 0 for each state of the memory (n×1)."""
+def injection(d: Draft, parts: Sandwich) -> Matrix:
+    """Return K with a 0 for each state of the memory (n×1)."""
     gain = dict(zip(parts.linear_states, d.gain("K"), strict=True))
-    return sympy.ImmutableMatrix([gain.get(i, 0) for i in range(d.n)])
+    return column([gain.get(i, 0) for i in range(d.n)])
 
 
-def describe(d: Draft, parts: Sandwich, put: Callable[[Expr], Expr]) -> None:
+def describe(d: Draft, parts: Sandwich, at: ModelAt) -> None:
     """Offer the matrices of (11) for the checks."""
     moving = False
     for name, matrix in blocks(d.model, parts).items():
         moving |= bool(matrix.free_symbols & set(d.model.x))
-        d.outputs(name, sympy.ImmutableMatrix(matrix.applyfunc(put)))
+        d.outputs(name, at.matrix(matrix))
     d.facts["linear"] = not moving
     order = parts.linear_states
     d.facts["K1"] = [order.index(i) for i in parts.front]

@@ -21,24 +21,23 @@ from thetascope.engine.observers.papers.sandwich_common import (
 )
 from thetascope.engine.observers.support.declaration import Observed, Observer
 from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.matrices import column
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant that is not a sandwich system."""
     parts = begin(d)
-    plant, d.model = d.model, smooth(d.model)
-    made = d.states(
-        "xh", len(parts.linear_states), initial=sympy.ImmutableMatrix([d.x0[i] for i in parts.linear_states])
-    )
-    x = dict(zip(parts.linear_states, made, strict=True))
-    at = d.at([x.get(i, sympy.S.Zero) for i in range(d.n)])
+    linear = parts.linear_states
+    x = d.states("xh", len(linear), initial=column([d.x0[i] for i in linear]))
+    position = {i: k for k, i in enumerate(linear)}
+    at = d.at([x[position[i]] if i in position else sympy.S.Zero for i in range(d.n)], model=smooth(d.model))
     r = d.let("r", (d.measured() - at.h)[0])
-    following = at.f + injection(d, parts) * r
-    d.set(made, sympy.ImmutableMatrix([following[i] for i in parts.linear_states]))  # (22)
-    for i in parts.linear_states:
-        d.output(f"x.{plant.states[i]}", x[i])
-    d.output(f"y.{plant.outputs[0]}", at.h[0])
-    d.model = plant
-    describe(d, parts, at.put)
+    following = at.f + injection(d, parts) * r  # A x̂ + B u + K (y − ŷ)
+    d.set(x, column([following[i] for i in linear]))  # (22)
+    for i in linear:
+        d.output(f"x.{d.model.states[i]}", x[position[i]])
+    d.output(f"y.{d.model.outputs[0]}", at.h[0])
+    describe(d, parts, at)
 
 
 def checks(run: Observed) -> list[Check]:

@@ -2,9 +2,10 @@
 
     x̂(k+1) = Â(k) x̂(k) + B u(k) + η̂(k) + K (y(k) − ŷ(k))                    (13), (21)
 
-is the plant's own text (11) at the estimates: Â and η̂ switch with the zone each operator is in at x̂. K corrects the
-states of L1 and L2; what the operators remember by follows the estimates. The paper does not give x̂(−1): x̂ is taken
-not to have moved before k = 0 (Δx̂(0) = 0, all operators hold), unless the option says otherwise.
+is the plant's own text (11) at the estimates, f(x̂, u) = Â(k) x̂ + B u + η̂(k): Â and η̂ switch with the zone that each
+operator is in at x̂. K corrects the states of L1 and L2; the memories of the operators follow the estimates. The paper does
+not give x̂(−1). By default x̂ did not move before k = 0, so Δx̂(0) = 0 and all operators hold; the option ``before`` changes
+that.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from thetascope.engine.language.lazy_sympy import functions, sympy
+from thetascope.engine.language.lazy_sympy import functions
 from thetascope.engine.model.result import CANNOT_TELL, Check
-from thetascope.engine.observers.forms.sandwich_parts import Sandwich, before
+from thetascope.engine.observers.forms.sandwich_parts import Sandwich, before, input_matrix
 from thetascope.engine.observers.papers.sandwich_common import (
     SOURCE,
     K,
@@ -27,10 +28,11 @@ from thetascope.engine.observers.papers.sandwich_common import (
 )
 from thetascope.engine.observers.support.common_checks import verdict
 from thetascope.engine.observers.support.declaration import Observed, Observer, Option
-from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.draft import Draft, Matrix
+from thetascope.engine.observers.support.matrices import column
 
 if TYPE_CHECKING:
-    from sympy import ImmutableMatrix, Symbol
+    from sympy import Symbol
 
 RISING, FALLING = 1, -1
 
@@ -44,11 +46,15 @@ BEFORE = Option(
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant that is not a sandwich system."""
     parts = begin(d)
-    x = d.estimate_of_state(start(d, parts))
+    x, u = d.estimate_of_state(start(d, parts)), d.inputs()
     at = d.at(x)
+    A, B = at.A, at.matrix(input_matrix(d.model))  # Â(k) switches with the zones of the operators at x̂
+    eta = at.f - A @ x - B @ u  # η̂(k): the offsets and memories of the operators
     r = d.let("r", (d.measured() - at.h)[0])
-    d.set(x, at.f + injection(d, parts) * r)  # (13)
+
+    d.set(x, A @ x + B @ u + eta + injection(d, parts) * r)  # (13)
     d.estimates(x, None, at.h)
     for i, o in enumerate(parts.operators, 1):
         rising, falling = o.zones()
@@ -57,16 +63,16 @@ def write(d: Draft) -> None:
         d.output(s.name, at.put(s))
     d.facts["zones"] = [f"zone.{i + 1}" for i in range(len(parts.operators))]
     d.facts["hysteresis"] = [s.name for s in hysteresis_outputs(d)]
-    describe(d, parts, at.put)
+    describe(d, parts, at)
 
 
-def start(d: Draft, parts: Sandwich) -> ImmutableMatrix:
-    """Initial estimates as given; the previous x̂ equals the first (hold) unless it is to be taken as given."""
+def start(d: Draft, parts: Sandwich) -> Matrix:
+    """Return the initial estimates as given (n×1). With the option ``hold`` the previous x̂ equals the first."""
     initial = dict(zip(d.model.x, d.x0, strict=True))
     if d.options.get("before", "hold") == "hold":
         put = d.at(d.x0, saturate=False).put
         initial |= {before(o): put(o.args[0]) for o in parts.operators}
-    return sympy.ImmutableMatrix([initial[s] for s in d.model.x])
+    return column([initial[s] for s in d.model.x])
 
 
 def hysteresis_outputs(d: Draft) -> list[Symbol]:

@@ -10,13 +10,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.observable_form import canonical_form
+from thetascope.engine.observers.papers import high_gain
 from thetascope.engine.observers.papers.high_gain import A0, RHO, c0, describe, form_checks, k0, to_user
 from thetascope.engine.observers.support.common_checks import excitation, persistent_excitation, positive_definite
 from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.matrices import eye
 
 GAINS = (
     RHO,
@@ -36,26 +37,26 @@ GAINS = (
 
 
 def write(d: Draft) -> None:
+    """Write the equations of the observer. Raises SpecError for a plant without a canonical form."""
     form = canonical_form(d.model)
     n, p, rho, lam = d.n, d.p, d.gain("rho"), d.gain("lambda")
     Upsilon = d.states("Upsilon", n, p)
-    Gamma = d.symmetric("Gamma", p, initial=d.gain("gamma0") * sympy.eye(p))
+    Gamma = d.symmetric("Gamma", p, initial=d.gain("gamma0") * eye(p))
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     at = d.at(x, theta)
-    Phi = at.Phi if form.identity else d.let("JPhi", sympy.ImmutableMatrix(form.J.applyfunc(at.put)) * at.Phi)
-    Psi = at.Psi
-    Delta = sympy.diag(*[rho**i for i in range(1, n + 1)])
+    Psi, Delta = at.Psi, high_gain.Delta(d)
+    Phi = at.Phi if form.identity else d.let("JPhi", at.matrix(form.J) @ at.Phi)
 
-    Omega = d.let("Omega", c0(n) * Upsilon + Psi)  # (35)
-    GammaOmega = d.let("GammaOmega", Gamma * Omega.T)
-    y_hat = d.let("y_hat", at.h + Psi * theta)  # (27)
+    Omega = d.let("Omega", c0(n) @ Upsilon + Psi)  # (35)
+    GammaOmega = d.let("GammaOmega", Gamma @ Omega.T)
+    y_hat = d.let("y_hat", at.h + Psi @ theta)  # (27)
     r = d.let("r", (d.measured() - y_hat)[0])
 
-    dUpsilon = rho * (A0(n) - k0(n) * c0(n)) * Upsilon + rho * Delta.inv() * Phi - rho * k0(n) * Psi  # (34a)
-    dGamma = lam * Gamma - GammaOmega * GammaOmega.T  # (34b)
-    gain = d.let("gain", Delta * (k0(n) + Upsilon * GammaOmega / rho))
-    dx = at.f + at.Phi * theta + to_user(d, at, form, gain * r)  # (34c)
-    dtheta = GammaOmega * r  # (34d)
+    dUpsilon = rho * (A0(n) - k0(n) @ c0(n)) @ Upsilon + rho * Delta.inv() @ Phi - rho * k0(n) @ Psi  # (34a)
+    dGamma = lam * Gamma - Gamma @ Omega.T @ Omega @ Gamma  # (34b)
+    gain = d.let("gain", Delta @ (k0(n) + Upsilon @ GammaOmega / rho))
+    dx = at.f + at.Phi @ theta + to_user(d, at, form, gain * r)  # (34c)
+    dtheta = Gamma @ Omega.T * r  # (34d)
 
     d.set(Upsilon, dUpsilon)
     d.set(Gamma, dGamma)

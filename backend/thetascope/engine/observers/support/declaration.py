@@ -1,6 +1,6 @@
 """What an observer's file offers: its gains, options, equations and the assumptions it checks."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -8,7 +8,7 @@ import numpy as np
 from thetascope.engine.compiler.system import Program
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Check
-from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.draft import Draft, Size
 
 
 @dataclass(frozen=True)
@@ -26,12 +26,24 @@ class Context:
     noise_hold: tuple[float, ...] = ()  # per output: the sample time of the declared noise, s
 
 
+Count = str | Callable[[Context], int]
+"""A number of rows or columns: n, m, p, n+p, n-m, or a function of the Context whose docstring says what it counts."""
+
+
 @dataclass(frozen=True)
 class Gain:
-    """A number (or column of numbers) that the user may move while the observer runs.
+    """A number, a column or a matrix of numbers that the user may move while the observer runs.
 
-    ``size``: None for a scalar, else one of n, m, p, n+p, n-m or a function of the Context: the length of the column.
-    ``default``: a number, a list, or a function of the Context. ``low`` and ``high`` bound every entry (inclusive).
+    Args:
+        name: unique among the observer's gains.
+        meaning: for the user.
+        default: a number, a list, a list of rows, or a function of the Context that returns one of these.
+        low, high: bounds of every entry, inclusive.
+        size: the number of entries of a column, or of rows of a matrix; None for a single number.
+        columns: the number of columns of a matrix; None for a column.
+        rows: labels of the rows; by default the names of the states, outputs or channels that ``size`` counts.
+        symbol, unit: as the paper and the page write them.
+        live: False where it acts at the start only, or on diagnostics only, so that moving it later has no effect.
     """
 
     name: str
@@ -39,10 +51,54 @@ class Gain:
     default: float | tuple | Callable[[Context], object]
     low: float = 0.0
     high: float = 1e6
-    size: str | Callable[[Context], int] | None = None
+    size: Count | None = None
     symbol: str = ""
     unit: str = ""
-    live: bool = True  # False: it acts at the start only, or on diagnostics only, so moving it later means nothing
+    live: bool = True
+    columns: Count | None = None
+    rows: Callable[[Context], Sequence[str]] | None = None
+
+    def shape(self, context: Context) -> Size:
+        """Return None for a number, the length of a column, or (rows, columns)."""
+        if self.size is None:
+            return None
+        rows = count(self.size, context)
+        return rows if self.columns is None else (rows, count(self.columns, context))
+
+    def row_labels(self, context: Context) -> tuple[str, ...]:
+        """Return the label of each row; nothing for a single number."""
+        if self.size is None:
+            return ()
+        return tuple(self.rows(context)) if self.rows else labels(self.size, context)
+
+    def column_labels(self, context: Context) -> tuple[str, ...]:
+        """Return the label of each column of a matrix; nothing for a column."""
+        return () if self.columns is None else labels(self.columns, context)
+
+
+def count(size: Count, context: Context) -> int:
+    """Return the number of rows or columns that a gain has for a plant."""
+    if callable(size):
+        return size(context)
+    counts = {"n": context.n, "m": context.m, "p": context.p}
+    total, sign = 0, 1
+    for part in size.replace("+", " + ").replace("-", " - ").split():
+        if part in "+-":
+            sign = 1 if part == "+" else -1
+        else:
+            total += sign * (counts[part] if part in counts else int(part))
+    return total
+
+
+def labels(size: Count, context: Context) -> tuple[str, ...]:
+    """Return the names of the states, outputs or channels that a size counts; 1, 2, … for any other size."""
+    model = context.model
+    if size == "p" and len(context.channels) == context.p:
+        return context.channels
+    groups = {"n": "states", "m": "outputs"}
+    if isinstance(size, str) and size in groups and groups[size] in model:
+        return tuple(item["name"] for item in model[groups[size]])
+    return tuple(str(i + 1) for i in range(count(size, context)))
 
 
 @dataclass(frozen=True)
@@ -91,11 +147,12 @@ class Observed:
         return _last(self.values[f"g.{name}"])
 
     def gains(self, name: str) -> np.ndarray:
-        """A column gain as an array."""
-        found = []
-        while f"g.{name}.{len(found)}" in self.values:
-            found.append(_last(self.values[f"g.{name}.{len(found)}"]))
-        return np.array(found)
+        """Return a gain that is a column or a matrix, as it was last: shape (rows,) or (rows, columns)."""
+        prefix = f"g.{name}."
+        places = {n.removeprefix(prefix): v for n, v in self.values.items() if n.startswith(prefix)}
+        found = {tuple(int(i) for i in place.split(".")): _last(v) for place, v in places.items()}
+        shape = tuple(max(index) + 1 for index in zip(*found, strict=True)) if found else (0,)
+        return np.array([found[index] for index in sorted(found)]).reshape(shape)
 
     def matrix(self, name: str, rows: int, cols: int, symmetric: bool = False) -> np.ndarray:
         """A recorded matrix (states or outputs ``name.i.j``) over time: shape (time, rows, cols)."""

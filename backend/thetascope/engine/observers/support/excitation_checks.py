@@ -6,8 +6,6 @@ excitation of 1 means that in one window a fault of typical size stands out by o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from thetascope.engine.model.result import CANNOT_TELL, Check
@@ -15,9 +13,7 @@ from thetascope.engine.observers.support.common_checks import smallest_eigenvalu
 from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.kalman_defaults import output_scales, state_scales, typical_sizes
-
-if TYPE_CHECKING:
-    from sympy import Matrix
+from thetascope.engine.observers.support.matrices import Matrix
 
 LARGEST = 12  # states, up to which Jacobians are recorded
 RANK = 1e-9  # relative size of a singular value that counts as zero

@@ -1,0 +1,50 @@
+"""Whether matrices that an observer claims to be symmetric are: only their upper triangle is computed."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from thetascope.engine.compiler.numeric import numbers
+from thetascope.engine.observers.support.matrices import Matrix
+
+if TYPE_CHECKING:
+    from sympy import Expr, Symbol
+
+MOST_PAIRS = 20  # entries of each matrix that are compared with their mirror images
+TOLERANCE = 1e-6
+
+
+def require_symmetric(
+    claims: Sequence[tuple[str, Matrix]], definitions: Sequence[tuple[Symbol, Expr]], states: Sequence[Matrix]
+) -> None:
+    """Raise ValueError naming the first matrix that is not symmetric at a random point.
+
+    Args:
+        claims: (name, value) of each matrix that is claimed to be symmetric.
+        definitions: the intermediate results that the values use, in order.
+        states: symmetric matrices of states. They are positive definite at the point, as covariances are.
+    """
+    draw = random.Random(1)
+    pairs: list[tuple[str, Expr, Expr]] = []
+    for name, value in claims:
+        entries, size = value.entries, value.shape[0]
+        places = [(i, j) for i in range(size) for j in range(i + 1, size) if entries[i, j] != entries[j, i]]
+        for i, j in draw.sample(places, min(MOST_PAIRS, len(places))):
+            pairs.append((f"{name}[{i}, {j}]", entries[i, j], entries[j, i]))
+    if not pairs:
+        return
+    expressions = [e for _, upper, lower in pairs for e in (upper, lower)]
+    free = {s.name for _, e in definitions for s in e.free_symbols} | {
+        s.name for e in expressions for s in e.free_symbols
+    }
+    point = {name: draw.uniform(0.5, 1.5) for name in sorted(free - {s.name for s, _ in definitions})}
+    for P in states:
+        point |= {P[i, i].name: P.shape[0] + draw.uniform(1, 2) for i in range(P.shape[0])}
+    values = numbers(expressions, point, definitions).reshape(-1, 2)
+    for (name, _, _), (upper, lower) in zip(pairs, values, strict=True):
+        if np.isfinite([upper, lower]).all() and abs(upper - lower) > TOLERANCE * max(abs(upper), abs(lower), 1.0):
+            raise ValueError(f"{name} should be symmetric, but its mirror image differs ({upper:.6g}, {lower:.6g})")
