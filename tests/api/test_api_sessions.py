@@ -100,7 +100,7 @@ def test_a_fork_begins_at_an_earlier_time_with_the_same_past(client):
     assert client.get(fork["links"]["self"])["row"] == 201
     both = [client.get(s["links"]["data"] + "?to=2")["columns"] for s in (session, fork)]
     assert both[0] == both[1] and len(both[0]["t"]) == 201
-    with pytest.raises(ServiceError, match="stands at 3 s"):
+    with pytest.raises(ServiceError, match="the session is at 3 s"):
         client.post(session["links"]["fork"], {"t": 4})
 
 

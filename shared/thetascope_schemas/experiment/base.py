@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
 
+from thetascope_schemas.experiment.local_text import LocalProse
 from thetascope_schemas.experiment.refusal import refuse, suggestion
 
 SCHEMA_VERSION = 1
@@ -152,8 +153,9 @@ Reference = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
 """The name of something declared elsewhere."""
 Name = Annotated[Reference, AfterValidator(_not_reserved)]
 """A name that is declared here: a letter, then up to 31 letters, digits or underscores, and not reserved."""
-Title = Annotated[str, Field(max_length=200)]
-Prose = Annotated[str, Field(max_length=10_000)]
+Title = Annotated[str, LocalProse(max_length=200)]
+"""A line of prose, in one language or in several."""
+Prose = Annotated[str, LocalProse(max_length=10_000)]
 Unit = Annotated[str, Field(max_length=32, description="Unit in plain text, empty when dimensionless.")]
 ExpressionText = Annotated[
     str,
