@@ -166,7 +166,7 @@ export interface Channel {
 export interface ChannelInput {
   /** Name of the fault; the equations do not mention it. */
   name: string;
-  title?: string;
+  title?: string | {[name: string]: string};
   /** Actuator faults enter state equations, sensor faults output equations, process faults both. */
   kind: 'actuator' | 'process' | 'sensor';
   /** State or output: the coefficient of θ in its equation. */
@@ -177,7 +177,7 @@ export interface ChannelInput {
   typical?: number;
   /** Range that makes sense, in the channel's unit. */
   bounds?: [number | null, number | null];
-  description?: string;
+  description?: string | {[name: string]: string};
 }
 
 /** offset + amplitude·sin(2π(f0·t + (f1−f0)·t²/(2·duration))); from `duration` on the frequency stays f1. */
@@ -573,12 +573,12 @@ export interface Experiment {
 /** Everything that determines a run. The same spec gives the same numbers, bit for bit. */
 export interface ExperimentInput {
   id?: string;
-  title?: string;
-  description?: string;
+  title?: string | {[name: string]: string};
+  description?: string | {[name: string]: string};
   /** Where the experiment comes from. */
-  source?: string;
+  source?: string | {[name: string]: string};
   /** Where the printed source cannot be right. */
-  errata?: (string)[];
+  errata?: (string | {[name: string]: string})[];
   /** Id of a library plant, or a plant in full. */
   plant: string | PlantInput;
   /** Parameters that differ. */
@@ -786,8 +786,8 @@ export interface Figure {
 export interface FigureInput {
   /** Name in the address. */
   name: string;
-  title?: string;
-  caption?: string;
+  title?: string | {[name: string]: string};
+  caption?: string | {[name: string]: string};
   panels: (PanelInput)[];
 }
 
@@ -943,7 +943,7 @@ export interface InputInput {
   default?: number;
   /** Range that makes sense, in the input's unit. */
   bounds?: [number | null, number | null];
-  description?: string;
+  description?: string | {[name: string]: string};
 }
 
 /** An input that would restore excitation, or why there is none: `signal` can be sent as it is with set-signal. */
@@ -989,7 +989,7 @@ export interface KnownSignalInput {
   name: string;
   /** Unit in plain text, empty when dimensionless. */
   unit?: string;
-  description?: string;
+  description?: string | {[name: string]: string};
   /** Its course where an experiment gives none. */
   default?: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
 }
@@ -1266,7 +1266,7 @@ export interface OutputInput {
   unit?: string;
   /** Output equation, without the sensor faults. */
   expression: string;
-  description?: string;
+  description?: string | {[name: string]: string};
 }
 
 /** One pair of axes. */
@@ -1283,11 +1283,11 @@ export interface Panel {
 
 /** One pair of axes. */
 export interface PanelInput {
-  title?: string;
+  title?: string | {[name: string]: string};
   /** Column of the horizontal axis. */
   x?: string;
-  x_title?: string;
-  y_title?: string;
+  x_title?: string | {[name: string]: string};
+  y_title?: string | {[name: string]: string};
   /** Logarithmic vertical axis. */
   log?: boolean;
   traces: (TraceInput)[];
@@ -1316,7 +1316,7 @@ export interface ParameterInput {
   unit?: string;
   /** Permitted range, in the parameter's unit. */
   bounds?: [number | null, number | null];
-  description?: string;
+  description?: string | {[name: string]: string};
 }
 
 /** Stop time. */
@@ -1379,10 +1379,10 @@ export interface PlantEquations {
 export interface PlantInput {
   /** Short name: lower-case letters, digits and hyphens. */
   id: string;
-  title?: string;
-  description?: string;
+  title?: string | {[name: string]: string};
+  description?: string | {[name: string]: string};
   /** Where the plant comes from. */
-  source?: string;
+  source?: string | {[name: string]: string};
   /** Continuous, or discrete with a period. */
   time?: ContinuousTimeInput | DiscreteTimeInput;
   states: (StateInput)[];
@@ -2140,7 +2140,7 @@ export interface StateInput {
   initial?: number;
   /** Physical range [low, high]; observers saturate their model to it. */
   domain?: [number | null, number | null];
-  description?: string;
+  description?: string | {[name: string]: string};
 }
 
 /** How the session stands; newer replaces older. */
@@ -2353,7 +2353,7 @@ export interface TraceInput {
   /** Column to subtract. */
   minus?: string | null;
   /** Text in the legend; the column's name when empty. */
-  label?: string;
+  label?: string | {[name: string]: string};
   style?: 'solid' | 'dash' | 'dot';
   /** Draw the absolute value. */
   absolute?: boolean;

@@ -88,3 +88,36 @@ def test_answers_without_sentences_do_not_depend_on_the_language(address):
     """Caches need not keep them once for each language."""
     with urlopen(f"{address}/api/health?lang=zh") as answer:
         assert "content-language" not in answer.headers and "Accept-Language" not in answer.headers.get("vary", "")
+
+
+@pytest.mark.parametrize("path", ["/api/plants", "/api/experiments", "/api/catalogue", "/api/plants/dc-motor"])
+def test_the_library_is_answered_in_the_asked_language(address, path):
+    """Titles and descriptions are resolved; English stays the default."""
+    texts = {}
+    for language in ("en", "zh"):
+        with urlopen(Request(address + path, headers={"Accept-Language": language})) as answer:
+            assert answer.headers["content-language"] == language
+            texts[language] = answer.read().decode()
+    assert "DC motor" in texts["en"] and not re.search("[\u4e00-\u9fff]", texts["en"])
+    assert "直流电机" in texts["zh"] and "DC motor" not in texts["zh"]
+
+
+def test_a_plant_can_be_read_in_all_its_languages(address):
+    """?lang=* keeps the maps, so that an edited copy loses nothing."""
+    with urlopen(f"{address}/api/plants/dc-motor?lang=*") as answer:
+        plant = json.load(answer)
+    assert plant["title"] == {"en": "DC motor with load and friction", "zh": "带负载和摩擦的直流电机"}
+    body = json.dumps(plant).encode()
+    with urlopen(Request(f"{address}/api/plants/check", body, {"Content-Type": "application/json"})) as answer:
+        assert json.load(answer)["valid"]
+
+
+def test_a_run_keeps_the_languages_of_its_texts(client, address):
+    """The store keeps every language, and each answer has the asked one, also in the list of runs."""
+    run = client.run("dc-motor", {"horizon": 0.1})
+    for language, title in (("en", "DC motor: actuator"), ("zh", "直流电机：执行器")):
+        with urlopen(f"{address}/api/runs/{run['id']}?lang={language}") as answer:
+            assert json.load(answer)["spec"]["title"].startswith(title)
+        with urlopen(f"{address}/api/runs?lang={language}") as answer:
+            (listed,) = [line for line in json.load(answer)["runs"] if line["id"] == run["id"]]
+        assert listed["title"].startswith(title)

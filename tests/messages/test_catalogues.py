@@ -9,8 +9,11 @@ from pathlib import Path
 import pytest
 from babel.messages.pofile import read_po
 
+from thetascope.api.routes.catalogue import form_codes, members
 from thetascope.messages.catalogue import FOLDER, catalogue, languages
+from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.field_error import PYDANTIC_CODES
+from thetascope_schemas.experiment.signals import Signal
 
 ROOT = Path(__file__).parents[2]
 CODE = re.compile(r"[a-z][a-z0-9]*(\.[a-z0-9-]+)+")
@@ -84,10 +87,21 @@ def test_every_kind_of_pydantics_errors_has_words(kind):
     assert f"schema.{kind.replace('_', '-')}" in catalogue("en").templates
 
 
+def form_descriptions() -> set[str]:
+    """Return the codes of the descriptions in the forms of faults and signals."""
+    unions = ((Fault, "shape"), (Signal, "kind"))
+    return {code for union, tag in unions for model in members(union) for code in form_codes(model, tag).values()}
+
+
+def test_every_field_of_a_form_has_words():
+    """Forms describe faults, signals and their fields in every language."""
+    assert form_descriptions() <= set(catalogue("en").templates)
+
+
 def test_no_entry_is_left_over():
     """An entry that no code mentions is removed; remedies and titles belong to their problem."""
     codes, patterns = used()
-    kinds = {f"schema.{kind.replace('_', '-')}" for kind in PYDANTIC_CODES}
+    kinds = {f"schema.{kind.replace('_', '-')}" for kind in PYDANTIC_CODES} | form_descriptions()
 
     def is_used(code: str) -> bool:
         base = re.sub(r"\.(remedy|title)$", "", code)

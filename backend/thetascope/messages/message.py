@@ -60,6 +60,11 @@ class Message:
         return cls(data["code"], **{name: _undata(value) for name, value in data["args"].items()})
 
 
+def text_of(value: Message | str, language: str = "en") -> str:
+    """Return a message in a language; a text as it is."""
+    return value.text(language) if isinstance(value, Message) else value
+
+
 def words(language: str = "en") -> Callable[[str, Mapping[str, Any]], str]:
     """Return the function that renders a code and its arguments (plain data, as of :meth:`Message.as_data`) in a language."""
 

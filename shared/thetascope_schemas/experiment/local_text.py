@@ -7,7 +7,7 @@ As JSON it is the text in one language, by default that of the `str`; with the s
 
 import re
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Self
 
 from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
@@ -31,7 +31,7 @@ class LocalText(str):
 
     texts: Mapping[str, str]
 
-    def __new__(cls, texts: Mapping[str, str]) -> "LocalText":
+    def __new__(cls, texts: Mapping[str, str]) -> Self:
         text = super().__new__(cls, texts.get(DEFAULT) or next(iter(texts.values())))
         text.texts = dict(texts)
         return text

@@ -12,6 +12,7 @@ from starlette.responses import Response
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.jobs.store_rows import title_of
 from thetascope.runs.specs.problem_documents import in_language
 from thetascope.runs.specs.refusals import NotReady
 from thetascope.store import Record
@@ -46,7 +47,9 @@ def run_response(snapshot: Snapshot, language: str, status: int = 200) -> Respon
         pinned=snapshot.pinned,
         links=links,
     )
-    return Response(run.model_dump_json(), status, {"Location": links["self"]}, "application/json")
+    return Response(
+        run.model_dump_json(context={"language": language}), status, {"Location": links["self"]}, "application/json"
+    )
 
 
 def progress_response(snapshot: Snapshot, language: str, status: int = 200) -> Response:
@@ -69,13 +72,12 @@ def progress_response(snapshot: Snapshot, language: str, status: int = 200) -> R
     return Response(progress.model_dump_json(), status, headers, "application/json")
 
 
-def listed(run: Snapshot | Record) -> dict[str, object]:
+def listed(run: Snapshot | Record, language: str) -> dict[str, object]:
     """Return one line of the list of runs: the run without its spec and summary."""
-    title = run.title if isinstance(run, Record) else run.spec.title or run.spec.id
     created = _time(run.created).isoformat().replace("+00:00", "Z")
     return {
         "id": run.id,
-        "title": title,
+        "title": title_of(run, language),
         "status": run.status,
         "created": created,
         "pinned": run.pinned,

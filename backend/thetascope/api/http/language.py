@@ -7,6 +7,7 @@ from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from thetascope.messages.catalogue import negotiate
+from thetascope_schemas.experiment.local_text import ALL
 
 _KEY = "thetascope.language"  # in the scope of a request: {"language": …} once it has been asked for
 
@@ -47,6 +48,14 @@ def _language(
 
 Language = Annotated[str, Depends(_language)]
 """The language of the answer, for a route whose answer has sentences."""
+
+
+def _prose(request: Request, language: Language) -> str:
+    return ALL if request.query_params.get("lang") == ALL else language
+
+
+Prose = Annotated[str, Depends(_prose)]
+"""The language of prose that is data: one language, or all with `?lang=*`."""
 
 
 class ContentLanguage:

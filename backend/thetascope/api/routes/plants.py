@@ -7,25 +7,27 @@ from starlette.responses import Response
 
 from thetascope import library
 from thetascope.api.http.answers import json_response
+from thetascope.api.http.language import Language, Prose
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
 from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.local_text import in_language
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import ExperimentList, PlantCheck, PlantList
 
 router = APIRouter()
 
 
-def plant_line(plant: Plant) -> dict[str, object]:
-    """A plant in a list."""
+def plant_line(plant: Plant, language: str) -> dict[str, object]:
+    """Return a plant of a list, its prose in a language."""
     return {
         "id": plant.id,
-        "title": plant.title,
-        "description": plant.description,
-        "source": plant.source,
+        "title": in_language(plant.title, language),
+        "description": in_language(plant.description, language),
+        "source": in_language(plant.source, language),
         "time": plant.time.kind,
         "states": len(plant.states),
         "outputs": len(plant.outputs),
@@ -34,13 +36,13 @@ def plant_line(plant: Plant) -> dict[str, object]:
     }
 
 
-def experiment_line(experiment: Experiment) -> dict[str, object]:
-    """An experiment in a list."""
+def experiment_line(experiment: Experiment, language: str) -> dict[str, object]:
+    """Return an experiment of a list, its prose in a language."""
     return {
         "id": experiment.id,
-        "title": experiment.title,
-        "description": experiment.description,
-        "source": experiment.source,
+        "title": in_language(experiment.title, language),
+        "description": in_language(experiment.description, language),
+        "source": in_language(experiment.source, language),
         "plant": experiment.plant_id,
         "horizon": experiment.horizon,
         "step": experiment.step,
@@ -50,15 +52,18 @@ def experiment_line(experiment: Experiment) -> dict[str, object]:
 
 
 @router.get("/plants", response_model=PlantList, tags=["plants"])
-def list_plants() -> Response:
-    """The plants of the library."""
-    return json_response({"plants": [plant_line(plant) for plant in library.plants().values()]})
+def list_plants(language: Language) -> Response:
+    """Return the plants of the library."""
+    return json_response({"plants": [plant_line(plant, language) for plant in library.plants().values()]})
 
 
 @router.get("/plants/{id}", response_model=Plant, responses=documented(404), tags=["plants"])
-def get_plant(id: str) -> Response:
-    """A plant of the library in full: copy it, change it, and POST it to /api/plants/check."""
-    return Response(plant_of(id).model_dump_json(), media_type="application/json")
+def get_plant(id: str, language: Prose) -> Response:
+    """Return a plant of the library in full: copy it, change it, and POST it to /api/plants/check.
+
+    Its prose is in one language; `?lang=*` gives it in all languages, as maps.
+    """
+    return Response(plant_of(id).model_dump_json(context={"language": language}), media_type="application/json")
 
 
 @router.post(
@@ -68,24 +73,29 @@ def get_plant(id: str) -> Response:
     responses=documented(413, 415, 422),
     tags=["plants"],
 )
-async def check_plant(request: Request, services: Use) -> Response:
-    """Read a plant's text: what it says as mathematics and as matrices Φ and Ψ, or what is wrong with it and where."""
+async def check_plant(request: Request, services: Use, language: Language) -> Response:
+    """Check a plant's text: return its equations and the matrices Φ and Ψ, or what is wrong with it and where."""
 
     def check(data: Any) -> dict[str, Any]:
         from thetascope.assembly import check_plant  # SymPy comes with it, so the service starts without
 
-        return check_plant(validated(Plant, data))
+        return check_plant(validated(Plant, data), language)
 
     return json_response(await parsed(request, services.settings.max_body, check))
 
 
 @router.get("/experiments", response_model=ExperimentList, tags=["experiments"])
-def list_experiments() -> Response:
-    """The experiments of the library."""
-    return json_response({"experiments": [experiment_line(item) for item in library.experiments().values()]})
+def list_experiments(language: Language) -> Response:
+    """Return the experiments of the library."""
+    return json_response({"experiments": [experiment_line(item, language) for item in library.experiments().values()]})
 
 
 @router.get("/experiments/{id}", response_model=Experiment, responses=documented(404), tags=["experiments"])
-def get_experiment(id: str) -> Response:
-    """An experiment of the library in full: change it and POST it to /api/runs."""
-    return Response(library_experiment(id).model_dump_json(), media_type="application/json")
+def get_experiment(id: str, language: Prose) -> Response:
+    """Return an experiment of the library in full: change it and POST it to /api/runs.
+
+    Its prose is in one language; `?lang=*` gives it in all languages, as maps.
+    """
+    return Response(
+        library_experiment(id).model_dump_json(context={"language": language}), media_type="application/json"
+    )

@@ -56,13 +56,16 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
 
 @router.get("", response_model=RunList)
 def list_runs(
-    services: Use, limit: Annotated[int, Query(ge=1, le=1000)] = 100, offset: Annotated[int, Query(ge=0)] = 0
+    services: Use,
+    language: Language,
+    limit: Annotated[int, Query(ge=1, le=1000)] = 100,
+    offset: Annotated[int, Query(ge=0)] = 0,
 ) -> Response:
     """Return the runs under way, then those stored, newest first, without specs and summaries."""
     active, stored = services.runs.page(limit, offset)
     under_way = {run.id for run in active}
     runs = ([] if offset else active) + [run for run in stored if run.id not in under_way]
-    return json_response({"runs": [listed(run) for run in runs], "store": services.runs.usage()})
+    return json_response({"runs": [listed(run, language) for run in runs], "store": services.runs.usage()})
 
 
 @router.get("/{id}", response_model=Run, responses=documented(404))

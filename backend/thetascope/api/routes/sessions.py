@@ -56,14 +56,14 @@ async def create_session(request: Request, services: Use, language: Language) ->
 
 
 @router.get("/{id}", response_model=SessionState, responses=documented(404))
-async def get_session(id: str, services: Use) -> Response:
+async def get_session(id: str, services: Use, language: Language) -> Response:
     """Return the status of a session, and its experiment with everything done so far."""
     room = _room(services, id)
     status = room.status()
     return json_response(
         {
             "id": room.id,
-            "spec": room.session.spec.model_dump(mode="json"),
+            "spec": room.session.spec.model_dump(mode="json", context={"language": language}),
             "row": status.row,
             "t": status.t,
             "playing": status.playing,

@@ -1,31 +1,33 @@
-"""What forms need to know about the kinds of observers."""
+"""The kinds of observers as data for forms."""
 
-from dataclasses import asdict
+from dataclasses import fields
 
 from thetascope.engine.observers.registry import kinds, observer
 from thetascope.engine.observers.support.declaration import Count, Gain, Observer, Option
+from thetascope.messages import text_of
 
 
-def observer_kinds() -> list[dict]:
-    """Every kind with its gains (meaning, default, bounds), options and source; plain JSON."""
-    return [_kind(observer(kind)) for kind in kinds()]
+def observer_kinds(language: str = "en") -> list[dict]:
+    """Return every kind with its gains (meaning, default, bounds), options and source as plain JSON, in a language."""
+    return [_kind(observer(kind), language) for kind in kinds()]
 
 
-def _kind(kind: Observer) -> dict:
+def _kind(kind: Observer, language: str) -> dict:
     return {
         "id": kind.id,
-        "title": kind.title,
-        "source": kind.source,
-        "summary": kind.summary,
+        "title": text_of(kind.title, language),
+        "source": text_of(kind.source, language),
+        "summary": text_of(kind.summary, language),
         "time": kind.time,
         "estimates_theta": kind.estimates_theta,
-        "gains": [_gain(g) for g in kind.gains],
-        "options": [_option(o) for o in kind.options],
+        "gains": [_gain(g, language) for g in kind.gains],
+        "options": [_option(o, language) for o in kind.options],
     }
 
 
-def _gain(gain: Gain) -> dict:
-    plain = asdict(gain)
+def _gain(gain: Gain, language: str) -> dict:
+    plain = {field.name: getattr(gain, field.name) for field in fields(gain)}
+    plain["meaning"] = text_of(gain.meaning, language)
     plain["default"] = None if callable(gain.default) else gain.default  # None: it depends on plant and noise
     plain["size"], plain["columns"] = _counted(gain.size), _counted(gain.columns)
     del plain["rows"]  # labels depend on the plant: POST /api/gains
@@ -37,7 +39,8 @@ def _counted(size: Count | None) -> str | None:
     return size.__doc__ if callable(size) else size
 
 
-def _option(option: Option) -> dict:
-    plain = asdict(option)
+def _option(option: Option, language: str) -> dict:
+    plain = {field.name: getattr(option, field.name) for field in fields(option)}
+    plain["meaning"] = text_of(option.meaning, language)
     plain["default"] = None if callable(option.default) else option.default
     return plain

@@ -1,14 +1,15 @@
-"""What can be said of a plant before anything runs."""
+"""The report on a plant before anything runs."""
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observability.identifiability import Structure, structure
 from thetascope.engine.observers.registry import kinds, observer
 from thetascope.engine.programs.program_store import plant_program
+from thetascope.messages import Message, text_of
 from thetascope_schemas import Plant
 
 
-def check_plant(plant: Plant) -> dict:
-    """Read every equation and report on the plant. Raises ExpressionError, which points into the text.
+def check_plant(plant: Plant, language: str = "en") -> dict:
+    """Read every equation and return a report on the plant, its sentences in a language. Raises ExpressionError, which points into the text.
 
     The report: sizes, Φ and Ψ as text, equations affine in the states, the structural rank of states and faults and
     what cannot be told apart by any input (``observability``), and which kinds of observers can be built for it
@@ -29,14 +30,17 @@ def check_plant(plant: Plant) -> dict:
         "Phi": [[str(e) for e in model.Phi(names).row(i)] for i in range(model.n)],
         "Psi": [[str(e) for e in model.Psi(names).row(i)] for i in range(model.m)],
         "affine": dict(zip(model.states, model.is_affine, strict=True)),
-        "observability": _observability(structure(data)),
-        "observers": [_possible(kind, plant) for kind in kinds()],
+        "observability": _observability(structure(data), language),
+        "observers": [_possible(kind, plant, language) for kind in kinds()],
     }
 
 
-def _observability(found: Structure) -> dict:
+def _observability(found: Structure, language: str) -> dict:
     """A structural verdict as data."""
-    groups = [{"channels": list(g.channels), "states": list(g.states), "text": g.text} for g in found.groups]
+    groups = [
+        {"channels": list(g.channels), "states": list(g.states), "text": text_of(g.text, language)}
+        for g in found.groups
+    ]
     return {
         "decided": found.decided,
         "rank": found.rank,
@@ -45,20 +49,21 @@ def _observability(found: Structure) -> dict:
         "states": found.states,
         "not_identifiable": list(found.unidentifiable),
         "groups": groups,
-        "text": found.text,
+        "text": text_of(found.text, language),
     }
 
 
-def _possible(kind: str, plant: Plant) -> dict:
+def _possible(kind: str, plant: Plant, language: str) -> dict:
     from thetascope.assembly.build.observer_builder import estimator
     from thetascope_schemas import ObserverConfig, ResolvedExperiment
 
-    made = observer(kind)
+    title = text_of(observer(kind).title, language)
     config = ObserverConfig(label="observer", kind=kind)
     step = plant.time.period if plant.time.kind == "discrete" else 0.001
     spec = ResolvedExperiment(plant=plant, horizon=1000 * step, step=step, observers=(config,))
     try:
         estimator(0, config, spec, plant.model_dump(mode="json"), step)
     except SpecError as error:
-        return {"kind": kind, "title": made.title, "possible": False, "why": f"{error.problem}; {error.remedy}"}
-    return {"kind": kind, "title": made.title, "possible": True, "why": ""}
+        why = Message("refusal.sentence", problem=error.problem, remedy=error.remedy).text(language)
+        return {"kind": kind, "title": title, "possible": False, "why": why}
+    return {"kind": kind, "title": title, "possible": True, "why": ""}

@@ -1,20 +1,25 @@
 """Between the snapshots of the run manager and the rows of the store."""
 
+import json
+
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.store import Record
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.local_text import ALL, LocalText, in_language
 from thetascope_schemas.service.run import Problem, RunSummary
+
+_SEVERAL = "\x1f"
 
 
 def record_of(snapshot: Snapshot) -> Record:
     """The row that keeps a run."""
     return Record(
         id=snapshot.id,
-        spec=snapshot.spec.model_dump_json(),
-        title=snapshot.spec.title or snapshot.spec.id,
+        spec=snapshot.spec.model_dump_json(context={"language": ALL}),
+        title=_written(snapshot.spec.title or snapshot.spec.id),
         status=snapshot.status,
         engine=engine_version(),
         created=snapshot.created,
@@ -22,6 +27,20 @@ def record_of(snapshot: Snapshot) -> Record:
         summary=snapshot.summary and snapshot.summary.model_dump(mode="json"),
         pinned=snapshot.pinned,
     )
+
+
+def title_of(run: Snapshot | Record, language: str) -> str:
+    """Return the title of a run in a language."""
+    if isinstance(run, Snapshot):
+        return in_language(run.spec.title or run.spec.id, language)
+    if not run.title.startswith(_SEVERAL):
+        return run.title
+    return in_language(LocalText(json.loads(run.title.removeprefix(_SEVERAL))), language)
+
+
+def _written(title: str) -> str:
+    """Return the text that keeps a title; one in several languages as JSON behind a mark that no title begins with."""
+    return _SEVERAL + json.dumps(title.texts, ensure_ascii=False) if isinstance(title, LocalText) else title
 
 
 def snapshot_of(record: Record) -> Snapshot:

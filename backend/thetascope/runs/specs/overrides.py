@@ -13,6 +13,7 @@ from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
 from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.local_text import ALL
 from thetascope_schemas.experiment.refusal import suggestion
 
 _CALLED = ("label", "name", "channel", "output")
@@ -35,7 +36,7 @@ def changed(spec: Experiment, changes: Mapping[str, object]) -> dict[str, Any]:
 
     Raises InvalidSpec for a path that leads nowhere, saying which part and what there is.
     """
-    data = spec.model_dump(mode="json")
+    data = spec.model_dump(mode="json", context={"language": ALL})
     for path, value in changes.items():
         _assign(spec, data, path, value)
     return data
