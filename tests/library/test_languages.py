@@ -8,7 +8,7 @@ import pytest
 from thetascope import library
 from thetascope_schemas import Plant
 from thetascope_schemas.experiment.base import Strict
-from thetascope_schemas.experiment.local_text import ALL, LocalText, in_language
+from thetascope_schemas.texts.local_text import ALL, LocalText, in_language
 
 WORD = re.compile(r"(?<![A-Za-z0-9_])[a-z]{3,}(?![A-Za-z0-9_])")
 CJK = re.compile("[\u3400-\u9fff]")

@@ -9,7 +9,7 @@ import numpy as np
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.messages import Message
-from thetascope_schemas.experiment.refusal import suggestion
+from thetascope_schemas.texts.refusal import suggestion
 
 
 @dataclass(frozen=True)

@@ -9,8 +9,8 @@ from thetascope.engine.compiler.cache import digest_of
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope_schemas import Experiment, Plant, ResolvedExperiment
-from thetascope_schemas.experiment.refusal import suggestion
 from thetascope_schemas.service.lesson import Lesson
+from thetascope_schemas.texts.refusal import suggestion
 
 _HERE = Path(__file__).parent
 _FIRST = ("zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dc-motor", "dts200", "quadruple-tank")

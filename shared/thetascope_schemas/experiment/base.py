@@ -7,8 +7,8 @@ from typing import Annotated, Any, ClassVar, Protocol
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
 
-from thetascope_schemas.experiment.local_text import LocalProse
-from thetascope_schemas.experiment.refusal import refuse, suggestion
+from thetascope_schemas.texts.local_text import LocalProse
+from thetascope_schemas.texts.refusal import refuse, suggestion
 
 SCHEMA_VERSION = 1
 """Version of these schemas. It enters every spec's hash: raise it when the same spec comes to mean other numbers."""

@@ -31,8 +31,8 @@ from thetascope_schemas.experiment.figures import Figure
 from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement
 from thetascope_schemas.experiment.observers import ObserverConfig
 from thetascope_schemas.experiment.plant import Plant, check_known, check_within
-from thetascope_schemas.experiment.refusal import refuse, suggestion
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
+from thetascope_schemas.texts.refusal import refuse, suggestion
 
 ROWS = 10_000
 """Recorded rows when an experiment does not give the spacing."""

@@ -14,8 +14,8 @@ from thetascope_schemas.experiment.base import (
     Strict,
     example,
 )
-from thetascope_schemas.experiment.refusal import refuse
 from thetascope_schemas.experiment.signals import Interpolation, Points, check_increasing, check_lengths, check_width
+from thetascope_schemas.texts.refusal import refuse
 
 
 class Site(NamedTuple):

@@ -9,7 +9,7 @@ from typing import Any
 from pydantic import Field, JsonValue
 
 from thetascope_schemas.experiment.base import Strict, example
-from thetascope_schemas.experiment.refusal import readable, suggestion
+from thetascope_schemas.texts.refusal import readable, suggestion
 
 MOST_ERRORS = 20
 Render = Callable[[str, Mapping[str, Any]], str]

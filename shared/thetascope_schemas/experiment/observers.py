@@ -5,7 +5,7 @@ from typing import Annotated
 from pydantic import AfterValidator, Discriminator, Field, Tag
 
 from thetascope_schemas.experiment.base import Flag, Number, Reference, Strict, example
-from thetascope_schemas.experiment.refusal import refuse
+from thetascope_schemas.texts.refusal import refuse
 
 RESERVED_LABELS = frozenset({"t", "u", "x", "y", "theta", "signal"})
 """First parts of the columns that belong to the plant."""

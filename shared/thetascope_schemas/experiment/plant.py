@@ -24,8 +24,8 @@ from thetascope_schemas.experiment.base import (
     example,
     ordered,
 )
-from thetascope_schemas.experiment.refusal import refuse, suggestion
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
+from thetascope_schemas.texts.refusal import refuse, suggestion
 
 
 class ContinuousTime(Strict):

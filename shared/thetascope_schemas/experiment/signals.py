@@ -15,7 +15,7 @@ from thetascope_schemas.experiment.base import (
     Strict,
     example,
 )
-from thetascope_schemas.experiment.refusal import refuse
+from thetascope_schemas.texts.refusal import refuse
 
 Points = Annotated[tuple[Number, ...], Field(min_length=1, max_length=MAX_POINTS)]
 Interpolation = Literal["hold", "linear"]

@@ -7,7 +7,7 @@ from starlette.datastructures import MutableHeaders
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from thetascope.messages.catalogue import negotiate
-from thetascope_schemas.experiment.local_text import ALL
+from thetascope_schemas.texts.local_text import ALL
 
 _KEY = "thetascope.language"  # in the scope of a request: {"language": …} once it has been asked for
 

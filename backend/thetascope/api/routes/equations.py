@@ -18,10 +18,10 @@ from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.resolve_spec import plant_of
 from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.experiment import PlantChoice
-from thetascope_schemas.experiment.local_text import in_language
 from thetascope_schemas.experiment.observers import Kind
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import Equations
+from thetascope_schemas.texts.local_text import in_language
 
 router = APIRouter(tags=["equations"])
 

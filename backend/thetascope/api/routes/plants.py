@@ -14,9 +14,9 @@ from thetascope.api.http.services import Use
 from thetascope.runs.specs.refusals import validated
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.experiment.local_text import in_language
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.answers import ExperimentList, PlantCheck, PlantList
+from thetascope_schemas.texts.local_text import in_language
 
 router = APIRouter()
 

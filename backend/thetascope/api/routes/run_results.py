@@ -17,9 +17,9 @@ from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.run_report import report_html
 from thetascope.runs.specs.refusals import Unknown
 from thetascope.runs.specs.resolve_spec import plant_of
-from thetascope_schemas.experiment.refusal import suggestion
 from thetascope_schemas.service.answers import FigureList, PlotlyFigure
 from thetascope_schemas.service.comparison import Comparison
+from thetascope_schemas.texts.refusal import suggestion
 
 router = APIRouter(prefix="/runs/{id}", tags=["results"])
 

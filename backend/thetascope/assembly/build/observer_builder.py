@@ -13,7 +13,7 @@ from thetascope.engine.programs.program_store import observer_program
 from thetascope.engine.simulation.experiment import Estimator
 from thetascope.messages import Message
 from thetascope_schemas import ObserverConfig, Plant, ResolvedExperiment
-from thetascope_schemas.experiment.refusal import suggestion
+from thetascope_schemas.texts.refusal import suggestion
 
 
 def estimator(index: int, config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float) -> Estimator:

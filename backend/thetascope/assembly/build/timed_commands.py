@@ -13,7 +13,7 @@ from thetascope_schemas.experiment.commands import (
     TimedCommand,
 )
 from thetascope_schemas.experiment.experiment import Noise
-from thetascope_schemas.experiment.refusal import suggestion
+from thetascope_schemas.texts.refusal import suggestion
 
 
 def changed(spec: ResolvedExperiment, command: TimedCommand) -> ResolvedExperiment:

@@ -8,8 +8,8 @@ from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.store import Record
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.experiment.local_text import ALL, LocalText, in_language
 from thetascope_schemas.service.run import Problem, RunSummary
+from thetascope_schemas.texts.local_text import ALL, LocalText, in_language
 
 _SEVERAL = "\x1f"
 

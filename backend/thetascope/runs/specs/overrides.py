@@ -13,8 +13,8 @@ from thetascope.messages import Message
 from thetascope.runs.specs.refusals import invalid
 from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.experiment.local_text import ALL
-from thetascope_schemas.experiment.refusal import suggestion
+from thetascope_schemas.texts.local_text import ALL
+from thetascope_schemas.texts.refusal import suggestion
 
 _CALLED = ("label", "name", "channel", "output")
 _LONGEST = 400

@@ -13,7 +13,7 @@ from pydantic import GetCoreSchemaHandler, GetJsonSchemaHandler
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import core_schema
 
-from thetascope_schemas.experiment.refusal import refuse
+from thetascope_schemas.texts.refusal import refuse
 
 DEFAULT = "en"
 ALL = "*"

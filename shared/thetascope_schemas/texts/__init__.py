@@ -1,0 +1,1 @@
+"""Texts: refusals as codes with arguments, and prose in several languages. Nothing here needs the other schemas."""
