@@ -1174,7 +1174,7 @@ export interface ObserverNow {
   label: string;
   kind: string;
   /** Present values of the gains that were set; others have their defaults. */
-  gains: {[name: string]: number | (number)[]};
+  gains: {[name: string]: number | (number)[] | ((number)[])[]};
   options: {[name: string]: JsonValue};
   /** Its configuration when it was started. */
   config: ObserverConfig;
