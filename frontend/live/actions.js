@@ -7,6 +7,7 @@ import {library, save} from './net/session.js';
 import {rememberLanguage} from '../i18n/language.js';
 import {refusalWords, speak, t} from '../i18n/words.js';
 
+/** @import {Message} from '../i18n/render.js' */
 /** @import {App, Command, Failure, Language, SessionLink, State, Told} from './types.js' */
 
 const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
@@ -18,12 +19,13 @@ export const actions = (app, link) => ({...transport(app, link), ...sessions(app
 const set = (app, values) => app.store.dispatch({type: 'set', ...values});
 
 /**
+ * Show a message in the notice; it is rendered there, so that it follows the language.
  * @param {App} app
- * @param {string} words
+ * @param {Message | string} message
  * @param {{kind?: Told['kind'], action?: Told['action']}} [how]
  */
-const tell = (app, words, {kind = 'note', action = null} = {}) =>
-  set(app, {told: {words, kind, action, at: performance.now()}});
+const tell = (app, message, {kind = 'note', action = null} = {}) =>
+  set(app, {told: {message, kind, action, at: performance.now()}});
 
 /**
  * A refusal in a line: the problem and its remedy.
@@ -62,9 +64,13 @@ function transport(app, link) {
     const now = app.samples.now;
     if (!(await send(command))) return;
     const undo = () => link.begin({spec, experiment, t: now, play: false});
-    tell(app, t('page.notice.went-back', {t: seconds(at, 0.1)}), {
-      action: {words: t('page.action.undo'), act: undo, alone: true},
-    }); // those who watch would stay behind
+    tell(
+      app,
+      {code: 'page.notice.went-back', args: {t: seconds(at, 0.1)}},
+      {
+        action: {message: {code: 'page.action.undo'}, act: undo, alone: true},
+      },
+    ); // those who watch would stay behind
   }
   return {
     /** Commands that belong together: all of them act from the same row on, or none does. */
@@ -136,7 +142,7 @@ function looks(app) {
       rememberLanguage(language);
       set(app, {language});
     },
-    tell: (words, how) => tell(app, words, how),
+    tell: (message, how) => tell(app, message, how),
     /** @param {Failure} error */
     refused: (error) => tell(app, refused(error), {kind: 'problem'}),
     figure: (what) => picture(app, what),

@@ -102,7 +102,7 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
         first = false;
         app.edge.t = Infinity; // anything but where the last session was
         if (message.parent) watchParent(message.parent);
-        if (message.role === 'view') app.act.tell(t('page.notice.view-only'));
+        if (message.role === 'view') app.act.tell({code: 'page.notice.view-only'});
         if (fresh) app.act.speed(openingSpeed(message.spec));
         then();
       }
@@ -184,7 +184,7 @@ const link = {
         experiment,
         plain: begunPlain,
         parent,
-        then: () => app.act.tell(t('page.notice.forked', {t: now.toFixed(1)})),
+        then: () => app.act.tell({code: 'page.notice.forked', args: {t: now.toFixed(1)}}),
       });
     } catch (error) {
       app.act.refused(error);
@@ -197,7 +197,7 @@ const link = {
   async visit(id) {
     await writeAddress();
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
-    if (!(await rejoin(id))) app.act.tell(t('page.notice.session-ended'), {kind: 'problem'});
+    if (!(await rejoin(id))) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
   },
 };
 
@@ -285,7 +285,7 @@ async function open() {
   if (asked.session)
     return join({id: asked.session, control: kept.of(asked.session)?.token ?? null, experiment: null, plain: false});
   const linked = asked.t > 0 || asked.changed || asked.spec;
-  const then = linked ? () => app.act.tell(t('page.notice.from-link', {t: asked.t.toFixed(1)})) : undefined;
+  const then = linked ? () => app.act.tell({code: 'page.notice.from-link', args: {t: asked.t.toFixed(1)}}) : undefined;
   try {
     const spec = await permalink.specOf(asked, library);
     if (spec) {

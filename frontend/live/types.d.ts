@@ -4,6 +4,7 @@
 import type {Alarm} from '../diagnosis/alarms.js';
 import type * as service from '../types/service.js';
 import type {Edge} from './loop.js';
+import type {Message} from '../i18n/render.js';
 import type {Range} from './scope/axes.js';
 import type {Samples} from './state/samples.js';
 import type {Scope} from './scope/scope.js';
@@ -80,9 +81,9 @@ export interface Origin {
 
 /** A line of the notice. `alone`: the action is offered only while nobody else views the session. */
 export interface Told {
-  words: string;
+  message: Message | string;
   kind: 'note' | 'problem';
-  action: {words: string; act: () => void; alone?: boolean} | null;
+  action: {message: Message | string; act: () => void; alone?: boolean} | null;
   at: number;
 }
 
@@ -231,7 +232,7 @@ export interface Actions {
   desk(name: string): void;
   theme(wanted: Theme | null): void;
   language(language: Language): Promise<void>;
-  tell(words: string, how?: {kind?: Told['kind']; action?: Told['action']}): void;
+  tell(message: Message | string, how?: {kind?: Told['kind']; action?: Told['action']}): void;
   refused(error: Failure): void;
   figure(what?: {strip?: string | null; format?: 'png' | 'svg'}): Promise<Blob>;
 }

@@ -3,6 +3,7 @@
 import {h} from '../../common/dom.js';
 import {plain, symbolic} from '../../common/names.js';
 import {palette} from './canvas.js';
+import {plotlyLocale} from '../../i18n/plotly-locale.js';
 import {named, t} from '../../i18n/words.js';
 
 /** @import {PlotlyFigure} from '../../types/globals.js' */
@@ -298,7 +299,7 @@ function nameOf(strip) {
  */
 export async function show(element, figure) {
   const Plotly = await load();
-  await Plotly.newPlot(element, figure.data, figure.layout, OPTIONS);
+  await Plotly.newPlot(element, figure.data, figure.layout, {...OPTIONS, ...plotlyLocale()});
   return Plotly;
 }
 

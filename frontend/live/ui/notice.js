@@ -5,7 +5,7 @@ import {called} from '../../common/names.js';
 import {seconds} from '../../widgets/number-format.js';
 import {seconds as timed} from '../../widgets/controls.js';
 import {stand, isInHeader, watchRoom} from './free-place.js';
-import {t} from '../../i18n/words.js';
+import {say, t} from '../../i18n/words.js';
 
 /** @import {App, State} from '../types.js' */
 
@@ -71,7 +71,11 @@ export function mountNotice(root, app) {
         told.action.act();
       };
       const offered = told.action && !(told.action.alone && app.state.viewers > 1);
-      show({kind: told.kind, words: told.words, buttons: offered ? [button(told.action.words, act)] : []});
+      show({
+        kind: told.kind,
+        words: say(told.message),
+        buttons: offered ? [button(say(told.action.message), act)] : [],
+      });
       timer = setTimeout(hide, left);
     },
   );

@@ -3,6 +3,7 @@
 
 import {connection, get} from '../../common/api.js';
 import {fill, h} from '../../common/dom.js';
+import {plotlyLocale} from '../../i18n/plotly-locale.js';
 import {named, t} from '../../i18n/words.js';
 
 /** @import {Failure} from '../../live/types.js' */
@@ -19,6 +20,7 @@ const OPTIONS = {
   plotlyServerURL: '',
   modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
 };
+const options = () => ({...OPTIONS, ...plotlyLocale()});
 const PROJECTOR = 1.25;
 const narrow = matchMedia('(max-width: 640px)');
 const projector = matchMedia('(min-width: 1800px)');
@@ -159,7 +161,7 @@ export function mountFigures(root, store) {
         box.figure = figure;
         fill(box.caption, named(figure.layout.meta.caption));
         box.plot.setAttribute('aria-label', `${named(figure.layout.meta.title)}. ${named(figure.layout.meta.caption)}`);
-        await Plotly.react(box.plot, figure.data, fitted(figure.layout, box.plot.clientWidth), OPTIONS);
+        await Plotly.react(box.plot, figure.data, fitted(figure.layout, box.plot.clientWidth), options());
         box.section.dataset.drawn = wanted;
       } catch (error) {
         box.drawn = null;
@@ -189,7 +191,7 @@ export function mountFigures(root, store) {
       if (!box.figure || !box.plot.data) continue;
       later(() =>
         whole
-          ? window.Plotly.react(box.plot, box.figure.data, fitted(box.figure.layout, box.plot.clientWidth), OPTIONS)
+          ? window.Plotly.react(box.plot, box.figure.data, fitted(box.figure.layout, box.plot.clientWidth), options())
           : window.Plotly.relayout(box.plot, {width: box.plot.clientWidth}),
       );
     }
