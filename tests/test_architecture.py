@@ -55,7 +55,15 @@ def test_observers_stand_on_the_mathematics_alone(imports: grimp.ImportGraph):
     """Nothing that an observer's file imports, however indirectly, knows of simulations, faults, noise or kernels."""
     observers = {m for m in imports.modules if m.startswith("thetascope.engine.observers")}
     below = {m for o in observers for m in imports.find_upstream_modules(o)} - observers
-    mathematics = {"errors", "language", "model", "compiler.graph", "compiler.lowering", "compiler.numeric", "compiler.system"}
+    mathematics = {
+        "errors",
+        "language",
+        "model",
+        "compiler.graph",
+        "compiler.lowering",
+        "compiler.numeric",
+        "compiler.system",
+    }
     ours = {
         m.removeprefix("thetascope.engine.") for m in below if m.split(".")[0] in ("thetascope", "thetascope_schemas")
     }

@@ -10,6 +10,7 @@ import sys
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 from thetascope.messages import Message
 
@@ -85,7 +86,7 @@ class Settings:
 def load(environ: Mapping[str, str] | None = None, **overrides: object) -> Settings:
     """Return the settings of the environment; `overrides` that are not None win. Raises :class:`SettingsError`."""
     environ = os.environ if environ is None else environ
-    values: dict[str, object] = {"data": default_data(environ)}
+    values: dict[str, Any] = {"data": default_data(environ)}
     for field in fields(Settings):
         text = environ.get(PREFIX + field.name.upper(), "").strip()
         if text:
@@ -104,7 +105,7 @@ def default_data(environ: Mapping[str, str]) -> Path:
     return Path(environ.get("XDG_DATA_HOME") or home / ".local" / "share") / "thetascope"
 
 
-def _parse(name: str, text: str, kind: type) -> object:
+def _parse(name: str, text: str, kind: object) -> Any:
     try:
         if kind is Path:
             return Path(text).expanduser()

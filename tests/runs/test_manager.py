@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.runs.samples import PLANT, long_spec, spec
-from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.jobs.job import Ended, Job, Snapshot
 from thetascope.runs.jobs.manager import RunManager
 from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
 from thetascope_schemas.experiment.experiment import Experiment
@@ -70,7 +70,7 @@ def test_the_end_of_a_run_is_queued_for_the_store_before_anybody_sees_it(start, 
     """So whoever pins or removes it then comes after it; and that it runs is not written behind its end."""
     seen, keep = [], RunManager._keep
 
-    def watched(runs: RunManager, end: Finished) -> None:
+    def watched(runs: RunManager, end: Ended) -> None:
         job = runs.job(end.snapshot.id)
         runs.announce(job)
         seen.append((runs.get(end.snapshot.id).active, job.announced))

@@ -19,4 +19,4 @@ def json_bytes(table: Table, encoding: str = "plain") -> bytes:
 
 def _typed(column: np.ndarray) -> dict[str, str]:
     packed = np.ascontiguousarray(column, dtype="<f8")
-    return {"dtype": "f8", "bdata": base64.b64encode(packed).decode("ascii")}
+    return {"dtype": "f8", "bdata": base64.b64encode(packed.data).decode("ascii")}

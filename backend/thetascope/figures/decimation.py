@@ -84,4 +84,4 @@ def typed(values: np.ndarray) -> dict[str, str]:
     size = max(abs(low), abs(high))
     small = size < _F4.max and (high - low) > 1e-2 * size and (size == 0 or size > 1e-30)
     kind = np.dtype("<f4") if small else np.dtype("<f8")
-    return {"dtype": "f4" if small else "f8", "bdata": b64encode(values.astype(kind)).decode("ascii")}
+    return {"dtype": "f4" if small else "f8", "bdata": b64encode(values.astype(kind).data).decode("ascii")}

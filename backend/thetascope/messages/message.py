@@ -82,10 +82,13 @@ def _plain(value: Any) -> Any:
     """Return a value as plain data. Raises TypeError for what no template can show."""
     if isinstance(value, Message):
         return value
-    if isinstance(value, str | int | float | bool | None):
-        return value if type(value) in _PLAIN else value.item() if hasattr(value, "item") else str(value)
-    if hasattr(value, "item") and getattr(value, "ndim", 1) == 0:
-        return value.item()
+    if type(value) in _PLAIN:
+        return value
+    item = getattr(value, "item", None)  # numbers and texts of NumPy have it
+    if isinstance(value, str | int | float):
+        return str(value) if item is None else item()
+    if item is not None and getattr(value, "ndim", 1) == 0:
+        return item()
     if isinstance(value, Sequence) or hasattr(value, "tolist"):
         return tuple(_plain(item) for item in value)
     raise TypeError(f"a message cannot hold {type(value).__name__}")

@@ -9,6 +9,7 @@ from typing import Any
 from thetascope.engine.model.result import Result
 from thetascope.store.database import Database
 from thetascope.store.encoding import decode, encode
+from thetascope_schemas.service.run import Status
 
 #: A result's time of last use is written at most this often, so that reading does not become writing.
 _TOUCH_SECONDS = 60.0
@@ -22,7 +23,7 @@ class Record:
     id: str
     spec: str
     title: str
-    status: str
+    status: Status
     engine: str
     created: float
     error: dict[str, Any] | None = None

@@ -56,8 +56,8 @@ RESERVED = FUNCTIONS | {"t", "pi"}
 """Names a plant cannot give to a quantity: time, the one constant, and the functions."""
 
 
-def example(**values: object) -> ConfigDict:
-    """Model configuration that shows one example in the OpenAPI page."""
+def example(**values: Any) -> ConfigDict:
+    """Return a model configuration that shows one example in the OpenAPI page."""
     return ConfigDict(json_schema_extra={"examples": [values]})
 
 
@@ -185,7 +185,7 @@ class Text(Strict):
     args: dict[str, JsonValue] = Field(
         default_factory=dict, description="Arguments of the sentence by name; a nested message is {code, args}."
     )
-    text: str = Field("", description="The sentence in the asked language.")
+    text: str = Field(default="", description="The sentence in the asked language.")
 
     @classmethod
     def of(cls, message: Worded, language: str = "en") -> "Text":

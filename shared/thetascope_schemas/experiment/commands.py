@@ -47,7 +47,7 @@ class SetNoise(Timed):
     command: Literal["set-noise"] = "set-noise"
     output: Reference = Field(description="Name of the output.")
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
 
 
 class AddObserver(Timed):

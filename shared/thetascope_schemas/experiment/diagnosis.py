@@ -68,21 +68,22 @@ class DiagnosisSettings(Strict):
 
     model_config = example(enabled=True, false_alarms=0.01, test="glr", confidence=0.95, accuracy=0.1, doubt=0.01)
 
-    enabled: bool = Field(True, description="Whether anything is diagnosed at all.")
+    enabled: bool = Field(default=True, description="Whether anything is diagnosed at all.")
     false_alarms: Annotated[Number, Field(ge=1e-4, le=100)] = Field(
-        0.01, description="False alarms per hour that are put up with, of each observer."
+        default=0.01, description="False alarms per hour that are put up with, of each observer."
     )
-    test: Test = Field("glr", description="Test of the estimates that raises alarms.")
-    confidence: Annotated[Number, Field(ge=0.5, le=0.9999)] = Field(0.95, description="Of bands and intervals.")
+    test: Test = Field(default="glr", description="Test of the estimates that raises alarms.")
+    confidence: Annotated[Number, Field(ge=0.5, le=0.9999)] = Field(default=0.95, description="Of bands and intervals.")
     doubt: Annotated[Number, Field(ge=1e-6, le=1.0)] = Field(
-        0.01, description="Share of a state's size by which its equation may be off within the plant's time constant."
+        default=0.01,
+        description="Share of a state's size by which its equation may be off within the plant's time constant.",
     )
     span: Positive | None = Field(
-        None,
+        default=None,
         description="Time in s that thresholds are simulated over and decisions are spaced for; null: the horizon.",
     )
     accuracy: Annotated[Number, Field(ge=1e-3, le=1.0)] = Field(
-        0.1, description="Standard deviation asked of an estimate, as a share of the channel's typical fault."
+        default=0.1, description="Standard deviation asked of an estimate, as a share of the channel's typical fault."
     )
 
 
@@ -92,24 +93,27 @@ class Alarm(Strict):
     model_config = example(**_ALARM)
 
     id: str = Field(
-        "", description="Id within the run or session: it stays while the alarm is revised. Empty in old results."
+        default="",
+        description="Id within the run or session: it stays while the alarm is revised. Empty in old results.",
     )
     observer: str = Field(description="Label of the observer; empty: the detector, which watches the plant itself.")
     t: Number = Field(description="Time in s at which the alarm was raised.")
     kind: Literal["fault", "unexplained"] = Field(description="In a channel of the model, or not explained by it.")
-    channel: str = Field("", description="The channel that explains the data best; empty where none does.")
-    output: str = Field("", description="Not explained by the model: the output whose residual says so.")
-    alternatives: tuple[str, ...] = Field((), description="Channels that explain the data as well.")
+    channel: str = Field(default="", description="The channel that explains the data best; empty where none does.")
+    output: str = Field(default="", description="Not explained by the model: the output whose residual says so.")
+    alternatives: tuple[str, ...] = Field(default=(), description="Channels that explain the data as well.")
     onset: Number = Field(description="Estimated time in s at which the fault began.")
     onset_from: Number = Field(description="Earliest time in s at which it may have begun.")
     onset_to: Number = Field(description="Latest time in s at which it may have begun.")
-    size: Number | None = Field(None, description="Estimated size in the channel's unit.")
-    size_from: Number | None = Field(None, description="Lower end of the interval of the size.")
-    size_to: Number | None = Field(None, description="Upper end of the interval of the size.")
+    size: Number | None = Field(default=None, description="Estimated size in the channel's unit.")
+    size_from: Number | None = Field(default=None, description="Lower end of the interval of the size.")
+    size_to: Number | None = Field(default=None, description="Upper end of the interval of the size.")
     test: str = Field(description="The test that raised it.")
     statistic: Number = Field(description="What the test came to, without a unit.")
     threshold: Number = Field(description="What the statistic was held against.")
-    cleared: Number | None = Field(None, description="Time in s at which the alarm was over; null: it is still on.")
+    cleared: Number | None = Field(
+        default=None, description="Time in s at which the alarm was over; null: it is still on."
+    )
     text: str = Field(description="The finding in a sentence.")
 
 
@@ -124,7 +128,7 @@ class Resolution(Strict):
     smallest: Number | None = Field(description="Smallest step that is found within the longest window, null: none.")
     resolvable: bool = Field(description="Whether a typical fault can be found at all.")
     identifiable: bool = Field(description="Whether the input of the last window excites it enough.")
-    text: str = Field("", description="In words: from what size on, or why not.")
+    text: str = Field(default="", description="In words: from what size on, or why not.")
 
 
 class Observability(Strict):
@@ -166,8 +170,8 @@ class Excitation(Strict):
     level: Number | None = Field(description="Smallest eigenvalue, in (typical fault / its standard deviation)².")
     needed: Number = Field(description="Level that the accuracy asked for needs.")
     direction: dict[Reference, Number] = Field(description="The combination of faults that is seen least, per channel.")
-    text: str = Field("", description="In words: what cannot be told apart.")
-    proposal: str | None = Field(None, description="An input that would help.")
+    text: str = Field(default="", description="In words: what cannot be told apart.")
+    proposal: str | None = Field(default=None, description="An input that would help.")
 
 
 class InputProposal(Strict):
@@ -193,7 +197,7 @@ class Calibration(Strict):
     seeds: int = Field(description="Runs without faults that were simulated.")
     hours: Number = Field(description="Time simulated in all, in hours.")
     from_time: Number = Field(description="Time in s before which nothing is judged: the observer is still settling.")
-    note: str = Field("", description="What limits the calibration, where something does.")
+    note: str = Field(default="", description="What limits the calibration, where something does.")
 
 
 class NoiseLevel(Strict):
@@ -221,15 +225,17 @@ class ObserverDiagnosis(Strict):
     )
 
     observer: str = Field(description="Label of the observer; empty: the detector, which watches the plant itself.")
-    alarms: tuple[Alarm, ...] = Field((), description="What was found, in order of time.")
+    alarms: tuple[Alarm, ...] = Field(default=(), description="What was found, in order of time.")
     resolution: tuple[Resolution, ...] = Field(
-        (), description="By channel: how small a fault can be and still be found."
+        default=(), description="By channel: how small a fault can be and still be found."
     )
-    excitation: Excitation | None = Field(None, description="What the input tells about the faults, at the end.")
-    calibration: Calibration | None = Field(None, description="Where the thresholds come from.")
-    noise: tuple[NoiseLevel, ...] = Field((), description="Noise of each output.")
-    sentence: str = Field("", description="The diagnosis in a sentence.")
-    note: str = Field("", description="Why there is no diagnosis, where there is none.")
+    excitation: Excitation | None = Field(
+        default=None, description="What the input tells about the faults, at the end."
+    )
+    calibration: Calibration | None = Field(default=None, description="Where the thresholds come from.")
+    noise: tuple[NoiseLevel, ...] = Field(default=(), description="Noise of each output.")
+    sentence: str = Field(default="", description="The diagnosis in a sentence.")
+    note: str = Field(default="", description="Why there is no diagnosis, where there is none.")
 
 
 class Diagnosis(Strict):
@@ -239,5 +245,5 @@ class Diagnosis(Strict):
 
     detector: ObserverDiagnosis = Field(description="What the detector says: it watches the plant, not the observers.")
     observers: tuple[ObserverDiagnosis, ...] = Field(
-        (), description="What tests on each observer's θ̂ say, for comparison."
+        default=(), description="What tests on each observer's θ̂ say, for comparison."
     )

@@ -77,35 +77,39 @@ class Experiment(Strict):
     id: Identifier = "experiment"
     title: Title = ""
     description: Prose = ""
-    source: Prose = Field("", description="Where the experiment comes from.")
-    errata: tuple[Prose, ...] = Field((), max_length=50, description="Where the printed source cannot be right.")
+    source: Prose = Field(default="", description="Where the experiment comes from.")
+    errata: tuple[Prose, ...] = Field(
+        default=(), max_length=50, description="Where the printed source cannot be right."
+    )
     plant: PlantChoice = Field(description="Id of a library plant, or a plant in full.")
     parameters: dict[Reference, Number] = Field(default_factory=dict, description="Parameters that differ.")
     initial: dict[Reference, Number] = Field(default_factory=dict, description="Initial states that differ.")
     inputs: dict[Reference, Signal] = Field(default_factory=dict, description="Input: its course u(t).")
     signals: dict[Reference, Signal] = Field(default_factory=dict, description="Known signal: its course φ(t).")
-    faults: tuple[Fault, ...] = Field((), max_length=MAX_FAULTS)
+    faults: tuple[Fault, ...] = Field(default=(), max_length=MAX_FAULTS)
     noise: dict[Reference, Noise] = Field(default_factory=dict, description="Output: its measurement noise.")
-    seed: Seed = Field(0, description="Seed of all random numbers.")
+    seed: Seed = Field(default=0, description="Seed of all random numbers.")
     horizon: Positive = Field(description="End of the run in s.")
-    step: Positive = Field(0.001, description="Step of the integration in s; the period of a discrete plant.")
+    step: Positive = Field(default=0.001, description="Step of the integration in s; the period of a discrete plant.")
     record: Positive | None = Field(
-        None, description="Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows."
+        default=None, description="Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows."
     )
     substeps: Annotated[int, Field(ge=1, le=64)] | None = Field(
-        None, description="Steps that are taken within each step; null: one, or as many as stiff gains need."
+        default=None, description="Steps that are taken within each step; null: one, or as many as stiff gains need."
     )
     measurement: ContinuousMeasurement | SampledMeasurement = Field(
         default_factory=ContinuousMeasurement, discriminator="mode"
     )
-    observers: tuple[ObserverConfig, ...] = Field((), max_length=MAX_OBSERVERS)
+    observers: tuple[ObserverConfig, ...] = Field(default=(), max_length=MAX_OBSERVERS)
     commands: tuple[TimedCommand, ...] = Field(
-        (), max_length=MAX_COMMANDS, description="What is changed while it runs, in order of time; faults apart."
+        default=(),
+        max_length=MAX_COMMANDS,
+        description="What is changed while it runs, in order of time; faults apart.",
     )
     diagnosis: DiagnosisSettings = Field(
         default_factory=DiagnosisSettings, description="What is asked of the diagnosis."
     )
-    figures: tuple[Figure, ...] = Field((), max_length=24)
+    figures: tuple[Figure, ...] = Field(default=(), max_length=24)
 
     @property
     def record_every(self) -> int:
@@ -297,4 +301,5 @@ class ResolvedExperiment(Experiment):
         horizon=10,
     )
 
-    plant: Plant = Field(description="The plant in full.")
+    # Narrower is sound, as instances are frozen; pyright cannot see that in pydantic's configuration.
+    plant: Plant = Field(description="The plant in full.")  # pyright: ignore[reportIncompatibleVariableOverride]

@@ -34,7 +34,7 @@ class TimedFault(Strict):
     """Base of all faults, which act on [onset, end)."""
 
     onset: Instant = Field(description="Time in s at which the fault appears.")
-    end: Instant | None = Field(None, description="Time in s at which it disappears; null: it stays.")
+    end: Instant | None = Field(default=None, description="Time in s at which it disappears; null: it stays.")
 
     @model_validator(mode="after")
     def _ends_after_onset(self) -> "TimedFault":
@@ -100,7 +100,7 @@ class SineFault(ChannelFault):
     shape: Literal["sine"] = "sine"
     size: Number = Field(description="Amplitude, in the channel's unit.")
     frequency: NonNegative = Field(description="Frequency in Hz.")
-    phase: Number = Field(0.0, description="Phase at the onset in rad.")
+    phase: Number = Field(default=0.0, description="Phase at the onset in rad.")
 
 
 class PulseTrainFault(ChannelFault):
@@ -126,7 +126,7 @@ class RandomWalkFault(ChannelFault):
 
     shape: Literal["random-walk"] = "random-walk"
     intensity: NonNegative = Field(description="Standard deviation gained per √s, in the channel's unit.")
-    sample_time: Positive = Field(0.01, description="Time in s between increments.")
+    sample_time: Positive = Field(default=0.01, description="Time in s between increments.")
 
 
 class TableFault(ChannelFault):
@@ -139,7 +139,9 @@ class TableFault(ChannelFault):
     shape: Literal["table"] = "table"
     times: Points = Field(description="Times in s after the onset, increasing.")
     values: Points = Field(description="Values at these times, in the channel's unit.")
-    interpolation: Interpolation = Field("linear", description="Between two times: linear, or hold the earlier value.")
+    interpolation: Interpolation = Field(
+        default="linear", description="Between two times: linear, or hold the earlier value."
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> "TableFault":
@@ -185,7 +187,7 @@ class DropoutFault(MeasurementFault):
 
     shape: Literal["dropout"] = "dropout"
     probability: Annotated[NonNegative, Field(le=1)] = Field(description="Probability that a sample is lost.")
-    sample_time: Positive = Field(0.01, description="Time in s between samples.")
+    sample_time: Positive = Field(default=0.01, description="Time in s between samples.")
 
 
 class OutliersFault(MeasurementFault):
@@ -196,7 +198,7 @@ class OutliersFault(MeasurementFault):
     shape: Literal["outliers"] = "outliers"
     probability: Annotated[NonNegative, Field(le=1)] = Field(description="Probability that a sample is an outlier.")
     size: Number = Field(description="Displacement, in the output's unit.")
-    sample_time: Positive = Field(0.01, description="Time in s between samples.")
+    sample_time: Positive = Field(default=0.01, description="Time in s between samples.")
 
 
 class NoiseBurstFault(MeasurementFault):
@@ -206,7 +208,7 @@ class NoiseBurstFault(MeasurementFault):
 
     shape: Literal["noise-burst"] = "noise-burst"
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
 
 
 class QuantisationFault(MeasurementFault):

@@ -33,8 +33,10 @@ class FieldError(Strict):
     )
 
     field: str = Field(description="Path of the field, for example faults[0].end.")
-    value: Any = Field(None, description="The value that arrived, shortened.")
-    code: str = Field("", description="Key of the problem's sentence in the catalogues, GET /api/messages/{language}.")
+    value: Any = Field(default=None, description="The value that arrived, shortened.")
+    code: str = Field(
+        default="", description="Key of the problem's sentence in the catalogues, GET /api/messages/{language}."
+    )
     args: dict[str, JsonValue] = Field(default_factory=dict, description="Arguments of both sentences by name.")
     problem: str = Field(description="What is wrong with the value, in the asked language.")
     remedy: str = Field(description="How to correct it, in the asked language.")
@@ -98,7 +100,7 @@ def _of_pydantic(error: Mapping[str, Any], context: Mapping[str, Any]) -> tuple[
     kind = error["type"]
     if kind not in PYDANTIC_CODES:
         return "schema.other", {"kind": kind, "detail": error["msg"]}
-    args = {name: value for name, value in context.items() if isinstance(value, str | int | float)}
+    args: dict[str, Any] = {name: value for name, value in context.items() if isinstance(value, str | int | float)}
     if kind == "literal_error":
         args = {"names": re.findall(r"'([^']*)'", context["expected"]) or [context["expected"]]}
     elif kind == "union_tag_invalid":

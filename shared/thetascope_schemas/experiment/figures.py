@@ -16,10 +16,10 @@ class Trace(Strict):
     model_config = example(column="x.x1", minus="adaptive.x.x1", label="error of x1", style="solid", absolute=True)
 
     column: Column = Field(description="Column of the result.")
-    minus: Column | None = Field(None, description="Column to subtract.")
-    label: Title = Field("", description="Text in the legend; the column's name when empty.")
+    minus: Column | None = Field(default=None, description="Column to subtract.")
+    label: Title = Field(default="", description="Text in the legend; the column's name when empty.")
     style: Literal["solid", "dash", "dot"] = "solid"
-    absolute: Flag = Field(False, description="Draw the absolute value.")
+    absolute: Flag = Field(default=False, description="Draw the absolute value.")
 
 
 class Panel(Strict):
@@ -35,10 +35,10 @@ class Panel(Strict):
     )
 
     title: Title = ""
-    x: Column = Field("t", description="Column of the horizontal axis.")
+    x: Column = Field(default="t", description="Column of the horizontal axis.")
     x_title: Title = ""
     y_title: Title = ""
-    log: Flag = Field(False, description="Logarithmic vertical axis.")
+    log: Flag = Field(default=False, description="Logarithmic vertical axis.")
     traces: tuple[Trace, ...] = Field(min_length=1, max_length=24)
 
 

@@ -13,7 +13,7 @@ class Noise(Strict):
     model_config = example(std=0.001, sample_time=0.01)
 
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
 
 
 class ContinuousMeasurement(Strict):

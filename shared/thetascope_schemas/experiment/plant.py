@@ -52,8 +52,10 @@ class State(Strict):
 
     name: Name = Field(description="Name in the equations.")
     unit: Unit = ""
-    initial: Number = Field(0.0, description="Value at t = 0, in the state's unit.")
-    domain: Bounds = Field(UNBOUNDED, description="Physical range [low, high]; observers saturate their model to it.")
+    initial: Number = Field(default=0.0, description="Value at t = 0, in the state's unit.")
+    domain: Bounds = Field(
+        default=UNBOUNDED, description="Physical range [low, high]; observers saturate their model to it."
+    )
     description: Prose = ""
 
 
@@ -64,8 +66,8 @@ class Input(Strict):
 
     name: Name = Field(description="Name in the equations.")
     unit: Unit = ""
-    default: Number = Field(0.0, description="Value where an experiment gives no signal, in the input's unit.")
-    bounds: Bounds = Field(UNBOUNDED, description="Range that makes sense, in the input's unit.")
+    default: Number = Field(default=0.0, description="Value where an experiment gives no signal, in the input's unit.")
+    bounds: Bounds = Field(default=UNBOUNDED, description="Range that makes sense, in the input's unit.")
     description: Prose = ""
 
 
@@ -88,7 +90,7 @@ class Parameter(Strict):
     name: Name = Field(description="Name in the equations.")
     value: Number = Field(description="Nominal value, in the parameter's unit.")
     unit: Unit = ""
-    bounds: Bounds = Field(UNBOUNDED, description="Permitted range, in the parameter's unit.")
+    bounds: Bounds = Field(default=UNBOUNDED, description="Permitted range, in the parameter's unit.")
     description: Prose = ""
 
     @model_validator(mode="after")
@@ -133,7 +135,7 @@ class Definition(Strict):
     name: Name = Field(description="Name in later definitions and in the equations.")
     expression: ExpressionText = Field(description="Expression of states, inputs, earlier definitions, ….")
     domain: Annotated[tuple[Limit, Limit], AfterValidator(ordered)] = Field(
-        UNBOUNDED, description="Physical range [low, high]: numbers, parameter names, or null for an open side."
+        default=UNBOUNDED, description="Physical range [low, high]: numbers, parameter names, or null for an open side."
     )
 
 
@@ -160,8 +162,8 @@ class Channel(Strict):
         min_length=1, max_length=MAX_STATES, description="State or output: the coefficient of θ in its equation."
     )
     unit: Unit = ""
-    typical: Positive = Field(1.0, description="Typical size of the fault, in its unit.")
-    bounds: Bounds = Field(UNBOUNDED, description="Range that makes sense, in the channel's unit.")
+    typical: Positive = Field(default=1.0, description="Typical size of the fault, in its unit.")
+    bounds: Bounds = Field(default=UNBOUNDED, description="Range that makes sense, in the channel's unit.")
     description: Prose = ""
 
 
@@ -198,20 +200,22 @@ class Plant(Strict):
     id: Identifier = Field(description="Short name: lower-case letters, digits and hyphens.")
     title: Title = ""
     description: Prose = ""
-    source: Prose = Field("", description="Where the plant comes from.")
+    source: Prose = Field(default="", description="Where the plant comes from.")
     time: ContinuousTime | DiscreteTime = Field(
         default_factory=ContinuousTime, discriminator="kind", description="Continuous, or discrete with a period."
     )
     states: tuple[State, ...] = Field(min_length=1, max_length=MAX_STATES)
-    inputs: tuple[Input, ...] = Field((), max_length=MAX_PORTS)
+    inputs: tuple[Input, ...] = Field(default=(), max_length=MAX_PORTS)
     outputs: tuple[Output, ...] = Field(min_length=1, max_length=MAX_PORTS)
-    parameters: tuple[Parameter, ...] = Field((), max_length=200)
-    signals: tuple[KnownSignal, ...] = Field((), max_length=MAX_CHANNELS)
-    definitions: tuple[Definition, ...] = Field((), max_length=200, description="Intermediate quantities, in order.")
+    parameters: tuple[Parameter, ...] = Field(default=(), max_length=200)
+    signals: tuple[KnownSignal, ...] = Field(default=(), max_length=MAX_CHANNELS)
+    definitions: tuple[Definition, ...] = Field(
+        default=(), max_length=200, description="Intermediate quantities, in order."
+    )
     dynamics: dict[Reference, ExpressionText] = Field(
         max_length=MAX_STATES, description="State: its derivative, or its next value in discrete time."
     )
-    channels: tuple[Channel, ...] = Field((), max_length=MAX_CHANNELS, description="The faults that can occur.")
+    channels: tuple[Channel, ...] = Field(default=(), max_length=MAX_CHANNELS, description="The faults that can occur.")
 
     def names(self, *groups: str) -> tuple[str, ...]:
         """Names declared in the given groups (`"states"`, `"inputs"`, …), in order."""

@@ -75,11 +75,11 @@ class PulseSignal(Strict):
     model_config = example(kind="pulse", low=0, high=1, period=0.5, width=0.25, start=0)
 
     kind: Literal["pulse"] = "pulse"
-    low: Number = Field(0.0, description="Value outside the pulses.")
-    high: Number = Field(1.0, description="Value within the pulses (may lie below `low`).")
+    low: Number = Field(default=0.0, description="Value outside the pulses.")
+    high: Number = Field(default=1.0, description="Value within the pulses (may lie below `low`).")
     period: Positive = Field(description="Period in s.")
     width: Positive = Field(description="Length of one pulse in s, at most the period.")
-    start: Number = Field(0.0, description="Start of the first pulse in s.")
+    start: Number = Field(default=0.0, description="Start of the first pulse in s.")
 
     @model_validator(mode="after")
     def _consistent(self) -> "PulseSignal":
@@ -95,8 +95,8 @@ class SineSignal(Strict):
     kind: Literal["sine"] = "sine"
     amplitude: Number = Field(description="Amplitude, in the signal's unit.")
     frequency: NonNegative = Field(description="Frequency in Hz.")
-    phase: Number = Field(0.0, description="Phase at t = 0 in rad.")
-    offset: Number = Field(0.0, description="Mean value, in the signal's unit.")
+    phase: Number = Field(default=0.0, description="Phase at t = 0 in rad.")
+    offset: Number = Field(default=0.0, description="Mean value, in the signal's unit.")
 
 
 class RampSignal(Strict):
@@ -105,10 +105,10 @@ class RampSignal(Strict):
     model_config = example(kind="ramp", start=5, slope=0.1, initial=0, end=15)
 
     kind: Literal["ramp"] = "ramp"
-    start: Number = Field(0.0, description="Start of the ramp in s.")
+    start: Number = Field(default=0.0, description="Start of the ramp in s.")
     slope: Number = Field(description="Slope, in the signal's unit per s.")
-    initial: Number = Field(0.0, description="Value until the start.")
-    end: Number | None = Field(None, description="Time in s from which the value is held; null: never.")
+    initial: Number = Field(default=0.0, description="Value until the start.")
+    end: Number | None = Field(default=None, description="Time in s from which the value is held; null: never.")
 
     @model_validator(mode="after")
     def _consistent(self) -> "RampSignal":
@@ -127,7 +127,7 @@ class ChirpSignal(Strict):
     f0: NonNegative = Field(description="Frequency at t = 0 in Hz.")
     f1: NonNegative = Field(description="Frequency at `duration` in Hz.")
     duration: Positive = Field(description="Length of the sweep in s.")
-    offset: Number = Field(0.0, description="Mean value, in the signal's unit.")
+    offset: Number = Field(default=0.0, description="Mean value, in the signal's unit.")
 
 
 class PrbsSignal(Strict):
@@ -136,10 +136,10 @@ class PrbsSignal(Strict):
     model_config = example(kind="prbs", low=-1, high=1, hold=0.5, seed=7)
 
     kind: Literal["prbs"] = "prbs"
-    low: Number = Field(-1.0, description="The one value.")
-    high: Number = Field(1.0, description="The other value.")
+    low: Number = Field(default=-1.0, description="The one value.")
+    high: Number = Field(default=1.0, description="The other value.")
     hold: Positive = Field(description="Time in s for which a drawn value holds.")
-    seed: Seed = Field(0, description="Seed of the sequence.")
+    seed: Seed = Field(default=0, description="Seed of the sequence.")
 
 
 class TableSignal(Strict):
@@ -150,7 +150,9 @@ class TableSignal(Strict):
     kind: Literal["table"] = "table"
     times: Points = Field(description="Times in s, increasing.")
     values: Points = Field(description="Values at these times.")
-    interpolation: Interpolation = Field("linear", description="Between two times: linear, or hold the earlier value.")
+    interpolation: Interpolation = Field(
+        default="linear", description="Between two times: linear, or hold the earlier value."
+    )
 
     @model_validator(mode="after")
     def _consistent(self) -> "TableSignal":

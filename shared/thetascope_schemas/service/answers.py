@@ -107,7 +107,7 @@ class FormField(Strict):
     description: str
     default: JsonValue = None
     minimum: Number | None = None
-    above: Number | None = Field(None, description="Exclusive lower bound.")
+    above: Number | None = Field(default=None, description="Exclusive lower bound.")
     maximum: Number | None = None
     choices: tuple[str, ...] | None = None
 

@@ -97,10 +97,10 @@ class AlarmOutcome(Strict):
         description="Now: cleared; or still on, and a fault that it names acts; the fault that acts began later and is "
         "covered; another fault acts; none ever did; the fault has ended and the alarm is about to clear."
     )
-    found: tuple[str, ...] = Field((), description="Ids of the faults that it was the first to find.")
-    delay: Number | None = Field(None, description="Seconds from the newest of these to the alarm.")
+    found: tuple[str, ...] = Field(default=(), description="Ids of the faults that it was the first to find.")
+    delay: Number | None = Field(default=None, description="Seconds from the newest of these to the alarm.")
     covers_since: Number | None = Field(
-        None, description="Onset in s of the newest fault that it covers and that acts."
+        default=None, description="Onset in s of the newest fault that it covers and that acts."
     )
 
 
@@ -115,19 +115,27 @@ class ComparisonRow(Strict):
     )
     peak: dict[str, tuple[Number | None, ...]] = Field(description="Largest error likewise.")
     steps: tuple[StepFollowed, ...] = ()
-    faults: tuple[FaultOutcome, ...] | None = Field(None, description="The outcome for each fault, in order of time.")
-    alarms: tuple[AlarmOutcome, ...] | None = Field(None, description="The verdict on each alarm, in order of time.")
-    found: int | None = Field(None, description="Faults that an alarm found.")
-    covered: int | None = Field(None, description="Faults for whose channel an alarm was on already when they began.")
-    missed: int | None = Field(None, description="Faults neither found nor covered.")
-    false_alarms: int | None = Field(None, description="Alarms raised while no fault was present, nor just before.")
-    isolation_errors: int | None = Field(
-        None, description="Alarms raised during a fault that name none of those present."
+    faults: tuple[FaultOutcome, ...] | None = Field(
+        default=None, description="The outcome for each fault, in order of time."
     )
-    delay: Number | None = Field(None, description="Median delay in s of the faults found.")
+    alarms: tuple[AlarmOutcome, ...] | None = Field(
+        default=None, description="The verdict on each alarm, in order of time."
+    )
+    found: int | None = Field(default=None, description="Faults that an alarm found.")
+    covered: int | None = Field(
+        default=None, description="Faults for whose channel an alarm was on already when they began."
+    )
+    missed: int | None = Field(default=None, description="Faults neither found nor covered.")
+    false_alarms: int | None = Field(
+        default=None, description="Alarms raised while no fault was present, nor just before."
+    )
+    isolation_errors: int | None = Field(
+        default=None, description="Alarms raised during a fault that name none of those present."
+    )
+    delay: Number | None = Field(default=None, description="Median delay in s of the faults found.")
     grace: Number = Field(description="Seconds after a fault within which an alarm is not false: θ̂ is coming back.")
     cost: Number | None = Field(
-        None, description="Processor time in µs per simulated second, measured: another number each time."
+        default=None, description="Processor time in µs per simulated second, measured: another number each time."
     )
 
 

@@ -93,11 +93,13 @@ class Facts(Strict):
     observers: tuple[ObserverNow, ...]
     faults: tuple[FaultNow, ...] = Field(description="All faults so far and to come, in the order of the experiment.")
     noise: dict[str, Noise] = Field(description="Measurement noise of every output that has some.")
-    broken: Number | None = Field(None, description="Time in s at which the plant itself diverged.")
-    alarms: tuple[Alarm, ...] = Field((), description="The detector's alarms up to that time, in order of time.")
-    alarm_verdicts: tuple[AlarmOutcome, ...] = Field((), description="The verdict on each of them.")
-    fault_outcomes: tuple[FaultOutcome, ...] = Field((), description="The outcome for each fault so far.")
+    broken: Number | None = Field(default=None, description="Time in s at which the plant itself diverged.")
+    alarms: tuple[Alarm, ...] = Field(
+        default=(), description="The detector's alarms up to that time, in order of time."
+    )
+    alarm_verdicts: tuple[AlarmOutcome, ...] = Field(default=(), description="The verdict on each of them.")
+    fault_outcomes: tuple[FaultOutcome, ...] = Field(default=(), description="The outcome for each fault so far.")
     unseen: tuple[str, ...] = Field(
-        (), description="Ids of the faults that act and that no alarm names now, one a site."
+        default=(), description="Ids of the faults that act and that no alarm names now, one a site."
     )
     summary: Text = Field(description="The diagnosis in one sentence.")

@@ -28,7 +28,7 @@ class Step(Strict):
 
     question: Words
     do: tuple[BatchMember, ...] = Field(
-        (), max_length=10, description="Commands of a live session that carry it out, as a batch."
+        default=(), max_length=10, description="Commands of a live session that carry it out, as a batch."
     )
 
 

@@ -18,10 +18,13 @@ class Record(Strict):
     model_config = example(plant="friction-motor", csv="t,torque,y_speed,y_acceleration\n0,0.5,0.01,0.05\n…", learn=2.0)
 
     plant: PlantChoice = Field(description="Id of a library plant, or a plant in full.")
-    columns: dict[str, Column] | None = Field(None, max_length=200, description="Columns by name, all as long …")
-    csv: str | None = Field(None, description="… or the text of a CSV file.")
+    columns: dict[str, Column] | None = Field(
+        default=None, max_length=200, description="Columns by name, all as long …"
+    )
+    csv: str | None = Field(default=None, description="… or the text of a CSV file.")
     learn: NonNegative = Field(
-        0.0, description="Seconds at its beginning that are known to be sound: what they show belongs to the plant."
+        default=0.0,
+        description="Seconds at its beginning that are known to be sound: what they show belongs to the plant.",
     )
     diagnosis: DiagnosisSettings = Field(
         default_factory=DiagnosisSettings, description="What is asked of the diagnosis."

@@ -67,14 +67,18 @@ class Problem(Strict):
 
     model_config = example(**_PROBLEM)
 
-    type: str = Field("about:blank", description="URI reference of the kind of problem.")
+    type: str = Field(default="about:blank", description="URI reference of the kind of problem.")
     title: str = Field(description="Short text, the same for every problem of this kind.")
     status: int = Field(ge=400, le=599, description="HTTP status.")
-    detail: str = Field("", description="What happened here, and what to do.")
-    code: str = Field("", description="Key of the problem's sentence in the catalogues, GET /api/messages/{language}.")
+    detail: str = Field(default="", description="What happened here, and what to do.")
+    code: str = Field(
+        default="", description="Key of the problem's sentence in the catalogues, GET /api/messages/{language}."
+    )
     args: dict[str, JsonValue] = Field(default_factory=dict, description="Arguments of the sentence by name.")
-    instance: str | None = Field(None, description="URI reference of this occurrence.")
-    errors: tuple[FieldError, ...] = Field((), description="Each field at fault, its value, the problem, the remedy.")
+    instance: str | None = Field(default=None, description="URI reference of this occurrence.")
+    errors: tuple[FieldError, ...] = Field(
+        default=(), description="Each field at fault, its value, the problem, the remedy."
+    )
 
 
 class Divergence(Strict):
@@ -94,9 +98,9 @@ class AssumptionCheck(Strict):
     name: str
     verdict: Literal["holds", "fails", "cannot tell"]
     text: str = Field(description="What was checked, in a sentence.")
-    value: Number | None = Field(None, description="The number found.")
-    threshold: Number | None = Field(None, description="The number it is held against.")
-    source: str = Field("", description="Paper and equation.")
+    value: Number | None = Field(default=None, description="The number found.")
+    threshold: Number | None = Field(default=None, description="The number it is held against.")
+    source: str = Field(default="", description="Paper and equation.")
 
 
 class FinalValue(Strict):
@@ -141,7 +145,7 @@ class ObserverSummary(Strict):
         default_factory=dict, description="The same over the last tenth of the run."
     )
     theta: dict[str, FinalValue] = Field(default_factory=dict, description="Estimate of each channel at the end.")
-    settling: tuple[Settling, ...] = Field((), description="How soon each step of a fault was followed.")
+    settling: tuple[Settling, ...] = Field(default=(), description="How soon each step of a fault was followed.")
     checks: tuple[AssumptionCheck, ...] = ()
     facts: dict[str, JsonValue] = Field(default_factory=dict, description="What the observer reports about itself.")
 
@@ -154,14 +158,14 @@ class RunSummary(Strict):
     columns: int = Field(ge=0, description="Number of columns of the data.")
     rows: int = Field(ge=0, description="Number of recorded times.")
     step: Number = Field(description="Step of the integration in s.")
-    substeps: int = Field(1, ge=1, description="Steps that observers take within one step.")
-    diverged: Divergence | None = Field(None, description="Divergence of the plant itself.")
+    substeps: int = Field(default=1, ge=1, description="Steps that observers take within one step.")
+    diverged: Divergence | None = Field(default=None, description="Divergence of the plant itself.")
     observers: tuple[ObserverSummary, ...] = ()
     facts: Facts | None = Field(
-        None, description="Observers, faults, noise, alarms and verdicts at the end of the run."
+        default=None, description="Observers, faults, noise, alarms and verdicts at the end of the run."
     )
-    comparison: Comparison | None = Field(None, description="The observers compared on the same data.")
-    diagnosis: Diagnosis | None = Field(None, description="Which fault, since when, how large, how sure.")
+    comparison: Comparison | None = Field(default=None, description="The observers compared on the same data.")
+    diagnosis: Diagnosis | None = Field(default=None, description="Which fault, since when, how large, how sure.")
     notes: tuple[str, ...] = ()
     seconds: dict[str, Number] = Field(default_factory=dict, description="Wall time of each stage in s.")
 
@@ -182,7 +186,7 @@ class Progress(Strict):
     status: Status
     progress: Number = Field(ge=0, le=1, description="Share done, 0 to 1.")
     detail: str = ""
-    problem: Problem | None = Field(None, description="Why it failed.")
+    problem: Problem | None = Field(default=None, description="Why it failed.")
     links: dict[str, str] = Field(default_factory=dict)
 
 
@@ -205,8 +209,8 @@ class Run(Strict):
     status: Status
     progress: Number = Field(ge=0, le=1, description="Share done, 0 to 1.")
     spec: Experiment
-    summary: RunSummary | None = Field(None, description="Set when done.")
-    problem: Problem | None = Field(None, description="Set when failed.")
+    summary: RunSummary | None = Field(default=None, description="Set when done.")
+    problem: Problem | None = Field(default=None, description="Set when failed.")
     created: datetime
-    pinned: bool = Field(False, description="A pinned run is kept when the store needs room.")
+    pinned: bool = Field(default=False, description="A pinned run is kept when the store needs room.")
     links: dict[str, str] = Field(default_factory=dict)

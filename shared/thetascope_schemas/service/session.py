@@ -70,7 +70,7 @@ class Step(Command):
 
     model_config = example(type="step", id=3, rows=1)
     type: Literal["step"] = "step"
-    rows: int = Field(1, ge=1, le=100_000, strict=True)
+    rows: int = Field(default=1, ge=1, le=100_000, strict=True)
 
 
 class Speed(Command):
@@ -124,7 +124,7 @@ class SetNoiseNow(Command):
     type: Literal["set-noise"] = "set-noise"
     output: Reference
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
 
 
 class AddObserverNow(Command):
@@ -227,8 +227,8 @@ class Hello(Strict):
     row: int = Field(description="Rows recorded so far: the next row's number.")
     playing: bool
     speed: Number | None
-    parent: str | None = Field(None, description="The session that this one was forked from.")
-    log: tuple["Event", ...] = Field((), description="Everything that happened so far.")
+    parent: str | None = Field(default=None, description="The session that this one was forked from.")
+    log: tuple["Event", ...] = Field(default=(), description="Everything that happened so far.")
     facts: Facts = Field(description="Observers, faults, noise, alarms and verdicts at the row that is shown.")
 
 
@@ -262,7 +262,7 @@ class Status(Strict):
     speed: Number | None
     rate: Number | None = Field(description="Simulated seconds per second, as measured.")
     viewers: int
-    ended: bool = Field(False, description="The horizon that a session may reach, or a plant that escaped.")
+    ended: bool = Field(default=False, description="The horizon that a session may reach, or a plant that escaped.")
 
 
 class Event(Strict):
@@ -289,13 +289,13 @@ class Event(Strict):
         "substeps",
     ]
     subject: str = Field(
-        "",
+        default="",
         description='Channel, output, observer label, or signal that it is about; of "diverged", empty: the plant itself.',
     )
-    observer: str = Field("", description="The observer that says so (alarms).")
-    fault: str = Field("", description="Id of the fault that it is about (inject, fault-begins, fault-ends).")
-    value: JsonValue = Field(None, description="Size, gain value, estimate …")
-    text: str = Field("", description="The event in English.")
+    observer: str = Field(default="", description="The observer that says so (alarms).")
+    fault: str = Field(default="", description="Id of the fault that it is about (inject, fault-begins, fault-ends).")
+    value: JsonValue = Field(default=None, description="Size, gain value, estimate …")
+    text: str = Field(default="", description="The event in English.")
 
 
 class Columns(Strict):

@@ -16,25 +16,26 @@ class SessionRequest(Strict):
 
     model_config = example(experiment="zhao-2012", play=True)
 
-    experiment: Identifier | None = Field(None, description="Id of a library experiment …")
+    experiment: Identifier | None = Field(default=None, description="Id of a library experiment …")
     set: dict[str, JsonValue] = Field(
         default_factory=dict, max_length=200, description="… and values changed by path, as for runs."
     )
-    spec: Experiment | None = Field(None, description="Or a whole experiment, its timed commands included.")
-    play: Flag = Field(True, description="Start the time immediately.")
+    spec: Experiment | None = Field(default=None, description="Or a whole experiment, its timed commands included.")
+    play: Flag = Field(default=True, description="Start the time immediately.")
     speed: Annotated[float, Field(ge=0.1, le=1000, strict=True)] | None = Field(
-        1.0, description="Simulated seconds per second; null: as fast as possible."
+        default=1.0, description="Simulated seconds per second; null: as fast as possible."
     )
-    t: Instant = Field(0.0, description="Time in s at which the session opens.")
+    t: Instant = Field(default=0.0, description="Time in s at which the session opens.")
 
     def resolved(self) -> ResolvedExperiment:
         """Return the experiment with its plant in full. Raises InvalidSpec, or Unknown for an id not in the library."""
-        if (self.experiment is None) == (self.spec is None):
-            raise invalid("experiment", self.experiment, Message("session.body.no-experiment"))
-        if self.spec is not None and self.set:
-            raise invalid("set", None, Message("session.body.set-with-spec"))
-        spec = self.spec if self.spec is not None else with_changes(library_experiment(self.experiment), self.set)
-        return resolved(spec)
+        if self.spec is not None and self.experiment is None:
+            if self.set:
+                raise invalid("set", None, Message("session.body.set-with-spec"))
+            return resolved(self.spec)
+        if self.experiment is not None and self.spec is None:
+            return resolved(with_changes(library_experiment(self.experiment), self.set))
+        raise invalid("experiment", self.experiment, Message("session.body.no-experiment"))
 
 
 class ForkRequest(Strict):
@@ -42,4 +43,4 @@ class ForkRequest(Strict):
 
     model_config = example(t=20)
 
-    t: Instant | None = Field(None, description="Time in s, at most that of the session; null: the present.")
+    t: Instant | None = Field(default=None, description="Time in s, at most that of the session; null: the present.")

@@ -74,9 +74,12 @@ def _diagnosed(data: Any) -> ObserverDiagnosis:
 def _columns(asked: Record) -> dict[str, np.ndarray]:
     from thetascope.assembly.analyses.csv_columns import columns_of_csv
 
-    if (asked.columns is None) == (asked.csv is None):
+    if asked.csv is not None and asked.columns is None:
+        columns = columns_of_csv(asked.csv)
+    elif asked.columns is not None and asked.csv is None:
+        columns = {name: np.array(values) for name, values in asked.columns.items()}
+    else:
         raise invalid("columns", None, Message("record.columns-or-csv"))
-    columns = columns_of_csv(asked.csv) if asked.csv is not None else {n: np.array(v) for n, v in asked.columns.items()}
     rows = {len(column) for column in columns.values()}
     if len(rows) > 1:
         name = next(n for n, column in columns.items() if len(column) < max(rows))

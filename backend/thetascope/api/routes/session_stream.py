@@ -41,12 +41,13 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     from thetascope.live.room.room import RoomFull
     from thetascope.live.wire.viewer import Viewer
 
-    viewer = Viewer(
-        lambda text: send({"type": "websocket.send", "text": text}),
-        lambda data: send({"type": "websocket.send", "bytes": data}),
-        token is not None,
-        asyncio.get_running_loop(),
-    )
+    async def send_text(text: str) -> None:
+        await send({"type": "websocket.send", "text": text})
+
+    async def send_samples(data: bytes) -> None:
+        await send({"type": "websocket.send", "bytes": data})
+
+    viewer = Viewer(send_text, send_samples, token is not None, asyncio.get_running_loop())
     await services.live.viewer_slot()
     try:
         room.join(viewer, _number(websocket.query_params.get("after")))

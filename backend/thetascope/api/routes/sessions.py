@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from fastapi import APIRouter, Header, Query, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
+from starlette.routing import WebSocketRoute
 
 from thetascope.api.http import time_span
 from thetascope.api.http.answers import ended, json_response, progress_response, run_response
@@ -28,7 +29,7 @@ from thetascope_schemas.service.answers import SessionOpened, SessionState
 from thetascope_schemas.service.run import Problem, Progress, Run
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
-router.add_websocket_route("/sessions/{id}/stream", Stream())  # the router adds its prefix to requests only
+router.routes.append(WebSocketRoute("/sessions/{id}/stream", Stream()))  # the router adds its prefix to requests only
 
 _FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
 

@@ -39,7 +39,7 @@ def gain_values(gain: Gain, given: Any, context: Context) -> Values:
 
 def parameters(name: str, values: Values) -> dict[str, float]:
     """Return a gain as the parameters of the program: ``g.name``, ``g.name.i`` or ``g.name.i.j``."""
-    if isinstance(values, float):
+    if not isinstance(values, list):
         return {f"g.{name}": values}
     found: dict[str, float] = {}
     for i, row in enumerate(values):
@@ -61,7 +61,7 @@ def from_parameters(name: str, shape: Size, numbers: Mapping[str, float]) -> Val
 
 def size_of(values: Values) -> Size:
     """Return the size of a gain for a Draft."""
-    if isinstance(values, float):
+    if not isinstance(values, list):
         return None
     first = values[0] if values else None
     return (len(values), len(first)) if isinstance(first, list) else len(values)

@@ -53,12 +53,14 @@ def _estimators(
     known = {c.label: (c, e) for c, e in zip(before.observers, made.estimators, strict=True)}
     data = None
     for index, config in enumerate(spec.observers):
-        old_config, found = known.get(config.label, (None, None))
-        if found is not None and old_config != config:
-            only_gains = old_config.model_copy(update={"gains": config.gains}) == config
-            found = with_gains(index, config, old_config, found) if only_gains else None
-        if found is None:
+        present = None
+        if config.label in known:
+            old_config, present = known[config.label]
+            if old_config != config:
+                only_gains = old_config.model_copy(update={"gains": config.gains}) == config
+                present = with_gains(index, config, old_config, present) if only_gains else None
+        if present is None:
             data = data or spec.plant.model_dump(mode="json")
-            found = estimator(index, config, spec, data, made.step)
+            present = estimator(index, config, spec, data, made.step)
         begun = since.get(config.label, 0)
-        yield found if found.since == begun else replace(found, since=begun)
+        yield present if present.since == begun else replace(present, since=begun)

@@ -1,6 +1,6 @@
 """Faults inside the model: the true θ(t) of each channel as a signal (shapes of the design, section 3)."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -68,7 +68,7 @@ def fault(data: Mapping, key: tuple[int, ...]) -> Signal:
     return signals.gated(inner, data["onset"], data.get("end"))
 
 
-def theta(channel: str, faults: list[Mapping], seed: int) -> Signal:
+def theta(channel: str, faults: Sequence[Mapping], seed: int) -> Signal:
     """The true θ of a channel: the sum of its faults; ``faults`` is the whole list."""
     mine = [fault(f, (seed, 11, random_streams.key_of(f))) for f in faults if f.get("channel") == channel]
     return signals.total(mine) if mine else signals.constant(0.0)

@@ -39,9 +39,9 @@ class Experiment:
     step: float
     steps: int
     every: int  # base steps between recorded rows
+    context: Context  # of the plant with all its channels, for filters of the plant itself
     substeps: int | None = None  # in each base step; None: one, or what stiff gains need
     notes: tuple[str, ...] = ()
-    context: Context | None = None  # the plant's, with all its channels: for what watches the plant itself
 
 
 @dataclass(frozen=True)

@@ -4,6 +4,7 @@ import time
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 from threading import Event
+from typing import Any, Self
 
 from thetascope.engine.model.result import Result
 from thetascope_schemas.experiment.experiment import Experiment
@@ -83,15 +84,28 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Finished:
-    """A run that has ended, with its result where there is one."""
+class Ended:
+    """A run that has ended. A failed or cancelled one is only this; one that has a result is a :class:`Finished`."""
 
     snapshot: Snapshot
-    result: Result | None = None
 
     @property
     def size(self) -> int:
-        return 0 if self.result is None else self.result.data.nbytes
+        """Bytes of the result."""
+        return 0
 
-    def with_snapshot(self, **changes: object) -> "Finished":
-        return Finished(replace(self.snapshot, **changes), self.result)
+    def with_snapshot(self, **changes: Any) -> Self:
+        """Return the same with fields of the snapshot replaced."""
+        return replace(self, snapshot=replace(self.snapshot, **changes))
+
+
+@dataclass(frozen=True)
+class Finished(Ended):
+    """A run with its result."""
+
+    result: Result
+
+    @property
+    def size(self) -> int:
+        """Bytes of the result."""
+        return self.result.data.nbytes

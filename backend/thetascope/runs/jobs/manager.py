@@ -4,7 +4,7 @@ from dataclasses import replace
 from threading import Lock
 
 from thetascope.messages import Message
-from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.jobs.job import Ended, Finished, Job, Snapshot
 from thetascope.runs.jobs.recent_runs import Memory
 from thetascope.runs.jobs.store_rows import INTERRUPTED, record_of, snapshot_of
 from thetascope.runs.jobs.store_writer import Writer
@@ -90,7 +90,7 @@ class RunManager:
         if job is not None:
             return job
         entry = self._memory.get(id)
-        if entry is not None:
+        if isinstance(entry, Finished):
             return entry
         result = self._store.get_result(id, engine_version())
         if result is not None:
@@ -116,7 +116,7 @@ class RunManager:
         if job is not None:
             job.cancel()
             if job.status == "queued":
-                self._end(job, Finished(replace(job.snapshot(), status="cancelled")))
+                self._end(job, Ended(replace(job.snapshot(), status="cancelled")))
         return self.get(id)
 
     def remove(self, id: str) -> None:
@@ -169,18 +169,18 @@ class RunManager:
         self._writer.later(lambda: self._store.put(record))
         return snapshot
 
-    def _end(self, job: Job, end: Finished | InvalidSpec) -> None:
+    def _end(self, job: Job, end: Ended | InvalidSpec) -> None:
         """A job has ended: remember it, write it, and wake who waits. The second of two ends is passed over."""
         with self._lock:
             if self._jobs.get(job.id) is not job or job.ending:
                 return
             job.ending = True
             if isinstance(end, InvalidSpec) and job.announced:
-                end = Finished(replace(job.snapshot(), status="failed", problem=refused(end)))
-        if isinstance(end, Finished):
+                end = Ended(replace(job.snapshot(), status="failed", problem=refused(end)))
+        if isinstance(end, Ended):
             self._keep(end)  # queued before anybody can see the end: who then removes or pins the run comes after it
         with self._lock:
-            if isinstance(end, Finished):
+            if isinstance(end, Ended):
                 self._memory.put(end)
             del self._jobs[job.id]
         if isinstance(end, InvalidSpec):
@@ -189,8 +189,9 @@ class RunManager:
         job.status = end.snapshot.status
         job.done.set_result(end.snapshot)
 
-    def _keep(self, end: Finished) -> None:
-        record, result, version = record_of(end.snapshot), end.result, engine_version()
+    def _keep(self, end: Ended) -> None:
+        record, version = record_of(end.snapshot), engine_version()
+        result = end.result if isinstance(end, Finished) else None
 
         def write() -> None:
             self._store.put(record)

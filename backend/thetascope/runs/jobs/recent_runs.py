@@ -2,29 +2,32 @@
 
 from collections import OrderedDict
 from threading import Lock
+from typing import Any
 
-from thetascope.runs.jobs.job import Finished
+from thetascope.runs.jobs.job import Ended
 
 _COUNT = 2000
 
 
 class Memory:
-    """A least-recently-used map from run id to :class:`Finished`, of at most `limit` bytes of results."""
+    """A least-recently-used map from run id to how it ended, of at most `limit` bytes of results."""
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
-        self._entries: OrderedDict[str, Finished] = OrderedDict()
+        self._entries: OrderedDict[str, Ended] = OrderedDict()
         self._size = 0
         self._lock = Lock()
 
-    def get(self, id: str) -> Finished | None:
+    def get(self, id: str) -> Ended | None:
+        """Return the run, if it is here; it then counts as the latest."""
         with self._lock:
             entry = self._entries.get(id)
             if entry is not None:
                 self._entries.move_to_end(id)
             return entry
 
-    def put(self, entry: Finished) -> None:
+    def put(self, entry: Ended) -> None:
+        """Add a run, and drop the least recently used ones where there is no room."""
         with self._lock:
             self._remove(entry.snapshot.id)
             self._entries[entry.snapshot.id] = entry
@@ -32,7 +35,7 @@ class Memory:
             while len(self._entries) > 1 and (self._size > self._limit or len(self._entries) > _COUNT):
                 self._remove(next(iter(self._entries)))
 
-    def change(self, id: str, **changes: object) -> None:
+    def change(self, id: str, **changes: Any) -> None:
         """Replace fields of the snapshot, if the run is here."""
         with self._lock:
             entry = self._entries.get(id)
@@ -40,10 +43,12 @@ class Memory:
                 self._entries[id] = entry.with_snapshot(**changes)
 
     def remove(self, id: str) -> None:
+        """Drop the run, if it is here."""
         with self._lock:
             self._remove(id)
 
-    def snapshots(self) -> list[Finished]:
+    def snapshots(self) -> list[Ended]:
+        """Return all runs, the least recently used first."""
         with self._lock:
             return list(self._entries.values())
 

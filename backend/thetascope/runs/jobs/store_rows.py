@@ -51,8 +51,8 @@ def snapshot_of(record: Record) -> Snapshot:
         status=record.status,
         created=record.created,
         progress=1.0 if record.status == "done" else 0.0,
-        summary=record.summary and RunSummary.model_validate(record.summary),
-        problem=record.error and Problem.model_validate(record.error),
+        summary=None if record.summary is None else RunSummary.model_validate(record.summary),
+        problem=None if record.error is None else Problem.model_validate(record.error),
         pinned=record.pinned,
     )
 

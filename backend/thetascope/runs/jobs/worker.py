@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from thetascope.engine.errors import Cancelled, SpecError
 from thetascope.engine.model.result import Result
 from thetascope.messages import Message
-from thetascope.runs.jobs.job import Finished, Job, Snapshot
+from thetascope.runs.jobs.job import Ended, Finished, Job, Snapshot
 from thetascope.runs.results.summary import summarise
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 log = logging.getLogger(__name__)
 
 _PREPARERS = 2
-End = Callable[[Job, Finished | InvalidSpec], None]
+End = Callable[[Job, Ended | InvalidSpec], None]
 
 
 def allow(spec: ResolvedExperiment, cost: "Cost", settings: Settings) -> None:
@@ -101,9 +101,9 @@ class Execution:
             log.exception("Run %s failed", job.id)
             self._end(job, failed(job, Message("run.internal-error")))
 
-    def _stopped(self, job: Job) -> Finished:
+    def _stopped(self, job: Job) -> Ended:
         if job.cancelled:
-            return Finished(replace(job.snapshot(), status="cancelled"))
+            return Ended(replace(job.snapshot(), status="cancelled"))
         limit = self._settings.max_seconds
         return failed(job, Message("run.too-slow", seconds=limit, share=job.progress))
 
@@ -113,6 +113,6 @@ def completed(snapshot: Snapshot, result: Result, spec: ResolvedExperiment) -> F
     return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result, spec)), result)
 
 
-def failed(job: Job, why: Message) -> Finished:
+def failed(job: Job, why: Message) -> Ended:
     """Return the end of a run that has no result."""
-    return Finished(replace(job.snapshot(), status="failed", problem=problem(500, why)))
+    return Ended(replace(job.snapshot(), status="failed", problem=problem(500, why)))

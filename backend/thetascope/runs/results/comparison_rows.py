@@ -16,7 +16,7 @@ from thetascope.diagnosis.evaluation.observer_comparison import Comparison as Co
 from thetascope.diagnosis.evaluation.verdicts import Judgement
 from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment
-from thetascope_schemas.service.comparison import AlarmOutcome, Comparison, ComparisonRow, FaultOutcome
+from thetascope_schemas.service.comparison import AlarmOutcome, Comparison, ComparisonRow, FaultOutcome, StepFollowed
 from thetascope_schemas.service.facts import Facts
 
 
@@ -50,7 +50,7 @@ def _row(row: Row) -> ComparisonRow:
         label=row.label,
         rmse=row.rmse,
         peak=row.peak,
-        steps=tuple(asdict(step) for step in row.steps),
+        steps=tuple(StepFollowed.model_validate(asdict(step)) for step in row.steps),
         faults=None if row.judgement is None else outcomes(row.judgement)[0],
         alarms=None if row.judgement is None else outcomes(row.judgement)[1],
         found=row.count(FOUND),
