@@ -55,10 +55,19 @@ export function word(text) {
 }
 
 /**
- * What plants call something beyond its name: a channel's title, else the beginning of the description.
+ * The beginning of a description, short enough for a label.
+ * @param {Parameters<typeof named>[0]} prose
+ */
+export const brief = (prose) =>
+  named(prose)
+    .split(/[,;(，；（]/u)[0]
+    .trim();
+
+/**
+ * What a plant calls something beyond its name: a channel's title, else the beginning of the description.
  * @param {{title?: string, description?: string}} item
  */
-export const titleOf = (item) => item.title || (item.description ?? '').split(/[,;(]/)[0].trim();
+export const titleOf = (item) => named(item.title) || brief(item.description);
 
 /**
  * What the page calls a channel, an output, an input, a signal or a state wherever it names it: its symbol, or where that is a word what the plant says it is.
@@ -70,7 +79,7 @@ export function called(name, plant) {
   const item = [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...plant.states].find(
     (one) => one.name === name,
   );
-  return (item && named(titleOf(item))) || plain(name);
+  return (item && titleOf(item)) || plain(name);
 }
 
 /**

@@ -33,8 +33,15 @@ export function say(message) {
   return catalogue.has(message.code) ? catalogue.render(message) : (message.text ?? message.code);
 }
 
-/** What the library calls something. @param {string | null | undefined} words */
-export const named = (words) => (language() === 'zh' ? chineseName(words) : words) ?? '';
+/**
+ * Prose of a plant or an experiment in the page's language: a text, or a map from language to text.
+ * @param {string | {[language: string]: string} | null | undefined} prose
+ * @returns {string}
+ */
+export function named(prose) {
+  if (prose && typeof prose === 'object') return prose[language()] ?? prose.en ?? Object.values(prose)[0] ?? '';
+  return (language() === 'zh' ? chineseName(prose) : prose) ?? '';
+}
 
 /** What the server says as a sentence of its own, with a capital letter and a full stop. @param {Parameters<typeof say>[0]} message */
 export function asSentence(message) {

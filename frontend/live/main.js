@@ -23,7 +23,7 @@ import {mountTransport} from './ui/transport.js';
 import {named, say, speak, t} from '../i18n/words.js';
 
 /** @import {Experiment} from '../pages/types.js' */
-/** @import {Command, Failure, ServerMessage} from './types.js' */
+/** @import {Catalogue, Command, Failure, Language, ServerMessage} from './types.js' */
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
@@ -47,7 +47,9 @@ const app = {
     return store.state;
   },
   get catalogue() {
-    return (catalogue ??= get('/api/catalogue'));
+    const {language} = store.state;
+    if (catalogue?.language !== language) catalogue = {language, answer: get('/api/catalogue')};
+    return catalogue.answer;
   },
   subscribe: store.subscribe,
   wake: loop.wake,
@@ -68,6 +70,7 @@ const app = {
     return socket.send(command);
   },
 };
+/** @type {{language: Language, answer: Promise<Catalogue>} | null} */
 let catalogue = null;
 
 // ---- joining and leaving a session ---------------------------------------------------------------------------------------

@@ -292,7 +292,7 @@ export interface Strip {
   symbol: string;
   /** Channel, state or output. */
   subject: string;
-  title: string;
+  title: string | {[language: string]: string};
   unit: string;
   /** Column of the true value. */
   truth: string | null;

@@ -109,7 +109,7 @@ function plantPart(answer, plant) {
     'section',
     {},
     h('h3', {}, named(plant.title) || plant.id),
-    plant.source && h('p', {class: 'soft'}, plant.source),
+    plant.source && h('p', {class: 'soft'}, named(plant.source)),
     lines(answer.states),
     answer.definitions.length > 0 && [h('h4', {}, t('page.equations.with')), lines(answer.definitions)],
     h('h4', {}, t('page.equations.measured')),

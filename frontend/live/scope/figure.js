@@ -1,5 +1,6 @@
 // A strip, or the whole scope, as a figure: in a dialog to measure in, or as a picture to keep.
 
+import {brief} from '../../common/names.js';
 import {fill, h} from '../../common/dom.js';
 import {figureOf, image, show} from './plotly-figure.js';
 import {wanted} from './axis-view.js';
@@ -86,7 +87,7 @@ export async function openFigure(app, name) {
     'dialog',
     {
       class: 'figure-dialog',
-      'aria-label': named(strip.title) || strip.name,
+      'aria-label': brief(strip.title) || strip.name,
       onclose: () => {
         if (plot.data) window.Plotly.purge(plot);
         dialog.remove();
@@ -95,7 +96,7 @@ export async function openFigure(app, name) {
     h(
       'div',
       {class: 'heading'},
-      h('h2', {}, named(strip.title) || strip.name),
+      h('h2', {}, brief(strip.title) || strip.name),
       h('span', {class: 'grow'}),
       button('PNG', () => keep('png')),
       button('SVG', () => keep('svg')),

@@ -1,11 +1,11 @@
 // Above the strips: what the lines mean, how long the window is, which strips are shown.
 
 import {fill, h, symbol} from '../../common/dom.js';
-import {symbolic} from '../../common/names.js';
+import {brief, symbolic} from '../../common/names.js';
 import {seconds} from '../../widgets/number-format.js';
 import {link} from '../../widgets/controls.js';
 import {kept} from '../net/session.js';
-import {named, t} from '../../i18n/words.js';
+import {t} from '../../i18n/words.js';
 
 /** @import {Child, Properties} from '../../types/dom.js' */
 /** @import {App, ObserverState, Scope, Strip} from '../types.js' */
@@ -244,11 +244,11 @@ function fillMenu(menu, app) {
         ? t('page.scope.excitation')
         : symbolic(strip.symbol)
           ? symbol(strip.symbol)
-          : named(strip.title),
+          : brief(strip.title),
       h(
         'small',
         {},
-        strip.kind === 'residual' ? t('page.scope.residual') : symbolic(strip.symbol) ? named(strip.title) : '',
+        strip.kind === 'residual' ? t('page.scope.residual') : symbolic(strip.symbol) ? brief(strip.title) : '',
       ),
     );
   const groups = GROUPS.map(([kind, name]) => {

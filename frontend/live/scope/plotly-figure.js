@@ -1,10 +1,10 @@
 // Plotly.js, loaded when it is first asked for: figures of the strips to measure in and to save. The live curves are not its affair.
 
 import {h} from '../../common/dom.js';
-import {plain, symbolic} from '../../common/names.js';
+import {brief, plain, symbolic} from '../../common/names.js';
 import {palette} from './canvas.js';
 import {plotlyLocale} from '../../i18n/plotly-locale.js';
-import {named, t} from '../../i18n/words.js';
+import {t} from '../../i18n/words.js';
 
 /** @import {PlotlyFigure} from '../../types/globals.js' */
 /** @import {Alarm, FaultState, Palette, Samples} from '../types.js' */
@@ -286,7 +286,7 @@ const escaped = (words) => words.replaceAll('&', '&amp;').replaceAll('<', '&lt;'
 
 /** @param {FigureStrip} strip */
 function nameOf(strip) {
-  const name = symbolic(strip.symbol) ? plain(strip.symbol) : named(strip.title) || plain(strip.symbol);
+  const name = symbolic(strip.symbol) ? plain(strip.symbol) : brief(strip.title) || plain(strip.symbol);
   const words =
     {residual: t('page.scope.residual-of', {name}), excitation: t('page.scope.excitation')}[strip.kind] ?? name;
   return escaped(words + (strip.unit ? ` / ${strip.unit}` : ''));

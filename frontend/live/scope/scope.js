@@ -1,7 +1,7 @@
 // The scope: strips on one time axis. This file lays them out and draws them; head.js and pointer.js are its controls.
 
 import {fill, h, symbol} from '../../common/dom.js';
-import {badges, plain, split, symbolic} from '../../common/names.js';
+import {badges, brief, plain, split, symbolic} from '../../common/names.js';
 import {niceStep, Range} from './axes.js';
 import {drawStrip, drawTimeAxis, palette} from './canvas.js';
 import {openFigure} from './figure.js';
@@ -11,7 +11,7 @@ import {showValues} from './values.js';
 import {untold} from '../../diagnosis/fault-size.js';
 import {leaving, setTicks, wanted} from './axis-view.js';
 import {stripsOf} from '../state/strips.js';
-import {named, say, t} from '../../i18n/words.js';
+import {say, t} from '../../i18n/words.js';
 
 /** @import {Plant} from '../../pages/types.js' */
 /** @import {App, Row, Strip} from '../types.js' */
@@ -118,7 +118,7 @@ export class Scope {
   label(row) {
     const {strip} = row;
     const words =
-      {residual: t('page.scope.residual'), excitation: t('page.scope.excitation')}[strip.kind] ?? named(strip.title);
+      {residual: t('page.scope.residual'), excitation: t('page.scope.excitation')}[strip.kind] ?? brief(strip.title);
     const [letters, index] = split(strip.symbol);
     const wordy = strip.kind === 'excitation' ? false : letters.length > 1 || index.length > 3;
     const unit = strip.unit ? ` ${strip.unit}` : '';

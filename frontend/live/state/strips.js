@@ -133,7 +133,7 @@ function stateStrips(plant, traces) {
     kind: 'state',
     symbol: name,
     subject: name,
-    title: short(description),
+    title: description ?? '',
     unit,
     truth: `x.${name}`,
     traces: traces(({label}) => ({column: `${label}.x.${name}`})),
@@ -165,7 +165,7 @@ function residualStrips(plant, present, known, observers, traces) {
       kind: 'residual',
       symbol: name,
       subject: name,
-      title: short(description),
+      title: description ?? '',
       unit,
       truth: null,
       traces: traces(({label}) => ({column: `${label}.residual.${name}`})).filter(({label}) =>
@@ -214,9 +214,3 @@ function excitationStrip(known, observers, checks, traces) {
     },
   ];
 }
-
-/**
- * The beginning of a description, short enough for a label.
- * @param {string | undefined} description
- */
-const short = (description) => (description ?? '').split(/[,;(]/)[0].trim();

@@ -175,8 +175,9 @@ function found(told, plant, columns) {
 }
 
 const root = document.querySelector('.records');
-const [{plants}, {experiments}] = await Promise.all([get('/api/plants'), get('/api/experiments')]);
-const known = new Map();
+const {experiments} = await get('/api/experiments');
+let {plants} = await get('/api/plants');
+const known = new Map(); // plants in full, in the page's language
 const plantOf = async (id) =>
   known.get(id) ?? known.set(id, await get(`/api/plants/${encodeURIComponent(id)}`)).get(id);
 
@@ -239,7 +240,7 @@ async function ask(csv) {
     diagnosis: {false_alarms: Number(rate.value)},
   });
   const columns = columnsOf(csv);
-  show(() => found(told, plant, columns));
+  show(() => found(told, known.get(plant.id) ?? plant, columns));
 }
 
 /** A run of the plant's first experiment as a record, for those who have none at hand. */
@@ -306,5 +307,10 @@ file.addEventListener('change', () => {
   taken = null;
   say(() => '');
 });
-mountTop(document.querySelector('.top'), connection, 'records', build);
+mountTop(document.querySelector('.top'), connection, 'records', async () => {
+  known.clear();
+  ({plants} = await get('/api/plants'));
+  await plantOf(choice.value);
+  build();
+});
 build();

@@ -47,7 +47,7 @@ export function mountHead(root, store, act) {
     fill(
       about,
       h('h1', {}, named(spec.title) || spec.id),
-      spec.source && h('p', {class: 'soft'}, spec.source),
+      spec.source && h('p', {class: 'soft'}, named(spec.source)),
       spec.description && h('p', {}, named(spec.description)),
     );
     fill(

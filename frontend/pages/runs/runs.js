@@ -10,7 +10,7 @@ import {mountSide} from './side-column.js';
 import {mountTop} from '../../common/page-header.js';
 import {mountVerdicts} from './verdicts.js';
 import {chosenLanguage} from '../../i18n/language.js';
-import {speak, t} from '../../i18n/words.js';
+import {named, speak, t} from '../../i18n/words.js';
 
 /** @import {Changes, Experiment, Plant, RunState} from '../types.js' */
 
@@ -115,9 +115,7 @@ store.subscribe((state, before) => {
 
 store.subscribe((state, before) => {
   if (state.spec !== before.spec)
-    document.title = state.spec
-      ? `${state.spec.title || state.spec.id} · ${t('page.runs.document')}`
-      : t('page.runs.document');
+    document.title = state.spec ? `${named(state.spec.title) || state.spec.id} · Thetascope` : 'Thetascope';
 });
 
 async function open() {

@@ -7,7 +7,7 @@ import {detected, figuresOf} from './compare-observer.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
 import {chip, heading, link} from '../../../widgets/controls.js';
 import {kindName} from '../../../widgets/kind-name.js';
-import {named, t} from '../../../i18n/words.js';
+import {t} from '../../../i18n/words.js';
 
 /** @import {App, ObserverState} from '../../types.js' */
 
@@ -231,7 +231,7 @@ function short(name, items, app, hat = false) {
 function picker(items, chosen, name, choose, app) {
   if (items.length < 2) return short(chosen, items, app);
   /** @param {Named} item */
-  const title = (item) => named(titleOf(item));
+  const title = (item) => titleOf(item);
   return h(
     'span',
     {class: 'picker'},

@@ -97,7 +97,7 @@ export function mount(element, app) {
       fit();
       button.title = t('page.title.choose');
       fill(sub, spec && [named(spec.title), plant && h('span', {class: 'sizes'}, ` · ${sizes(plant, observers)}`)]);
-      sub.title = [named(spec?.title), spec?.source].filter(Boolean).join('. ');
+      sub.title = [named(spec?.title), named(spec?.source)].filter(Boolean).join('. ');
     },
   );
 }

@@ -84,11 +84,17 @@ export function mount(element, app) {
       /* the gains that were set are shown all the same */
     }
   };
-  app.catalogue.then((catalogue) => {
-    kinds = catalogue.observers;
+  const load = async () => {
+    const {language} = app.state;
+    const {observers} = await app.catalogue;
+    if (language !== app.state.language) return;
+    kinds = observers;
     build();
-  }, app.act.refused);
-  app.subscribe((state) => [state.language, state.session], build);
+  };
+  app.subscribe(
+    (state) => [state.language, state.session],
+    () => load().catch(app.act.refused),
+  );
   app.subscribe((state) => state.observers, update);
   app.subscribe(
     (state) => state.noise,
