@@ -8,6 +8,7 @@ NAMES = (*ENGINE, "live", "memory", "page")
 
 
 def main() -> None:
+    """Run the benchmarks that the command line names, and print their figures."""
     arguments = argparse.ArgumentParser(prog="python -m benchmarks", description=__doc__)
     arguments.add_argument(
         "names", nargs="*", metavar="NAME", help=f"of {', '.join(NAMES)}; the first four if none is given"

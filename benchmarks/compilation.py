@@ -54,6 +54,7 @@ first_estimate(json.load(sys.stdin))
 
 
 def figures() -> Iterator[Figure]:
+    """Yield the times of compiling, in a cache folder of their own that begins empty."""
     with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as folder:
         before = os.environ.get("THETASCOPE_CACHE")
         os.environ["THETASCOPE_CACHE"] = folder
@@ -95,6 +96,7 @@ def fresh(plant: str, observer: str, draw: random.Random) -> dict:
 
 
 def texts(count: int = 9) -> Iterator[Figure]:
+    """Yield the time from a plant's text to its first rows, for plants that no cache has seen."""
     draw = random.Random()
     for plant, observer in (
         ("zhao-contois", "zhao-adaptive"),

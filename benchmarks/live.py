@@ -52,6 +52,7 @@ asyncio.run(main())
 
 
 def figures() -> Iterator[Figure]:
+    """Yield what a frame costs, how many sessions hold their pace, and how soon a command acts."""
     with service(SESSIONS) as server:
         yield cost(server, 1, 200, "frame to one of 200 viewers of a session ÷ bare websockets server")
         what = "frame of one of 100 sessions, simulation included"

@@ -20,16 +20,20 @@ class Figure:
 
     @classmethod
     def of(cls, what: str, values: Iterable[float], target: str = "", unit: str = "") -> "Figure":
+        """Return the median, the least and the largest of the values."""
         values = list(values)
         return cls(what, statistics.median(values), min(values), max(values), target, unit)
 
     def text(self) -> str:
+        """Return the figure as a line of a terminal."""
         return f"{self.what:72s} {self._short(self.median):>9s}   [{self.range()}]   {self.target}"
 
     def markdown(self) -> str:
+        """Return the figure as a row of a Markdown table."""
         return f"| {self.what} | {self._short(self.median)} | {self.range()} | {self.target} |"
 
     def range(self) -> str:
+        """Return the least and the largest value as text."""
         return f"{self._short(self.low)} … {self._short(self.high)}"
 
     def _short(self, value: float) -> str:

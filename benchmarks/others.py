@@ -22,6 +22,7 @@ CLOSE = 1e-5  # to which the answers must agree with the kernels'
 
 
 def figures() -> Iterator[Figure]:
+    """Yield the times of other integrators on the same equations, and check that they agree."""
     e = engine()
     call, names = kernels_alone(e)
     picked = [names.index(n) for n in ESTIMATES]

@@ -113,6 +113,7 @@ class ByHand:
 
     @classmethod
     def compiled(cls, *flags: str) -> "ByHand":
+        """Compile reference.c with gcc and further flags, and load it. Raises CalledProcessError."""
         source = Path(__file__).with_name("reference.c")
         with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as folder:
             target = Path(folder) / "reference.so"

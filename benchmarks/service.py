@@ -43,6 +43,7 @@ def service(data: Path) -> Iterator[tuple[str, float]]:
 
 
 def figures() -> Iterator[Figure]:
+    """Yield the time of a whole run over HTTP and the time until the service is ready."""
     with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as data:
         with service(Path(data)) as (address, _):
             yield whole(address)

@@ -19,6 +19,7 @@ class Watcher:
         self._acts_at: int | None = None
 
     def clear(self) -> None:
+        """Forget the frames so far."""
         self.times: list[float] = []
         self.bytes = 0
         self.effect: float | None = None
@@ -77,6 +78,7 @@ class Watchers:
         self._all: list[Watcher] = []
 
     def connect(self, port: int, path: str) -> Watcher:
+        """Open a websocket to a path of this machine and return its watcher."""
         connection = socket.create_connection(("127.0.0.1", port))
         key = base64.b64encode(os.urandom(16)).decode()
         connection.sendall(
@@ -101,6 +103,7 @@ class Watchers:
                 key.data.read()
 
     def close(self) -> None:
+        """Close all connections."""
         for watcher in self._all:
             watcher.socket.close()
         self._selector.close()

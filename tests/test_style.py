@@ -1,5 +1,6 @@
 """Style: ruff's rules, and the form that ruff and Prettier give every file."""
 
+import ast
 import subprocess
 import sys
 from pathlib import Path
@@ -22,3 +23,15 @@ def test_files_have_the_form_of_the_formatters(check: str):
     """Each checker finds nothing; `make lint` prints the same, and `ruff format` or `prettier --write` mends the form."""
     answer = subprocess.run(CHECKS[check], cwd=ROOT, capture_output=True, text=True, check=False)
     assert answer.returncode == 0, answer.stdout + answer.stderr
+
+
+def test_every_test_says_its_claim():
+    """Each test function has a docstring: the claim that it checks."""
+    silent = [
+        f"{path.relative_to(ROOT)}: {node.name}"
+        for path in sorted((ROOT / "tests").rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and node.name.startswith("test_")
+        if ast.get_docstring(node) is None
+    ]
+    assert silent == []

@@ -79,7 +79,7 @@ def truth(faults, channel: str) -> np.ndarray:
     value = np.zeros(T.size)
     for f in faults:
         if f.site == ("channel", channel):
-            value += f.size * ((f.onset <= T) & (T < (np.inf if f.end is None else f.end)))
+            value += f.size * ((f.onset <= T) & ((np.inf if f.end is None else f.end) > T))
     return value
 
 

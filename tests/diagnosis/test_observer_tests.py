@@ -50,5 +50,9 @@ def test_a_glr_is_the_largest_of_all_windows():
     z = noise(1, 40)[0]
     g, _ = statistic(z, judged)
     for k in range(40):
-        every = [z[k + 1 - n : k + 1, 0].mean() ** 2 / v for n, v in zip((1, 2, 5), (1.0, 0.5, 0.2)) if n <= k + 1]
+        every = [
+            z[k + 1 - n : k + 1, 0].mean() ** 2 / v
+            for n, v in zip((1, 2, 5), (1.0, 0.5, 0.2), strict=True)
+            if n <= k + 1
+        ]
         assert g[k, 0] == pytest.approx(max(every))

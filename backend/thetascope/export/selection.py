@@ -21,6 +21,7 @@ class Table:
 
     @property
     def rows(self) -> int:
+        """Number of rows that are written."""
         return self.data.shape[1]
 
 

@@ -42,6 +42,7 @@ class Scene:
         return (None, kind, name) if name else (None, "t", column)
 
     def colour(self, label: str) -> str:
+        """Return the colour of an observer's lines."""
         return style.observer_colour(self.theme, self.labels.index(label))
 
     def legend(self, label: str) -> str:
@@ -71,6 +72,7 @@ class Scene:
         return "<br>".join(part for part in (words, escape(unit)) if part)
 
     def symbol(self, column: str) -> str:
+        """Return a column's symbol as HTML: time, a quantity, or an estimate with a hat."""
         label, kind, name = self.split(column)
         return "<i>t</i>" if kind == "t" else symbol(name, HAT if label and kind else "")
 
@@ -89,6 +91,7 @@ class Scene:
         return sorted(at for at in times if 0 < at < self.t[-1])
 
     def truth(self, kind: str, name: str, final: bool = True) -> Line:
+        """Return the line of a quantity's true value; `final`: narrow screens write its last value."""
         return Line(
             self.values(f"{kind}.{name}"),
             f"{symbol(name)} truth",

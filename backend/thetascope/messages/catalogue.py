@@ -35,10 +35,12 @@ class Coded(Protocol):
     """Anything with a code and arguments: a Message."""
 
     @property
-    def code(self) -> str: ...
+    def code(self) -> str:
+        """The msgid."""
 
     @property
-    def args(self) -> Mapping[str, Any]: ...
+    def args(self) -> Mapping[str, Any]:
+        """The values that the template shows, by name."""
 
 
 class Catalogue:

@@ -46,12 +46,11 @@ def equations(plant) -> str:
         lines.append(
             (left, expression(plant.dynamics[state.name]) + _faults(plant, state.name, ("actuator", "process")), "")
         )
-    for item in plant.definitions:
-        lines.append((symbol(item.name), expression(item.expression), _range(item.domain)))
-    for item in plant.outputs:
-        lines.append(
-            (symbol(item.name), expression(item.expression) + _faults(plant, item.name, ("sensor",)), escape(item.unit))
-        )
+    lines += [(symbol(d.name), expression(d.expression), _range(d.domain)) for d in plant.definitions]
+    lines += [
+        (symbol(y.name), expression(y.expression) + _faults(plant, y.name, ("sensor",)), escape(y.unit))
+        for y in plant.outputs
+    ]
     rows = "".join(
         f"<dt>{left}</dt><dd>= {right}{f'<span class=note>{note}</span>' if note else ''}</dd>"
         for left, right, note in lines
@@ -113,6 +112,7 @@ def quantities(plant, spec) -> str:
 
 
 def unit(text: str) -> str:
+    """Return a unit as HTML after a thin space; nothing where there is none."""
     return f"\u2009{escape(text)}" if text else ""
 
 

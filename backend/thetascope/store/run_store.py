@@ -64,6 +64,7 @@ class RunStore:
             )
 
     def get(self, id: str) -> Record | None:
+        """Return a run with its spec, or None if there is no such run."""
         with self._database.reading() as connection:
             row = connection.execute(f"SELECT spec, {_BRIEF} FROM runs WHERE id = ?", (id,)).fetchone()
         return _record(row) if row else None
@@ -127,6 +128,7 @@ class RunStore:
         return decode(row["head"], row["data"], row["rows"])
 
     def has_result(self, id: str, engine: str) -> bool:
+        """Return whether the run has a result that this version of the engine computed."""
         with self._database.reading() as connection:
             query = "SELECT 1 FROM results WHERE id = ? AND engine = ?"
             return connection.execute(query, (id, engine)).fetchone() is not None

@@ -171,9 +171,11 @@ UNBOUNDED: tuple[None, None] = (None, None)
 class Worded(Protocol):
     """A message that can be rendered: `thetascope.messages.Message`, without importing it."""
 
-    def as_data(self) -> dict[str, Any]: ...
+    def as_data(self) -> dict[str, Any]:
+        """Return {code, args} as plain data."""
 
-    def text(self, language: str = "en") -> str: ...
+    def text(self, language: str = "en") -> str:
+        """Return the sentence in a language."""
 
 
 class Text(Strict):

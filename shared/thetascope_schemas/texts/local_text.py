@@ -32,6 +32,7 @@ class LocalText(str):
     texts: Mapping[str, str]
 
     def __new__(cls, texts: Mapping[str, str]) -> Self:
+        """Make the text, in English where it has English, else in its first language."""
         text = super().__new__(cls, texts.get(DEFAULT) or next(iter(texts.values())))
         text.texts = dict(texts)
         return text

@@ -69,7 +69,9 @@ def rates(parts: Partition, values: dict) -> dict[str, float]:
     handed = evaluate(shared.graph, list(parts.handed), values)
     found |= zip(shared.states, evaluate(shared.graph, list(shared.update), values), strict=True)
     found |= zip(
-        lanes.states, evaluate(lanes.graph, list(lanes.update), values | dict(zip(parts.names, handed))), strict=True
+        lanes.states,
+        evaluate(lanes.graph, list(lanes.update), values | dict(zip(parts.names, handed, strict=True))),
+        strict=True,
     )
     return found
 

@@ -112,7 +112,10 @@ def test_breaks_of_a_span_are_those_of_its_parts(a: float, b: float, middle: flo
 
 def test_prbs_is_binary_fair_and_its_own_seeds():
     """Only the two values, each about half of the time, drawn anew every hold; another seed is another sequence."""
-    make = lambda seed: signal({"kind": "prbs", "low": -1, "high": 2, "hold": 0.5, "seed": seed})
+
+    def make(seed: int):
+        return signal({"kind": "prbs", "low": -1, "high": 2, "hold": 0.5, "seed": seed})
+
     times = 0.25 + 0.5 * np.arange(4000)
     values = at(make(1), times)
     assert set(values) == {-1.0, 2.0} and abs(np.mean(values == 2) - 0.5) < 0.03

@@ -47,7 +47,10 @@ def test_decimals_are_bit_equal_to_pythons(number: float) -> None:
 
 def test_small_constants_stay_exact() -> None:
     """Whole numbers and fractions of them are exact, so that what cancels, cancels; all else is a double."""
-    read = lambda text: parse(text, NAMES).sympy(SYMBOLS)
+
+    def read(text: str):
+        return parse(text, NAMES).sympy(SYMBOLS)
+
     assert read("x/3 + x/3 + x/3") == SYMBOLS["x"]
     assert read("2**10") == 1024
     assert read("x**0.5") == sympy.sqrt(SYMBOLS["x"]) == read("sqrt(x)") == read("x^(1/2)")

@@ -65,6 +65,7 @@ class ContentLanguage:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle a request, and note in its answer the language that was chosen."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

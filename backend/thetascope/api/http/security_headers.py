@@ -32,6 +32,7 @@ class Security:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle a request, and add the headers to its answer."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

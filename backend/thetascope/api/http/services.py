@@ -28,6 +28,7 @@ class Services:
         return cls(settings, runs, Hub(settings), database)
 
     def close(self) -> None:
+        """Cancel what is under way, and close the runs and the store."""
         self.runs.close()
         self.database.close()
 

@@ -121,6 +121,7 @@ class Frontend(StaticFiles):
     """The page's files; the browser asks each time whether they have changed, so an update is seen at once."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
+        """Return a file of the page; browsers ask each time whether it has changed. Raises HTTPException 404."""
         if path.split("/")[0] == "api":  # the page's folder has no say there
             raise HTTPException(404)
         if path.split("/")[0] in PAGES:

@@ -19,6 +19,7 @@ class Stream:
     """The route's ASGI application: frames go straight to the server, without a layer that looks at each of them."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Serve one websocket until it closes."""
         await _stream(WebSocket(scope, receive, send), send)
 
 

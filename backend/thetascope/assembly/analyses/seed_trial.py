@@ -54,6 +54,7 @@ class Tally:
 
     @property
     def delay(self) -> float | None:
+        """Median delay in s of the faults that were found; None where none was."""
         return float(np.median(self.delays)) if self.delays else None
 
 

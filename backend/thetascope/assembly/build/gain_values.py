@@ -72,7 +72,7 @@ def _rows(value: Any) -> int | None:
 
 
 def _flat(values: Values) -> list[float]:
-    if isinstance(values, float):
+    if not isinstance(values, list):
         return [values]
     return [v for row in values for v in (row if isinstance(row, list) else [row])]
 

@@ -41,6 +41,7 @@ class Prepared:
 
     @property
     def cost(self) -> Cost:
+        """Steps, rows, columns and bytes of the run, computed from the programs without running them."""
         e = self.engine
         rows = e.steps // e.every + 1
         outputs = sum(len([o for o in s.program.outputs if not o.startswith("init.")]) for s in e.estimators)

@@ -18,7 +18,7 @@ def outcome(job: Job) -> tuple[Any, Exception | None]:
     """What a job gives, or the exception that it ends with."""
     try:
         return job(), None
-    except Exception as error:  # noqa: BLE001 - handed to whoever asked
+    except Exception as error:
         return None, error
 
 

@@ -18,7 +18,7 @@ class Continuation:
         while True:
             try:
                 value = yield waits_for
-            except BaseException as error:  # noqa: BLE001 - cancellation too is the coroutine's to handle
+            except BaseException as error:
                 step = self._coroutine.throw, error
             else:
                 step = self._coroutine.send, value

@@ -68,7 +68,7 @@ class Viewer:
         """Send as much as the connection takes now; the task does the rest."""
         try:
             self._continuation = send_eagerly(sending)
-        except Exception:  # noqa: BLE001 - the connection is gone, whatever it says of it
+        except Exception:
             self.close(1006, "the connection is lost")
         if self._continuation is not None:
             self.wake()

@@ -26,6 +26,7 @@ class Snapshot:
 
     @property
     def active(self) -> bool:
+        """Whether the run is still waiting or running."""
         return self.status in ("queued", "running")
 
 
@@ -66,6 +67,7 @@ class Job:
         self.progress = min(max(progress, self.progress), 1.0)
 
     def cancel(self) -> None:
+        """Ask the run to end; the kernel's loop and the worker look at it."""
         self._cancel.set()
 
     @property

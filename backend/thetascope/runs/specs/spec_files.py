@@ -119,7 +119,7 @@ _FASTEST: type[yaml.SafeLoader] = getattr(yaml, "CSafeLoader", yaml.SafeLoader) 
 class _Loader(_FASTEST):
     """YAML with the scalars of JSON: YAML 1.1 reads 1e-3 as text, 012 as 10, 1:30 as 90 and `no` as false."""
 
-    yaml_implicit_resolvers: dict = {}  # noqa: RUF012 - the name and form are PyYAML's
+    yaml_implicit_resolvers: dict = {}
 
 
 for _kind, _pattern, _first in (
