@@ -31,19 +31,23 @@ class SpecError(ThetascopeError):
 
 
 class ExpressionError(SpecError):
-    """Text that is no admissible expression. It points at the place.
+    """Text that is not an admissible expression. It points at the place.
 
     Args:
         field: path of the field.
         text: the whole text.
         start, end: the place as a half-open range of characters, counted from 0.
-        problem, remedy: as in :class:`SpecError`; `problem` gains the column.
+        problem, remedy: as in :class:`SpecError`; the column is added to `problem`.
     """
 
-    def __init__(self, field: str, text: str, start: int, end: int, problem: str, remedy: str) -> None:
+    def __init__(
+        self, field: str, text: str, start: int, end: int, problem: Message, remedy: Message | None = None
+    ) -> None:
         self.text, self.start, self.end = text, start, max(end, start + 1)
         self.reason = problem
-        super().__init__(field, text[self.start : self.end][:60] or None, f"{problem} at column {self.column}", remedy)
+        remedy = remedy or Message(f"{problem.code}.remedy", **problem.args)
+        place = Message("expression.at", problem=problem, column=self.column)
+        super().__init__(field, text[self.start : self.end][:60] or None, place, remedy)
         self.args = (field, text, start, end, problem, remedy)
 
     @property

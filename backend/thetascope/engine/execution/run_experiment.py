@@ -13,6 +13,7 @@ from thetascope.engine.simulation.experiment import Experiment, Rows
 from thetascope.engine.simulation.kernel_cost import costs, operations
 from thetascope.engine.simulation.simulation import Simulation, observed_values, row_values
 from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
+from thetascope.messages import Message
 
 _FINER = 8  # how much finer a step must diverge too before a divergence is believed
 _MEASURED = 4000  # steps
@@ -138,12 +139,7 @@ def allowed(experiment: Experiment, needed: int) -> int:
     """``needed`` if that many substeps are allowed. Raises SpecError with the step that would do."""
     if needed > MOST_SUBSTEPS:
         step = experiment.step / needed
-        raise SpecError(
-            "step",
-            experiment.step,
-            f"these gains need steps of {step:.2g} s to stay numerically stable, {needed} times shorter than asked",
-            f"set step to {step:.2g} or lower the gains",
-        )
+        raise SpecError("step", experiment.step, Message("run.step.unstable", step=step, times=needed))
     return needed
 
 

@@ -19,6 +19,7 @@ from thetascope.engine.errors import ExpressionError, SpecError
 from thetascope.engine.language.builtins import FUNCTIONS
 from thetascope.engine.language.lexer import MAX_DEPTH, MAX_LENGTH, MAX_TOKENS, SPLIT, Scanner, Token
 from thetascope.engine.language.syntax_tree import Node, exact_of, value_of
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     import sympy
@@ -73,7 +74,7 @@ def parse(
         ExpressionError: with the place, the problem and the remedy.
     """
     if not isinstance(text, str):
-        raise SpecError(field, text, "an expression is a text", "write it in quotes")
+        raise SpecError(field, text, Message("expression.no-text"))
     tokens = Scanner(text, frozenset(names), FUNCTIONS, field).tokens()
     reader = _Reader(text, field, degrees or {})
     tree = reader.read(tokens)
@@ -82,7 +83,7 @@ def parse(
 
 
 class _Reader:
-    """Python's tree → Node, with limits on size and depth and with constants folded."""
+    """Reads Python's tree into Nodes, with limits on size and depth and with constants folded."""
 
     def __init__(self, text: str, field: str, degrees: Mapping[str, int]) -> None:
         self.text, self.field, self.degrees = text, field, degrees
@@ -101,9 +102,9 @@ class _Reader:
         except SyntaxError as error:  # the scanner lets none through that is known; it is refused all the same
             column = min(max((error.offset or 1) - 1, 0), len(self.starts) - 1)
             start, end = self.starts[column], self.ends[column]
-            problem, remedy = "this cannot be read", "check the syntax here"
+            problem, remedy = Message("expression.syntax"), None
         except (ValueError, MemoryError, RecursionError, OverflowError):
-            start, end, problem, remedy = 0, len(self.text), "this is nested too deeply", SPLIT
+            start, end, problem, remedy = 0, len(self.text), Message("expression.deep"), SPLIT
         else:
             return self.number(tree, 0)
         raise ExpressionError(self.field, self.text, start, end, problem, remedy)
@@ -111,16 +112,17 @@ class _Reader:
     def place(self, node: ast.expr) -> tuple[int, int]:
         return self.starts[node.col_offset], self.ends[(node.end_col_offset or node.col_offset + 1) - 1]
 
-    def refuse(self, node: ast.expr | Node, problem: str, remedy: str) -> NoReturn:
+    def refuse(self, node: ast.expr | Node, problem: Message, remedy: Message | None = None) -> NoReturn:
+        """Raise ExpressionError for the text of a node."""
         start, end = (node.start, node.end) if isinstance(node, Node) else self.place(node)
         raise ExpressionError(self.field, self.text, start, end, problem, remedy)
 
     def check_depth(self, node: ast.expr, depth: int) -> None:
         if depth > MAX_DEPTH:
-            self.refuse(node, f"operations are nested deeper than {MAX_DEPTH}", SPLIT)
+            self.refuse(node, Message("expression.operations.deep", most=MAX_DEPTH), SPLIT)
 
     def number(self, node: ast.expr, depth: int) -> Node:
-        """What stands for a real number."""
+        """Read a node that is a real number."""
         self.check_depth(node, depth)
         match node:
             case ast.Constant(value=value) if type(value) in (int, float):
@@ -142,13 +144,13 @@ class _Reader:
             case ast.Call(func=ast.Name(id=name), args=args, keywords=[]) if name in FUNCTIONS:
                 return self.call(node, name, args, depth)
             case ast.Compare() | ast.BoolOp():
-                self.refuse(node, "a condition stands where a number is needed", "write where(condition, 1, 0)")
+                self.refuse(node, Message("expression.condition"))
             case ast.Tuple():
-                self.refuse(node, "a list stands where a number is needed", "write one expression")
-        self.refuse(node, "this is not arithmetic", "use numbers, names, + - * / ^ and the functions")
+                self.refuse(node, Message("expression.list"))
+        self.refuse(node, Message("expression.no-arithmetic"))
 
     def chain(self, kind: str, operators: tuple[type, type], node: ast.expr, depth: int) -> Node:
-        """a + b − c … or a·b/c … as one node, so that a long sum is not deep."""
+        """Read a + b − c … or a·b/c … as one node, so that a long sum is not deep."""
         place, parts = self.place(node), []
         while isinstance(node, ast.BinOp) and isinstance(node.op, operators):
             parts.append((1 if isinstance(node.op, operators[0]) else -1, node.right))
@@ -160,40 +162,37 @@ class _Reader:
         if kind == "product":
             for sign, arg in zip(signs, args, strict=True):
                 if sign < 0 and arg.value == 0:
-                    self.refuse(arg, "division by zero: this is the constant 0", "divide by what is not zero")
+                    self.refuse(arg, Message("expression.zero-constant"))
         return self.folded(Node(kind, args, *place, signs=signs))
 
     def power(self, node: ast.BinOp, depth: int) -> Node:
         base, exponent = self.number(node.left, depth + 1), self.number(node.right, depth + 1)
         if exponent.value is None:
             if base.value is not None and base.value <= 0:
-                self.refuse(base, "a base that is not positive has a variable exponent", "use a positive base")
+                self.refuse(base, Message("expression.power.base"))
             factor = SYMBOLIC_POWER
         else:
             if abs(exponent.value) > MAX_EXPONENT:
-                problem = f"the exponent {exponent.value:g} is beyond ±{MAX_EXPONENT}"
-                self.refuse(exponent, problem, f"keep exponents within {MAX_EXPONENT}; use exp(x) for growth")
+                self.refuse(exponent, Message("expression.power.exponent", exponent=exponent.value, most=MAX_EXPONENT))
             if base.value == 0 and exponent.value < 0:
-                self.refuse(base, "division by zero: this is the constant 0", "divide by what is not zero")
+                self.refuse(base, Message("expression.zero-constant"))
             factor = max(1, math.ceil(abs(exponent.value)))
         degree = base.degree * factor if base.value is None else max(base.degree, exponent.degree)
         if degree > MAX_EXPONENT:
-            problem = f"powers of powers reach the exponent {degree}, beyond {MAX_EXPONENT}"
-            self.refuse(exponent, problem, "use smaller exponents")
+            self.refuse(exponent, Message("expression.power.degree", degree=degree, most=MAX_EXPONENT))
         return self.folded(Node("power", (base, exponent), *self.place(node), degree=max(degree, exponent.degree)))
 
     def call(self, node: ast.Call, name: str, args: list[ast.expr], depth: int) -> Node:
         function = FUNCTIONS[name]
         if len(args) < function.least or (function.most is not None and len(args) > function.most):
-            some = f"{function.least}" if function.most == function.least else f"at least {function.least}"
-            plural = "" if some == "1" else "s"
-            self.refuse(node, f"{name} takes {some} argument{plural}, not {len(args)}", f"give {some} argument{plural}")
+            code = "expression.arguments" if function.most == function.least else "expression.arguments.least"
+            self.refuse(node, Message(code, name=name, n=function.least, given=len(args)))
         read = [self.condition if name == "where" and not index else self.number for index in range(len(args))]
         nodes = tuple(reader(arg, depth + 1) for reader, arg in zip(read, args, strict=True))
         return self.folded(Node("call", nodes, *self.place(node), name=name))
 
     def condition(self, node: ast.expr, depth: int) -> Node:
-        """What is true or false: the first argument of where."""
+        """Read a condition, the first argument of where."""
         self.check_depth(node, depth)
         match node:
             case ast.BoolOp(op=operator, values=values):
@@ -206,11 +205,11 @@ class _Reader:
                 kind = "less" if isinstance(operator, ast.Lt | ast.Gt) else "less_equal"
                 return self.folded(Node(kind, args, *self.place(node)))
             case ast.Compare():
-                self.refuse(node, "comparisons cannot be chained", "write a < b and b < c")
-        self.refuse(node, "a number stands where a condition is needed", "compare it, for example x > 0")
+                self.refuse(node, Message("expression.comparison"))
+        self.refuse(node, Message("expression.no-condition"))
 
     def folded(self, node: Node) -> Node:
-        """The node with its value if all its arguments are constants, and with its degree."""
+        """Return the node with its degree, and with its value if all its arguments are constants."""
         degree = max([node.degree, *(arg.degree for arg in node.args)])
         if any(arg.value is None for arg in node.args):
             return replace(node, degree=degree)
@@ -219,6 +218,5 @@ class _Reader:
         except (ArithmeticError, ValueError):
             value = math.nan
         if not math.isfinite(value):
-            problem = "this constant has no finite real value"
-            self.refuse(node, problem, "check signs, divisors and the arguments of sqrt, log, asin, acos, exp")
+            self.refuse(node, Message("expression.constant.not-real"))
         return replace(node, value=value, exact=exact_of(node), degree=1)

@@ -9,8 +9,10 @@ import sympy
 from sympy import Add, Expr, Float, Integer, Mul, Number, Pow, Rational, S, Symbol
 
 from thetascope.engine.errors import ExpressionError
+from thetascope.engine.language.lexer import SPLIT
 from thetascope.engine.language.sympy_functions import BUILDERS, And_, Less, LessEqual, Or_, in_pairs
 from thetascope.engine.language.syntax_tree import Node
+from thetascope.messages import Message
 
 _NOT_REAL = (S.NaN, S.ComplexInfinity, S.Infinity, S.NegativeInfinity, S.ImaginaryUnit)
 _CONDITIONS = {"less": Less, "less_equal": LessEqual, "and": And_, "or": Or_}
@@ -35,9 +37,9 @@ def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol]) -> Expr:
     try:
         result = builder.build(parsed.tree)
     except (RecursionError, OverflowError, ValueError, ZeroDivisionError) as error:
-        raise builder.error(parsed.tree, "this is too involved", "split it by means of definitions") from error
+        raise builder.error(parsed.tree, Message("expression.involved"), SPLIT) from error
     if not all(_is_double(number) for number in result.atoms(Number)):
-        builder.refuse(parsed.tree, "a constant leaves the range of double precision", "use smaller powers")
+        builder.refuse(parsed.tree, Message("expression.double"))
     return result
 
 
@@ -57,11 +59,13 @@ class _Builder:
         self.parsed, self.symbols = parsed, symbols
         self.exponents = 0  # how many exponents the present node stands in
 
-    def error(self, node: Node, problem: str, remedy: str) -> ExpressionError:
+    def error(self, node: Node, problem: Message, remedy: Message | None = None) -> ExpressionError:
+        """Return the error for the text of a node."""
         return ExpressionError(self.parsed.field, self.parsed.text, node.start, node.end, problem, remedy)
 
-    def refuse(self, node: Node, problem: str, remedy: str) -> NoReturn:
-        raise self.error(node, problem, remedy)
+    def refuse(self, node: Node, problem: Message) -> NoReturn:
+        """Raise the error for the text of a node."""
+        raise self.error(node, problem)
 
     def build(self, node: Node) -> Expr:
         if node.value is not None and node.kind in _CONDITIONS:
@@ -74,8 +78,7 @@ class _Builder:
             return in_pairs(_CONDITIONS[node.kind], *(self.build(arg) for arg in node.args))
         result = getattr(self, node.kind)(node)
         if result.has(*_NOT_REAL):
-            remedy = "check what cancels in divisors and in the arguments of sqrt and log"
-            self.refuse(node, "this has no finite real value", remedy)
+            self.refuse(node, Message("expression.not-real"))
         return result
 
     def constant(self, node: Node) -> Expr:
@@ -97,7 +100,7 @@ class _Builder:
     def reciprocal(self, node: Node) -> Expr:
         divisor = self.build(node)
         if divisor.is_Number and not divisor:
-            self.refuse(node, "division by zero: this cancels to 0", "divide by what is not zero")
+            self.refuse(node, Message("expression.zero-cancelled"))
         return Pow(divisor, -1)
 
     def power(self, node: Node) -> Expr:
@@ -105,7 +108,7 @@ class _Builder:
         if exponent.value is not None:
             built = self.build(base)
             if built.is_Number and not built and exponent.value < 0:
-                self.refuse(base, "division by zero: this cancels to 0", "divide by what is not zero")
+                self.refuse(base, Message("expression.zero-cancelled"))
             return Pow(built, self.exponent(exponent))
         return Pow(self.build(base), self.inexact(exponent))
 
@@ -126,7 +129,7 @@ class _Builder:
         result = self.build(node)
         self.exponents -= 1
         if any(abs(n.p) > _MAX_INTEGER or n.q > _MAX_INTEGER for n in result.atoms(Rational)):
-            self.refuse(node, "whole numbers in this exponent add up to too much", "use smaller exponents")
+            self.refuse(node, Message("expression.power.integers"))
         return result
 
     def call(self, node: Node) -> Expr:

@@ -17,6 +17,7 @@ from thetascope.engine.compiler.system import CONTINUOUS, DISCRETE, System
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.language.parser import parse
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr, ImmutableMatrix, Matrix, Symbol
@@ -119,12 +120,9 @@ class Model:
         for channel in self.channels:
             if channel.name == name:
                 return channel
-        raise SpecError(
-            "options.channels",
-            name,
-            f"the plant {self.id} has no fault channel of that name",
-            f"choose from {', '.join(c.name for c in self.channels) or 'none: it has no channels'}",
-        )
+        names = [c.name for c in self.channels]
+        remedy = Message("suggest.all", names=names) if names else Message("suggest.none")
+        raise SpecError("options.channels", name, Message("plant.channel.unknown", name=name), remedy)
 
     def Phi(self, channels: Sequence[str]) -> ImmutableMatrix:
         """n × p: what each channel adds to the state equations."""
@@ -146,12 +144,8 @@ class Model:
             sizes[d.symbol] = sum(sizes.get(part, 1) for part in sympy.preorder_traversal(d.expression))
             if sizes[d.symbol] > _MOST_PARTS:
                 name = d.symbol.name
-                raise SpecError(
-                    f"definitions.{i}.expression",
-                    name,
-                    f"written out in states it has over {_MOST_PARTS} parts",
-                    "use fewer nested definitions",
-                )
+                problem = Message("expression.definition.large", most=_MOST_PARTS)
+                raise SpecError(f"definitions.{i}.expression", name, problem)
             written[d.symbol] = d.expression.xreplace(written)
         return written
 

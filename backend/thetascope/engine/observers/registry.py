@@ -1,10 +1,12 @@
 """The kinds of observers, in the order in which they are offered. Adding one is one file and one line here."""
 
+from difflib import get_close_matches
 from functools import lru_cache
 from importlib import import_module
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observers.support.declaration import Observer
+from thetascope.messages import Message
 
 _MODULES = {
     "high-gain": "papers.high_gain",
@@ -23,15 +25,19 @@ _MODULES = {
 
 
 def kinds() -> tuple[str, ...]:
-    """All kinds."""
+    """Return the identifiers of all kinds."""
     return tuple(_MODULES)
+
+
+def suggestion(kind: str) -> Message:
+    """Return the remedy for a kind that is not known: the nearest kinds, or else all."""
+    near = get_close_matches(kind, _MODULES, n=3, cutoff=0.6)
+    return Message("suggest.near", names=near) if near else Message("suggest.all", names=tuple(_MODULES))
 
 
 @lru_cache(maxsize=64)
 def observer(kind: str) -> Observer:
-    """The observer of a kind. Raises SpecError with the nearest kinds."""
+    """Return the observer of a kind. Raises SpecError with the nearest kinds."""
     if kind not in _MODULES:
-        raise SpecError(
-            "observers.kind", kind, "there is no observer of that kind", f"choose from {', '.join(_MODULES)}"
-        )
+        raise SpecError("observers.kind", kind, Message("observer.kind.unknown"), suggestion(kind))
     return import_module(f"thetascope.engine.observers.{_MODULES[kind]}").OBSERVER

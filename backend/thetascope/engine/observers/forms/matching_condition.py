@@ -19,6 +19,7 @@ import scipy.linalg
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -36,7 +37,7 @@ def closed(K: Sequence[float]) -> np.ndarray:
     return matrix
 
 
-def direction(model: Model, channels: Sequence[str]) -> tuple[list[Expr] | None, str]:
+def direction(model: Model, channels: Sequence[str]) -> tuple[list[Expr] | None, Message | None]:
     """The direction d with Φ = d·(CΦ), its entries free of x, u, signals and t; or None and the reason.
 
     Raises SpecError if a column of CΦ is zero: then g is zero there and (12) never moves its θ̂.
@@ -44,22 +45,17 @@ def direction(model: Model, channels: Sequence[str]) -> tuple[list[Expr] | None,
     Phi = model.Phi(channels).xreplace(model.expansion)
     for j, channel in enumerate(channels):
         if Phi[0, j] == 0:
-            raise SpecError(
-                "options.channels",
-                channel,
-                f"the fault does not enter the equation of the measured state {model.states[0]}, so (8) of "
-                "Shen & Hu 2015 leaves g = 0 and its estimate would never move",
-                "leave it out of the channels, or use adaptive-kalman",
-            )
+            problem = Message("observer.matching.not-measured", state=model.states[0])
+            raise SpecError("options.channels", channel, problem)
     d = [_ratio(Phi[i, 0], Phi[0, 0]) for i in range(model.n)]
     moving = set().union(*(e.free_symbols for e in d)) - set(model.parameters)
     if moving:
-        names = ", ".join(sorted(s.name for s in moving))
-        return None, f"the column of {channels[0]} changes its direction with {names}"
+        names = sorted(s.name for s in moving)
+        return None, Message("observer.matching.moving", channel=channels[0], names=names)
     for j, channel in enumerate(channels):
         if any(_ratio(Phi[i, j] - d[i] * Phi[0, j], Phi[0, j]) != 0 for i in range(1, model.n)):
-            return None, f"the columns of {channels[0]} and {channel} point along different vectors"
-    return d, ""
+            return None, Message("observer.matching.different", first=channels[0], second=channel)
+    return d, None
 
 
 def _ratio(a: Expr, b: Expr) -> Expr:

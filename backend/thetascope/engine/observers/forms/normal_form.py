@@ -22,6 +22,7 @@ from thetascope.engine.model.plant_model import Model, clock
 from thetascope.engine.observers.forms.observable_form import rank_at, sample, tidy
 from thetascope.engine.observers.forms.state_inversion import NoInverse, invert
 from thetascope.engine.observers.support.matrices import Matrix, matrix
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr, ImmutableMatrix, Symbol
@@ -111,25 +112,21 @@ class _Key:
 def _cached(key: _Key) -> NormalForm:
     model = key.model
     if model.time != "continuous":
-        raise _refused(model, "it is a discrete-time plant")
+        raise _refused(model, Message("observer.reason.discrete"))
     chains = [_chain(model, i) for i in range(model.m)]
     blocks = tuple(len(chain) - 1 for chain in chains)
     if sum(blocks) != model.n:
-        degrees = ", ".join(map(str, blocks))
-        raise _refused(
-            model,
-            f"its vector relative degree ({degrees}) sums to {sum(blocks)}, not to its {model.n} states (Assumption 1)",
-        )
+        raise _refused(model, Message("observer.reason.degree", degrees=blocks, total=sum(blocks), states=model.n))
     map_ = sympy.ImmutableMatrix([e for chain in chains for e in chain[:-1]])
     top = sympy.ImmutableMatrix([chain[-1] for chain in chains])
     jacobian = map_.jacobian(sympy.Matrix(model.x))
     if max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) < model.n:
-        raise _refused(model, "its outputs and their derivatives depend on each other, so T has no inverse")
+        raise _refused(model, Message("observer.reason.dependent"))
     z = tuple(sympy.Symbol(f"z[{k + 1}]", real=True) for k in range(model.n))  # no name that a plant can have
     try:
         inverse = invert(list(zip(z, map_, strict=True)), model)
     except NoInverse as why:
-        raise _refused(model, f"the coordinates z = T(x, t) could not be solved for x: {why}") from None
+        raise _refused(model, Message("observer.reason.inverse", why=why.message)) from None
     F = top.jacobian(sympy.Matrix(model.u)) if model.u else sympy.ImmutableMatrix(model.m, 0, [])
     return NormalForm(model.outputs, blocks, map_, top, sympy.ImmutableMatrix(F), z, {x: inverse[x] for x in model.x})
 
@@ -144,7 +141,7 @@ def _chain(model: Model, i: int) -> list[Expr]:
     outside = set(model.u) | set(model.signals)
     chain = [model.h.xreplace(model.expansion)[i]]
     if chain[0].free_symbols & outside:
-        raise _refused(model, f"an input or known signal enters its output {model.outputs[i]} directly")
+        raise _refused(model, Message("observer.reason.direct", output=model.outputs[i]))
     while True:
         derivative = tidy(chain[-1].diff(clock()) + (sympy.Matrix([chain[-1]]).jacobian(x) * f)[0])  # (3)
         stop = derivative.free_symbols & outside or not _is_new(model, chain, derivative)
@@ -152,7 +149,7 @@ def _chain(model: Model, i: int) -> list[Expr]:
         if stop:
             return chain
         if len(chain) > model.n:
-            raise _refused(model, f"no input enters the first {model.n} derivatives of {model.outputs[i]}")
+            raise _refused(model, Message("observer.reason.no-input", count=model.n, output=model.outputs[i]))
 
 
 def _is_new(model: Model, chain: list[Expr], derivative: Expr) -> bool:
@@ -160,10 +157,5 @@ def _is_new(model: Model, chain: list[Expr], derivative: Expr) -> bool:
     return max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) == len(chain) + 1
 
 
-def _refused(model: Model, why: str) -> SpecError:
-    return SpecError(
-        "observers.kind",
-        model.id,
-        f"this plant has no normal form (6): {why}",
-        "use adaptive-kalman or joint-ekf, which need no normal form",
-    )
+def _refused(model: Model, why: Message) -> SpecError:
+    return SpecError("observers.kind", model.id, Message("observer.normal-form.none", why=why))

@@ -17,6 +17,7 @@ from thetascope.engine.compiler.numeric import numbers
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import ImmutableMatrix, Matrix
@@ -35,9 +36,9 @@ class CanonicalForm:
 def canonical_form(model: Model) -> CanonicalForm:
     """Find T for a plant with one output. Raises SpecError that says why where there is none."""
     if model.m != 1:
-        raise _refused(model, f"it has {model.m} outputs and the form is for one")
+        raise _refused(model, Message("observer.reason.outputs", outputs=model.m))
     if model.time != "continuous":
-        raise _refused(model, "it is a discrete-time plant")
+        raise _refused(model, Message("observer.reason.discrete"))
     x = sympy.Matrix(model.x)
     f = model.f.xreplace(model.expansion)
     if _is_chain(model, f):
@@ -49,20 +50,13 @@ def canonical_form(model: Model) -> CanonicalForm:
     map_ = sympy.Matrix(lie)
     outside = map_.free_symbols - set(model.x) - set(model.parameters)
     if outside:
-        raise _refused(
-            model,
-            f"the Lie derivatives depend on {', '.join(sorted(s.name for s in outside))}, "
-            "so the coordinates would move with time",
-        )
+        names = sorted(s.name for s in outside)
+        raise _refused(model, Message("observer.reason.moving-coordinates", names=names))
     J = map_.jacobian(x).applyfunc(tidy)
     points = [sample(model, seed) for seed in range(8)]
     rank = max(rank_at(J, p) for p in points)
     if rank < model.n:
-        raise _refused(
-            model,
-            f"the Lie derivatives of the output have rank {rank}, less than its {model.n} states: "
-            "some states cannot be told from the output",
-        )
+        raise _refused(model, Message("observer.reason.rank", rank=rank, states=model.n))
     return CanonicalForm(
         sympy.ImmutableMatrix(map_),
         sympy.ImmutableMatrix(J),
@@ -79,13 +73,8 @@ def _is_chain(model: Model, f: Matrix) -> bool:
     return not any(e.free_symbols & set(model.x[i + 1 :]) for i, e in enumerate(rest))
 
 
-def _refused(model: Model, why: str) -> SpecError:
-    return SpecError(
-        "observers.kind",
-        model.id,
-        f"this plant has no canonical form (Zhao, Li & Li 2012, eq. 2): {why}",
-        "use adaptive-kalman, which needs no canonical form",
-    )
+def _refused(model: Model, why: Message) -> SpecError:
+    return SpecError("observers.kind", model.id, Message("observer.canonical-form.none", why=why))
 
 
 def tidy(e: sympy.Expr) -> sympy.Expr:

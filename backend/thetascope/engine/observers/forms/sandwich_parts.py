@@ -16,6 +16,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import functions, sympy
 from thetascope.engine.language.parser import Node, parse
 from thetascope.engine.model.plant_model import Model
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr, ImmutableMatrix, Matrix
@@ -82,7 +83,7 @@ def _mentioned(nodes: Iterable[Node], definitions: Mapping[str, str], names: set
 def sandwich(model: Model) -> Sandwich:
     """Find the parts. Raises SpecError that says why where the plant is no sandwich system."""
     if model.time != "discrete":
-        raise refused(model, "it is a continuous-time plant, and the operators remember from sample to sample")
+        raise refused(model, Message("observer.reason.sandwich.continuous"))
     f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
     operators = tuple(
         sorted(
@@ -90,7 +91,7 @@ def sandwich(model: Model) -> Sandwich:
         )
     )
     if not operators:
-        raise refused(model, "its text has no backlash operator")
+        raise refused(model, Message("observer.reason.sandwich.no-operator"))
     names = memory_names(model.data)
     memory = tuple(i for i, s in enumerate(model.states) if s in names)
     _check_memory(model, f, h, operators, memory)
@@ -121,29 +122,20 @@ def _check_memory(model: Model, f: Matrix, h: Matrix, operators: tuple[Backlash,
     rest = {model.states[i]: f[i] for i in range(model.n) if i not in memory}
     for where, e in (rest | dict(zip(model.outputs, h, strict=True))).items():
         for leak in e.xreplace(still).free_symbols & set(remembered):
-            raise refused(
-                model, f"{leak}, by which an operator remembers, also enters the equation of {where} directly"
-            )
+            raise refused(model, Message("observer.reason.sandwich.leak", state=leak.name, equation=where))
     for o in operators:
         x, dx, z = o.args[:3]
         if x.has(functions.Backlash):
-            raise refused(model, "an operator is driven by another operator, and they should be in parallel")
+            raise refused(model, Message("observer.reason.sandwich.series"))
         if remembered.get(z) != o:
-            raise refused(model, f"an operator's third argument, {z}, is not a state whose next value is that operator")
+            raise refused(model, Message("observer.reason.sandwich.third", argument=str(z)))
         if remembered.get(before(o)) != x:
-            raise refused(
-                model, f"an operator's second argument, {dx}, is not {x} less a state whose next value is {x}"
-            )
+            raise refused(model, Message("observer.reason.sandwich.second", argument=str(dx), x=str(x)))
 
 
-def refused(model: Model, why: str) -> SpecError:
-    return SpecError(
-        "observers.kind",
-        model.id,
-        f"this plant is no sandwich system with backlash (Zhou & Tan 2012): {why}",
-        "write operators as backlash(x, x - x_before, z_before, m1, m2, D1, D2), with x the next value of "
-        "x_before and the operator that of z_before, or choose another observer",
-    )
+def refused(model: Model, why: Message) -> SpecError:
+    """Return the refusal of a plant that is not a sandwich system."""
+    return SpecError("observers.kind", model.id, Message("observer.sandwich.none", why=why))
 
 
 # ---- what the observers and their checks need ------------------------------------------------------------------------

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from thetascope.engine.language.lazy_sympy import functions, sympy
 from thetascope.engine.model.plant_model import Model
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -19,7 +20,11 @@ MAX_JOINT = 4  # states that are solved for together, where no equation has a si
 
 
 class NoInverse(Exception):
-    """Says which states could not be solved for, and why."""
+    """States could not be solved for; ``message`` says which, and why."""
+
+    def __init__(self, message: Message) -> None:
+        super().__init__(message)
+        self.message = message
 
 
 def invert(equations: Sequence[tuple[Symbol, Expr]], model: Model) -> dict[Symbol, Expr]:
@@ -31,11 +36,12 @@ def invert(equations: Sequence[tuple[Symbol, Expr]], model: Model) -> dict[Symbo
     rest, known = list(equations), {}
     unknown = set(model.x)
     while unknown:
-        why: list[str] = []
+        why: list[Message] = []
         found = _single(rest, known, unknown, model, why) or _joint(rest, known, unknown)
         if not found:
-            names = ", ".join(s.name for s in model.x if s in unknown)
-            raise NoInverse("; ".join([f"no equation gives one of {names} from the others by invertible steps", *why]))
+            names = [s.name for s in model.x if s in unknown]
+            none = Message("observer.inverse.none", names=names)
+            raise NoInverse(Message("observer.inverse.none-because", names=names, why=why) if why else none)
         used, solved = found
         known |= solved
         unknown -= set(solved)
@@ -43,7 +49,7 @@ def invert(equations: Sequence[tuple[Symbol, Expr]], model: Model) -> dict[Symbo
     return known
 
 
-def _single(rest: Rest, known: Known, unknown: set[Symbol], model: Model, why: list[str]) -> Solved | None:
+def _single(rest: Rest, known: Known, unknown: set[Symbol], model: Model, why: list[Message]) -> Solved | None:
     """An equation with one unknown state, solved; what stood in the way of others goes to ``why``."""
     for z, expression in rest:
         left = expression.free_symbols & unknown
@@ -53,7 +59,7 @@ def _single(rest: Rest, known: Known, unknown: set[Symbol], model: Model, why: l
         try:
             solution = isolate(expression, x, z, model)
         except NoInverse as reason:
-            why.append(str(reason))
+            why.append(reason.message)
             continue
         return {z}, {x: solution.xreplace(known)}
     return None
@@ -97,7 +103,7 @@ def isolate(expression: Expr, x: Symbol, z: Expr, model: Model) -> Expr:
     while expression != x:
         inside = [a for a in expression.args if x in a.free_symbols]
         if len(inside) != 1:
-            raise NoInverse(f"{x} stands in several places")
+            raise NoInverse(Message("observer.inverse.several", name=x.name))
         outside = [a for a in expression.args if x not in a.free_symbols]
         expression, z = inside[0], _undone(expression, inside[0], outside, z, x, model)
     return z
@@ -122,7 +128,7 @@ def _undone(e: Expr, inside: Expr, outside: list[Expr], z: Expr, x: Symbol, mode
         "tanh": lambda z: sympy.log((1 + z) / (1 - z)) / 2,
     }
     if e.func.__name__ not in inverses:
-        raise NoInverse(f"{e.func.__name__} of {x} has no inverse that is known here")
+        raise NoInverse(Message("observer.inverse.function", function=e.func.__name__, name=x.name))
     return inverses[e.func.__name__](z)
 
 
@@ -131,7 +137,7 @@ def _root(inside: Expr, exponent: sympy.Rational, z: Expr, x: Symbol, model: Mod
     if exponent.p % 2 == 0:
         low, _ = model.domain(x.name)
         if inside != x or low is None or low < 0:
-            raise NoInverse(f"an even power of {x} leaves its sign open (give {x} a domain from 0 up)")
+            raise NoInverse(Message("observer.inverse.even", name=x.name))
         return sympy.Pow(z, 1 / exponent)
     if exponent.q % 2 == 0:  # a root: its base is not negative, and neither is z
         return sympy.Pow(z, 1 / exponent)

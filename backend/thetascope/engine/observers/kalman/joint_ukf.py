@@ -17,6 +17,7 @@ from thetascope.engine.observers.support.declaration import Gain, Observer
 from thetascope.engine.observers.support.draft import NOW, Draft
 from thetascope.engine.observers.support.draft_linalg import cholesky, solve
 from thetascope.engine.observers.support.matrices import Matrix, block, column, matrix, symmetric
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -34,12 +35,8 @@ def write(d: Draft) -> None:
     """Write the equations of the filter. Raises SpecError for a plant with too many states and channels."""
     n, m, N = d.n, d.m, d.n + d.p
     if N > LARGEST:
-        raise SpecError(
-            "observers.kind",
-            f"{n} states and {d.p} fault channels",
-            f"the joint UKF carries {2 * N + 1} copies of the model; it takes at most {LARGEST} states and channels",
-            "list fewer under options.channels, or use joint-ekf or adaptive-kalman-discrete",
-        )
+        problem = Message("observer.joint-ukf.large", states=n, channels=d.p, copies=2 * N + 1, most=LARGEST)
+        raise SpecError("observers.kind", N, problem)
     x, theta, P, Q = augmented(d)
     spread, mean, cov = weights(d, N)
     z = block([[x], [theta]])

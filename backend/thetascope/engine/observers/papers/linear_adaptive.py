@@ -22,6 +22,7 @@ from thetascope.engine.observers.forms.matching_condition import closed, directi
 from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -53,13 +54,12 @@ def g(at: ModelAt) -> Matrix:
 def begin(d: Draft) -> tuple[Matrix, Matrix, ModelAt, Expr]:
     """Return x̂, θ̂, the model at them and e1 = y − ŷ. Raises SpecError for a plant that is not of the form (1)."""
     model = d.model
-    require(model.time == "continuous", model, "it is a discrete-time plant")
-    require(
-        model.m == 1 and model.h[0] == model.x[0], model, f"its output is not its first state {model.states[0]} alone"
-    )
-    require(d.p > 0, model, "no fault channel is left to estimate")
+    require(model.time == "continuous", model, Message("observer.reason.discrete"))
+    first_state = Message("observer.reason.not-first-state", state=model.states[0])
+    require(model.m == 1 and model.h[0] == model.x[0], model, first_state)
+    require(d.p > 0, model, Message("observer.reason.no-channel"))
     sensors = [c for c, psi in zip(d.channels, model.Psi(d.channels), strict=True) if psi != 0]
-    require(not sensors, model, f"the fault {', '.join(sensors)} enters the output, where (1) has no θ")
+    require(not sensors, model, Message("observer.reason.sensor-fault", names=sensors))
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     at = d.at(x, theta)
     e1 = d.let("e1", d.measured()[0] - x[0])
@@ -68,22 +68,17 @@ def begin(d: Draft) -> tuple[Matrix, Matrix, ModelAt, Expr]:
     return x, theta, at, e1
 
 
-def require(condition: bool, model: Model, why: str) -> None:
+def require(condition: bool, model: Model, why: Message) -> None:
+    """Raise SpecError with the reason where the plant is not of the form (1)."""
     if not condition:
-        raise SpecError(
-            "observers.kind",
-            model.id,
-            f"this plant is not of the form (1) of Shen & Hu 2015: {why}",
-            "list the measured state first and choose process or actuator faults (options.channels), "
-            "or use adaptive-kalman",
-        )
+        raise SpecError("observers.kind", model.id, Message("observer.matching.form", why=why))
 
 
 def describe(d: Draft, at: ModelAt) -> None:
     """Offer what the checks need: the direction d, Φ and the Jacobian of γ at x̂."""
     model = d.model
     vector, reason = direction(model, d.channels)
-    d.facts["matching"] = reason or "Φ = d·(CΦ), g = (CΦ)ᵀ"
+    d.facts["matching"] = reason.as_data() if reason else None
     if vector is not None:
         d.facts["direction"] = [str(e) for e in vector]
         d.outputs("direction", at.matrix(vector))

@@ -25,6 +25,7 @@ from thetascope.engine.observers.support.common_checks import verdict
 from thetascope.engine.observers.support.declaration import Gain, Observed, Observer, Option
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.matrices import Matrix, column
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr
@@ -72,9 +73,7 @@ def write(d: Draft) -> None:
 
 def paper_example(d: Draft, x: Matrix, w_theta: Matrix, e1: Expr) -> Matrix:
     """Return x̂' of section 3 as printed (2×1). Its wθ̂, printed twice with a comma between, is taken once."""
-    require(
-        d.n == 2, d.model, f"the example of section 3 has two states, this plant {d.n}; choose the form {GENERAL!r}"
-    )
+    require(d.n == 2, d.model, Message("observer.reason.two-states", states=d.n, form=GENERAL))
     K, rho = d.gain("K"), d.gain("rho")
     power = functions.SignedPower(e1, 2 * d.gain("alpha") - 1)
     dx1 = x[1] + K[0] * e1 + K[0] * rho * power + w_theta[0]

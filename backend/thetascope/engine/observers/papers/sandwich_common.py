@@ -11,6 +11,7 @@ from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
 from thetascope.engine.observers.support.matrices import column
+from thetascope.messages import Message
 
 SOURCE = "Zhou & Tan 2012"
 
@@ -47,7 +48,7 @@ K = Gain(
 def begin(d: Draft) -> Sandwich:
     """Find the parts of the plant and note them as facts. Raises SpecError where it is not a sandwich system."""
     if d.m != 1:
-        raise refused(d.model, f"it has {d.m} outputs and the observer is for one")
+        raise refused(d.model, Message("observer.reason.sandwich.outputs", outputs=d.m))
     parts = sandwich(d.model)
     d.facts["L1"], d.facts["L2"], d.facts["memory"] = (
         [d.model.states[i] for i in group] for group in (parts.front, parts.back, parts.memory)
