@@ -21,6 +21,13 @@ export class Problem extends Error {
   }
 }
 
+/**
+ * The error that was thrown, whatever was thrown.
+ * @param {unknown} thrown
+ * @returns {Error}
+ */
+export const reason = (thrown) => (thrown instanceof Error ? thrown : new Error(String(thrown)));
+
 /** Whether the server answers; a `change` event tells when that changes. */
 export const connection = Object.assign(new EventTarget(), {lost: false});
 

@@ -10,7 +10,7 @@ const SVG = new Set(['svg', 'path', 'line', 'rect', 'circle', 'g', 'text', 'titl
  * Make an element: h('button', {class: 'run', onclick: f}, 'Run'). Properties that are null or false are left out.
  * @template {string} K
  * @param {K} tag
- * @param {Properties} [properties]
+ * @param {Properties<ElementOf<K>>} [properties]
  * @param {...Child} children
  * @returns {ElementOf<K>}
  */
@@ -26,7 +26,7 @@ export function h(tag, properties = {}, ...children) {
 /**
  * Set attributes, and add event handlers.
  * @param {Element} element
- * @param {Properties} properties
+ * @param {object} properties
  */
 export function assign(element, properties) {
   for (const [name, value] of Object.entries(properties)) {
@@ -98,6 +98,23 @@ export function query(selector, within = document) {
   if (!(found instanceof HTMLElement)) throw new Error(`the page has no ${selector}`);
   return found;
 }
+
+/**
+ * The drawing context of a canvas.
+ * @param {HTMLCanvasElement} canvas
+ * @returns {CanvasRenderingContext2D}
+ */
+export function context(canvas) {
+  const made = canvas.getContext('2d');
+  if (!made) throw new Error('this browser cannot draw on a canvas');
+  return made;
+}
+
+/**
+ * The children of an element of the page.
+ * @param {Element} element
+ */
+export const childrenOf = (element) => /** @type {HTMLElement[]} */ ([...element.children]);
 
 /**
  * Replace an element's children.

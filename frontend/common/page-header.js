@@ -1,6 +1,6 @@
 // The header: name, connection, interface, theme.
 
-import {fill, h} from './dom.js';
+import {fill, h, query} from './dom.js';
 import {rememberLanguage} from '../i18n/language.js';
 import {language, speak, t} from '../i18n/words.js';
 
@@ -60,7 +60,7 @@ export function mountTop(root, connection, here = 'runs', again = null) {
     if (!again) return location.reload();
     await speak(other);
     build();
-    root.querySelector('[lang]').focus();
+    query('[lang]', root).focus();
     return again();
   };
   const build = () => {

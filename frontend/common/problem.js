@@ -3,8 +3,8 @@
 import {h} from './dom.js';
 import {asSentence, refusalWords, say, t} from '../i18n/words.js';
 
-/** @import {Failure} from '../live/types.js' */
 /** @import * as service from '../types/service.js' */
+/** @import {Problem} from './api.js' */
 
 /** @param {Problem} problem */
 const titleOf = (problem) =>
@@ -45,7 +45,7 @@ export function problemBlock(problem, errors = problem.errors) {
 
 /**
  * The problem and its remedy, as two short sentences.
- * @param {Failure} error
+ * @param {unknown} error   a refusal
  */
 export function explained(error) {
   const {problem, remedy} = refusalWords(error);

@@ -2,7 +2,7 @@
 
 const watcher = new ResizeObserver((entries) => {
   const boxes = new Set(entries.map(({target}) => (boxed.has(target) ? target : target.parentElement)));
-  for (const box of boxes) if (box && boxed.has(box)) update(box);
+  for (const box of boxes) if (box instanceof HTMLElement && boxed.has(box)) update(box);
 });
 const boxed = new WeakSet();
 

@@ -34,6 +34,17 @@ export function say(message) {
 }
 
 /**
+ * What refusals and other errors have of this.
+ * @typedef {object} Refusal
+ * @property {string} [code]
+ * @property {Record<string, import('./render.js').Argument>} [args]
+ * @property {string} [problem]
+ * @property {string} [detail]
+ * @property {string} [message]
+ * @property {string} [remedy]
+ */
+
+/**
  * Prose of a plant or an experiment in the page's language: a text, or a map from language to text.
  * @param {string | {[language: string]: string} | null | undefined} prose
  * @returns {string}
@@ -52,11 +63,13 @@ export function asSentence(message) {
 
 /**
  * The problem and the remedy of a refusal, or of another error, in the page's language: by its code, else as the server has worded them.
- * @param {{code?: string, args?: {[name: string]: any}, problem?: string, detail?: string, message?: string, remedy?: string}} error
+ * @param {unknown} error   as thrown
  * @returns {{problem: string, remedy: string}}
  */
-export function refusalWords({code = '', args = {}, problem, detail, message, remedy = ''}) {
+export function refusalWords(error) {
+  const {code = '', args = {}, problem, detail, message, remedy = ''} = /** @type {Refusal} */ (error ?? {});
   if (!catalogue.has(code)) return {problem: say(problem ?? detail ?? message), remedy: say(remedy)};
-  const other = args.remedy?.code ? args.remedy : {code: `${code}.remedy`, args};
+  const own = args.remedy;
+  const other = own && typeof own === 'object' && 'code' in own ? own : {code: `${code}.remedy`, args};
   return {problem: t(code, args), remedy: catalogue.has(other.code) ? catalogue.render(other) : say(remedy)};
 }

@@ -8,11 +8,15 @@ import {rememberLanguage} from '../i18n/language.js';
 import {refusalWords, speak, t} from '../i18n/words.js';
 
 /** @import {Message} from '../i18n/render.js' */
-/** @import {App, Command, Failure, Language, SessionLink, State, Told} from './types.js' */
+/** @import {Actions, App, Command, Language, SessionLink, State, Told} from './types.js' */
 
 const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
 
-/** @param {object} app  @param {object} link  what main.js does with sessions: {begin, fork, token} */
+/**
+ * @param {App} app
+ * @param {SessionLink} link
+ * @returns {Actions}
+ */
 export const actions = (app, link) => ({...transport(app, link), ...sessions(app, link), ...looks(app)});
 
 /** @param {App} app @param {Partial<State>} values */
@@ -29,7 +33,7 @@ const tell = (app, message, {kind = 'note', action = null} = {}) =>
 
 /**
  * A refusal in a line: the problem and its remedy.
- * @param {Failure} error
+ * @param {unknown} error   as thrown
  */
 export function refused(error) {
   const {problem, remedy} = refusalWords(error);
@@ -50,7 +54,11 @@ async function ask(app, command) {
   }
 }
 
-/** @param {App} app @param {SessionLink} link */
+/**
+ * @param {App} app
+ * @param {SessionLink} link
+ * @returns {Pick<Actions, 'together' | 'play' | 'pause' | 'toggle' | 'step' | 'speed' | 'reset' | 'seek'>}
+ */
 function transport(app, link) {
   /** @param {Command} command */
   const send = (command) => ask(app, command);
@@ -85,46 +93,52 @@ function transport(app, link) {
   };
 }
 
-/** @param {App} app @param {SessionLink} link */
+/**
+ * @param {App} app
+ * @param {SessionLink} link
+ * @returns {Pick<Actions, 'open' | 'openSpec' | 'fork' | 'visit' | 'save' | 'link'>}
+ */
 function sessions(app, link) {
   return {
     open: (id) => link.begin({experiment: id ?? app.first, play: true}),
     openSpec: (spec, {t = 0} = {}) => link.begin({spec, t, play: false, experiment: app.state.experiment}),
     fork: (t) => link.fork(t),
     visit: (id) => link.visit(id),
-    save: () => save(app.state.session, link.token()),
+    save: () => save(app.state.session ?? '', link.token()),
     async link({view = false} = {}) {
-      if (view) return `${location.origin}/?session=${encodeURIComponent(app.state.session)}`;
+      if (view) return `${location.origin}/?session=${encodeURIComponent(app.state.session ?? '')}`;
       return `${location.origin}/${await addressOf(app)}`;
     },
   };
 }
 
-/** @param {App} app */
+/**
+ * @param {App} app
+ * @returns {Omit<Actions, keyof ReturnType<typeof transport> | keyof ReturnType<typeof sessions>>}
+ */
 function looks(app) {
   return {
     window: (length) => set(app, {window: length, selection: null, looking: null}),
-    /** @param {number} t0 @param {number} t1 */
     select(t0, t1) {
       const least = 4 * app.state.record;
       set(app, {
         looking: null,
-        selection: t0 === null || t0 === undefined || t1 - t0 < least ? null : [Math.max(0, t0), t1],
+        selection: t0 === null || t1 === undefined || t1 - t0 < least ? null : [Math.max(0, t0), t1],
       });
     },
     /**
      * Look back to a time of the past (null: at now again); nothing is given up.
-     * @param {number} t
+     * @param {number | null} t
      */
     look(t) {
       const length = app.state.window ?? Math.max(app.samples.now, 10);
-      const end = t === null ? null : Math.max(t, length);
+      const end = Math.max(t ?? 0, length);
       set(app, {looking: t, selection: t === null ? null : [end - length, end]});
     },
     band: (label) => set(app, {band: label}),
     strip(name, shown) {
       if (name === null) set(app, {strips: {}});
-      else app.store.dispatch({type: 'strip', name, shown});
+      else if (shown !== undefined) app.store.dispatch({type: 'strip', name, shown});
     },
     site: (name) => set(app, {site: name}),
     present(on) {
@@ -143,7 +157,6 @@ function looks(app) {
       set(app, {language});
     },
     tell: (message, how) => tell(app, message, how),
-    /** @param {Failure} error */
     refused: (error) => tell(app, refused(error), {kind: 'problem'}),
     figure: (what) => picture(app, what),
   };

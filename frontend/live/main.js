@@ -1,6 +1,7 @@
 // Starts the live page: makes the app, opens what the address asks for, joins sessions and leaves them.
 
 import {get} from '../common/api.js';
+import {query} from '../common/dom.js';
 import {actions, addressOf, presented} from './actions.js';
 import {SPEEDS} from '../widgets/number-format.js';
 import {mountDesk} from './ui/presentation.js';
@@ -23,7 +24,18 @@ import {mountTransport} from './ui/transport.js';
 import {named, say, speak, t} from '../i18n/words.js';
 
 /** @import {Experiment} from '../pages/types.js' */
-/** @import {Catalogue, Command, Failure, Language, ServerMessage} from './types.js' */
+/** @import {App, Catalogue, Command, Failure, Language, ServerMessage, SessionLink, State} from './types.js' */
+
+/**
+ * @typedef {object} JoinOptions
+ * @property {string} id
+ * @property {string | null} control   the token, of a session that is controlled from here
+ * @property {string | null} experiment
+ * @property {boolean} plain           a library experiment without changes
+ * @property {State['parent']} [parent]
+ * @property {boolean} [fresh]         just created
+ * @property {() => void} [then]       called after its first hello
+ */
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
 const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
@@ -33,11 +45,14 @@ const ADDRESS = 5000; // ms between updates of the address while time runs
 
 const store = createStore({...initial, theme: window.theme.now, language: chosenLanguage()}, reduce);
 const loop = createLoop();
+/** @type {ReturnType<typeof connect> | null} */
 let socket = null;
+/** @type {ReturnType<typeof connect> | null} */
 let ghostSocket = null;
+/** @type {string | null} */
 let token = null;
 
-const app = {
+const app = /** @type {App} */ ({
   store,
   samples: new Samples(1),
   ghost: null, // the parent's samples; state.origin is what is known of it
@@ -63,13 +78,12 @@ const app = {
   span: () => scope.span(),
   cursor: (t) => store.dispatch({type: 'set', cursor: t}),
   drop: () => socket?.drop(),
-  /** @param {Command} command */
   send(command) {
     if (!socket) return Promise.reject(new Refused({code: 'page.notice.no-session'}));
     if (store.state.role === 'view') return Promise.reject(new Refused({code: 'page.notice.view-only'}));
     return socket.send(command);
   },
-};
+});
 /** @type {{language: Language, answer: Promise<Catalogue>} | null} */
 let catalogue = null;
 
@@ -151,8 +165,8 @@ function watchParent(id) {
       known = reduce(known, message);
       const {observers, faults, alarms} = known;
       const {origin} = store.state;
-      if (known.spec && (origin?.observers !== observers || origin.faults !== faults || origin.alarms !== alarms))
-        store.dispatch({type: 'set', origin: {observers, faults, alarms}});
+      const same = origin?.observers === observers && origin.faults === faults && origin.alarms === alarms;
+      if (known.spec && !same) store.dispatch({type: 'set', origin: {observers, faults, alarms}});
     },
     /** @param {number} now */
     onConnection(now) {
@@ -161,6 +175,7 @@ function watchParent(id) {
   });
 }
 
+/** @type {SessionLink} */
 const link = {
   token: () => token,
   /** Begin a session with an experiment of the library or a spec. */
@@ -241,7 +256,7 @@ async function writeAddress() {
   const {state} = store;
   if (state.role !== 'control' || !state.spec || state.connection !== 'live') return;
   const address = await addressOf(app);
-  if (store.state.session !== state.session) return;
+  if (state.session === null || store.state.session !== state.session) return;
   history.replaceState({session: state.session}, '', `/${address}`);
   kept.write({
     id: state.session,
@@ -265,7 +280,7 @@ addEventListener('pagehide', () => {
 
 /**
  * The speed that a session begins with: the first fault is soon there, and the whole is over in a minute.
- * @param {Experiment} spec
+ * @param {Pick<Experiment, 'horizon' | 'faults'>} spec
  */
 function openingSpeed({horizon, faults}) {
   const first = Math.min(...faults.map(({onset}) => onset).filter((onset) => onset > 0));
@@ -275,6 +290,7 @@ function openingSpeed({horizon, faults}) {
 
 /** Open what the address asks for; without any, the first experiment, already running. */
 async function open() {
+  /** @type {Awaited<ReturnType<typeof permalink.read>>} */
   let asked;
   try {
     asked = await permalink.read(location);
@@ -313,7 +329,7 @@ async function open() {
 
 app.act = actions(app, link);
 /** @param {string} id */
-const place = (id) => document.getElementById(id);
+const place = (id) => query(`#${id}`);
 window.thetascope = app; // for the console, and for the tests
 await speak(store.state.language);
 const scope = (app.scope = mountScope(place('scope'), app));

@@ -183,12 +183,9 @@ export type StateEvent = ServerMessage | OwnEvent;
 
 export interface Store {
   readonly state: State;
-  subscribe: <T>(select: (state: State) => T, fn: (value: T, before: T | undefined) => unknown) => () => void;
+  subscribe: <const T>(select: (state: State) => T, fn: (value: T, before: T | undefined) => unknown) => () => void;
   dispatch(event: StateEvent): void;
 }
-
-/** A refused command or request: the message, and what to do about it. */
-export type Failure = Error & {problem?: string; detail?: string; title?: string; remedy?: string};
 
 export interface StartOptions {
   experiment?: string | null;
@@ -233,7 +230,7 @@ export interface Actions {
   theme(wanted: Theme | null): void;
   language(language: Language): Promise<void>;
   tell(message: Message | string, how?: {kind?: Told['kind']; action?: Told['action']}): void;
-  refused(error: Failure): void;
+  refused(error: unknown): void;
   figure(what?: {strip?: string | null; format?: 'png' | 'svg'}): Promise<Blob>;
 }
 

@@ -6,9 +6,9 @@ export type Child = Node | string | number | boolean | null | undefined | readon
 type Value = string | number | boolean | null | undefined;
 
 /** Attributes and, with names that begin with `on`, event handlers. */
-export type Properties = {
+export type Properties<E extends Element = HTMLElement> = {
   [K in keyof HTMLElementEventMap as `on${K}`]?:
-    ((this: HTMLElement, event: HTMLElementEventMap[K] & {currentTarget: HTMLElement}) => unknown) | false | null;
+    ((event: HTMLElementEventMap[K] & {currentTarget: E}) => unknown) | false | null;
 } & {[attribute: string]: Value | ((event: never) => unknown)};
 
 /** The element that a tag makes. */

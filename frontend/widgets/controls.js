@@ -4,6 +4,7 @@ import {h, fill, number} from '../common/dom.js';
 import {ENDS, position, value as valueAt} from './slider-scale.js';
 import {asSentence, refusalWords, t} from '../i18n/words.js';
 
+/** @import {Scale} from './slider-scale.js' */
 /** @import {App, Failure} from '../live/types.js' */
 /** @import {Child, Properties} from '../types/dom.js' */
 
@@ -99,7 +100,7 @@ const typed = (value) =>
 
 /**
  * A slider and a field for the same number.
- * @param {{name: string, scale: object, value: number, change: (value: number, done: boolean) => void, low?: number, high?: number}} options
+ * @param {{name: string, scale: Scale, value: number, change: (value: number, done: boolean) => void, low?: number, high?: number}} options
  */
 export function slider({name, scale, value, change, low = -Infinity, high = Infinity}) {
   const range = h('input', {type: 'range', min: 0, max: ENDS, step: 5, 'aria-label': name});
@@ -113,11 +114,12 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
   });
   let present = value;
   let typing = false;
-  let waiting = null; // what came from elsewhere while one typed
+  /** @type {number | null} the value that came from elsewhere during typing */
+  let waiting = null;
   /** @param {number} next */
   const show = (next) => {
     [present, typing, waiting] = [next, false, null];
-    range.value = position(scale, next);
+    range.value = String(position(scale, next));
     range.setAttribute('aria-valuetext', number(next));
     field.value = typed(next);
     field.removeAttribute('aria-invalid');
@@ -166,8 +168,15 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
   };
 }
 
-/** Send at most one command at a time, and never more than one every `pause` ms; the newest wins. */
+/**
+ * Send at most one command at a time, and at most one every `pause` ms; the newest wins.
+ * @template {unknown[]} A
+ * @param {(...args: A) => Promise<unknown>} send
+ * @param {number} [pause]
+ * @returns {(...args: A) => void}
+ */
 export function throttled(send, pause = 200) {
+  /** @type {A | null} */
   let waiting = null;
   let busy = false;
   const next = async () => {
@@ -197,7 +206,7 @@ export function throttled(send, pause = 200) {
 /**
  * A refusal in place: the problem and the remedy.
  * @param {HTMLElement} element
- * @param {Failure | null} error
+ * @param {unknown} error   null: none
  */
 export function refusal(element, error) {
   if (!error) return fill(element);

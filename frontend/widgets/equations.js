@@ -1,6 +1,6 @@
 // The equations of the plant and of the observers that watch it, as MathML from the server.
 
-import {post} from '../common/api.js';
+import {post, reason} from '../common/api.js';
 import {fill, h, symbol} from '../common/dom.js';
 import {focusWhenScrolling} from '../common/scroll-focus.js';
 import {chip} from './controls.js';
@@ -53,8 +53,8 @@ export function mathml(text) {
 
 /** @param {Node} node @returns {Element | Text} */
 function copy(node) {
-  if (node.nodeType === Node.TEXT_NODE) return document.createTextNode(node.data);
-  if (node.nodeType !== Node.ELEMENT_NODE || !ALLOWED.has(node.localName)) return document.createTextNode('');
+  if (node instanceof Text) return document.createTextNode(node.data);
+  if (!(node instanceof Element) || !ALLOWED.has(node.localName)) return document.createTextNode('');
   const made = document.createElementNS(SPACE, node.localName);
   for (const {name, value} of node.attributes) if (KEPT.has(name)) made.setAttribute(name, value);
   made.append(...[...node.childNodes].map(copy));
@@ -64,8 +64,10 @@ function copy(node) {
 /** @param {HTMLElement} body @param {App} app */
 export async function showEquations(body, app) {
   const {plant, observers} = app.state;
+  if (!plant) return;
   fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
   try {
+    /** @type {service.Equations} */
     const answer = await post('/api/equations', {plant, observers: [...new Set(observers.map((one) => one.kind))]});
     fill(
       body,
@@ -73,7 +75,7 @@ export async function showEquations(body, app) {
       observers.map((one) => observerPart(one, answer.observers[one.kind])),
     );
   } catch (error) {
-    fill(body, h('p', {class: 'alarm'}, error.message));
+    fill(body, h('p', {class: 'alarm'}, reason(error).message));
   }
 }
 
@@ -141,7 +143,7 @@ function observerPart(observer, answer) {
         {class: 'where'},
         answer.where.map(({math, text: words}) => {
           const sign = mathml(math);
-          sign.removeAttribute('display');
+          if (sign instanceof Element) sign.removeAttribute('display');
           return h('li', {}, sign, h('span', {}, ` ${named(words)}`));
         }),
       ),

@@ -11,7 +11,7 @@ const SPACE = 'http://www.w3.org/2000/svg';
  * Make an SVG element: s('path', {d: …}, children). Properties that are null or false are left out.
  * @template {keyof SVGElementTagNameMap} K
  * @param {K} tag
- * @param {Properties} [properties]
+ * @param {Properties<SVGElementTagNameMap[K]>} [properties]
  * @param {...Child} children
  * @returns {SVGElementTagNameMap[K]}
  */

@@ -8,6 +8,12 @@ import {t} from '../i18n/words.js';
 
 const LOST = 80; // px of room that may stay empty below the last whole line; a taller one is cut after all
 
+/**
+ * A list that is kept whole.
+ * @typedef {{list: HTMLElement, more: HTMLElement, lines: () => HTMLElement[]}} Kept
+ */
+
+/** @type {Set<Kept>} */
 const kept = new Set();
 let asked = 0;
 const soon = () => {
@@ -22,7 +28,7 @@ addEventListener('resize', soon);
 /**
  * Keep a scrolling list whole. `lines()` are its lines from above; what it returns says how many are out of sight below, and goes into the card.
  * @param {HTMLElement} list
- * @param {() => Element[]} lines
+ * @param {() => HTMLElement[]} lines
  * @param {App} app
  * @returns {HTMLButtonElement}
  */
@@ -60,13 +66,13 @@ const bottom = (line, list) => line.getBoundingClientRect().bottom - list.getBou
 function fitAll() {
   for (const {list} of kept)
     for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one); // a capped list does not grow with its card
-  const before = [...kept].map((one) => [one, one.list.scrollTop, inUse(one)]);
+  const before = [...kept].map((one) => ({one, top: one.list.scrollTop, line: inUse(one)}));
   const free = [...kept].filter(({list}) => !list.closest('.desk')); // a projector's card has one size, whatever is in it
   for (const {list} of kept) cap(list, null);
   const whole = new Map(free.map((one) => [one, lastWhole(one)]));
   for (const [{list}, end] of whole) if (end) cap(list, end);
   for (const [one, end] of whole) if (end && grows(one.list)) refit(one); // what the others left empty is theirs
-  for (const [one, top, line] of before) {
+  for (const {one, top, line} of before) {
     if (one.list.scrollTop !== top) one.list.scrollTop = top; // higher for a moment, it may have been scrolled less
     const out = line ? bottom(line, one.list) - one.list.clientHeight : 0;
     if (out > 0) one.list.scrollTop += out; // what was whole in sight stays so while it is used
@@ -119,7 +125,7 @@ function lastWhole({list, lines}) {
 function cap(list, height) {
   list.style.maxHeight = height === null ? '' : `${height}px`;
   const card = list.closest('.card');
-  if (card && !card.matches('.desk .card')) card.style.flexShrink = height === null ? '' : 0;
+  if (card instanceof HTMLElement && !card.matches('.desk .card')) card.style.flexShrink = height === null ? '' : '0';
 }
 
 /** @param {Kept} kept */

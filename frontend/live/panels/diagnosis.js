@@ -1,6 +1,6 @@
 // The diagnosis: a sentence first, then one line a finding: how big, how sure, since when, found how fast; and what can be seen at all.
 
-import {fill, h} from '../../common/dom.js';
+import {childrenOf, fill, h} from '../../common/dom.js';
 import {called, capital, spoken} from '../../common/names.js';
 import {line, spell} from '../../diagnosis/finding-line.js';
 import {findings, sentence} from '../../diagnosis/findings.js';
@@ -23,7 +23,7 @@ export function mount(element, app) {
   const verdict = h('p', {class: 'verdict', role: 'status'});
   const list = h('div', {class: 'scroll', role: 'region', tabindex: 0});
   const folds = {detectability: createSeen(app), certainty: createSure(app)};
-  const more = wholeLines(list, () => [...list.children], app);
+  const more = wholeLines(list, () => childrenOf(list), app);
   const tag = asOfNow(app);
   let links = {};
   const build = () => {

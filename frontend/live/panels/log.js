@@ -1,6 +1,6 @@
 // The log of what happened; a click shows that moment in the scope.
 
-import {fill, h} from '../../common/dom.js';
+import {childrenOf, fill, h} from '../../common/dom.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
 import {heading} from '../../widgets/controls.js';
 import {icon} from '../../widgets/svg.js';
@@ -8,12 +8,13 @@ import {lines} from '../ui/event-words.js';
 import {t} from '../../i18n/words.js';
 
 /** @import {App} from '../types.js' */
+/** @import {Line} from '../ui/event-words.js' */
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
   let signs = {}; // gains as their cards write them
-  const more = wholeLines(list, () => [...list.children], app);
+  const more = wholeLines(list, () => childrenOf(list), app);
   let made = new WeakMap(); // event → its line, so that a long log is not made anew with every event
   const build = () => {
     made = new WeakMap();
@@ -38,7 +39,7 @@ export function mount(element, app) {
       h(
         'button',
         {type: 'button', class: 'moment', title: t('page.log.show'), onclick: () => look(at)},
-        h('span', {class: 'time'}, at.toFixed(app.state.spec?.horizon >= 1000 ? 0 : 1)),
+        h('span', {class: 'time'}, at.toFixed((app.state.spec?.horizon ?? 0) >= 1000 ? 0 : 1)),
         h('span', {}, words),
       ),
       h(

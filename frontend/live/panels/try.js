@@ -1,7 +1,7 @@
 // Try this: questions about the experiment at hand, each with what carries it out.
 
 import {get} from '../../common/api.js';
-import {fill, h, hatted} from '../../common/dom.js';
+import {childrenOf, fill, h, hatted} from '../../common/dom.js';
 import {called} from '../../common/names.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
 import {heading, seconds} from '../../widgets/controls.js';
@@ -19,7 +19,7 @@ export function mount(element, app) {
   const lessons = new Map();
   let shown = [];
   const list = h('ol', {class: 'try scroll', tabindex: 0});
-  const more = wholeLines(list, () => [...list.children], app);
+  const more = wholeLines(list, () => childrenOf(list), app);
   const draw = async () => {
     const {experiment, language} = app.state;
     element.hidden = experiment === null;

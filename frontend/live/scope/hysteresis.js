@@ -7,8 +7,32 @@ import {fixed} from '../../widgets/number-format.js';
 import {moment} from './values.js';
 import {t} from '../../i18n/words.js';
 
-/** @import {App, Samples} from '../types.js' */
+/** @import {App, ObserverState, Palette, Samples} from '../types.js' */
 /** @import {Plant} from '../../pages/types.js' */
+
+/**
+ * A backlash operator: the state that keeps its output, and the widths of its gap.
+ * @typedef {{name: string, memory: string, right: number, left: number}} Operator
+ * @typedef {{input: string, operators: Operator[]}} Hysteresis
+ * @typedef {{x: number[], y: number[]}} Points
+ */
+
+/**
+ * The picture with its canvases.
+ * @typedef {object} Picture
+ * @property {App} app
+ * @property {HTMLCanvasElement} loop
+ * @property {HTMLCanvasElement} slots
+ * @property {CanvasRenderingContext2D} ctx
+ * @property {CanvasRenderingContext2D} slotCtx
+ * @property {Range} x
+ * @property {Range} y
+ * @property {Palette} colours
+ * @property {Hysteresis | null} found
+ * @property {ObserverState | null} observer   the one that estimates it
+ * @property {number} at
+ * @property {string} still
+ */
 
 const SHOWN = 240; // rows of the loop
 const BACKLASH = /^\s*backlash\(\s*(\w+)\s*,.*,\s*([\w.]+)\s*,\s*([\w.]+)\s*\)\s*$/;

@@ -7,7 +7,23 @@ import {plotlyLocale} from '../../i18n/plotly-locale.js';
 import {t} from '../../i18n/words.js';
 
 /** @import {PlotlyFigure} from '../../types/globals.js' */
-/** @import {Alarm, FaultState, Palette, Samples} from '../types.js' */
+/** @import {Alarm, FaultState, Palette, Samples, Strip} from '../types.js' */
+
+/** @typedef {Strip & {range?: [number, number] | null}} FigureStrip */
+/** @typedef {{type: string, [name: string]: unknown}} Shape */
+/** @typedef {{shapes: Shape[], annotations: object[]}} Marks */
+
+/**
+ * @typedef {object} FigureOptions
+ * @property {Samples} samples
+ * @property {FigureStrip[]} strips
+ * @property {FaultState[]} faults
+ * @property {Alarm[]} alarms
+ * @property {Set<string>} bands   observers whose bands are drawn
+ * @property {number} t0
+ * @property {number} t1
+ * @property {string | null} title
+ */
 
 const MOST = 2500; // points of a curve; more are put together as minima and maxima
 const OPTIONS = {

@@ -1,20 +1,18 @@
 // The scope: strips on one time axis. This file lays them out and draws them; head.js and pointer.js are its controls.
 
-import {fill, h, symbol} from '../../common/dom.js';
-import {badges, brief, plain, split, symbolic} from '../../common/names.js';
-import {niceStep, Range} from './axes.js';
+import {context, fill, h} from '../../common/dom.js';
+import {niceStep} from './axes.js';
 import {drawStrip, drawTimeAxis, palette} from './canvas.js';
-import {openFigure} from './figure.js';
 import {mountHead} from './head.js';
 import {mountPointer} from './pointer.js';
+import {createRow, fit, label, labelAll} from './row.js';
 import {showValues} from './values.js';
 import {untold} from '../../diagnosis/fault-size.js';
 import {leaving, setTicks, wanted} from './axis-view.js';
 import {stripsOf} from '../state/strips.js';
 import {say, t} from '../../i18n/words.js';
 
-/** @import {Plant} from '../../pages/types.js' */
-/** @import {App, Row, Strip} from '../types.js' */
+/** @import {App, Place, Row, Strip} from '../types.js' */
 
 const AIM = 300; // ms between looks at what the axes should show
 const GUTTER = 52; // px for the marks of the vertical axis
@@ -77,10 +75,24 @@ export function mountScope(root, app) {
 export class Scope {
   /** @param {HTMLElement} root @param {App} app */
   constructor(root, app) {
-    Object.assign(this, {app, rows: new Map(), strips: [], colours: palette(), aimed: 0, atOnce: true, still: ''});
+    this.app = app;
+    /** @type {Map<string, Row>} */
+    this.rows = new Map();
+    /** @type {Strip[]} */
+    this.strips = [];
+    this.colours = palette();
+    this.aimed = 0;
+    this.seen = ''; // what the axes were last fitted to
+    this.atOnce = true;
+    this.still = ''; // what is drawn
+    /** @type {string | null} the observer whose name is pointed at */
+    this.pointed = null;
+    /** @type {Place | null} of the time axis */
+    this.place = null;
     this.head = h('div', {class: 'scope-head'});
     this.list = h('div', {class: 'strips'});
     this.axis = h('canvas', {class: 'time-axis', 'aria-hidden': 'true'});
+    this.ctx = context(this.axis);
     this.empty = h('p', {class: 'scope-empty', hidden: true});
     this.plots = h('div', {class: 'plots'}, this.list, this.axis);
     this.title = h('h2', {class: 'hidden'});
@@ -96,12 +108,14 @@ export class Scope {
     this.strips = stripsOf(state);
     const shown = this.strips.filter((strip) => strip.shown);
     for (const strip of shown) {
-      const row = this.rows.get(strip.name) ?? createRow();
+      const drawn = {...strip, ticks: [], labels: [], power: ''};
+      /** @type {Row} */
+      const row = this.rows.get(strip.name) ?? {...createRow(() => this.showAll(row)), strip: drawn};
+      row.strip = drawn;
       this.rows.set(strip.name, row);
-      row.strip = {...strip, ticks: [], labels: [], power: ''};
-      this.label(row);
+      label(row, this.app);
     }
-    const wanted = shown.map((strip) => this.rows.get(strip.name).element);
+    const wanted = shown.flatMap((strip) => this.rows.get(strip.name)?.element ?? []);
     for (const name of [...this.rows.keys()]) if (!shown.some((strip) => strip.name === name)) this.rows.delete(name);
     if (wanted.length !== this.list.children.length || wanted.some((element, i) => this.list.children[i] !== element)) {
       this.list.replaceChildren(...wanted);
@@ -112,53 +126,6 @@ export class Scope {
     this.aimed = 0;
     this.still = '';
     this.app.wake();
-  }
-
-  /** @param {Row} row */
-  label(row) {
-    const {strip} = row;
-    const words =
-      {residual: t('page.scope.residual'), excitation: t('page.scope.excitation')}[strip.kind] ?? brief(strip.title);
-    const [letters, index] = split(strip.symbol);
-    const wordy = strip.kind === 'excitation' ? false : letters.length > 1 || index.length > 3;
-    const unit = strip.unit ? ` ${strip.unit}` : '';
-    const open = tool('open', 'M9.500 3H13v3.500M13 3L9 7M6.500 13H3V9.500M3 13l4-4', () =>
-      openFigure(this.app, strip.name),
-    );
-    open.title = t('page.scope.open-figure');
-    open.setAttribute('aria-label', t('page.scope.open-figure-of', {strip: words}));
-    row.all ??= tool('all', 'M8 2v12M5 4.500L8 2l3 2.500M5 11.500L8 14l3-2.500', () => this.showAll(row));
-    row.all.dataset.name = words;
-    this.labelAll(row);
-    row.plot.append(row.all);
-    fill(
-      row.label,
-      h('span', {class: `sign${wordy ? ' wordy' : ''}`}, signOf(strip, this.app.state.plant)),
-      open,
-      h('small', {title: words + unit}, words),
-    );
-    row.element.style.setProperty('--weight', strip.weight);
-    row.element.dataset.kind = strip.kind;
-    row.element.dataset.strip = strip.name;
-    row.element.classList.toggle(
-      'fault-on',
-      strip.kind === 'theta' && this.app.state.faults.some(({subject, active}) => active && subject === strip.subject),
-    );
-    row.canvas.dataset.name = [symbolic(strip.symbol) && plain(strip.symbol), words].filter(Boolean).join(' ');
-    row.canvas.setAttribute('aria-label', row.canvas.dataset.name);
-    const own = strip.traces.map((trace) =>
-      h('span', {
-        style: `--c:${strip.log && strip.traces.length === 1 ? 'var(--ok)' : trace.colour}`,
-        'data-label': trace.label,
-      }),
-    );
-    row.values.style.setProperty('--lines', Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2));
-    fill(
-      row.values,
-      strip.truth && h('span', {class: 'truth'}),
-      own,
-      strip.log && own.length === 1 && h('span', {class: 'judged', style: '--c:var(--ok)', 'data-label': ''}),
-    );
   }
 
   /** Say which faults the input of the last window does not tell. */
@@ -202,7 +169,7 @@ export class Scope {
       this.axis.style.marginLeft = `${box.left - plots.left}px`;
       this.axis.style.width = `${box.width}px`;
       fit(this, this.axis, ratio, GUTTER * this.colours.size);
-      this.pointer.measure(box.left - plots.left + this.place.left, this.place.width);
+      if (this.place) this.pointer.measure(box.left - plots.left + this.place.left, this.place.width);
     }
     this.still = '';
     this.app.wake();
@@ -306,7 +273,8 @@ export class Scope {
   look(row, t0, t1, now) {
     const {strip, range} = row;
     const {samples} = this.app;
-    range.aim(...wanted(strip, samples, t0, t1, row.whole), now, this.atOnce);
+    const [low, high] = wanted(strip, samples, t0, t1, row.whole);
+    range.aim(low, high, now, this.atOnce);
     strip.leaving = leaving(strip, samples, t0, t1, range.target ?? [-Infinity, Infinity]);
     row.all.classList.toggle('needed', row.whole || strip.leaving.length > 0);
   }
@@ -318,19 +286,12 @@ export class Scope {
    */
   showAll(row, whole = !row.whole) {
     row.whole = whole;
-    row.range.show(...wanted(row.strip, this.app.samples, ...this.span(), whole), performance.now());
-    this.labelAll(row);
+    const [low, high] = wanted(row.strip, this.app.samples, ...this.span(), whole);
+    row.range.show(low, high, performance.now());
+    labelAll(row);
     this.aimed = 0;
     this.still = '';
     this.app.wake();
-  }
-
-  /** @param {Row} row */
-  labelAll({all, whole}) {
-    const action = whole ? t('page.scope.usual-axis') : t('page.scope.whole-axis');
-    all.title = action;
-    all.setAttribute('aria-label', t('page.scope.axis-of', {action, strip: all.dataset.name}));
-    all.setAttribute('aria-pressed', String(Boolean(whole)));
   }
 
   /** What stands where there are no curves (yet). */
@@ -372,88 +333,4 @@ export class Scope {
     const words = why ? say(why.text) : '';
     if (row.untold.textContent !== words) row.untold.textContent = words;
   }
-}
-
-/**
- * What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant.
- * @param {Strip} strip
- * @param {Plant} plant
- */
-function signOf({kind, symbol: name}, plant) {
-  if (kind === 'excitation') return h('span', {class: 'math'}, h('i', {}, 'λ'), h('sub', {}, 'min'));
-  if (kind === 'residual')
-    return h(
-      'span',
-      {class: 'math', style: split(name)[1].length > 5 && 'white-space:normal;font-size:1rem'},
-      symbol(name),
-      ' − ',
-      symbol(name, true),
-    );
-  if (kind !== 'theta') return symbol(name);
-  const [letters, index] = badges(plant.channels).get(name);
-  return h('span', {class: 'math'}, h('i', {}, letters), index && h('sub', {}, index));
-}
-
-/**
- * A small button of a strip.
- * @param {string} name
- * @param {string} d
- * @param {() => void} act
- */
-const tool = (name, d, act) =>
-  h(
-    'button',
-    {type: 'button', class: name, onclick: act},
-    h(
-      'svg',
-      {
-        viewBox: '0 0 16 16',
-        width: 13,
-        height: 13,
-        fill: 'none',
-        stroke: 'currentColor',
-        'stroke-width': 1.5,
-        'stroke-linecap': 'round',
-        'stroke-linejoin': 'round',
-        'aria-hidden': 'true',
-      },
-      h('path', {d}),
-    ),
-  );
-
-function createRow() {
-  const label = h('div', {class: 'strip-label'});
-  const canvas = h('canvas', {role: 'img'});
-  const values = h('div', {class: 'strip-values', 'aria-hidden': 'true'});
-  const mark = h('span', {class: 'untold', hidden: true});
-  const plot = h('div', {class: 'strip-plot'}, canvas, mark);
-  return {
-    label,
-    canvas,
-    values,
-    plot,
-    untold: mark,
-    ctx: canvas.getContext('2d'),
-    range: new Range(),
-    element: h('div', {class: 'strip'}, label, plot, values),
-    place: {left: 0, width: 0, height: 0, full: 0},
-  };
-}
-
-/**
- * @param {Drawn} owner
- * @param {HTMLCanvasElement} canvas
- * @param {number} ratio
- * @param {number} gutter
- */
-function fit(owner, canvas, ratio, gutter) {
-  const width = canvas.clientWidth;
-  const height = canvas.clientHeight;
-  owner.ctx ??= canvas.getContext('2d');
-  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(height * ratio);
-  }
-  owner.ctx.setTransform(ratio, 0, 0, ratio, 0, 0);
-  owner.place = {left: gutter, width: Math.max(0, width - gutter - 1), height, full: width};
 }

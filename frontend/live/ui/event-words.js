@@ -8,6 +8,13 @@ import {say, t} from '../../i18n/words.js';
 /** @import {Plant} from '../../pages/types.js' */
 /** @import {Event} from '../types.js' */
 
+/** @typedef {{[gain: string]: string}} Signs   the symbols of the observers' gains */
+
+/**
+ * A line of the log.
+ * @typedef {{event: Event, t: number, words: string, alarm: boolean, own: boolean}} Line
+ */
+
 const DRAGGED = 5; // s between two values of one slider that are shown as one
 
 /**

@@ -8,6 +8,9 @@ import {stand, isInHeader, watchRoom} from './free-place.js';
 import {say, t} from '../../i18n/words.js';
 
 /** @import {App, State} from '../types.js' */
+/** @import {Child} from '../../types/dom.js' */
+
+/** @typedef {{kind: string, words: Child, buttons?: Child[]}} Notice */
 
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
@@ -61,20 +64,21 @@ export function mountNotice(root, app) {
         else show(standing);
         return;
       }
-      const left = told ? told.at + (told.action ? OFFERED : SHOWN) - performance.now() : 0;
-      if (left <= 0) {
+      const action = told?.action ?? null;
+      const left = told ? told.at + (action ? OFFERED : SHOWN) - performance.now() : 0;
+      if (told === null || left <= 0) {
         hide();
         return;
       }
       const act = () => {
         app.store.dispatch({type: 'set', told: null}); // what was taken is not offered again
-        told.action.act();
+        action?.act();
       };
-      const offered = told.action && !(told.action.alone && app.state.viewers > 1);
+      const offered = action && !(action.alone && app.state.viewers > 1);
       show({
         kind: told.kind,
         words: say(told.message),
-        buttons: offered ? [button(say(told.action.message), act)] : [],
+        buttons: offered ? [button(say(action.message), act)] : [],
       });
       timer = setTimeout(hide, left);
     },
@@ -89,8 +93,7 @@ function under({plant, faults}) {
   const sensors = new Set(plant?.channels.filter(({kind}) => kind === 'sensor').map(({name}) => name));
   const acting = faults.filter(({active, onChannel, subject}) => active && onChannel && !sensors.has(subject));
   return acting.map(
-    ({subject, fault}) =>
-      `${called(subject, plant)}${typeof fault.size === 'number' ? ` = ${number(fault.size, 3)}` : ''}`,
+    ({subject, fault}) => `${called(subject, plant)}${'size' in fault ? ` = ${number(fault.size, 3)}` : ''}`,
   );
 }
 
@@ -101,6 +104,7 @@ function under({plant, faults}) {
  */
 function inTheWay(app) {
   const {state, act} = app;
+  const {spec} = state;
   const anew = button(t('page.notice.new-session'), () => act.open(state.experiment));
   switch (state.connection) {
     case 'reconnecting':
@@ -117,16 +121,13 @@ function inTheWay(app) {
       return {
         kind: 'problem',
         words: t('page.notice.session-ended'),
-        buttons: [
-          state.spec && button(t('page.notice.restart'), () => act.openSpec(state.spec, {t: app.samples.now})),
-          anew,
-        ],
+        buttons: [spec && button(t('page.notice.restart'), () => act.openSpec(spec, {t: app.samples.now})), anew],
       };
     default:
   }
   if (!state.ended) return null;
   if (state.broken === null) return {kind: 'note', words: t('page.notice.horizon')};
-  const [faults, at] = [under(state), timed(state.broken, state.spec.horizon)];
+  const [faults, at] = [under(state), timed(state.broken, spec?.horizon)];
   const before = Math.max(0, state.broken - Math.max(BEFORE * state.broken, 10 * state.record));
   return {
     kind: 'note',

@@ -1,26 +1,34 @@
 // The page for a projector: the curves, and beside them the diagnosis, the plant and one card whose tabs hold the other panels. Panels are moved
 // there and back: they read in the order in which they are seen, keep what was typed, and exist once. What it looks like is in presentation.css.
 
-import {fill, h} from '../../common/dom.js';
+import {fill, h, query} from '../../common/dom.js';
 import {t} from '../../i18n/words.js';
 
 /** @import {App} from '../types.js' */
 
+/** @typedef {Map<string, HTMLButtonElement>} Tabs   panel name → its tab */
+
 /** The tabs with their keys; behind each is the panel of that name. */
-export const TABS = {inject: 'I', observers: 'O', comparison: 'M', log: 'G', try: 'Y'};
+export const TABS = /** @type {{[name: string]: string}} */ ({
+  inject: 'I',
+  observers: 'O',
+  comparison: 'M',
+  log: 'G',
+  try: 'Y',
+});
 const ABOVE = ['diagnosis', 'plant'];
 const WIDE = '(min-width: 960px)'; // as in presentation.css: where the screen is narrower, panels stay in their places
 
 const names = Object.keys(TABS);
 /** @param {string} name */
-const panel = (name) => document.getElementById(`panel-${name}`);
+const panel = (name) => query(`#panel-${name}`);
 
 /** @param {HTMLElement} main @param {App} app */
 export function mountDesk(main, app) {
   const wide = matchMedia(WIDE);
   const homes = ['.left', '.right']
-    .map((name) => main.querySelector(name))
-    .map((column) => [column, [...column.children]]);
+    .map((name) => query(name, main))
+    .map((column) => ({column, panels: [...column.children]}));
   const tabs = new Map(
     names.map((name) => [
       name,
@@ -51,7 +59,7 @@ export function mountDesk(main, app) {
         desk.append(...names.map(panel));
         main.append(beside);
       } else {
-        for (const [column, panels] of homes) column.append(...panels);
+        for (const {column, panels} of homes) column.append(...panels);
         beside.remove();
       }
     });
@@ -110,10 +118,11 @@ function become(element, tab) {
  */
 function keeping(main, move) {
   const focused = document.activeElement;
-  const scrolled = [...main.querySelectorAll('.scroll')].map((one) => [one, one.scrollTop]);
+  const scrolled = [...main.querySelectorAll('.scroll')].map((one) => ({one, top: one.scrollTop}));
   move();
-  for (const [one, top] of scrolled) one.scrollTop = top;
-  if (main.contains(focused) && document.activeElement !== focused) focused.focus({preventScroll: true});
+  for (const {one, top} of scrolled) one.scrollTop = top;
+  if (focused instanceof HTMLElement && main.contains(focused) && document.activeElement !== focused)
+    focused.focus({preventScroll: true});
 }
 
 /**
@@ -123,8 +132,8 @@ function keeping(main, move) {
  */
 function watchEmpty(tabs, app) {
   const look = () => {
-    for (const [name, tab] of tabs) tab.disabled = panel(name).hidden;
-    if (app.state.plant && tabs.get(app.state.desk).disabled) app.act.desk(names[0]); // while a session is opened, all of them are empty
+    for (const [name, tab] of tabs) tab.disabled = panel(name).matches('[hidden]');
+    if (app.state.plant && tabs.get(app.state.desk)?.disabled) app.act.desk(names[0]); // while a session is opened, all of them are empty
   };
   const watcher = new MutationObserver(look);
   for (const name of names) watcher.observe(panel(name), {attributeFilter: ['hidden']});
@@ -141,7 +150,7 @@ function watchEmpty(tabs, app) {
  * @param {App} app
  */
 function walk(event, tabs, app) {
-  const open = names.filter((name) => !tabs.get(name).disabled);
+  const open = names.filter((name) => !tabs.get(name)?.disabled);
   const at = open.indexOf(app.state.desk);
   const next = {
     ArrowRight: (at + 1) % open.length,
@@ -152,5 +161,5 @@ function walk(event, tabs, app) {
   if (next === undefined) return;
   event.preventDefault();
   app.act.desk(open[next]);
-  tabs.get(open[next]).focus();
+  tabs.get(open[next])?.focus();
 }

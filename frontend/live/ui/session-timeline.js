@@ -1,7 +1,7 @@
 // The whole session as a video editor shows it: faults as bars, alarms as flags, changes as ticks. Dragging looks back and gives up nothing;
 // going back or forking from there is a button at the place.
 
-import {fill, h} from '../../common/dom.js';
+import {context, fill, h, query} from '../../common/dom.js';
 import {marks, niceStep} from '../scope/axes.js';
 import {palette} from '../scope/canvas.js';
 import {seconds} from '../../widgets/number-format.js';
@@ -9,7 +9,22 @@ import {lines} from './event-words.js';
 import {stand, watchRoom} from './free-place.js';
 import {t} from '../../i18n/words.js';
 
-/** @import {App} from '../types.js' */
+/** @import {App, Palette} from '../types.js' */
+
+/**
+ * The timeline with its canvas.
+ * @typedef {object} Timeline
+ * @property {App} app
+ * @property {HTMLElement} root
+ * @property {HTMLCanvasElement} canvas
+ * @property {HTMLElement} slider
+ * @property {HTMLElement} choice
+ * @property {CanvasRenderingContext2D} ctx
+ * @property {Palette} colours
+ * @property {string} still
+ * @property {number} width
+ * @property {number} height
+ */
 
 const NEAR = 6; // px
 const CHANGES = new Set(['gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
@@ -24,13 +39,14 @@ export function mountTimeline(root, app) {
   );
   const choice = h('div', {class: 'choice', hidden: true});
   fill(root, slider, choice);
+  /** @type {Timeline} */
   const timeline = {
     app,
     root,
     canvas,
     slider,
     choice,
-    ctx: canvas.getContext('2d'),
+    ctx: context(canvas),
     colours: palette(),
     still: '',
     width: 0,
@@ -139,7 +155,15 @@ function draw(timeline) {
   return false;
 }
 
-/** One thin row for each channel or output that has a fault; what is planned beyond now is drawn faintly. */
+/**
+ * One thin row for each channel or output that has a fault; what is planned beyond now is drawn faintly.
+ * @param {Timeline} timeline
+ * @param {(t: number) => number} x
+ * @param {number} now
+ * @param {number} end
+ * @param {number} top
+ * @param {number} body
+ */
 function drawFaults({app, ctx, colours}, x, now, end, top, body) {
   const {faults} = app.state;
   const subjects = [...new Set(faults.map(({subject}) => subject))];
@@ -169,6 +193,12 @@ function drawFaults({app, ctx, colours}, x, now, end, top, body) {
   }
 }
 
+/**
+ * @param {Timeline} timeline
+ * @param {(t: number) => number} x
+ * @param {number} top
+ * @param {number} body
+ */
 function drawEvents({app, ctx, colours}, x, top, body) {
   ctx.fillStyle = colours.alarm;
   for (const alarm of app.state.alarms) {
@@ -204,7 +234,11 @@ function cross(ctx, x, y, colour) {
   ctx.stroke();
 }
 
-/** The actions offered at the time that is looked at. */
+/**
+ * The actions offered at the time that is looked at.
+ * @param {Timeline} timeline
+ * @param {number | null} at
+ */
 function offer(timeline, at) {
   const {app, choice} = timeline;
   const {act} = app;
@@ -235,11 +269,11 @@ function offer(timeline, at) {
 function place({app, choice, root}) {
   if (choice.hidden) return;
   stand(choice, {narrow: (on) => choice.classList.toggle('short', on)});
-  if (!app.state.presentation || getComputedStyle(root.parentElement).display !== 'contents') return;
+  if (!app.state.presentation || getComputedStyle(root.parentElement ?? root).display !== 'contents') return;
   const {left, width} = root.getBoundingClientRect(); // while presenting: over the scope's legend, below its time
-  const scope = document.querySelector('#scope').getBoundingClientRect();
+  const scope = query('#scope').getBoundingClientRect();
   const wide = choice.offsetWidth;
-  choice.style.left = `${Math.max(scope.left - left, Math.min((app.state.looking / reach({app})) * width - wide / 2, scope.right - left - wide))}px`;
+  choice.style.left = `${Math.max(scope.left - left, Math.min(((app.state.looking ?? 0) / reach({app})) * width - wide / 2, scope.right - left - wide))}px`;
 }
 
 /** @param {Timeline} timeline */
@@ -266,6 +300,7 @@ function listen(timeline) {
     const by = reach(timeline) / 100;
     const {looking, role} = app.state;
     const from = looking ?? app.samples.now;
+    /** @type {{[key: string]: (() => unknown) | false}} */
     const keys = {
       ArrowLeft: () => go(from - by),
       ArrowRight: () => go(from + by),
@@ -274,10 +309,11 @@ function listen(timeline) {
       Escape: looking !== null && (() => app.act.look(null)),
       Enter: () => looking !== null && role === 'control' && app.act.seek(looking),
     };
-    if (!keys[event.key] || event.ctrlKey || event.metaKey || event.altKey) return;
+    const move = keys[event.key];
+    if (!move || event.ctrlKey || event.metaKey || event.altKey) return;
     event.preventDefault();
     event.stopPropagation();
-    keys[event.key]();
+    move();
   });
 }
 

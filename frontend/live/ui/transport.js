@@ -42,6 +42,7 @@ export function mountTransport(root, app) {
   const step = button('step', () => app.act.step(1));
   const fork = button('fork', () => app.act.fork());
   const play = h('button', {type: 'button', class: 'play', 'data-act': 'play', onclick: () => app.act.toggle()});
+  /** @type {HTMLSelectElement} */
   const speed = h('select', {
     class: 'speed',
     onchange: () => app.act.speed(speed.value === 'max' ? null : Number(speed.value)),
@@ -82,7 +83,9 @@ function name(element, text) {
 
 /** @param {HTMLSelectElement} select @param {number | null} speed */
 function showSpeeds(select, speed) {
-  const all = SPEEDS.includes(speed) ? SPEEDS : [...SPEEDS.slice(0, -1), speed].sort((a, b) => a - b).concat(null);
+  const all = SPEEDS.includes(speed)
+    ? SPEEDS
+    : [...SPEEDS.slice(0, -1), speed].sort((a, b) => Number(a) - Number(b)).concat(null);
   fill(
     select,
     all.map((value) =>

@@ -17,6 +17,8 @@ import {asSentence, say, t} from '../../i18n/words.js';
 /** @import {Comparison, ComparisonRow, Diagnosis, ObserverDiagnosis, Plant, Run, RunState, RunStore} from '../types.js' */
 
 /** @param {number} place */
+/** @typedef {'found' | 'missed' | 'false_alarms' | 'isolation_errors' | 'delay' | 'cost'} Measure */
+
 const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
 
 /** @param {HTMLElement} root @param {RunStore} store */

@@ -5,17 +5,20 @@ import {noise, rmse, settled, unsettled} from './metrics.js';
 import {took} from '../../../widgets/controls.js';
 import {t} from '../../../i18n/words.js';
 
-/** @import {FaultState, Samples} from '../../types.js' */
+/** @import {Alarm, FaultState, Samples} from '../../types.js' */
 
 const MOST = 200_000; // rows after a fault that are looked at
 const SETTLED = 0.1; // of the step: as in backend/thetascope/diagnosis/evaluation/metrics.py
 
 /**
- * @typedef {object} Watched     a session
- * @property {import('../../state/samples.js').Samples} samples
- * @property {object[]} faults
- * @property {object[]} alarms
+ * A session, this one or its parent.
+ * @typedef {object} Watched
+ * @property {Samples} samples
+ * @property {FaultState[]} faults
+ * @property {Alarm[]} alarms
  */
+
+/** @typedef {{title: string, words?: string, value?: number}} Figure   words, or a number to be formatted like its column */
 
 /**
  * RMSE, time to settle and noise as {value or words, title}, over from … to; a session that has not come so far has none.

@@ -1,6 +1,6 @@
 // The table that compares the observers over the window that the scope shows; in a fork with those of the session that it came from.
 
-import {fill, h, hatted, symbol} from '../../../common/dom.js';
+import {childrenOf, fill, h, hatted, symbol} from '../../../common/dom.js';
 import {badges, called, plain, split, symbolic, titleOf} from '../../../common/names.js';
 import {Form} from './column-format.js';
 import {detected, figuresOf} from './compare-observer.js';
@@ -10,6 +10,9 @@ import {kindName} from '../../../widgets/kind-name.js';
 import {t} from '../../../i18n/words.js';
 
 /** @import {App, ObserverState} from '../../types.js' */
+/** @import {Watched} from './compare-observer.js' */
+
+/** @typedef {{name: string, title?: string, description?: string}} Named   a state or channel */
 
 const EVERY = 900; // ms between two computations
 const LONGEST = 6000; // rows of a window of "all"
@@ -24,7 +27,7 @@ export function mount(element, app) {
   let late = 0;
   const body = h('tbody');
   const scroll = h('div', {class: 'scroll'});
-  const more = wholeLines(scroll, () => [...body.children], app);
+  const more = wholeLines(scroll, () => childrenOf(body), app);
 
   const build = () => {
     const {plant, observers, origin} = app.state;

@@ -9,7 +9,11 @@ import {showShare} from './share.js';
 import {icon} from '../../../widgets/svg.js';
 import {t} from '../../../i18n/words.js';
 
+/** @import {App} from '../../types.js' */
+
+/** @type {{[name: string]: (body: HTMLElement, app: App, close: () => void) => unknown}} */
 const CONTENTS = {equations: showEquations, help: showHelp, share: showShare, export: showExport};
+/** @type {{[name: string]: () => string}} */
 const TITLES = {
   equations: () => t('page.equations.title'),
   help: () => t('page.help.title'),
@@ -17,10 +21,12 @@ const TITLES = {
   export: () => t('page.export.title'),
 };
 
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const title = h('h2', {id: 'dialog-title'});
   const body = h('div', {class: 'dialog-body', tabindex: 0});
   const close = h('button', {type: 'button', class: 'plain', onclick: () => dialog.close()}, icon('close'));
+  /** @type {HTMLDialogElement} */
   const dialog = h('dialog', {'aria-labelledby': 'dialog-title'}, h('div', {class: 'dialog-head'}, title, close), body);
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();

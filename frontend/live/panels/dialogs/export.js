@@ -5,10 +5,12 @@ import {refused} from '../../actions.js';
 import {language, t} from '../../../i18n/words.js';
 
 /** @import {App} from '../../types.js' */
+/** @import {Run} from '../../../pages/types.js' */
 
 /** @param {HTMLElement} body @param {App} app */
 export function showExport(body, app) {
   const status = h('p', {class: 'soft', role: 'status'}, t('page.export.note'));
+  /** @type {Promise<Run> | null} */
   let run = null;
   const saved = async () => {
     status.textContent = t('page.export.saving');
@@ -33,7 +35,7 @@ export function showExport(body, app) {
         class: 'quiet',
         title: hint,
         onclick: async (event) => {
-          const {target} = event;
+          const target = event.currentTarget;
           target.disabled = true;
           try {
             await act();
@@ -50,11 +52,11 @@ export function showExport(body, app) {
   /** @param {string} format */
   const data = (format) => async () => {
     const {id, links} = await saved();
-    fetchTo(`${links.data}?format=${format}`, `${app.state.spec.id}-${id.slice(0, 8)}.${format}`);
+    fetchTo(`${links.data}?format=${format}`, `${app.state.spec?.id}-${id.slice(0, 8)}.${format}`);
   };
   /** @param {'png' | 'svg'} format */
   const figure = (format) => async () =>
-    download(await app.act.figure({strip: null, format}), `${app.state.spec.id}.${format}`);
+    download(await app.act.figure({strip: null, format}), `${app.state.spec?.id}.${format}`);
   fill(
     body,
     h('h3', {}, t('page.export.data')),
@@ -78,7 +80,7 @@ export function showExport(body, app) {
       {class: 'links'},
       button(t('page.export.report'), t('page.export.report.hint'), async () => {
         const {links} = await saved();
-        fetchTo(`${links.report}?download=1&lang=${language()}`, `${app.state.spec.id}.html`);
+        fetchTo(`${links.report}?download=1&lang=${language()}`, `${app.state.spec?.id}.html`);
       }),
       button(t('page.export.spec'), t('page.export.spec.hint'), async () => {
         const {spec, id} = await saved();

@@ -4,7 +4,16 @@ import {fill, h} from '../../../common/dom.js';
 import {KEYS} from './keyboard.js';
 import {t} from '../../../i18n/words.js';
 
+/** @import {Child, Properties} from '../../../types/dom.js' */
+
+/** @param {...Child} parts */
 const svg = (...parts) => h('svg', {viewBox: '0 0 26 14', width: 26, height: 14, 'aria-hidden': 'true'}, parts);
+/**
+ * @param {string} d
+ * @param {string} colour
+ * @param {boolean} [filled]
+ * @param {Properties} [more]
+ */
 const path = (d, colour, filled = true, more = {}) =>
   h('path', {d, fill: filled ? colour : 'none', stroke: filled ? 'none' : colour, 'stroke-width': 1.6, ...more});
 
@@ -26,6 +35,7 @@ const MARKS = {
 };
 
 /** Keys whose name is not what is printed on them. */
+/** @type {{[key: string]: () => string}} */
 const KEY_NAMES = {
   Space: () => t('page.help.key.space'),
   ArrowLeft: () => '←',

@@ -4,7 +4,11 @@ import {TABS} from '../../ui/presentation.js';
 import {SPEEDS} from '../../../widgets/number-format.js';
 import {open} from './open-dialog.js';
 
-/** What each key does; `does` names its words: page.help.keys.…. */
+/** @import {App, State} from '../../types.js' */
+
+/** @typedef {{keys: string[], does: string, act?: (app: App, key: string) => unknown}} Key */
+
+/** @type {Key[]} The keys and their actions; `does` names the words: page.help.keys.…. */
 export const KEYS = [
   {keys: ['Space'], does: 'toggle', act: (app) => app.act.toggle()},
   {keys: ['.'], does: 'step', act: (app) => app.act.step(1)},
@@ -30,17 +34,29 @@ export const KEYS = [
   {keys: ['?'], does: 'help', act: () => open('help')},
 ];
 
-/** Whether Escape ends the presentation: only where there is nothing else that it would close. */
+/**
+ * Whether Escape ends the presentation: only where there is nothing else that it would close.
+ * @param {State} state
+ */
 const leaves = ({presentation, selection, looking}) =>
   presentation && !selection && looking === null && !document.querySelector('dialog[open], .menu[open]');
 
-/** Open the tab of a key while presenting; the focus stays, so that Space still plays. */
+/**
+ * Open the tab of a key while presenting; the focus stays, so that Space still plays.
+ * @param {App} app
+ * @param {string} key
+ */
 function choose(app, key) {
-  const name = Object.keys(TABS).find((one) => TABS[one] === key);
-  if (app.state.presentation && !document.getElementById(`desk-${name}`)?.disabled) app.act.desk(name);
+  const name = Object.entries(TABS).find(([, own]) => own === key)?.[0];
+  if (!name || !app.state.presentation) return;
+  if (!document.getElementById(`desk-${name}`)?.matches(':disabled')) app.act.desk(name);
 }
 
-/** Move what the scope shows by a tenth of it; at now it follows time again. */
+/**
+ * Move the scope by a tenth of its width; at the present time it follows time again.
+ * @param {App} app
+ * @param {1 | -1} by
+ */
 function look(app, by) {
   const {selection, window, t} = app.state;
   const [from, to] = selection ?? [t - (window ?? t), t];
@@ -49,7 +65,11 @@ function look(app, by) {
   else app.act.select(Math.max(0, from + step), Math.max(to - from, to + step));
 }
 
-/** The next speed up or down; null, as fast as possible, is the last. */
+/**
+ * The next speed up or down; null, as fast as possible, is the last.
+ * @param {number | null} speed
+ * @param {1 | -1} by
+ */
 export function faster(speed, by) {
   const place = speed === null ? SPEEDS.length - 1 : SPEEDS.findIndex((one) => one === null || one >= speed);
   return SPEEDS[Math.min(SPEEDS.length - 1, Math.max(0, place + by))];
@@ -59,16 +79,22 @@ export function faster(speed, by) {
  * Buttons that keep the focus although nobody navigates by keyboard: one that was clicked, and one that gets the focus back
  * when Escape closes what it had opened. Space is the page's there; Enter still presses them, and Tab makes them ordinary again.
  */
+/** @type {WeakSet<Element>} */
 let resting = new WeakSet();
 
 const BUTTONS = 'button:not([role=tab]), a, summary, [role=button]';
 
+/** @param {unknown} element */
 function rest(element) {
-  const button = element?.closest?.(BUTTONS);
+  const button = element instanceof Element ? element.closest(BUTTONS) : null;
   if (button) resting.add(button);
 }
 
-/** Whether an element has its own use for a key. */
+/**
+ * Whether an element has its own use for a key.
+ * @param {Element} element
+ * @param {string} key
+ */
 function own(element, key) {
   const dialog = element.closest('dialog');
   if (dialog) return dialog.open; // one that has just been closed keeps the focus until the page is drawn
@@ -78,6 +104,7 @@ function own(element, key) {
   return element.matches(BUTTONS) && (key === 'Enter' || (key === ' ' && !resting.has(element)));
 }
 
+/** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   let taken = false; // Space was taken when it went down: a button must not act on its release (Firefox)
   element.addEventListener('pointerdown', (event) => rest(event.target), true);
@@ -94,18 +121,18 @@ export function mount(element, app) {
     taken = false;
   });
   element.addEventListener('keydown', (event) => {
-    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || own(event.target, event.key))
-      return;
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
+    if (event.target instanceof Element && own(event.target, event.key)) return;
     if (event.key === 'Escape' && document.querySelector(':popover-open')) return; // the browser closes it
     const name = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toUpperCase() : event.key;
     const channel = /^[1-9]$/.test(name) ? app.state.plant?.channels[Number(name) - 1] : null;
     const found = KEYS.find((one) => one.act && one.keys.includes(name));
-    if (!channel && !found) return;
+    if (!channel && !found?.act) return;
     event.preventDefault();
     taken = name === 'Space';
     if (channel) {
       app.act.site(null);
       app.act.site(channel.name);
-    } else Promise.resolve(found.act(app, name)).catch(app.act.refused);
+    } else Promise.resolve(found?.act?.(app, name)).catch(app.act.refused);
   });
 }

@@ -1,5 +1,6 @@
 // Opening a dialog by its name, for whoever wants one; dialogs.js says how.
 
+/** @type {(name: string) => void} */
 let show = () => {};
 
 /**

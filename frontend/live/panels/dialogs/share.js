@@ -1,5 +1,6 @@
 // Links to this session: one that opens it anew with everything in it, one to watch this very one.
 
+import {reason} from '../../../common/api.js';
 import {fill, h} from '../../../common/dom.js';
 import {icon} from '../../../widgets/svg.js';
 import {t} from '../../../i18n/words.js';
@@ -9,6 +10,7 @@ import {t} from '../../../i18n/words.js';
 /** @param {HTMLElement} body @param {App} app */
 export async function showShare(body, app) {
   fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
+  /** @type {[string, string, {view?: boolean}][]} */
   const kinds = [
     [t('page.share.copy'), t('page.share.copy.hint'), {}],
     [t('page.share.view'), t('page.share.view.hint'), {view: true}],
@@ -19,9 +21,9 @@ export async function showShare(body, app) {
       body,
       kinds.map(([title, hint], place) => row(title, hint, new URL(links[place], location.href).href)),
     );
-    body.querySelector('button').focus();
+    body.querySelector('button')?.focus();
   } catch (error) {
-    fill(body, h('p', {class: 'alarm'}, error.message));
+    fill(body, h('p', {class: 'alarm'}, reason(error).message));
   }
 }
 
@@ -31,6 +33,7 @@ export async function showShare(body, app) {
  * @param {string} address
  */
 function row(title, hint, address) {
+  /** @type {HTMLInputElement} */
   const field = h('input', {
     type: 'text',
     readonly: true,

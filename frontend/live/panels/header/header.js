@@ -1,6 +1,6 @@
 // The header: name, pages, connection, share, export, language, projector, theme.
 
-import {fill, h} from '../../../common/dom.js';
+import {fill, h, query} from '../../../common/dom.js';
 import {times} from '../../../widgets/number-format.js';
 import {open} from '../dialogs/open-dialog.js';
 import {icon} from '../../../widgets/svg.js';
@@ -13,7 +13,7 @@ import {t} from '../../../i18n/words.js';
 export function mount(element, app) {
   const state = h('span', {class: 'connection', role: 'status'});
   const words = h('span', {});
-  /** @param {string} name @param {() => void} act */
+  /** @param {'share' | 'export' | 'screen' | 'theme' | 'help'} name @param {() => void} act */
   const button = (name, act) => h('button', {type: 'button', class: 'quiet', onclick: act}, icon(name), h('span', {}));
   const share = button('share', () => open('share'));
   const take = button('export', () => open('export'));
@@ -51,10 +51,10 @@ export function mount(element, app) {
     '⋯',
   );
   actions.addEventListener('click', (event) => {
-    if (event.target.closest('button')) fold(false);
+    if (event.target instanceof Element && event.target.closest('button')) fold(false);
   });
   document.addEventListener('pointerdown', (event) => {
-    if (!element.contains(event.target)) fold(false);
+    if (event.target instanceof Node && !element.contains(event.target)) fold(false);
   });
   fill(
     element,
@@ -79,12 +79,12 @@ export function mount(element, app) {
   const named = (one, name, hint) => {
     one.title = hint;
     one.setAttribute('aria-label', hint);
-    one.lastChild.textContent = name;
+    if (one.lastChild) one.lastChild.textContent = name;
   };
   /** The button that begins the presentation is the way out of it. */
   const showPresent = () => {
     const on = app.state.presentation;
-    present.firstChild.replaceWith(icon(on ? 'close' : 'screen'));
+    present.firstElementChild?.replaceWith(icon(on ? 'close' : 'screen'));
     named(
       present,
       on ? t('page.header.leave') : t('page.header.present'),
@@ -93,8 +93,8 @@ export function mount(element, app) {
   };
   const label = () => {
     fill(nav, pages('live'));
-    fill(document.querySelector('.skip'), t('page.nav.skip-to-curves'));
-    fill(document.querySelector('#scope > h2'), t('page.tabs.curves'));
+    fill(query('.skip'), t('page.nav.skip-to-curves'));
+    fill(query('#scope > h2'), t('page.tabs.curves'));
     nav.setAttribute('aria-label', t('page.nav.label'));
     more.setAttribute('aria-label', t('page.header.more'));
     named(share, t('page.header.share'), t('page.header.share.hint'));

@@ -1,6 +1,6 @@
 // The experiment at hand, and the choice of another.
 
-import {fill, h} from '../../../common/dom.js';
+import {childrenOf, fill, h} from '../../../common/dom.js';
 import {icon} from '../../../widgets/svg.js';
 import {named, t} from '../../../i18n/words.js';
 
@@ -23,7 +23,7 @@ export function mount(element, app) {
   fill(element, button, sub, menu);
 
   /** @param {boolean} [on] */
-  const toggle = async (on = menu.hidden) => {
+  const toggle = async (on = menu.matches('[hidden]')) => {
     menu.hidden = !on;
     button.setAttribute('aria-expanded', String(on));
     if (!on) return;
@@ -62,8 +62,8 @@ export function mount(element, app) {
     );
   filter.addEventListener('input', () => {
     const words = filter.value.toLowerCase().split(/\s+/);
-    for (const item of list.children)
-      item.hidden = !words.every((word) => item.textContent.toLowerCase().includes(word));
+    for (const item of childrenOf(list))
+      item.hidden = !words.every((word) => (item.textContent ?? '').toLowerCase().includes(word));
   });
   menu.addEventListener('keydown', (event) => {
     if (event.key === 'Escape') {
@@ -73,12 +73,13 @@ export function mount(element, app) {
     }
     if (event.key !== 'ArrowDown' && event.key !== 'ArrowUp') return;
     event.preventDefault();
-    const links = [...list.querySelectorAll('li:not([hidden]) a')];
-    const next = links[links.indexOf(document.activeElement) + (event.key === 'ArrowDown' ? 1 : -1)];
+    const links = [...list.querySelectorAll('a')].filter((link) => !link.closest('[hidden]'));
+    const next =
+      links[links.findIndex((link) => link === document.activeElement) + (event.key === 'ArrowDown' ? 1 : -1)];
     (next ?? (event.key === 'ArrowUp' ? filter : links[0]))?.focus();
   });
   document.addEventListener('pointerdown', (event) => {
-    if (!menu.hidden && !element.contains(event.target)) toggle(false);
+    if (!menu.hidden && event.target instanceof Node && !element.contains(event.target)) toggle(false);
   });
 
   /** A name that does not fit is smaller; if it then still takes two lines, what it is about has one. */

@@ -5,8 +5,12 @@ import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
 /** @import {Scale} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
 
+/** @typedef {string | number | number[] | null} FieldValue */
+/** @typedef {{[field: string]: FieldValue}} Values */
+
 /**
- * @typedef {object} Subject       what the fault is on
+ * What a fault acts on.
+ * @typedef {object} Subject
  * @property {string} name
  * @property {boolean} onChannel
  * @property {number} typical      a usual size: the channel's, or a share of the output's own size
@@ -16,6 +20,12 @@ import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
  * @property {number} horizon      s
  * @property {number} sampleTime   s
  */
+
+/**
+ * @param {unknown} value
+ * @returns {value is number}
+ */
+const isNumber = (value) => typeof value === 'number';
 
 const GENERAL = new Set(['onset', 'end', 'channel', 'output']);
 
@@ -32,6 +42,7 @@ export const ownFields = (shape) => shape.fields.filter((field) => !GENERAL.has(
 export const mainField = (shape) => ownFields(shape).find((field) => field.type === 'number') ?? null;
 
 /** First values by what a field is called; others take their default, or the catalogue's example. */
+/** @type {{[field: string]: (subject: Subject) => FieldValue}} */
 const FIRST = {
   size: (subject) => (subject.onChannel ? subject.typical : nice(subject.typical)),
   rate: (subject) => nice(subject.typical / (subject.horizon / 10)),
@@ -61,7 +72,7 @@ export function firstValues(shape, subject) {
   return Object.fromEntries(
     ownFields(shape).map((field) => [
       field.name,
-      FIRST[field.name]?.(subject) ?? field.default ?? shape.example[field.name] ?? null,
+      FIRST[field.name]?.(subject) ?? /** @type {FieldValue} */ (field.default ?? shape.example[field.name] ?? null),
     ]),
   );
 }
@@ -74,7 +85,7 @@ export function firstValues(shape, subject) {
  * @returns {Scale}
  */
 export function mainScale(field, subject, first) {
-  if (field.maximum !== undefined && field.minimum !== undefined) return linear(field.minimum, field.maximum);
+  if (isNumber(field.maximum) && isNumber(field.minimum)) return linear(field.minimum, field.maximum);
   if (field.name === 'value') return linear(subject.level - 3 * subject.typical, subject.level + 3 * subject.typical);
   const reach = 3 * (Math.abs(first) || subject.typical || 1);
   const positive = field.minimum === 0 || field.above === 0;
@@ -92,7 +103,7 @@ export function mainScale(field, subject, first) {
  */
 export function limits(field, subject) {
   const [low, high] = subject.onChannel && field.name === 'size' ? subject.bounds : [null, null];
-  const least = field.minimum ?? (field.above !== undefined ? field.above + Number.MIN_VALUE : null);
+  const least = field.minimum ?? (isNumber(field.above) ? field.above + Number.MIN_VALUE : null);
   return {low: least ?? low ?? -Infinity, high: field.maximum ?? high ?? Infinity};
 }
 
@@ -115,7 +126,10 @@ export function read(field, text) {
   if (trimmed === '') return field.nullable ? null : undefined;
   const value = Number(trimmed.replace(',', '.'));
   const fits =
-    Number.isFinite(value) && !(value < field.minimum) && !(value <= field.above) && !(value > field.maximum);
+    Number.isFinite(value) &&
+    value >= (field.minimum ?? -Infinity) &&
+    value > (field.above ?? -Infinity) &&
+    value <= (field.maximum ?? Infinity);
   return fits ? value : undefined;
 }
 

@@ -5,13 +5,40 @@ import {firstValues, limits, mainField, mainScale, ownFields, read, spell} from 
 import {badge, refusal, seconds, slider} from '../../../widgets/controls.js';
 import {named, t} from '../../../i18n/words.js';
 
-/** @import {Command, FaultState} from '../../types.js' */
+/** @import {App, Command, FaultInput, FaultState, State} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
+/** @import {FieldValue, Subject, Values} from './fault-form.js' */
 
 /**
- * @param {object} app
- * @param {() => import('./fault-form.js').Subject} subjectOf    asked anew when a form is built, since outputs move
- * @param {{title: string, kind: string, badge: [string, string], shapes: object[]}} about
+ * @typedef {object} About
+ * @property {string} title
+ * @property {string} [description]
+ * @property {string} kind
+ * @property {[string, string]} badge
+ * @property {service.FaultForm[]} shapes
+ */
+
+/**
+ * A row with its form.
+ * @typedef {object} InjectRow
+ * @property {HTMLElement} element
+ * @property {service.FaultForm} shape
+ * @property {Values} values
+ * @property {number | null} end        duration in s
+ * @property {number | null} typed      the duration that was typed
+ * @property {FaultState | null} active
+ * @property {boolean} edited
+ * @property {ReturnType<typeof slider> | null} main
+ * @property {HTMLElement} [fold]
+ * @property {(faults: FaultState[], role: State['role'], horizon: number | undefined) => void} show
+ */
+
+/**
+ * A row for one channel or output. `subjectOf` is called whenever a form is built, since outputs move.
+ * @param {App} app
+ * @param {() => Subject} subjectOf
+ * @param {About} about
+ * @returns {InjectRow}
  */
 export function createRow(app, subjectOf, about) {
   const subject = subjectOf();
@@ -40,7 +67,18 @@ export function createRow(app, subjectOf, about) {
     stack,
     problem,
   );
-  const row = {element, shape: null, values: {}, end: null, typed: null, active: null, edited: false, main: null};
+  /** @type {InjectRow} */
+  const row = {
+    element,
+    shape: about.shapes[0],
+    values: {},
+    end: null,
+    typed: null,
+    active: null,
+    edited: false,
+    main: null,
+    show,
+  };
 
   const touch = () => {
     row.edited = row.active !== null;
@@ -49,7 +87,7 @@ export function createRow(app, subjectOf, about) {
   };
   /** @param {Values | null} [values] @param {number | null} [end] */
   const build = (values = null, end = null) => {
-    row.shape = about.shapes.find((shape) => shape.shape === menu.value);
+    row.shape = about.shapes.find((shape) => shape.shape === menu.value) ?? about.shapes[0];
     const now = subjectOf();
     row.values = values ?? firstValues(row.shape, now);
     row.end = end;
@@ -98,14 +136,17 @@ export function createRow(app, subjectOf, about) {
     }
   };
   const where = subject.onChannel ? {channel: subject.name} : {output: subject.name};
-  const inject = () => ({
-    type: 'inject',
-    fault: {...where, shape: row.shape.shape, onset: 0, ...(row.end === null ? {} : {end: row.end}), ...row.values},
-  });
+  /** @returns {Command} */
+  const inject = () => {
+    const end = row.end === null ? {} : {end: row.end};
+    const fault = {...where, shape: row.shape.shape, onset: 0, ...end, ...row.values};
+    return {type: 'inject', fault: /** @type {FaultInput} */ (/** @type {unknown} */ (fault))}; // by the catalogue's form
+  };
   control.addEventListener('keydown', (event) => {
-    if (event.key !== 'Enter' || !event.target.matches('input') || press.disabled) return;
+    const input = event.target;
+    if (event.key !== 'Enter' || !(input instanceof HTMLInputElement) || press.disabled) return;
     event.preventDefault();
-    if (event.target.matches('.number')) event.target.dispatchEvent(new Event('change')); // what was typed counts
+    if (input.matches('.number')) input.dispatchEvent(new Event('change')); // what was typed counts
     if (row.main?.field.matches('[aria-invalid]')) return;
     if (!row.active) press.click();
     else if (row.edited) change.click();
@@ -114,7 +155,8 @@ export function createRow(app, subjectOf, about) {
   change.addEventListener('click', () => ask([{type: 'clear', ...where}, inject()]));
 
   /** `faults`: those on it that act, and those that are planned. */
-  row.show = (faults, role, horizon) => {
+  /** @type {InjectRow['show']} */
+  function show(faults, role, horizon) {
     const acting = faults.filter(({active}) => active);
     const planned = faults.filter(({active}) => !active);
     const fault = acting.at(-1);
@@ -138,7 +180,7 @@ export function createRow(app, subjectOf, about) {
       row.edited = false;
       change.hidden = true;
     }
-  };
+  }
   build();
   return row;
 }

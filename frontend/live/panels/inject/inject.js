@@ -1,6 +1,6 @@
 // Inject a fault: a row for every channel, one for every output's measurement, and the noise.
 
-import {fill, h} from '../../../common/dom.js';
+import {childrenOf, fill, h} from '../../../common/dom.js';
 import {badges, called, split} from '../../../common/names.js';
 import {createRow} from './inject-row.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
@@ -11,6 +11,7 @@ import {named, t} from '../../../i18n/words.js';
 /** @import {Plant} from '../../../pages/types.js' */
 /** @import {App, Output} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
+/** @import {InjectRow} from './inject-row.js' */
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
@@ -18,7 +19,7 @@ export function mount(element, app) {
   let open = false; // the rows of measurement faults
   const ends = []; // of subscriptions that the rows hold
   const list = h('div', {class: 'scroll faults'});
-  const more = wholeLines(list, () => [...list.children], app);
+  const more = wholeLines(list, () => childrenOf(list), app);
   const tag = asOfNow(app);
 
   const build = async () => {

@@ -10,6 +10,8 @@ import {named, say, t} from '../../../i18n/words.js';
 /** @import {App, ObserverState} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
 
+/** @typedef {Map<string, () => string | number | null>} Inputs   option → its present value */
+
 /** What an observer of a kind is called; of a kind that is not known here: the kind. */
 const SHORT = {
   'zhao-adaptive': 'adaptive',

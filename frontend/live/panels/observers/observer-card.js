@@ -12,6 +12,10 @@ import {asSentence, named, say, t} from '../../../i18n/words.js';
 /** @import {App, Check, Command, Event, Gain, ObserverState} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
 
+/** @typedef {{[name: string]: Gain | null}} Gains */
+/** @typedef {{gain: service.GainForm, place: number | null, value: number | null | undefined}} Entry   one number of a gain */
+/** @typedef {ReturnType<typeof slider>} Control */
+
 const SHOWN = 2; // gains that are always in sight
 
 /**

@@ -1,7 +1,7 @@
 // The observers that watch: colour, assumptions, gains to move while they run; one more can be added, each can go.
 
 import {post} from '../../../common/api.js';
-import {fill, h} from '../../../common/dom.js';
+import {childrenOf, fill, h} from '../../../common/dom.js';
 import {createAdder} from './add-observer.js';
 import {createCard} from './observer-card.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
@@ -17,7 +17,7 @@ export function mount(element, app) {
   const list = h('div', {class: 'watching'});
   const adder = h('div', {class: 'adder', hidden: true});
   const body = h('div', {class: 'scroll'}, adder, list); // the form scrolls with the cards: however low the card is, its buttons can be reached
-  const more = wholeLines(body, () => [...list.children], app);
+  const more = wholeLines(body, () => childrenOf(list), app);
   let cards = new Map();
   let kinds = [];
   let serial = 0;

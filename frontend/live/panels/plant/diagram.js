@@ -5,6 +5,9 @@
 
 /**
  * @typedef {{name: string, title: string, subject: string, onChannel: boolean}} Site
+ * @typedef {Site & {x: number, y: number}} Spot
+ * @typedef {Block & {x: number, y: number, width: number, height: number, top: number, columns: number, spots: Spot[]}} Box
+ * @typedef {{blocks: Box[], axis: number, foot: number, height: number, left: number, right: number}} Layout
  * @typedef {{id: 'actuator'|'plant'|'l1'|'hysteresis'|'l2'|'sensor', states: string[], sites: Site[]}} Block
  */
 
@@ -27,6 +30,7 @@ export function sandwich(plant) {
   const carries = new Set(operators.map((one) => one.name)); // what follows the hysteresis: its operators, then all that use it
   for (const one of plant.definitions)
     if ([...mentioned(one.expression)].some((name) => carries.has(name))) carries.add(one.name);
+  /** @type {string[]} */
   const after = [];
   for (let found = true; found;) {
     found = false;
@@ -61,6 +65,7 @@ export function blocks(plant) {
   /** @param {Channel['kind']} kind */
   const of = (kind) => plant.channels.filter((channel) => channel.kind === kind);
   const actuators = of('actuator').map(site);
+  /** @type {Block[]} */
   const first = plant.inputs.length || actuators.length ? [{id: 'actuator', states: [], sites: actuators}] : [];
   const outputs = plant.outputs.map((one) => ({
     name: one.name,
@@ -103,7 +108,7 @@ const SHARE = {actuator: 0.8, plant: 1.25, l1: 0.62, hysteresis: 0.58, l2: 0.62,
 /**
  * Where everything stands in a picture 272 wide.
  * @param {Plant} plant
- * @returns {{blocks: object[], axis: number, foot: number, height: number, left: number, right: number}}
+ * @returns {Layout}
  */
 export function layout(plant) {
   const row = blocks(plant);
@@ -125,10 +130,11 @@ export function layout(plant) {
   const top = R + 1 + (rows - 1) * PITCH;
   const half = HALF;
   const axis = top + half + 2;
-  for (const one of placed) Object.assign(one, {y: axis - half, height: 2 * half, top, spots: spots(one, top)});
+  const boxes = placed.map((one) => ({...one, y: axis - half, height: 2 * half, top, spots: spots(one, top)}));
   const lines = Math.max(plant.inputs.length, plant.outputs.length, 1);
   const foot = axis + half + 12 + 14 * lines + 22; // the names stand beside the wires, above the observers
-  return {blocks: placed, axis, foot, height: foot + 24, left, right: placed.at(-1).x + placed.at(-1).width / 2};
+  const last = boxes[boxes.length - 1];
+  return {blocks: boxes, axis, foot, height: foot + 24, left, right: last.x + last.width / 2};
 }
 
 /**

@@ -10,10 +10,13 @@ import {named, t} from '../../../i18n/words.js';
 
 /** @import {Plant} from '../../../pages/types.js' */
 /** @import {App} from '../../types.js' */
+/** @import {Box, Layout, Spot} from './diagram.js' */
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
+  /** @type {Value[]} */
   let values = [];
+  /** @type {Map<string, Drawn>} */
   let sites = new Map();
   const tag = asOfNow(app);
   const draw = () => {
@@ -21,12 +24,13 @@ export function mount(element, app) {
     fill(
       element,
       heading(t('page.plant.title'), tag, plant && link(t('page.plant.equations'), () => open('equations'))),
-      plant && picture(),
+      plant && picture(plant),
     );
     light();
   };
-  const picture = () => {
-    const made = drawPlant(app.state.plant, app);
+  /** @param {Plant} plant */
+  const picture = (plant) => {
+    const made = drawPlant(plant, app);
     ({values, sites} = made);
     tick();
     return made.svg;
@@ -74,7 +78,9 @@ export function mount(element, app) {
 function drawPlant(plant, app) {
   const place = layout(plant);
   const short = badges(plant.channels);
+  /** @type {Map<string, Drawn>} */
   const sites = new Map();
+  /** @type {Value[]} */
   const values = [];
   const parts = place.blocks.map((box) => block(box, plant));
   const buttons = place.blocks.flatMap((box) => box.spots.map((spot) => button(spot, short, app, sites)));
@@ -102,6 +108,10 @@ function drawPlant(plant, app) {
   );
   return {svg, values, sites};
 }
+
+/** @typedef {{column: string, node: SVGElement, scale: number}} Value   a present value beside its wire */
+/** @typedef {{group: SVGElement, title: string, onChannel: boolean}} Drawn   a fault site */
+/** @typedef {{name: string, unit: string, description: string, default?: number}} Port */
 
 /**
  * Signal lines: through the blocks, and down to the observers; with the present values of u and y beside these.
@@ -177,7 +187,9 @@ function block(box, plant) {
     frame,
     s('text', {class: box.width < 52 ? 't small' : 't', x, y: y - lift}, t(`page.plant.block.${box.id}`)),
     states.length && s('text', {class: 'ts', x, y: y - lift + 14}, states),
-    discrete && s('text', {class: 'ts', x, y: y - lift + 26}, t('page.plant.every', {s: plant.time.period})),
+    plant.time.kind === 'discrete' &&
+      discrete &&
+      s('text', {class: 'ts', x, y: y - lift + 26}, t('page.plant.every', {s: plant.time.period})),
   ].filter(Boolean);
 }
 
@@ -234,7 +246,7 @@ function watchers({foot, axis}, app) {
       ...hat('θ', 3.1),
       ' ',
       sees,
-      s('tspan', {class: 'letter'}, plant.inputs.length ? ' u, y' : ' y'),
+      s('tspan', {class: 'letter'}, plant?.inputs.length ? ' u, y' : ' y'),
     ),
     ...observers.map((one, place) =>
       s('rect', {
