@@ -24,7 +24,8 @@ import {mountTransport} from './ui/transport.js';
 import {named, say, speak, t} from '../i18n/words.js';
 
 /** @import {Experiment} from '../pages/types.js' */
-/** @import {App, Catalogue, Command, Failure, Language, ServerMessage, SessionLink, State} from './types.js' */
+/** @import {App, Catalogue, Command, Language, ServerMessage, SessionLink, State} from './types.js' */
+/** @import {Problem} from '../common/api.js' */
 
 /**
  * @typedef {object} JoinOptions
@@ -52,38 +53,40 @@ let ghostSocket = null;
 /** @type {string | null} */
 let token = null;
 
-const app = /** @type {App} */ ({
-  store,
-  samples: new Samples(1),
-  ghost: null, // the parent's samples; state.origin is what is known of it
-  edge: new Edge(),
-  first: FIRST.experiment,
-  get state() {
-    return store.state;
-  },
-  get catalogue() {
-    const {language} = store.state;
-    if (catalogue?.language !== language) catalogue = {language, answer: get('/api/catalogue')};
-    return catalogue.answer;
-  },
-  subscribe: store.subscribe,
-  wake: loop.wake,
-  onFrame: loop.onFrame,
-  onTick: (fn) => loop.onTick(() => fn(app.samples.now)),
-  latest: (column) => app.samples.latest(column),
-  at: (column, t) => app.samples.at(column, t),
-  window: (column, t0, t1) => app.samples.window(column, t0, t1),
-  range: (column, t0, t1) => app.samples.range(column, t0, t1),
-  strips: () => stripsOf(store.state),
-  span: () => scope.span(),
-  cursor: (t) => store.dispatch({type: 'set', cursor: t}),
-  drop: () => socket?.drop(),
-  send(command) {
-    if (!socket) return Promise.reject(new Refused({code: 'page.notice.no-session'}));
-    if (store.state.role === 'view') return Promise.reject(new Refused({code: 'page.notice.view-only'}));
-    return socket.send(command);
-  },
-});
+const app = /** @type {App} */ (
+  /** @type {Omit<App, 'act' | 'scope'>} */ ({
+    store,
+    samples: new Samples(1),
+    ghost: null, // the parent's samples; state.origin is what is known of it
+    edge: new Edge(),
+    first: FIRST.experiment,
+    get state() {
+      return store.state;
+    },
+    get catalogue() {
+      const {language} = store.state;
+      if (catalogue?.language !== language) catalogue = {language, answer: get('/api/catalogue')};
+      return catalogue.answer;
+    },
+    subscribe: store.subscribe,
+    wake: loop.wake,
+    onFrame: loop.onFrame,
+    onTick: (fn) => loop.onTick(() => fn(app.samples.now)),
+    latest: (column) => app.samples.latest(column),
+    at: (column, t) => app.samples.at(column, t),
+    window: (column, t0, t1) => app.samples.window(column, t0, t1),
+    range: (column, t0, t1) => app.samples.range(column, t0, t1),
+    strips: () => stripsOf(store.state),
+    span: () => scope.span(),
+    cursor: (t) => store.dispatch({type: 'set', cursor: t}),
+    drop: () => socket?.drop(),
+    send(command) {
+      if (!socket) return Promise.reject(new Refused({code: 'page.notice.no-session'}));
+      if (store.state.role === 'view') return Promise.reject(new Refused({code: 'page.notice.view-only'}));
+      return socket.send(command);
+    },
+  })
+);
 /** @type {{language: Language, answer: Promise<Catalogue>} | null} */
 let catalogue = null;
 
@@ -165,10 +168,10 @@ function watchParent(id) {
       known = reduce(known, message);
       const {observers, faults, alarms} = known;
       const {origin} = store.state;
-      const same = origin?.observers === observers && origin.faults === faults && origin.alarms === alarms;
+      const same =
+        origin !== null && origin.observers === observers && origin.faults === faults && origin.alarms === alarms;
       if (known.spec && !same) store.dispatch({type: 'set', origin: {observers, faults, alarms}});
     },
-    /** @param {number} now */
     onConnection(now) {
       if (now === 'ended' && app.ghost === null) store.dispatch({type: 'set', parent: null});
     },
@@ -192,6 +195,7 @@ const link = {
     const now = at ?? app.samples.now;
     try {
       await writeAddress();
+      if (session === null) return;
       const made = await fork(session, token, at);
       const parent = {id: session, t: now};
       kept.write({id: made.id, token: made.token, address: '', experiment, plain: begunPlain, parent});
@@ -236,12 +240,13 @@ async function rejoin(id) {
   return true;
 }
 
-/** @param {Failure} error */
+/**
+ * Show why there is no session.
+ * @param {unknown} error   as thrown
+ */
 function failed(error) {
-  const problem = {
-    title: say(error.title ?? t('page.notice.failed')),
-    detail: say(error.detail ?? error.message),
-  };
+  const {title, detail, message} = /** @type {Partial<Problem>} */ (error);
+  const problem = {title: say(title ?? t('page.notice.failed')), detail: say(detail ?? message)};
   store.dispatch({type: 'failed', problem});
 }
 

@@ -31,8 +31,12 @@ export type Experiment = Omit<service.Experiment, 'plant'> & {plant: Plant};
 
 type WithoutId<T> = T extends unknown ? Omit<T, 'id'> : never;
 
+/** A command of a batch: all of them act from the same row on. */
+export type BatchCommand = WithoutId<service.Batch['commands'][number]>;
+
 /** A command as panels send it: the connection gives it its id. */
-export type Command = WithoutId<service.ClientMessage>;
+export type Command =
+  WithoutId<Exclude<service.ClientMessage, service.Batch>> | {type: 'batch'; commands: BatchCommand[]};
 
 export type Language = 'en' | 'zh';
 export type Theme = 'light' | 'dark';
@@ -205,7 +209,7 @@ export interface SessionLink {
 
 /** Actions that are more than one command (README.md lists them). */
 export interface Actions {
-  together(commands: Command[]): Promise<Ack[]>;
+  together(commands: BatchCommand[]): Promise<Ack>;
   play(): Promise<Ack | null>;
   pause(): Promise<Ack | null>;
   toggle(): Promise<Ack | null>;

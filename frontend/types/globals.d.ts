@@ -4,7 +4,7 @@ import type {App} from '../live/types.js';
 
 export interface PlotlyFigure {
   data: {[name: string]: unknown}[];
-  layout: {[name: string]: unknown; meta?: {narrow: object}};
+  layout: {[name: string]: unknown; meta?: {narrow?: object; title?: string; caption?: string}};
 }
 
 export interface PlotlyLibrary {

@@ -5,7 +5,7 @@ import {ENDS, position, value as valueAt} from './slider-scale.js';
 import {asSentence, refusalWords, t} from '../i18n/words.js';
 
 /** @import {Scale} from './slider-scale.js' */
-/** @import {App, Failure} from '../live/types.js' */
+/** @import {App} from '../live/types.js' */
 /** @import {Child, Properties} from '../types/dom.js' */
 
 /**

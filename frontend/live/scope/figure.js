@@ -1,5 +1,6 @@
 // A strip, or the whole scope, as a figure: in a dialog to measure in, or as a picture to keep.
 
+import {reason} from '../../common/api.js';
 import {brief} from '../../common/names.js';
 import {fill, h} from '../../common/dom.js';
 import {figureOf, image, show} from './plotly-figure.js';
@@ -37,7 +38,7 @@ function make(app, strips, {span = app.span(), whole = false} = {}) {
     bands: app.scope.bands(),
     t0: span[0],
     t1: span[1],
-    title: strips.length > 1 ? named(state.spec.title) || state.spec.id : null,
+    title: strips.length > 1 ? named(state.spec?.title) || (state.spec?.id ?? '') : null,
   });
 }
 
@@ -78,7 +79,7 @@ export async function openFigure(app, name) {
   /** @param {'png' | 'svg'} format */
   const keep = async (format) => {
     const address = URL.createObjectURL(await picture(app, {strip: name, format}));
-    h('a', {href: address, download: `${app.state.spec.id}-${strip.name.replaceAll('.', '-')}.${format}`}).click();
+    h('a', {href: address, download: `${app.state.spec?.id}-${strip.name.replaceAll('.', '-')}.${format}`}).click();
     setTimeout(() => URL.revokeObjectURL(address), 10_000);
   };
   /** @param {string} words @param {() => void} act */
@@ -89,7 +90,7 @@ export async function openFigure(app, name) {
       class: 'figure-dialog',
       'aria-label': brief(strip.title) || strip.name,
       onclose: () => {
-        if (plot.data) window.Plotly.purge(plot);
+        if ('data' in plot) window.Plotly.purge(plot);
         dialog.remove();
       },
     },
@@ -111,6 +112,6 @@ export async function openFigure(app, name) {
     fill(plot);
     await show(plot, figure);
   } catch (error) {
-    fill(plot, h('p', {class: 'alarm'}, error.message));
+    fill(plot, h('p', {class: 'alarm'}, reason(error).message));
   }
 }

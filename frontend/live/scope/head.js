@@ -1,6 +1,6 @@
 // Above the strips: what the lines mean, how long the window is, which strips are shown.
 
-import {fill, h, symbol} from '../../common/dom.js';
+import {childrenOf, fill, h, query, symbol} from '../../common/dom.js';
 import {brief, symbolic} from '../../common/names.js';
 import {seconds} from '../../widgets/number-format.js';
 import {link} from '../../widgets/controls.js';
@@ -33,10 +33,11 @@ export function mountHead(root, app, scope) {
       state.session,
     ],
     () => {
-      const focused = legend.contains(document.activeElement) && document.activeElement.closest('li').dataset.label;
+      const focused = document.activeElement?.closest('.legend li')?.getAttribute('data-label');
       fill(legend, legendOf(app, scope));
       fitLegend(legend);
-      if (focused) legend.querySelector(`[data-label="${CSS.escape(focused)}"] button`)?.focus();
+      const again = focused && legend.querySelector(`[data-label="${CSS.escape(focused)}"] button`);
+      if (again instanceof HTMLElement) again.focus();
     },
   );
   new ResizeObserver(() => fitLegend(legend)).observe(root);
@@ -78,10 +79,10 @@ export function mountHead(root, app, scope) {
     if (event.key !== 'Escape' || !menu.open) return;
     event.preventDefault();
     menu.open = false;
-    menu.querySelector('summary').focus();
+    query('summary', menu).focus();
   });
   document.addEventListener('click', (event) => {
-    if (menu.open && !menu.contains(event.target)) menu.open = false;
+    if (menu.open && event.target instanceof Node && !menu.contains(event.target)) menu.open = false;
   });
 }
 
@@ -90,9 +91,9 @@ export function mountHead(root, app, scope) {
  * @param {HTMLElement} legend
  */
 function fitLegend(legend) {
-  const plain = [...legend.children]
+  const plain = childrenOf(legend)
     .filter((item) => !item.classList.contains('own'))
-    .sort((a, b) => SPOKEN.indexOf(a.dataset.mark) - SPOKEN.indexOf(b.dataset.mark));
+    .sort((a, b) => SPOKEN.indexOf(a.dataset.mark ?? '') - SPOKEN.indexOf(b.dataset.mark ?? ''));
   for (const item of plain) item.classList.remove('mute');
   const oneLine = () => legend.offsetHeight < 1.7 * (plain[0]?.offsetHeight ?? 0);
   legend.classList.remove('tight');
@@ -109,6 +110,7 @@ function fitLegend(legend) {
 /** @param {App} app @param {Scope} scope */
 function legendOf(app, scope) {
   const {state} = app;
+  const {parent} = state;
   const forked = kept.forkOf(state.session);
   /**
    * @param {HTMLElement} mark
@@ -116,7 +118,12 @@ function legendOf(app, scope) {
    * @param {Properties} [extra]
    */
   const item = (mark, words, extra = {}) =>
-    h('li', {title: extra.class ? null : words, 'data-mark': mark.classList[1], ...extra}, mark, h('span', {}, words));
+    h(
+      'li',
+      {title: typeof words === 'string' ? words : null, 'data-mark': mark.classList[1], ...extra},
+      mark,
+      h('span', {}, words),
+    );
   /** @param {string} name @param {string | null} [style] */
   const key = (name, style = null) => h('span', {class: `key ${name}`, style, 'aria-hidden': 'true'});
   const banded = state.observers.filter(({label}) =>
@@ -128,19 +135,19 @@ function legendOf(app, scope) {
     banded.length > 0 && bandOf(banded, app, key),
     item(key('tinted'), t('page.scope.fault-active')),
     item(key('triangle'), t('page.scope.alarm')),
-    state.parent &&
+    parent &&
       item(
         key('ghost'),
-        [link(t('page.scope.parent'), () => app.act.visit(state.parent.id), {title: t('page.scope.parent.hint')})],
+        [link(t('page.scope.parent'), () => app.act.visit(parent.id), {title: t('page.scope.parent.hint')})],
         {
           class: 'own',
         },
       ),
-    forked &&
+    forked?.parent &&
       item(
         key('ghost'),
         [
-          link(t('page.scope.fork', {t: seconds(forked.parent.t, 0.1)}), () => app.act.visit(forked.id), {
+          link(t('page.scope.fork', {t: seconds(forked.parent.t ?? 0, 0.1)}), () => app.act.visit(forked.id), {
             title: t('page.scope.fork.hint'),
           }),
         ],
@@ -238,7 +245,7 @@ function fillMenu(menu, app) {
       h('input', {
         type: 'checkbox',
         checked: strip.shown,
-        onchange: (event) => app.act.strip(strip.name, event.target.checked),
+        onchange: (event) => app.act.strip(strip.name, event.currentTarget.checked),
       }),
       strip.kind === 'excitation'
         ? t('page.scope.excitation')

@@ -1,6 +1,6 @@
 // A sandwich plant's hysteresis: the loop v over x, and every backlash operator as what it is, a slot that its input pushes along.
 
-import {fill, h, symbol} from '../../common/dom.js';
+import {context, fill, h, symbol} from '../../common/dom.js';
 import {Range, marks, niceStep} from './axes.js';
 import {palette} from './canvas.js';
 import {fixed} from '../../widgets/number-format.js';
@@ -46,16 +46,18 @@ export function operatorsOf(plant) {
   const values = Object.fromEntries((plant?.parameters ?? []).map(({name, value}) => [name, value]));
   /** @param {string} text */
   const amount = (text) => (text in values ? values[text] : Number(text));
+  /** @type {Operator[]} */
   const operators = [];
+  /** @type {string | null} */
   let input = null;
   for (const {name, expression} of plant?.definitions ?? []) {
     const match = BACKLASH.exec(expression);
     if (!match) continue;
     input ??= match[1];
-    const memory = Object.entries(plant.dynamics).find(([, dynamics]) => dynamics.trim() === name)?.[0]; // the state that keeps its output
+    const memory = Object.entries(plant?.dynamics ?? {}).find(([, dynamics]) => dynamics.trim() === name)?.[0]; // the state that keeps its output
     if (memory && input === match[1]) operators.push({name, memory, right: amount(match[2]), left: amount(match[3])});
   }
-  return operators.length ? {input, operators} : null;
+  return input !== null && operators.length ? {input, operators} : null;
 }
 
 /** @param {HTMLElement} root @param {App} app */
@@ -63,16 +65,18 @@ export function mountHysteresis(root, app) {
   const loop = h('canvas', {role: 'img'});
   const slots = h('canvas', {role: 'img'});
   const values = h('span', {class: 'num'});
+  /** @type {Picture} */
   const picture = {
     app,
     loop,
     slots,
-    ctx: loop.getContext('2d'),
-    slotCtx: slots.getContext('2d'),
+    ctx: context(loop),
+    slotCtx: context(slots),
     x: new Range(),
     y: new Range(),
     colours: palette(),
     found: null,
+    observer: null,
     at: 0,
     still: '',
   };
@@ -82,7 +86,7 @@ export function mountHysteresis(root, app) {
       const {state} = app;
       picture.found = operatorsOf(state.plant);
       root.hidden = picture.found === null;
-      if (root.hidden) return;
+      if (!picture.found) return;
       picture.observer =
         state.observers.find(
           ({label}) => state.columns.includes(`${label}.v`) && state.columns.includes(`${label}.zone.1`),
@@ -124,9 +128,9 @@ export function mountHysteresis(root, app) {
 /** @param {Picture} picture */
 function measure(picture) {
   const ratio = Math.min(3, devicePixelRatio || 1);
-  for (const [canvas, ctx] of [
-    [picture.loop, picture.ctx],
-    [picture.slots, picture.slotCtx],
+  for (const {canvas, ctx} of [
+    {canvas: picture.loop, ctx: picture.ctx},
+    {canvas: picture.slots, ctx: picture.slotCtx},
   ]) {
     canvas.width = Math.round(canvas.clientWidth * ratio);
     canvas.height = Math.round(canvas.clientHeight * ratio);
@@ -141,16 +145,16 @@ function measure(picture) {
  * @param {Picture} picture
  */
 function zoneWords({app, found, observer}) {
-  if (!observer) return '';
+  if (!observer || !found) return '';
   const zones = found.operators.map((_, i) => app.latest(`${observer.label}.zone.${i + 1}`));
   /** @param {number} zone */
   const count = (zone) => zones.filter((one) => one === zone).length;
   return [
-    [1, t('page.hysteresis.zone.rising')],
-    [-1, t('page.hysteresis.zone.falling')],
-    [0, t('page.hysteresis.zone.memory')],
+    {zone: 1, word: t('page.hysteresis.zone.rising')},
+    {zone: -1, word: t('page.hysteresis.zone.falling')},
+    {zone: 0, word: t('page.hysteresis.zone.memory')},
   ]
-    .map(([zone, word]) => `${word} ${count(zone)}`)
+    .map(({zone, word}) => `${word} ${count(zone)}`)
     .join(' · ');
 }
 
@@ -160,7 +164,7 @@ function draw(picture, now) {
   if (!found || picture.loop.clientWidth === 0) return false;
   const t = moment(app.state, app.samples.now);
   const shown = `${app.samples.version} ${t}`;
-  const moving = picture.x.move(now) | picture.y.move(now);
+  const moving = [picture.x, picture.y].map((range) => range.move(now)).includes(true);
   if (shown === picture.still && !moving) return false;
   picture.still = shown;
   const end = Math.min(app.samples.rows - 1, Math.round(t / app.samples.record));
@@ -173,7 +177,7 @@ function draw(picture, now) {
   }
   drawLoop(picture, true_, own);
   drawSlots(picture, end);
-  return Boolean(moving);
+  return moving;
 }
 
 /**
@@ -242,7 +246,7 @@ function drawLoop(picture, true_, own) {
     ctx.stroke();
     ctx.setLineDash([]);
   };
-  if (own) curve(own, colours.observers[observer.place % 6], [], 1.4 * colours.size);
+  if (own && observer) curve(own, colours.observers[observer.place % 6], [], 1.4 * colours.size);
   curve(true_, colours.ink, [5, 3], 1.2 * colours.size);
   const last = true_.x.length - 1;
   if (last >= 0) dot(ctx, px(true_.x[last]), py(true_.y[last]), 3.5 * colours.size, colours.ink);
@@ -294,6 +298,7 @@ function drawAxes({ctx, loop, x, y, colours}, area, px, py) {
 function drawSlots({app, slotCtx: ctx, slots, found, colours, observer, x: range}, end) {
   const width = slots.clientWidth;
   const height = slots.clientHeight;
+  if (!found) return;
   const {input, operators} = found;
   const {samples} = app;
   ctx.clearRect(0, 0, width, height);

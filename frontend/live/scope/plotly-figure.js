@@ -68,7 +68,9 @@ export function points(samples, name, t0, t1) {
   const last = Math.min(samples.rows, Math.ceil(t1 / samples.record) + 1);
   const power = samples.power(first, last, last - first <= MOST ? last - first : MOST / 2);
   const source = samples.source(name, power);
+  /** @type {number[]} */
   const x = [];
+  /** @type {(number | null)[]} */
   const y = [];
   if (!source) return {x, y};
   const each = source.rows;
@@ -91,17 +93,19 @@ export function points(samples, name, t0, t1) {
  */
 export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}) {
   const colours = palette();
-  const figure = {
-    data: [],
-    layout: layoutOf({colours, title, t0, t1, axis: `y${strips.length > 1 ? strips.length : ''}`}),
-  };
+  /** @type {PlotlyFigure['data']} */
+  const data = [];
+  /** @type {Marks} */
+  const drawn = {shapes: [], annotations: []};
+  /** @type {PlotlyFigure['layout']} */
+  const layout = layoutOf({colours, title, t0, t1, axis: `y${strips.length > 1 ? strips.length : ''}`});
   const total = strips.reduce((sum, {weight}) => sum + weight, 0);
   const listed = new Set();
   let top = 1;
   strips.forEach((strip, i) => {
     const axis = `y${i ? i + 1 : ''}`;
     const high = (strip.weight / total) * (1 - 0.03 * (strips.length - 1));
-    figure.layout[`yaxis${i ? i + 1 : ''}`] = {
+    layout[`yaxis${i ? i + 1 : ''}`] = {
       domain: [Math.max(0, top - high), top],
       title: {text: nameOf(strip), standoff: 6},
       gridcolor: colours.grid,
@@ -112,10 +116,10 @@ export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}
       ...(strip.log ? {tickprefix: '10<sup>', ticksuffix: '</sup>', dtick: 1} : {}),
     };
     top -= high + 0.03;
-    figure.data.push(...curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}));
-    if (strip.kind === 'theta') figure.layout.shapes.push(...tintsOf(strip, axis, faults, t0, t1, samples.now));
+    data.push(...curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}));
+    if (strip.kind === 'theta') drawn.shapes.push(...tintsOf(strip, axis, faults, t0, t1, samples.now));
     if (strip.threshold !== null)
-      figure.layout.shapes.push({
+      drawn.shapes.push({
         type: 'line',
         xref: 'x',
         yref: axis,
@@ -125,10 +129,10 @@ export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}
         y1: strip.threshold,
         line: {color: colours.alarm, width: 1, dash: 'dot'},
       });
-    figure.layout.annotations.push(...flagsOf(strip, axis, alarms, t0, t1, colours));
+    drawn.annotations.push(...flagsOf(strip, axis, alarms, t0, t1, colours));
   });
-  figure.data.push(...keysOf(figure, strips, colours));
-  return figure;
+  data.push(...keysOf(drawn, strips, colours));
+  return {data, layout: {...layout, ...drawn}};
 }
 
 /**
@@ -137,7 +141,7 @@ export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}
  * @param {FigureStrip[]} strips
  * @param {Palette} colours
  */
-function keysOf({layout}, strips, colours) {
+function keysOf({shapes, annotations}, strips, colours) {
   /** @param {string} name @param {object} look */
   const entry = (name, look) => ({
     type: 'scatter',
@@ -149,14 +153,15 @@ function keysOf({layout}, strips, colours) {
     showlegend: true,
     ...look,
   });
-  return [
-    layout.shapes.some(({type}) => type === 'rect') &&
+  const entries = [
+    shapes.some(({type}) => type === 'rect') &&
       entry(t('page.scope.fault-active'), {marker: {symbol: 'square', size: 11, color: TINT}}),
-    layout.annotations.length > 0 &&
+    annotations.length > 0 &&
       entry(t('page.scope.alarm'), {marker: {symbol: 'triangle-down', size: 10, color: colours.alarm}}),
     strips.some(({threshold}) => threshold !== null) &&
       entry(t('page.scope.threshold'), {mode: 'lines', line: {color: colours.alarm, width: 1, dash: 'dot'}}),
-  ].filter(Boolean);
+  ];
+  return entries.filter((one) => one !== false);
 }
 
 /**
@@ -196,8 +201,6 @@ function layoutOf({colours, title, t0, t1, axis}) {
     plot_bgcolor: colours.card,
     margin: {l: 84, r: 16, t: title ? 74 : 40, b: 42},
     hovermode: 'x unified',
-    shapes: [],
-    annotations: [],
     font: {family: 'system-ui, "Noto Sans", "DejaVu Sans", sans-serif', size: 12 * colours.size, color: colours.ink},
     legend: {orientation: 'h', y: 1.005, yanchor: 'bottom', x: 0, xanchor: 'left'},
     title: title
@@ -231,8 +234,10 @@ function layoutOf({colours, title, t0, t1, axis}) {
 function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
   const base = {type: 'scatter', mode: 'lines', xaxis: 'x', yaxis: axis};
   const edge = {...base, line: {width: 0}, hoverinfo: 'skip', showlegend: false};
-  const shown = strip.traces.filter(({low, label}) => low && bands.has(label)).reverse();
+  const shown = strip.traces.filter(({label}) => bands.has(label)).reverse();
+  const banded = shown.filter(({low}) => low).length;
   const areas = shown.flatMap((trace) => {
+    if (trace.low === undefined || trace.high === undefined) return [];
     const name = t('page.scope.band-of', {label: trace.label});
     const showlegend = !listed.has(name);
     listed.add(name);
@@ -245,7 +250,7 @@ function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
         legendgroup: name,
         showlegend,
         fill: 'tonexty',
-        fillcolor: `${colours.observers[trace.place % 6]}${shown.length > 2 ? '1c' : '2b'}`,
+        fillcolor: `${colours.observers[trace.place % 6]}${banded > 2 ? '1c' : '2b'}`,
       },
     ];
   });
@@ -303,8 +308,8 @@ const escaped = (words) => words.replaceAll('&', '&amp;').replaceAll('<', '&lt;'
 /** @param {FigureStrip} strip */
 function nameOf(strip) {
   const name = symbolic(strip.symbol) ? plain(strip.symbol) : brief(strip.title) || plain(strip.symbol);
-  const words =
-    {residual: t('page.scope.residual-of', {name}), excitation: t('page.scope.excitation')}[strip.kind] ?? name;
+  const residual = strip.kind === 'residual' && t('page.scope.residual-of', {name});
+  const words = strip.kind === 'excitation' ? t('page.scope.excitation') : residual || name;
   return escaped(words + (strip.unit ? ` / ${strip.unit}` : ''));
 }
 

@@ -175,7 +175,10 @@ export class Scope {
     this.app.wake();
   }
 
-  /** The times at the edges. */
+  /**
+   * The times at the edges.
+   * @returns {[number, number]}
+   */
   span() {
     const {window, selection} = this.app.state;
     if (selection) return selection;
@@ -236,7 +239,7 @@ export class Scope {
     const {observers, band} = this.app.state;
     /** @param {string} label */
     const known = (label) => observers.some((one) => one.label === label);
-    const chosen = [this.pointed, band].find(known);
+    const chosen = [this.pointed, band].find((label) => label !== null && known(label));
     return new Set(chosen ? [chosen] : observers.map(({label}) => label));
   }
 

@@ -16,16 +16,16 @@ export function entriesOf(value, place = []) {
 
 /**
  * The gain with another number at a place.
- * @template {Gain} T
- * @param {T} value
+ * @param {Gain} value
  * @param {number[]} place
  * @param {number} next
- * @returns {T}
+ * @returns {Gain}
  */
 export function withEntry(value, place, next) {
-  if (place.length === 0) return next;
-  const [index, ...rest] = place;
-  return value.map((part, at) => (at === index ? withEntry(part, rest, next) : part));
+  const [row, column] = place;
+  if (row === undefined || !Array.isArray(value)) return next;
+  if (column === undefined) return value.flat().map((part, at) => (at === row ? next : part));
+  return value.map((part, at) => [part].flat().map((one, k) => (at === row && k === column ? next : one)));
 }
 
 /**

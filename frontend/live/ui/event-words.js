@@ -6,7 +6,8 @@ import {amount} from '../../diagnosis/fault-size.js';
 import {say, t} from '../../i18n/words.js';
 
 /** @import {Plant} from '../../pages/types.js' */
-/** @import {Event} from '../types.js' */
+/** @import {Event, FaultInput, Gain} from '../types.js' */
+/** @import * as service from '../../types/service.js' */
 
 /** @typedef {{[gain: string]: string}} Signs   the symbols of the observers' gains */
 
@@ -25,7 +26,6 @@ const DRAGGED = 5; // s between two values of one slider that are shown as one
  * @param {Signs} [signs]
  * @param {number} [most]
  * @returns {Line[]}
- * @returns {{event: object, t: number, words: string, alarm: boolean, own: boolean}[]}
  */
 export function lines(log, plant, signs = {}, most = 200) {
   const sorted = log
@@ -50,6 +50,9 @@ export function lines(log, plant, signs = {}, most = 200) {
   return shown;
 }
 
+/** @param {Event} event */
+const gainOf = ({value}) => /** @type {Partial<GainSet> | null} */ (value)?.gain;
+
 /**
  * Whether a slider went on from a gain or a noise to the next.
  * @param {Event} event
@@ -59,7 +62,7 @@ const dragged = (event, next) =>
   (event.kind === 'gain' || event.kind === 'noise') &&
   next?.kind === event.kind &&
   next.subject === event.subject &&
-  next.value?.gain === event.value?.gain &&
+  gainOf(next) === gainOf(event) &&
   next.t - event.t < DRAGGED;
 
 /**
@@ -85,21 +88,35 @@ const OWN = new Set([
   'reset',
 ]);
 
-/** The words for each kind of event; `name` is what the page calls its subject. */
+/**
+ * What the values of some kinds of events hold.
+ * @typedef {{planned?: boolean}} Cleared
+ * @typedef {{gain: string, value: Gain}} GainSet
+ * @typedef {FaultInput & {[field: string]: unknown}} Injected
+ */
+
+/**
+ * @typedef {object} Told
+ * @property {Event} event
+ * @property {Plant | null} plant
+ * @property {Signs} signs
+ * @property {string} name   what the page calls its subject
+ */
+
+/** @type {{[kind: string]: (told: Told) => string}} The words for each kind of event. */
 const WORDS = {
   inject: ({event, name}) => injected(event, name),
   clear: ({event: {subject, value}, name}) => {
-    if (subject) return value?.planned ? t('page.events.clear-planned', {name}) : t('page.events.clear', {name});
-    return value?.planned ? t('page.events.clear-all-planned') : t('page.events.clear-all');
+    const planned = /** @type {Cleared | null} */ (value)?.planned;
+    if (subject) return planned ? t('page.events.clear-planned', {name}) : t('page.events.clear', {name});
+    return planned ? t('page.events.clear-all-planned') : t('page.events.clear-all');
   },
   'fault-begins': ({name}) => t('page.events.fault-begins', {name}),
   'fault-ends': ({name}) => t('page.events.fault-ends', {name}),
-  gain: ({event: {subject, value}, signs}) =>
-    t('page.events.gain', {
-      gain: signs[value.gain] ?? plain(value.gain),
-      label: subject,
-      size: spelt(value.value),
-    }),
+  gain: ({event: {subject, value}, signs}) => {
+    const {gain, value: size} = /** @type {GainSet} */ (value);
+    return t('page.events.gain', {gain: signs[gain] ?? plain(gain), label: subject, size: spelt(size)});
+  },
   signal: ({name}) => t('page.events.signal', {name}),
   noise: ({event, name}) => t('page.events.noise', {name, size: spelt(event.value)}),
   'observer-added': ({event}) => t('page.events.observer-added', {label: event.subject}),
@@ -127,18 +144,22 @@ function words(event, plant, signs) {
  * @param {Event} event
  * @param {Plant | null} plant
  */
-const alarmNames = ({subject, value}, plant) =>
-  (value.kind === 'fault' ? [value.channel, ...value.alternatives] : [subject]).map((name) => called(name, plant));
+function alarmNames({subject, value}, plant) {
+  const {kind, channel, alternatives} = /** @type {service.Alarm} */ (value);
+  return (kind === 'fault' ? [channel, ...alternatives] : [subject]).map((name) => called(name, plant));
+}
 
 /** @param {Event} event @param {Plant | null} plant */
 function alarm(event, plant) {
-  const {value} = event;
+  const value = /** @type {service.Alarm} */ (event.value);
   const names = alarmNames(event, plant);
   if (value.kind !== 'fault') return t('page.events.alarm-unexplained', {name: names[0]});
   if (names.length > 1) return t('page.events.alarm-ambiguous', {names});
-  const channel = plant.channels.find((one) => one.name === value.channel);
+  const channel = plant?.channels.find((one) => one.name === value.channel);
   const size =
-    value.size === null ? '–' : amount({size: value.size, half: (value.size_to - value.size_from) / 2}, channel);
+    value.size === null
+      ? '–'
+      : amount({size: value.size, half: (Number(value.size_to) - Number(value.size_from)) / 2}, channel);
   return t('page.events.alarm', {name: names[0], size});
 }
 
@@ -151,19 +172,20 @@ const MAIN = ['size', 'rate', 'intensity', 'value', 'std', 'probability', 'resol
  * @param {string} name
  */
 function injected({value, t: at}, name) {
-  const shape = t(`page.fault.shape.${value.shape}`);
-  const main = MAIN.find((one) => one in value);
-  const size = main && spelt(value[main]);
+  const fault = /** @type {Injected} */ (value);
+  const shape = t(`page.fault.shape.${fault.shape}`);
+  const main = MAIN.find((one) => one in fault);
+  const size = main && spelt(fault[main]);
   const event = !main
     ? t('page.events.inject-shape', {name, shape})
     : main === 'size'
       ? t('page.events.inject', {name, size, shape})
       : t('page.events.inject-quantity', {name, shape, quantity: t(`page.fault.field.${main}`), size});
-  return value.onset > 0 ? t('page.events.later', {event, t: (at + value.onset).toFixed(1)}) : event;
+  return fault.onset > 0 ? t('page.events.later', {event, t: (at + fault.onset).toFixed(1)}) : event;
 }
 
 /** @param {unknown} value @returns {string} */
 function spelt(value) {
   if (Array.isArray(value)) return `(${value.map(spelt).join(', ')})`;
-  return typeof value === 'number' ? number(value, 3) : (value ?? '');
+  return typeof value === 'number' ? number(value, 3) : String(value ?? '');
 }

@@ -1,7 +1,7 @@
 // The plants of the library with their equations, and the check of a plant of one's own.
 
-import {connection, get, post, Problem} from '../../common/api.js';
-import {fill, h} from '../../common/dom.js';
+import {connection, get, post, Problem, reason} from '../../common/api.js';
+import {fill, h, query} from '../../common/dom.js';
 import {focusWhenScrolling} from '../../common/scroll-focus.js';
 import {mathml} from '../../widgets/equations.js';
 import {problemBlock} from '../../common/problem.js';
@@ -9,10 +9,17 @@ import {mountTop} from '../../common/page-header.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {named, say, speak, t} from '../../i18n/words.js';
 
-await speak(chosenLanguage());
-const KINDS = Object.fromEntries((await get('/api/catalogue')).observers.map((kind) => [kind.id, kind.title]));
+/** @import * as service from '../../types/service.js' */
 
-/** The equations of a plant, as rows. */
+await speak(chosenLanguage());
+/** @type {service.Catalogue} */
+const catalogue = await get('/api/catalogue');
+const KINDS = Object.fromEntries(catalogue.observers.map((kind) => [kind.id, kind.title]));
+
+/**
+ * The equations of a plant, as rows.
+ * @param {service.PlantEquations} answer
+ */
 function equations(answer) {
   const rows = [...answer.states, ...answer.definitions, ...answer.outputs];
   return focusWhenScrolling(
@@ -26,6 +33,12 @@ function equations(answer) {
   );
 }
 
+/**
+ * A plant of the library, with its equations when it is opened.
+ * @param {service.PlantLine} line
+ * @param {service.ExperimentLine[]} experiments
+ * @param {HTMLTextAreaElement} editor
+ */
 function card(line, experiments, editor) {
   const body = h('div', {class: 'body'});
   const fold = h(
@@ -37,6 +50,7 @@ function card(line, experiments, editor) {
   fold.addEventListener('toggle', async () => {
     if (!fold.open || body.childElementCount) return;
     fill(body, h('p', {class: 'soft'}, t('page.text.loading')));
+    /** @type {service.Equations} */
     const {plant} = await get(`/api/equations/${encodeURIComponent(line.id)}`);
     const open = experiments
       .filter((one) => one.plant === line.id)
@@ -65,7 +79,10 @@ function card(line, experiments, editor) {
   return fold;
 }
 
-/** How many states, inputs, outputs and channels a plant has. */
+/**
+ * How many states, inputs, outputs and channels a plant has.
+ * @param {service.PlantSizes} sizes
+ */
 const sizes = ({states, inputs, outputs, channels}) =>
   t('page.plants.sizes', {
     sizes: [
@@ -76,18 +93,25 @@ const sizes = ({states, inputs, outputs, channels}) =>
     ],
   });
 
-/** The result of a check: sizes, equations, which observers can be built and why others cannot. */
+/**
+ * The result of a check: sizes, equations, which observers can be built and why others cannot.
+ * @param {string} typed
+ * @param {HTMLElement} result
+ */
 async function checked(typed, result) {
   let plant;
   try {
     plant = JSON.parse(typed);
   } catch (error) {
-    return fill(result, h('p', {class: 'alarm', role: 'alert'}, t('page.plants.not-json', {error: error.message})));
+    return fill(
+      result,
+      h('p', {class: 'alarm', role: 'alert'}, t('page.plants.not-json', {error: reason(error).message})),
+    );
   }
   try {
     const [report, {plant: written}] = await Promise.all([
-      post('/api/plants/check', plant),
-      post('/api/equations', {plant, observers: []}),
+      /** @type {Promise<service.PlantCheck>} */ (post('/api/plants/check', plant)),
+      /** @type {Promise<service.Equations>} */ (post('/api/equations', {plant, observers: []})),
     ]);
     return fill(
       result,
@@ -117,10 +141,13 @@ async function checked(typed, result) {
   }
 }
 
-const root = document.querySelector('.plants');
-document.querySelector('.skip').textContent = t('page.plants.title');
-mountTop(document.querySelector('.top'), connection, 'plants');
-const [{plants}, {experiments}] = await Promise.all([get('/api/plants'), get('/api/experiments')]);
+const root = query('.plants');
+query('.skip').textContent = t('page.plants.title');
+mountTop(query('.top'), connection, 'plants');
+const [{plants}, {experiments}] = await Promise.all([
+  /** @type {Promise<service.PlantList>} */ (get('/api/plants')),
+  /** @type {Promise<service.ExperimentList>} */ (get('/api/experiments')),
+]);
 const editor = h('textarea', {rows: 14, id: 'own', spellcheck: 'false', placeholder: t('page.plants.own.hint')});
 const result = h('div', {class: 'result'});
 const form = h(

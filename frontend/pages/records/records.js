@@ -1,7 +1,7 @@
 // Recorded data, diagnosed: a plant, a file of columns, and which faults it shows.
 
 import {connection, get, post, Problem} from '../../common/api.js';
-import {fill, h, number, symbol} from '../../common/dom.js';
+import {fill, h, number, query, symbol} from '../../common/dom.js';
 import {alarmFrom} from '../../diagnosis/alarms.js';
 import {badge} from '../../widgets/controls.js';
 import {amount} from '../../diagnosis/fault-size.js';
@@ -12,15 +12,29 @@ import {columnsOf, needed} from './csv.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {asSentence, named, speak, t} from '../../i18n/words.js';
 
+/** @import * as service from '../../types/service.js' */
+/** @import {Alarm} from '../../live/types.js' */
+/** @import {Plant} from '../types.js' */
+/** @import {Child} from '../../types/dom.js' */
+
 const POINTS = 1200;
 const SLOT = '\u0000'; // where elements take the place of an argument
 await speak(chosenLanguage());
 
 /** An output over time, with what was found in it. */
+/**
+ * A recorded output over time, with the alarms.
+ * @param {Plant['outputs'][number]} output
+ * @param {number[]} time
+ * @param {number[]} y
+ * @param {Alarm[]} alarms
+ */
 function course(output, time, y, alarms) {
-  const [first, last] = [time[0], time.at(-1)];
+  const [first, last] = [time[0], time[time.length - 1]];
   const [low, high] = y.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+  /** @param {number} at */
   const x = (at) => ((at - first) / (last - first || 1)) * 1000;
+  /** @param {number} v */
   const up = (v) => 97 - ((v - low) / (high - low || 1)) * 94;
   const every = Math.max(1, Math.floor(time.length / POINTS));
   const path = time
@@ -35,11 +49,7 @@ function course(output, time, y, alarms) {
       'span',
       {},
       symbol(output.name),
-      h(
-        'span',
-        {class: 'soft'},
-        ` ${named(output.title ?? output.description ?? '')}${output.unit ? `, ${output.unit}` : ''}`,
-      ),
+      h('span', {class: 'soft'}, ` ${named(output.description)}${output.unit ? `, ${output.unit}` : ''}`),
     ),
     h(
       'svg',
@@ -60,6 +70,12 @@ function course(output, time, y, alarms) {
   );
 }
 
+/**
+ * The line of an alarm in the table.
+ * @param {Alarm} one
+ * @param {Plant} plant
+ * @param {Map<string, [string, string]>} short
+ */
 function row(one, plant, short) {
   const channel = plant.channels.find(({name}) => name === one.subject);
   const names = one.explained ? one.subjects : [one.subject];
@@ -87,7 +103,12 @@ function row(one, plant, short) {
   );
 }
 
-/** What was found: the sentence, one line each, the outputs, and what it rests on. */
+/**
+ * The findings: the sentence, one line each, the outputs, and the calibration behind them.
+ * @param {service.ObserverDiagnosis} told
+ * @param {Plant} plant
+ * @param {{[column: string]: number[]}} columns
+ */
 function found(told, plant, columns) {
   const time = columns.t ?? columns.time;
   const begin = time?.[0] ?? 0; // the diagnosis counts from the first row on
@@ -133,8 +154,8 @@ function found(told, plant, columns) {
       ),
     );
   const shown = plant.outputs
-    .map((output) => [output, columns[`y.${output.name}`] ?? columns[output.name]])
-    .filter(([, y]) => y && time);
+    .map((output) => ({output, y: columns[`y.${output.name}`] ?? columns[output.name]}))
+    .filter(({y}) => y && time);
   const {calibration, noise} = told;
   return [
     h(
@@ -169,17 +190,39 @@ function found(told, plant, columns) {
         'section',
         {class: 'card'},
         h('h2', {}, t('page.records.recorded')),
-        shown.map(([output, y]) => course(output, time, y, alarms)),
+        shown.map(({output, y}) => course(output, time, y, alarms)),
       ),
   ];
 }
 
+<<<<<<< HEAD
 const root = document.querySelector('.records');
 const {experiments} = await get('/api/experiments');
 let {plants} = await get('/api/plants');
 const known = new Map(); // plants in full, in the page's language
 const plantOf = async (id) =>
   known.get(id) ?? known.set(id, await get(`/api/plants/${encodeURIComponent(id)}`)).get(id);
+=======
+const root = query('.records');
+const [{plants}, {experiments}] = await Promise.all([
+  /** @type {Promise<service.PlantList>} */ (get('/api/plants')),
+  /** @type {Promise<service.ExperimentList>} */ (get('/api/experiments')),
+]);
+/** @type {Map<string, Plant>} */
+const known = new Map();
+
+/**
+ * A plant of the library in full.
+ * @param {string} id
+ * @returns {Promise<Plant>}
+ */
+async function plantOf(id) {
+  /** @type {Plant} */
+  const plant = known.get(id) ?? (await get(`/api/plants/${encodeURIComponent(id)}`));
+  known.set(id, plant);
+  return plant;
+}
+>>>>>>> 4a078fb (Type the panels, the scope, the pages and the page's actions)
 
 const choice = h(
   'select',
@@ -192,15 +235,20 @@ const rate = h('input', {id: 'rate', type: 'number', min: 0, step: 'any', value:
 const names = h('p', {class: 'soft all names'});
 const state = h('span', {class: 'soft', role: 'status'});
 const result = h('div', {class: 'records'});
-let taken = null; // text of a simulated record
+/** @type {string | null} text of a simulated record */
+let taken = null;
 // what stands beside the buttons, and below: as functions, to be said again in another language
+/** @type {() => string} */
 let beside = () => '';
+/** @type {() => Child} */
 let below = () => [];
 
+/** @param {() => string} words */
 const say = (words) => {
   beside = words;
   fill(state, beside());
 };
+/** @param {() => Child} elements */
 const show = (elements) => {
   below = elements;
   fill(result, below());
@@ -219,7 +267,10 @@ async function showNames() {
   );
 }
 
-/** Do something of which the server may refuse a part; what it gives is said beside the buttons. */
+/**
+ * Do something that the server may refuse; the words that it returns are shown beside the buttons.
+ * @param {() => Promise<(() => string) | void>} work
+ */
 async function attempt(work) {
   say(() => t('page.runs.running'));
   try {
@@ -231,8 +282,13 @@ async function attempt(work) {
   }
 }
 
+/**
+ * Diagnose a record.
+ * @param {string} csv
+ */
 async function ask(csv) {
   const plant = await plantOf(choice.value);
+  /** @type {service.ObserverDiagnosis} */
   const told = await post('/api/diagnosis', {
     plant: plant.id,
     csv: needed(csv, plant),
@@ -245,11 +301,15 @@ async function ask(csv) {
 
 /** A run of the plant's first experiment as a record, for those who have none at hand. */
 async function simulated() {
-  const {id} =
+  const experiment =
     experiments.find((one) => one.plant === choice.value && one.observers.length > 0) ??
     experiments.find((one) => one.plant === choice.value);
+  if (!experiment) return () => '';
+  const {id} = experiment;
   const [run, plant] = await Promise.all([
-    post('/api/runs?wait=60', {experiment: id, set: {observers: [], figures: []}}),
+    /** @type {Promise<service.Run>} */ (
+      post('/api/runs?wait=60', {experiment: id, set: {observers: [], figures: []}})
+    ),
     plantOf(choice.value),
   ]);
   const columns = [
@@ -263,16 +323,17 @@ async function simulated() {
   return () => t('page.records.simulated', {id});
 }
 
+/** @param {SubmitEvent} event */
 async function submit(event) {
   event.preventDefault();
-  const csv = taken ?? (await file.files[0]?.text());
+  const csv = taken ?? (await file.files?.[0]?.text());
   if (csv) attempt(() => ask(csv));
   else say(() => t('page.records.no-file'));
 }
 
 /** The page in the language at hand. What was chosen, and what came of it, stays. */
 function build() {
-  document.querySelector('.skip').textContent = t('page.records.title');
+  query('.skip').textContent = t('page.records.title');
   plants.forEach((line, place) => {
     choice.options[place].textContent = named(line.title) || line.id;
   });
@@ -307,10 +368,14 @@ file.addEventListener('change', () => {
   taken = null;
   say(() => '');
 });
+<<<<<<< HEAD
 mountTop(document.querySelector('.top'), connection, 'records', async () => {
   known.clear();
   ({plants} = await get('/api/plants'));
   await plantOf(choice.value);
   build();
 });
+=======
+mountTop(query('.top'), connection, 'records', build);
+>>>>>>> 4a078fb (Type the panels, the scope, the pages and the page's actions)
 build();

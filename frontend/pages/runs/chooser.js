@@ -1,6 +1,6 @@
 // The library: experiments under their plants. On a narrow screen it folds away behind the choice.
 
-import {fill, h} from '../../common/dom.js';
+import {fill, h, query} from '../../common/dom.js';
 import {write} from './address.js';
 import {named, t} from '../../i18n/words.js';
 
@@ -15,6 +15,7 @@ const MANY = 8; // from so many experiments on there is a field to find one
  */
 export function mountChooser(root, store, act) {
   const wide = matchMedia('(min-width: 1180px)');
+  /** @type {HTMLInputElement} */
   const filter = h('input', {
     type: 'search',
     placeholder: t('page.title.find'),
@@ -38,7 +39,7 @@ export function mountChooser(root, store, act) {
 
   function show() {
     const {experiments, chosen, spec} = store.state;
-    fill(fold.querySelector('.now'), named(spec?.title) ?? '');
+    fill(query('.now', fold), named(spec?.title) ?? '');
     filter.hidden = (experiments?.length ?? 0) < MANY;
     if (experiments === null) return fill(list, h('p', {class: 'soft'}, t('page.text.loading')));
     if (experiments.length === 0) return fill(list, h('p', {class: 'soft'}, t('page.runs.no-experiments')));
@@ -91,7 +92,8 @@ export function mountChooser(root, store, act) {
     if (state.experiments !== before.experiments || state.chosen !== before.chosen || state.spec !== before.spec) {
       const focused = list.contains(document.activeElement);
       show();
-      if (focused) list.querySelector('[aria-current]')?.focus();
+      const current = list.querySelector('[aria-current]');
+      if (focused && current instanceof HTMLElement) current.focus();
     }
   });
   show();

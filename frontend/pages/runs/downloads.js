@@ -5,9 +5,9 @@ import {h, number} from '../../common/dom.js';
 import {language, t} from '../../i18n/words.js';
 
 /** @import {Properties} from '../../types/dom.js' */
-/** @import {Changes, RunState} from '../types.js' */
+/** @import {Changes, Run, RunState} from '../types.js' */
 
-/** @param {RunState} state */
+/** @param {Pick<RunState, 'chosen' | 'foreign' | 'ranWith'> & {run: Run}} state */
 export function downloads({run, chosen, foreign, ranWith}) {
   /**
    * @param {string} title
@@ -38,7 +38,7 @@ export function downloads({run, chosen, foreign, ranWith}) {
         }),
       link(t('page.export.spec'), spec, {download: `${run.spec.id}.json`, title: t('page.export.spec.hint')}),
     ),
-    !foreign && command(chosen, JSON.parse(ranWith)),
+    !foreign && chosen !== null && command(chosen, JSON.parse(ranWith ?? '{}')),
     h(
       'p',
       {class: 'soft small'},

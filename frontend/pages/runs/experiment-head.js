@@ -31,6 +31,9 @@ export function mountHead(root, store, act) {
   fill(root, about, plan, form.element, trouble, controls, bar);
   root.hidden = true;
 
+  /** @type {(keyof RunState)[]} the fields that the description depends on */
+  const SHOWN = ['spec', 'plant', 'chosen', 'foreign'];
+
   /** @param {RunState} state */
   function showSpec({spec, plant, chosen, phase, foreign}) {
     root.hidden = !spec && !chosen && phase !== 'failed';
@@ -86,15 +89,11 @@ export function mountHead(root, store, act) {
     status.classList.toggle('note', !running && stale(state));
     const left =
       problem && spec ? problem.errors.filter((error) => !form.has(spelt(spec, error.field))) : problem?.errors;
-    fill(trouble, problem && (left.length || !problem.errors.length) ? problemBlock(problem, left) : null);
+    fill(trouble, problem && (left?.length || !problem.errors.length) ? problemBlock(problem, left) : null);
   }
 
   store.subscribe((state, before) => {
-    if (
-      ['spec', 'plant', 'chosen', 'foreign'].some((key) => state[key] !== before[key]) ||
-      (state.phase === 'failed' && !state.spec)
-    )
-      showSpec(state);
+    if (SHOWN.some((key) => state[key] !== before[key]) || (state.phase === 'failed' && !state.spec)) showSpec(state);
     form.update(state, before);
     showProgress(state);
   });

@@ -13,7 +13,7 @@ import {named, t} from '../../i18n/words.js';
 export function timeline(spec, plant) {
   if (!spec.faults.length) return h('p', {class: 'soft'}, t('page.runs.no-faults'));
   const rows = spec.faults.map((fault) => {
-    const name = fault.channel ?? fault.output;
+    const name = 'channel' in fault ? fault.channel : fault.output;
     const channel = plant?.channels.find((one) => one.name === name);
     /** @param {number} time */
     const share = (time) => `${Math.min(100, (100 * time) / spec.horizon)}%`;

@@ -1,15 +1,14 @@
 // The figures of the run. Plotly is loaded when it is first needed; figures are fetched and drawn one after another, as they
 // come near the screen.
 
-import {connection, get} from '../../common/api.js';
-import {fill, h} from '../../common/dom.js';
+import {connection, get, reason} from '../../common/api.js';
+import {fill, h, query} from '../../common/dom.js';
 import {plotlyLocale} from '../../i18n/plotly-locale.js';
 import {named, t} from '../../i18n/words.js';
 
-/** @import {Failure} from '../../live/types.js' */
 /** @import {FigureBox, Run, RunState, RunStore} from '../types.js' */
 
-/** @import {PlotlyFigure} from '../../types/globals.js' */
+/** @import {PlotlyFigure, PlotlyLibrary} from '../../types/globals.js' */
 /** @import * as service from '../../types/service.js' */
 
 // Plotly offers by default to send the figure to its makers' cloud: not from here.
@@ -20,11 +19,14 @@ const OPTIONS = {
   plotlyServerURL: '',
   modeBarButtonsToRemove: ['select2d', 'lasso2d', 'autoScale2d'],
 };
+/** @typedef {{[name: string]: unknown}} Part   of a layout */
+
 const options = () => ({...OPTIONS, ...plotlyLocale()});
 const PROJECTOR = 1.25;
 const narrow = matchMedia('(max-width: 640px)');
 const projector = matchMedia('(min-width: 1800px)');
 
+/** @type {Promise<PlotlyLibrary> | null} */
 let library = null;
 
 function plotly() {
@@ -52,10 +54,11 @@ function plotly() {
 function fitted(layout, width) {
   const copy = {...structuredClone(layout), width};
   if (narrow.matches) {
-    for (const [path, value] of Object.entries(copy.meta.narrow)) {
+    for (const [path, value] of Object.entries(copy.meta?.narrow ?? {})) {
       const keys = path.split('.');
-      const last = keys.pop();
-      keys.reduce((at, key) => at[key], copy)[last] = value;
+      const last = keys.pop() ?? '';
+      const into = keys.reduce((at, key) => /** @type {Part} */ (at[key]), /** @type {Part} */ (copy));
+      into[last] = value;
     }
   }
   return projector.matches ? enlarged(copy) : copy;
@@ -63,23 +66,26 @@ function fitted(layout, width) {
 
 const LENGTHS = new Set(['size', 'height', 'l', 'r', 't', 'b', 'xshift', 'yshift', 'itemwidth', 'standoff']);
 
-/** @param {{[name: string]: unknown}} part */
+/** @param {Part} part */
 function enlarged(part) {
   for (const [key, value] of Object.entries(part)) {
     if (typeof value === 'number' && LENGTHS.has(key)) part[key] = value * PROJECTOR;
-    else if (typeof value === 'object' && value !== null && key !== 'meta') enlarged(value);
+    else if (typeof value === 'object' && value !== null && key !== 'meta') enlarged(/** @type {Part} */ (value));
   }
   return part;
 }
 
 /** @param {HTMLElement} root @param {RunStore} store */
 export function mountFigures(root, store) {
-  const boxes = new Map(); // name → {section, plot, address, drawn}
+  /** @type {Map<string, FigureBox>} */
+  const boxes = new Map();
   const bar = h('nav', {class: 'jump', 'aria-label': t('page.runs.figures')});
+  /** @type {Promise<unknown>} */
   let queue = Promise.resolve();
   const near = new IntersectionObserver(
     (entries) => {
-      for (const entry of entries) if (entry.isIntersecting) draw(boxes.get(entry.target.dataset.name));
+      for (const entry of entries)
+        if (entry.isIntersecting) draw(boxes.get(entry.target.getAttribute('data-name') ?? ''));
     },
     {rootMargin: '500px'},
   );
@@ -93,6 +99,7 @@ export function mountFigures(root, store) {
   /** @param {Run} run */
   async function list(run) {
     try {
+      /** @type {service.FigureList} */
       const {figures} = await get(run.links.figures);
       if (store.state.run !== run) return;
       const names = new Set(figures.map((one) => one.name));
@@ -115,7 +122,7 @@ export function mountFigures(root, store) {
   /** @param {MouseEvent & {currentTarget: HTMLElement}} event */
   function jump(event) {
     event.preventDefault(); // the address is the choice's
-    document.querySelector(event.currentTarget.getAttribute('href')).scrollIntoView();
+    query(event.currentTarget.getAttribute('href') ?? '').scrollIntoView();
   }
 
   /** @param {service.FigureLine} one @param {Run} run */
@@ -128,8 +135,10 @@ export function mountFigures(root, store) {
   /** @param {service.FigureLine} one @returns {FigureBox} */
   function create(one) {
     const plot = h('div', {class: 'plot', role: 'img', 'aria-label': named(one.title)});
+    /** @type {FigureBox} */
     const box = {
       plot,
+      address: '',
       caption: h('figcaption'),
       drawn: null,
       section: h('figure', {class: 'card', id: `figure-${one.name}`, 'data-name': one.name}),
@@ -155,12 +164,13 @@ export function mountFigures(root, store) {
     later(async () => {
       if (box.drawn !== wanted || !box.section.isConnected) return;
       try {
-        const [Plotly, figure] = await Promise.all([plotly(), get(wanted)]);
+        const [Plotly, figure] = await Promise.all([plotly(), /** @type {Promise<PlotlyFigure>} */ (get(wanted))]);
         if (box.drawn !== wanted) return;
         box.failed?.remove();
         box.figure = figure;
-        fill(box.caption, named(figure.layout.meta.caption));
-        box.plot.setAttribute('aria-label', `${named(figure.layout.meta.title)}. ${named(figure.layout.meta.caption)}`);
+        const {title, caption} = figure.layout.meta ?? {};
+        fill(box.caption, named(caption));
+        box.plot.setAttribute('aria-label', `${named(title)}. ${named(caption)}`);
         await Plotly.react(box.plot, figure.data, fitted(figure.layout, box.plot.clientWidth), options());
         box.section.dataset.drawn = wanted;
       } catch (error) {
@@ -172,13 +182,13 @@ export function mountFigures(root, store) {
     });
   }
 
-  /** @param {Failure} error @param {() => void} again */
+  /** @param {unknown} error @param {() => void} again */
   const failure = (error, again) =>
     h(
       'div',
       {class: 'problem', role: 'alert'},
       h('b', {}, t('page.runs.figure-failed')),
-      h('p', {}, error.message),
+      h('p', {}, reason(error).message),
       h('button', {type: 'button', class: 'quiet', onclick: again}, t('page.action.try-again')),
     );
 
@@ -188,16 +198,18 @@ export function mountFigures(root, store) {
    */
   function refit(whole) {
     for (const box of boxes.values()) {
-      if (!box.figure || !box.plot.data) continue;
+      const {figure, plot} = box;
+      if (!figure || !plot.data) continue;
       later(() =>
         whole
-          ? window.Plotly.react(box.plot, box.figure.data, fitted(box.figure.layout, box.plot.clientWidth), options())
-          : window.Plotly.relayout(box.plot, {width: box.plot.clientWidth}),
+          ? window.Plotly.react(plot, figure.data, fitted(figure.layout, plot.clientWidth), options())
+          : window.Plotly.relayout(plot, {width: plot.clientWidth}),
       );
     }
   }
 
-  let timer = null;
+  /** @type {ReturnType<typeof setTimeout> | undefined} */
+  let timer;
   addEventListener('resize', () => {
     clearTimeout(timer);
     timer = setTimeout(refit, 150, false);

@@ -8,12 +8,14 @@ import {explained} from '../../common/problem.js';
 import {t} from '../../i18n/words.js';
 
 /** @import {RunActions, RunState, RunStore} from '../types.js' */
+/** @import {Child} from '../../types/dom.js' */
 
 const EXAMPLE = 'faults.theta3.size = 0.03\nhorizon = 50';
 
 /** @param {RunStore} store @param {RunActions} act */
 export function createForm(store, act) {
-  const fields = new Map(); // path → {input, error}
+  /** @type {Map<string, {input: HTMLInputElement, error: HTMLElement}>} by path */
+  const fields = new Map();
   const element = h('form', {
     id: 'form',
     novalidate: true,
@@ -45,17 +47,19 @@ export function createForm(store, act) {
     },
     t('page.runs.reset'),
   );
+  /** @type {HTMLDetailsElement | null} */
   let details = null;
 
   /**
    * @param {string} path
-   * @param {string} label
+   * @param {Child} label
    * @param {string} hint
    */
   function field(path, label, hint) {
     const {spec, changes} = store.state;
     const id = `field-${path.replaceAll('.', '-')}`;
     const error = h('p', {class: 'error', id: `${id}-error`});
+    /** @type {HTMLInputElement} */
     const input = h('input', {
       id,
       type: 'text',
@@ -71,23 +75,19 @@ export function createForm(store, act) {
 
   function build() {
     const {spec, changes} = store.state;
+    if (!spec) return;
     fields.clear();
     const noise = Object.keys(spec.noise).map((output) =>
       field(`noise.${output}.std`, [t('page.runs.noise-of'), ' ', symbol(output)], t('page.runs.noise.hint')),
     );
     const gains = spec.observers
-      .map((observer) => [observer, Object.keys(observer.gains)])
-      .filter(([, names]) => names.length)
-      .map(([observer, names], place) =>
+      .map((observer, place) => ({observer, place, names: Object.keys(observer.gains)}))
+      .filter(({names}) => names.length)
+      .map(({observer, place, names}) =>
         h(
           'fieldset',
           {},
-          h(
-            'legend',
-            {},
-            h('span', {class: 'chip', style: `--c:var(--o${spec.observers.indexOf(observer, place) % 6})`}),
-            observer.label,
-          ),
+          h('legend', {}, h('span', {class: 'chip', style: `--c:var(--o${place % 6})`}), observer.label),
           names.map((name) =>
             field(
               `observers.${observer.label}.gains.${name}`,
@@ -124,7 +124,7 @@ export function createForm(store, act) {
       ),
       details,
     );
-    update(store.state, {});
+    update(store.state, null);
   }
 
   function readMore() {
@@ -139,12 +139,12 @@ export function createForm(store, act) {
     act.replace(changes);
   }
 
-  /** @param {RunState} state @param {RunState} before */
+  /** @param {RunState} state @param {RunState | null} before */
   function update(state, before) {
     if (!state.spec) return;
     reset.hidden = Object.keys(state.changes).length === 0;
     for (const [path, {input}] of fields) input.classList.toggle('changed', path in state.changes);
-    if (state.problem === before.problem) return;
+    if (state.problem === before?.problem) return;
     const errors = new Map((state.problem?.errors ?? []).map((error) => [spelt(state.spec, error.field), error]));
     for (const [path, {input, error}] of fields) {
       const wrong = errors.get(path);
@@ -153,9 +153,9 @@ export function createForm(store, act) {
       fill(error, wrong ? explained(wrong) : null);
     }
     const first = [...fields].find(([path]) => errors.has(path));
-    if (first?.[0].includes('.gains.')) details.open = true;
+    if (first?.[0].includes('.gains.') && details) details.open = true;
     first?.[1].input.focus();
   }
 
-  return {element, build, update, /** @param {string} path */ has: (path) => fields.has(path)};
+  return {element, build, update, has: (/** @type {string} */ path) => fields.has(path)};
 }

@@ -1,7 +1,8 @@
 // The state of the page and how events change it. One way: event → reduce → views.
 
-/** @import {Experiment, Phase, RunEvent, RunState, RunView} from '../types.js' */
+/** @import {Experiment, Phase, RunEvent, RunState, RunStore, RunView} from '../types.js' */
 
+/** @type {RunState} */
 export const initial = {
   experiments: null, // the library's list; null while it loads
   plants: {},
@@ -17,8 +18,10 @@ export const initial = {
   problem: null, // {title, detail, errors}
 };
 
+/** @type {Pick<RunState, 'phase' | 'problem' | 'run' | 'ranWith'>} */
 const cleared = {phase: 'idle', problem: null, run: null, ranWith: null};
 
+/** @type {{[K in RunEvent['type']]: (state: RunState, event: Extract<RunEvent, {type: K}>) => RunState}} */
 const events = {
   library: (state, {experiments, plants}) => ({...state, experiments, plants}),
   choose: (state, {id, changes}) => ({
@@ -58,7 +61,10 @@ const settled = (state) => (state.run ? 'done' : 'idle');
  * @param {RunEvent} event
  * @returns {RunState}
  */
-export const reduce = (state, event) => events[event.type](state, event);
+export function reduce(state, event) {
+  const change = /** @type {(state: RunState, event: RunEvent) => RunState} */ (events[event.type]);
+  return change(state, event);
+}
 
 /**
  * Whether the form asks for something else than what the figures show.
@@ -67,40 +73,49 @@ export const reduce = (state, event) => events[event.type](state, event);
 export const stale = (state) => state.run !== null && state.ranWith !== JSON.stringify(state.changes);
 
 /**
- * The value at a path of the specification; items of lists by index, label, name, channel or output.
- * @param {Experiment} spec
- * @param {string} path
+ * One step into a value: a field by name, an item of a list by index, label, name, channel or output.
+ * @param {unknown} at
+ * @param {string} key
  * @returns {unknown}
  */
-export function original(spec, path) {
-  return path.split('.').reduce((at, key) => {
-    if (at === undefined || at === null) return undefined;
-    if (!Array.isArray(at)) return at[key];
-    return at[key] ?? at.find((item) => [item.label, item.name, item.channel, item.output].includes(key));
-  }, spec);
+function step(at, key) {
+  if (typeof at !== 'object' || at === null) return undefined;
+  if (!Array.isArray(at)) return new Map(Object.entries(at)).get(key);
+  return at[Number(key)] ?? at.find((item) => [item.label, item.name, item.channel, item.output].includes(key));
 }
 
 /**
+ * The value at a path of the specification.
+ * @param {Experiment | null} spec
+ * @param {string} path
+ * @returns {unknown}
+ */
+export const original = (spec, path) =>
+  path.split('.').reduce((at, key) => step(at, key), /** @type {unknown} */ (spec));
+
+/**
  * A field's name in an answer of the server, spelt as the form spells it: observers[0].gains.rho → observers.adaptive.gains.rho.
- * @param {Experiment} spec
+ * @param {Experiment | null} spec
  * @param {string} field
  */
 export function spelt(spec, field) {
   const keys = field.replaceAll('[', '.').replaceAll(']', '').split('.').filter(Boolean);
+  /** @type {unknown} */
   let at = spec;
   return keys
     .map((key) => {
-      const inside = Array.isArray(at);
-      const item = inside ? (at[key] ?? at.find((one) => one.label === key)) : at?.[key];
+      const item = step(at, key);
+      const label = Array.isArray(at) ? step(item, 'label') : undefined;
       at = item;
-      return inside && item?.label ? item.label : key;
+      return typeof label === 'string' && label ? label : key;
     })
     .join('.');
 }
 
-/** The store: `dispatch(event)`, `state`, and `subscribe(view)`, which is called with (state, before). */
+/** The store; views are called with (state, before) whenever the state has changed. @returns {RunStore} */
 export function createStore() {
   let state = initial;
+  /** @type {RunView[]} */
   const views = [];
   return {
     get state() {

@@ -1,6 +1,7 @@
 // Starts the page: loads the library, opens what the address chooses, and carries out what the views ask for.
 
-import {connection, get, post, Problem, run} from '../../common/api.js';
+import {connection, get, post, Problem, reason, run} from '../../common/api.js';
+import {query} from '../../common/dom.js';
 import {read, write} from './address.js';
 import {createStore} from './run-state.js';
 import {mountChooser} from './chooser.js';
@@ -12,12 +13,15 @@ import {mountVerdicts} from './verdicts.js';
 import {chosenLanguage} from '../../i18n/language.js';
 import {named, speak, t} from '../../i18n/words.js';
 
-/** @import {Changes, Experiment, Plant, RunState} from '../types.js' */
+/** @import {Changes, Experiment, Plant, Run, RunActions, RunState} from '../types.js' */
+/** @import * as service from '../../types/service.js' */
 
 await speak(chosenLanguage());
 const store = createStore();
-let following = null; // the AbortController of the run that is followed
+/** @type {AbortController | null} of the run that is followed */
+let following = null;
 
+/** @type {RunActions} */
 const act = {
   /** Open an experiment of the library; `run`, an id, shows that run's result where the store still has it. */
   async choose(id, {changes = {}, run: known = null, push = true} = {}) {
@@ -25,6 +29,7 @@ const act = {
     if (push) history.pushState(null, '', write({experiment: id}));
     store.dispatch({type: 'choose', id, changes});
     await guarded(async () => {
+      /** @type {Experiment} */
       const spec = await get(`/api/experiments/${encodeURIComponent(id)}`);
       const plant = await plantOf(spec);
       if (store.state.chosen !== id) return;
@@ -38,13 +43,14 @@ const act = {
     following?.abort();
     const mine = (following = new AbortController());
     const {chosen, changes} = store.state;
+    if (chosen === null) return;
     store.dispatch({type: 'start'});
     await guarded(async () => {
       /** @param {RunState['progress']} progress */
       const tell = (progress) => mine.signal.aborted || store.dispatch({type: 'progress', progress});
       const ended = await run({experiment: chosen, set: changes}, tell, mine.signal);
       if (mine.signal.aborted) return;
-      if (ended.status === 'failed') throw new Problem(ended.problem);
+      if (ended.status === 'failed') throw new Problem(ended.problem ?? {});
       if (ended.status === 'cancelled') store.dispatch({type: 'cancelled'});
       else store.dispatch({type: 'done', run: ended, changes});
     }, mine.signal);
@@ -52,7 +58,8 @@ const act = {
 
   async cancel() {
     const {links} = store.state.progress;
-    if (links.cancel) await guarded(() => post(links.cancel));
+    const {cancel} = links;
+    if (cancel) await guarded(() => post(cancel));
   },
 
   change: (path, to) => store.dispatch({type: 'change', path, to}),
@@ -66,6 +73,7 @@ const act = {
  */
 async function reopen(id, changes) {
   try {
+    /** @type {Run} */
     const found = await get(`/api/runs/${encodeURIComponent(id)}`);
     if (found.status !== 'done') return;
     if (store.state.spec === null)
@@ -84,19 +92,19 @@ const plantOf = (spec) =>
 /**
  * Carry something out; what goes wrong becomes a problem on the page.
  * @param {() => Promise<unknown>} work
- * @param {AbortSignal} signal
+ * @param {AbortSignal} [signal]
  */
 async function guarded(work, signal) {
   try {
     await work();
   } catch (error) {
-    if (signal?.aborted || error.name === 'AbortError') return;
+    if (signal?.aborted || reason(error).name === 'AbortError') return;
     const problem =
       error instanceof Problem
         ? error
         : new Problem({
             title: t('page.problem.unreadable'),
-            detail: t('page.problem.unreadable.remedy', {error: error.message}),
+            detail: t('page.problem.unreadable.remedy', {error: reason(error).message}),
           });
     store.dispatch({type: 'failed', problem});
   }
@@ -126,17 +134,20 @@ async function open() {
   return first && act.choose(first.id, {push: false});
 }
 
-document.querySelector('.skip').textContent = t('page.nav.skip-to-figures');
-mountTop(document.querySelector('.top'), connection);
-mountChooser(document.querySelector('.chooser'), store, act);
-mountHead(document.querySelector('.head'), store, act);
-mountVerdicts(document.querySelector('.verdicts'), store);
-mountFigures(document.querySelector('.figures'), store);
-mountSide(document.querySelector('.side'), store);
+query('.skip').textContent = t('page.nav.skip-to-figures');
+mountTop(query('.top'), connection);
+mountChooser(query('.chooser'), store, act);
+mountHead(query('.head'), store, act);
+mountVerdicts(query('.verdicts'), store);
+mountFigures(query('.figures'), store);
+mountSide(query('.side'), store);
 addEventListener('popstate', open);
 
 await guarded(async () => {
-  const [{experiments}, {plants}] = await Promise.all([get('/api/experiments'), get('/api/plants')]);
+  const [{experiments}, {plants}] = await Promise.all([
+    /** @type {Promise<service.ExperimentList>} */ (get('/api/experiments')),
+    /** @type {Promise<service.PlantList>} */ (get('/api/plants')),
+  ]);
   store.dispatch({type: 'library', experiments, plants: Object.fromEntries(plants.map((plant) => [plant.id, plant]))});
 });
 await open();

@@ -23,7 +23,7 @@ export function mountSide(root, store) {
     const observers = run?.summary?.observers ?? [];
     return fill(
       root,
-      run && troubles(run.summary),
+      run?.summary && troubles(run.summary),
       observers.length > 0 && card(t('page.comparison.title'), comparison(observers, plant)),
       observers.some((one) => one.checks.length) && card(t('page.observers.assumptions'), observers.map(assumptions)),
       spec.errata.length > 0 &&
@@ -35,7 +35,7 @@ export function mountSide(root, store) {
             spec.errata.map((item) => h('li', {}, item)),
           ),
         ),
-      run && card(t('page.runs.downloads'), downloads(state)),
+      run && card(t('page.runs.downloads'), downloads({...state, run})),
     );
   });
 }
@@ -211,7 +211,7 @@ function assumptions(one, place) {
 }
 
 /** @param {service.AssumptionCheck} check */
-const verdict = (check) => ({holds: 'ok', fails: 'bad'})[check.verdict] ?? 'open';
+const verdict = (check) => ({holds: 'ok', fails: 'bad', 'cannot tell': 'open'})[check.verdict];
 
 /**
  * The value of a check, with its threshold where it has one.

@@ -89,7 +89,7 @@ function settling(samples, faults, label, theta, fault) {
   const truth = samples.window(`theta.${theta}`, from, until);
   const mine = samples.window(`${label}.theta.${theta}`, from, until);
   if (mine.v.length !== truth.v.length || mine.v.length < 3 || !mine.v.some(Number.isFinite)) return none;
-  const within = SETTLED * Math.abs(fault.fault.size);
+  const within = SETTLED * Math.abs('size' in fault.fault ? fault.fault.size : NaN);
   const time = settled(truth.t, truth.v, mine.v, from, within);
   if (time !== null) return {words: took(time), title: ''};
   return unsettled(truth.t, truth.v, mine.v, within)

@@ -10,7 +10,7 @@ import {kindName} from '../../../widgets/kind-name.js';
 import {t} from '../../../i18n/words.js';
 
 /** @import {App, ObserverState} from '../../types.js' */
-/** @import {Watched} from './compare-observer.js' */
+/** @import {Figure, Watched} from './compare-observer.js' */
 
 /** @typedef {{name: string, title?: string, description?: string}} Named   a state or channel */
 
@@ -19,11 +19,16 @@ const LONGEST = 6000; // rows of a window of "all"
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
-  let state = null; // chosen by hand
+  /** @type {string | null} chosen by hand */
+  let state = null;
+  /** @type {string | null} chosen by hand */
   let channel = null;
-  let rows = []; // {cells, of: () => [{words or value, title}, …]}
+  /** @type {{cells: HTMLElement[], of: () => Figure[]}[]} */
+  let rows = [];
+  /** @type {Form[]} */
   let forms = []; // how the numbers of each column are written
   let last = 0;
+  /** @type {ReturnType<typeof setTimeout> | 0} */
   let late = 0;
   const body = h('tbody');
   const scroll = h('div', {class: 'scroll'});
@@ -32,7 +37,7 @@ export function mount(element, app) {
   const build = () => {
     const {plant, observers, origin} = app.state;
     element.hidden = !plant || observers.length === 0;
-    if (element.hidden) return;
+    if (!plant || element.hidden) return;
     const [x, theta] = chosen();
     const head = h(
       'tr',
@@ -88,7 +93,7 @@ export function mount(element, app) {
           ...one,
           colour: observers.find(({label}) => label === one.label)?.colour ?? one.colour,
         })),
-        () => ({samples: app.ghost, faults: origin.faults, alarms: origin.alarms}),
+        () => ({samples: app.ghost ?? app.samples, faults: origin.faults, alarms: origin.alarms}),
       );
     fill(
       body,
@@ -100,7 +105,7 @@ export function mount(element, app) {
           h(
             'th',
             {scope: 'rowgroup', colspan: 4},
-            link(t('page.scope.parent'), () => app.act.visit(app.state.parent.id), {
+            link(t('page.scope.parent'), () => app.act.visit(app.state.parent?.id ?? ''), {
               title: t('page.scope.parent.hint'),
             }),
           ),
@@ -152,9 +157,13 @@ export function mount(element, app) {
       ),
     ];
   };
-  /** State and channel of the columns: chosen by hand, else the first state and the newest fault. */
+  /**
+   * State and channel of the columns: chosen by hand, else the first state and the newest fault.
+   * @returns {[string, string | null]}
+   */
   const chosen = () => {
     const {plant, faults, columns} = app.state;
+    if (!plant) throw new Error('there is no plant to compare observers on');
     const estimated = plant.channels.filter((one) =>
       columns.some((column) => column.endsWith(`.theta.${one.name}`) && !column.startsWith('theta.')),
     );
@@ -167,17 +176,18 @@ export function mount(element, app) {
       plant.channels.some((one) => one.name === channel) ? channel : (newest?.subject ?? estimated[0]?.name ?? null),
     ];
   };
+  /** @returns {[number, number]} */
   const span = () => {
     const {t, window, selection} = app.state;
     return selection ?? [Math.max(0, t - (window ?? LONGEST * app.state.record)), t];
   };
   const compute = () => {
     if (!app.state.plant || element.hidden) return;
-    const found = rows.map(({cells, of}) => [cells, of()]);
-    forms.forEach((form, place) => form.take(found.map(([, figures]) => figures[place]?.value)));
-    for (const [cells, figures] of found) {
+    const found = rows.map(({cells, of}) => ({cells, figures: of()}));
+    forms.forEach((form, place) => form.take(found.flatMap(({figures}) => figures[place]?.value ?? [])));
+    for (const {cells, figures} of found) {
       for (const [place, {words, value, title}] of figures.entries())
-        put(cells[place], words ?? forms[place].write(value), title);
+        put(cells[place], words ?? forms[place].write(value ?? NaN), title);
     }
   };
   app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, s.diagnosis?.note], build);
@@ -214,7 +224,7 @@ function put(cell, words, title) {
  */
 function short(name, items, app, hat = false) {
   if (split(name)[0].length === 1) return symbol(name, hat);
-  const [letters, index] = badges(items).get(name);
+  const [letters, index] = badges(items).get(name) ?? split(name);
   return h(
     'span',
     {class: 'math', title: called(name, app.state.plant)},
@@ -241,7 +251,7 @@ function picker(items, chosen, name, choose, app) {
     short(chosen, items, app),
     h(
       'select',
-      {'aria-label': name, onchange: (event) => choose(event.target.value)},
+      {'aria-label': name, onchange: (event) => choose(event.currentTarget.value)},
       items.map((item) =>
         h(
           'option',

@@ -27,6 +27,9 @@ export function rmse(a, b) {
  * @param {Float64Array} t
  * @param {Float32Array} truth
  * @param {Float32Array} estimate
+ * @param {number} from
+ * @param {number} within
+ * @returns {number | null}
  */
 export function settled(t, truth, estimate, from, within) {
   let first = t.length; // of the rows at the end that are all there

@@ -2,10 +2,11 @@
 
 import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
 
-/** @import {Scale} from '../../types.js' */
+/** @import {Scale} from '../../../widgets/slider-scale.js' */
 /** @import * as service from '../../../types/service.js' */
 
 /** @typedef {string | number | number[] | null} FieldValue */
+/** @typedef {Pick<service.FormField, 'type' | 'nullable' | 'description'> & Partial<service.FormField>} TypedField   what reading takes */
 /** @typedef {{[field: string]: FieldValue}} Values */
 
 /**
@@ -109,7 +110,7 @@ export function limits(field, subject) {
 
 /**
  * A typed text as a value of a field; undefined where it is none.
- * @param {service.FormField} field
+ * @param {TypedField} field
  * @param {string} text
  * @returns {FieldValue | undefined}
  */

@@ -5,9 +5,9 @@ import {firstValues, limits, mainField, mainScale, ownFields, read, spell} from 
 import {badge, refusal, seconds, slider} from '../../../widgets/controls.js';
 import {named, t} from '../../../i18n/words.js';
 
-/** @import {App, Command, FaultInput, FaultState, State} from '../../types.js' */
+/** @import {App, BatchCommand, FaultInput, FaultState, State} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
-/** @import {FieldValue, Subject, Values} from './fault-form.js' */
+/** @import {FieldValue, Subject, TypedField, Values} from './fault-form.js' */
 
 /**
  * @typedef {object} About
@@ -121,7 +121,7 @@ export function createRow(app, subjectOf, about) {
     touch();
   });
 
-  /** @param {Command[]} commands */
+  /** @param {BatchCommand[]} commands */
   const ask = async (commands) => {
     refusal(problem, null);
     press.disabled = true;
@@ -136,7 +136,7 @@ export function createRow(app, subjectOf, about) {
     }
   };
   const where = subject.onChannel ? {channel: subject.name} : {output: subject.name};
-  /** @returns {Command} */
+  /** @returns {BatchCommand} */
   const inject = () => {
     const end = row.end === null ? {} : {end: row.end};
     const fault = {...where, shape: row.shape.shape, onset: 0, ...end, ...row.values};
@@ -192,18 +192,18 @@ export function createRow(app, subjectOf, about) {
  * @param {number | undefined} horizon
  */
 function stacked(acting, planned, horizon) {
-  /** @param {string} code */
+  /** @param {string} code @returns {(state: FaultState) => {code: string, args: {what: string, t: string}}} */
   const part =
     (code) =>
     ({fault, shape, onset}) => ({
       code,
       args: {
-        what: fault.size === undefined ? shapeName(shape) : number(fault.size, 3),
+        what: 'size' in fault ? number(fault.size, 3) : shapeName(shape),
         t: seconds(onset, horizon),
       },
     });
   const steps = acting.length > 1 && acting.every(({shape, onChannel}) => shape === 'step' && onChannel);
-  const sum = acting.reduce((total, {fault}) => total + fault.size, 0);
+  const sum = acting.reduce((total, {fault}) => total + ('size' in fault ? fault.size : 0), 0);
   return [
     acting.length > 1 && t('page.inject.together', {parts: acting.slice(0, -1).map(part('page.inject.part'))}),
     steps && t('page.inject.total', {size: number(sum, 3)}),
@@ -234,8 +234,9 @@ const identity = (state) => (state ? JSON.stringify({...state.fault, end: null})
 function adopt(row, menu, {fault}, build) {
   menu.value = fault.shape;
   build();
+  const known = /** @type {Values} */ (/** @type {unknown} */ (fault));
   const values = Object.fromEntries(
-    ownFields(row.shape).map((field) => [field.name, fault[field.name] ?? row.values[field.name]]),
+    ownFields(row.shape).map((field) => [field.name, known[field.name] ?? row.values[field.name]]),
   );
   build(values, fault.end === null || fault.end === undefined ? null : fault.end - fault.onset);
 }
@@ -251,8 +252,8 @@ function mainSlider(field, row, subject, title, touch) {
   const first = firstValues(row.shape, subject)[field.name];
   const made = slider({
     name: `${title}: ${fieldName(field.name)}`,
-    scale: mainScale(field, subject, first),
-    value: row.values[field.name],
+    scale: mainScale(field, subject, Number(first)),
+    value: Number(row.values[field.name]),
     ...limits(field, subject),
     change: (value) => {
       row.values[field.name] = value;
@@ -282,7 +283,7 @@ function moreFields(row, main, touch) {
   /**
    * @param {string} name
    * @param {string} title
-   * @param {Pick<service.FormField, "type" | "nullable" | "description" | "choices">} field
+   * @param {TypedField} field
    * @param {unknown} value
    * @param {(value: FieldValue) => void} set
    */
@@ -293,7 +294,7 @@ function moreFields(row, main, touch) {
         ? h(
             'select',
             {id},
-            field.choices.map((choice) => h('option', {selected: choice === value}, choice)),
+            (field.choices ?? []).map((choice) => h('option', {selected: choice === value}, choice)),
           )
         : h('input', {
             id,
@@ -326,7 +327,7 @@ function moreFields(row, main, touch) {
       {type: 'number', nullable: true, above: 0, description: t('page.inject.end.hint')},
       row.end,
       (value) => {
-        row.end = row.typed = value;
+        row.end = row.typed = value === null ? null : Number(value);
       },
     ),
   );
@@ -336,4 +337,4 @@ function moreFields(row, main, touch) {
 
 /** @param {unknown} value @returns {string} */
 const short = (value) =>
-  Array.isArray(value) ? `${value.length}×` : typeof value === 'number' ? number(value, 3) : value;
+  Array.isArray(value) ? `${value.length}×` : typeof value === 'number' ? number(value, 3) : String(value ?? '');

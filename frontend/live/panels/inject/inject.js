@@ -1,6 +1,6 @@
 // Inject a fault: a row for every channel, one for every output's measurement, and the noise.
 
-import {childrenOf, fill, h} from '../../../common/dom.js';
+import {childrenOf, fill, h, query} from '../../../common/dom.js';
 import {badges, called, split} from '../../../common/names.js';
 import {createRow} from './inject-row.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
@@ -12,12 +12,17 @@ import {named, t} from '../../../i18n/words.js';
 /** @import {App, Output} from '../../types.js' */
 /** @import * as service from '../../../types/service.js' */
 /** @import {InjectRow} from './inject-row.js' */
+/** @import {Subject} from './fault-form.js' */
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
+  /** @type {Map<string, InjectRow>} */
   let rows = new Map();
   let open = false; // the rows of measurement faults
-  const ends = []; // of subscriptions that the rows hold
+  /** @type {(() => void)[]} of subscriptions that the rows hold */
+  const ends = [];
+  /** @type {(open: boolean) => void} shows the rows of measurement faults, or hides them */
+  let showOutputs = () => {};
   const list = h('div', {class: 'scroll faults'});
   const more = wholeLines(list, () => childrenOf(list), app);
   const tag = asOfNow(app);
@@ -54,7 +59,7 @@ export function mount(element, app) {
       plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]),
     );
     fill(element, heading(t('page.inject.title'), tag, toggle), list, more);
-    list.show = show;
+    showOutputs = show;
     show(open);
     return update();
   };
@@ -66,17 +71,17 @@ export function mount(element, app) {
         role,
         spec?.horizon,
       );
-    list.show?.(open);
+    showOutputs(open);
   };
   /** @param {string | null} site */
   const choose = (site) => {
-    const row = rows.get(site);
+    const row = site === null ? undefined : rows.get(site);
     if (!row) return;
-    if (!app.state.plant.channels.some((channel) => channel.name === site)) list.show?.(true);
+    if (!app.state.plant?.channels.some((channel) => channel.name === site)) showOutputs(true);
     for (const {element: one} of rows.values()) one.classList.toggle('chosen', one === row.element);
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
     row.element.scrollIntoView({block: 'nearest', behavior: still ? 'auto' : 'smooth'});
-    (row.main?.range ?? row.element.querySelector('select')).focus({preventScroll: true});
+    (row.main?.range ?? query('select', row.element)).focus({preventScroll: true});
   };
   app.subscribe((state) => [state.plant, state.language, state.session], build);
   app.subscribe((state) => [state.faults, state.role], update);
@@ -109,7 +114,7 @@ function channelRows(app, plant, shapes, rows) {
       title: titled(named(channel.title) || channel.name),
       description: named(channel.description),
       kind: t(`page.fault.kind.${channel.kind}`),
-      badge: short.get(channel.name),
+      badge: short.get(channel.name) ?? split(channel.name),
       shapes: mine,
     });
     rows.set(channel.name, row);
@@ -126,6 +131,7 @@ function channelRows(app, plant, shapes, rows) {
 function outputRows(app, plant, shapes, rows) {
   const mine = shapes.filter((shape) => shape.on === 'output');
   return plant.outputs.map((output) => {
+    /** @returns {Subject} */
     const subject = () => ({
       name: output.name,
       onChannel: false,
@@ -156,7 +162,9 @@ const titled = (words) => words && words[0].toUpperCase() + words.slice(1);
 function times(app) {
   const {spec, noise, step} = app.state;
   const held = Object.values(noise)[0]?.sample_time;
-  return {horizon: spec.horizon, sampleTime: spec.measurement?.period ?? held ?? 10 * step};
+  const measurement = spec?.measurement;
+  const period = measurement && 'period' in measurement ? measurement.period : undefined;
+  return {horizon: spec?.horizon ?? 100, sampleTime: period ?? held ?? 10 * step};
 }
 
 /**
@@ -181,7 +189,7 @@ function size(app, name) {
 function noiseRow(app, output, ends) {
   const noise = () => app.state.noise[output.name] ?? {std: 0, sample_time: times(app).sampleTime};
   const begin = noise().std || size(app, output.name).typical / 30 || 0.01;
-  const send = throttled(async (std) => {
+  const send = throttled(async (/** @type {number} */ std) => {
     try {
       await app.send({type: 'set-noise', output: output.name, std, sample_time: noise().sample_time});
     } catch (error) {

@@ -13,7 +13,7 @@ import {named, say, t} from '../../../i18n/words.js';
 /** @typedef {Map<string, () => string | number | null>} Inputs   option → its present value */
 
 /** What an observer of a kind is called; of a kind that is not known here: the kind. */
-const SHORT = {
+const SHORT = /** @type {{[kind: string]: string}} */ ({
   'zhao-adaptive': 'adaptive',
   'nonsmooth-adaptive': 'nonsmooth',
   'linear-adaptive': 'linear',
@@ -25,7 +25,7 @@ const SHORT = {
   'adaptive-kalman-discrete': 'sampled',
   'joint-ekf': 'ekf',
   'joint-ukf': 'ukf',
-};
+});
 
 /**
  * Fill `element`, which is shown, with the form; `done` is called when it has been added or given up.
@@ -73,9 +73,9 @@ export function createAdder(element, app, kinds, done) {
   const choose = () => {
     const kind = chosen();
     about.textContent = named(kind?.summary) ?? '';
-    if (!typed) label.value = free(SHORT[kind?.id] ?? kind?.id ?? 'observer', observers);
+    if (!typed) label.value = free(SHORT[kind?.id ?? ''] ?? kind?.id ?? 'observer', observers);
     inputs.clear();
-    fill(options, kind ? optionFields(kind, plant, inputs) : null);
+    fill(options, kind && plant ? optionFields(kind, plant, inputs) : null);
     refusal(problem, null);
     presses.scrollIntoView({block: 'nearest'});
   };
@@ -118,17 +118,19 @@ export function createAdder(element, app, kinds, done) {
   menu.value = offered.find((kind) => kind.estimates_theta)?.id ?? menu.value;
   menu.focus();
   choose();
+  if (!plant) return;
   possible(plant).then(
     (found) => {
       if (!mark(menu, found, kinds) || used) return;
       const left = [...menu.options].filter((one) => !one.disabled).map((one) => one.value);
-      menu.value = left.find((id) => kinds.find((kind) => kind.id === id).estimates_theta) ?? left[0] ?? '';
+      menu.value = left.find((id) => kinds.find((kind) => kind.id === id)?.estimates_theta) ?? left[0] ?? '';
       choose();
     },
     () => {},
   ); // without it, the refusal says why
 }
 
+/** @type {Map<string, Promise<service.PlantCheck['observers']>>} */
 const checked = new Map();
 
 /**
@@ -138,12 +140,13 @@ const checked = new Map();
  */
 function possible(plant) {
   const key = JSON.stringify(plant);
-  if (!checked.has(key))
-    checked.set(
-      key,
-      post('/api/plants/check', plant).then(({observers}) => observers),
-    );
-  return checked.get(key);
+  const known = checked.get(key);
+  if (known) return known;
+  /** @type {Promise<service.PlantCheck>} */
+  const answer = post('/api/plants/check', plant);
+  const observers = answer.then((check) => check.observers);
+  checked.set(key, observers);
+  return observers;
 }
 
 /**
@@ -159,7 +162,7 @@ function mark(menu, found, kinds) {
     option.disabled = true;
     option.title = say(one.why);
     const kind = kinds.find(({id}) => id === option.value);
-    option.textContent = t('page.observers.not-here', {title: kindName(kind)});
+    if (kind) option.textContent = t('page.observers.not-here', {title: kindName(kind)});
   }
   return Boolean(menu.selectedOptions[0]?.disabled);
 }
@@ -206,23 +209,25 @@ function optionFields(kind, plant, inputs) {
 
 /** @param {Plant} plant @param {Inputs} inputs */
 function channelField(plant, inputs) {
-  const boxes = plant.channels.map((channel) =>
-    h(
-      'label',
-      {class: 'box'},
-      h('input', {type: 'checkbox', value: channel.name, checked: true}),
-      ` ${named(channel.title) || channel.name}`,
-    ),
-  );
+  const boxes = plant.channels.map(({name, title}) => ({
+    box: h('input', {type: 'checkbox', value: name, checked: true}),
+    title: ` ${named(title) || name}`,
+  }));
   inputs.set('channels', () => {
-    const picked = boxes
-      .map((box) => box.firstChild)
-      .filter((box) => box.checked)
-      .map((box) => box.value);
+    const picked = boxes.filter(({box}) => box.checked).map(({box}) => box.value);
     return picked.length === plant.channels.length || picked.length === 0 ? null : picked.join(',');
   });
   return [
     h('span', {class: 'soft'}, t('page.observers.estimates')),
-    h('details', {class: 'fold'}, h('summary', {}, t('page.observers.channels')), h('div', {class: 'boxes'}, boxes)),
+    h(
+      'details',
+      {class: 'fold'},
+      h('summary', {}, t('page.observers.channels')),
+      h(
+        'div',
+        {class: 'boxes'},
+        boxes.map(({box, title}) => h('label', {class: 'box'}, box, title)),
+      ),
+    ),
   ];
 }

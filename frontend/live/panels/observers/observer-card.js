@@ -13,8 +13,21 @@ import {asSentence, named, say, t} from '../../../i18n/words.js';
 /** @import * as service from '../../../types/service.js' */
 
 /** @typedef {{[name: string]: Gain | null}} Gains */
-/** @typedef {{gain: service.GainForm, place: number | null, value: number | null | undefined}} Entry   one number of a gain */
+/** @typedef {{gain: service.GainForm, place: number[], value: number | null, name: string}} Entry   one number of a gain */
 /** @typedef {ReturnType<typeof slider>} Control */
+
+/**
+ * A card with the functions that keep it up to date.
+ * @typedef {object} Card
+ * @property {HTMLElement} element
+ * @property {string} label
+ * @property {(next: ObserverState | undefined) => void} update
+ * @property {(anew: boolean) => boolean} lacks    whether defaults are missing; `anew`: whether any come from the server
+ * @property {(found: Gains, labels?: Record<string, service.GainLabels>) => void} defaults
+ * @property {() => void} checks
+ * @property {() => void} end
+ * @property {(on: boolean) => void} unfold
+ */
 
 const SHOWN = 2; // gains that are always in sight
 
@@ -45,8 +58,10 @@ function entries(kind, gains, labels) {
  */
 export function createCard(app, observer, kind) {
   let present = observer;
-  let known = {}; // defaults from the server
-  let labels = {}; // of the rows and columns of gains, from the server
+  /** @type {Gains} defaults from the server */
+  let known = {};
+  /** @type {Record<string, service.GainLabels>} of the rows and columns of gains, from the server */
+  let labels = {};
   const lights = h('button', {type: 'button', class: 'lights', 'aria-expanded': 'false'});
   const checks = h('ul', {class: 'checks', popover: 'auto', tabindex: 0}); // over the page: opened, it moves nothing
   lights.popoverTargetElement = checks;
@@ -71,7 +86,7 @@ export function createCard(app, observer, kind) {
       type: 'button',
       class: 'unfold',
       title: t('page.observers.gains-of-kind', {label: observer.label, kind: kindName(kind)}),
-      onclick: () => open(body.hidden, true),
+      onclick: () => open(body.matches('[hidden]'), true),
     },
     h('b', {}, observer.label),
   );
@@ -101,10 +116,12 @@ export function createCard(app, observer, kind) {
     body,
     problem,
   );
+  /** @type {Map<string, Control>} */
   const controls = new Map();
+  let built = ''; // the numbers that have controls
   cross.addEventListener('click', () => ask({type: 'remove-observer', label: observer.label}));
   checks.addEventListener('beforetoggle', ({newState}) => {
-    if (newState === 'open') beside(lights, checks, element.closest('.card'));
+    if (newState === 'open') beside(lights, checks, /** @type {HTMLElement} */ (element.closest('.card')));
     lights.setAttribute('aria-expanded', String(newState === 'open'));
     listed = newState === 'open';
     card.checks();
@@ -119,12 +136,13 @@ export function createCard(app, observer, kind) {
       show(true);
     }
   };
+  /** @returns {Gains} */
   const values = () => ({...known, ...present.gains});
   /** @param {boolean} [force] */
   const show = (force = false) => {
     const now = entries(kind, values(), labels);
     const names = now.map(({gain, place, name}) => `${gain.name}.${place}.${name}`).join();
-    if (controls.names !== names) build(now, names);
+    if (built !== names) build(now, names);
     for (const {gain, place, value} of now) {
       const control = controls.get(`${gain.name}.${place}`);
       if (control && value !== null && value !== undefined && control.value !== value)
@@ -134,16 +152,17 @@ export function createCard(app, observer, kind) {
   /** @param {Entry[]} now @param {string} names */
   const build = (now, names) => {
     controls.clear();
-    controls.names = names;
+    built = names;
     const scalars = now.filter((one) => one.gain.size === null);
     const first = scalars.length ? scalars.slice(0, SHOWN) : now.filter((one) => one.gain === now[0].gain).slice(0, 4);
     /** @param {Entry} one */
-    const line = (one) => gainLine(observer.label, one, controls, () => values()[one.gain.name], ask);
+    const line = (one) => gainLine(observer.label, one, controls, () => values()[one.gain.name] ?? [], ask);
     fill(gains, first.map(line));
     const rest = now.filter((one) => !first.includes(one));
     fill(more, rest.map(line));
     fold.hidden = rest.length === 0;
   };
+  /** @type {Card} */
   const card = {
     element,
     label: observer.label,
@@ -188,8 +207,8 @@ export function createCard(app, observer, kind) {
  * @param {ObserverState} observer
  */
 function fall(app, {label, config, gains, diverged}) {
-  const cause = asSentence(diverged.text.replace(`${label} diverged: `, ''));
-  /** @param {Event} event */
+  const cause = asSentence((diverged?.text ?? '').replace(`${label} diverged: `, ''));
+  /** @param {MouseEvent & {currentTarget: HTMLButtonElement}} event */
   const again = async (event) => {
     event.currentTarget.disabled = true;
     try {
@@ -205,7 +224,7 @@ function fall(app, {label, config, gains, diverged}) {
     h(
       'p',
       {class: 'alarm small'},
-      t('page.observers.diverged', {t: seconds(diverged.t, app.state.spec?.horizon), cause}),
+      t('page.observers.diverged', {t: seconds(diverged?.t ?? 0, app.state.spec?.horizon), cause}),
     ),
     app.state.broken === null &&
       h(
@@ -238,7 +257,7 @@ function gainLine(label, {gain, place, value, name}, controls, whole, ask) {
       h('span', {class: 'soft'}, '…'),
     );
   }
-  const send = throttled((next) => {
+  const send = throttled((/** @type {number} */ next) => {
     return ask({type: 'set-gain', observer: label, gain: gain.name, value: withEntry(whole(), place, next)});
   }, 160);
   const made = slider({
@@ -285,7 +304,11 @@ function beside(button, list, card) {
   });
 }
 
+/** @type {{[verdict: string]: string}} */
 const MARK = {holds: 'ok', fails: 'bad'};
+
+/** @type {WeakMap<HTMLElement, Check[] | null>} the checks that a list shows */
+const shown = new WeakMap();
 
 /**
  * Lights, one a check, and the list that they open to.
@@ -307,8 +330,8 @@ function showLights(lights, list, found, listed) {
   lights.title = spoken;
   lights.setAttribute('aria-label', spoken);
   const wanted = listed ? found : null;
-  if (wanted === list.shown) return;
-  list.shown = wanted;
+  if (shown.get(list) === wanted) return;
+  shown.set(list, wanted);
   if (!listed) {
     fill(list);
     return;

@@ -9,6 +9,8 @@ import {heading, link} from '../../../widgets/controls.js';
 import {t} from '../../../i18n/words.js';
 
 /** @import {App} from '../../types.js' */
+/** @import {Card} from './observer-card.js' */
+/** @import * as service from '../../../types/service.js' */
 
 const FOLDED = 3; // so many observers are a line each, until one is opened
 
@@ -18,7 +20,9 @@ export function mount(element, app) {
   const adder = h('div', {class: 'adder', hidden: true});
   const body = h('div', {class: 'scroll'}, adder, list); // the form scrolls with the cards: however low the card is, its buttons can be reached
   const more = wholeLines(body, () => childrenOf(list), app);
+  /** @type {Map<string, Card>} */
   let cards = new Map();
+  /** @type {service.ObserverKind[]} */
   let kinds = [];
   let serial = 0;
 
@@ -28,7 +32,7 @@ export function mount(element, app) {
       class: 'link control-only',
     });
     /** @param {boolean} [on] */
-    const toggle = (on = adder.hidden) => {
+    const toggle = (on = adder.matches('[hidden]')) => {
       adder.hidden = !on;
       add.setAttribute('aria-expanded', String(on));
       if (on)
@@ -45,6 +49,7 @@ export function mount(element, app) {
   };
   const update = () => {
     const {observers} = app.state;
+    /** @type {Map<string, Card>} */
     const kept = new Map();
     for (const observer of observers) {
       const key = `${observer.label}/${observer.kind}/${observer.since}`;
@@ -71,6 +76,7 @@ export function mount(element, app) {
     if (!spec || ![...cards.values()].some((card) => card.lacks(anew))) return;
     const plain = observers.map(({label, kind, gains, options}) => ({label, kind, gains, options}));
     try {
+      /** @type {service.PresentGains} */
       const {gains, labels} = await post('/api/gains', {
         ...spec,
         noise,
