@@ -4,7 +4,12 @@ import {fill, h, number} from '../common/dom.js';
 import {called, spoken} from '../common/names.js';
 import {t} from '../i18n/words.js';
 
-/** @returns {{element: HTMLElement, show: () => void}} */
+/** @import {App, DiagnosisState} from '../live/types.js' */
+
+/**
+ * @param {App} app
+ * @returns {{element: HTMLElement, show: () => void}}
+ */
 export function createSure(app) {
   const element = h('div', {class: 'fold-out scroll small', hidden: true, tabindex: 0, role: 'region'});
   const show = () => {
@@ -18,7 +23,11 @@ export function createSure(app) {
   return {element, show};
 }
 
-/** One paragraph each. */
+/**
+ * Where the thresholds come from and what the intervals mean, one paragraph each.
+ * @param {DiagnosisState} state
+ * @returns {string[]}
+ */
 export function certainty({diagnosis, spec, plant}) {
   const {calibration: cal, noise = [], note} = diagnosis ?? {};
   if (!cal) return [note ? spoken(note, plant) : t('page.text.loading')];
@@ -33,7 +42,7 @@ export function certainty({diagnosis, spec, plant}) {
       runs: cal.seeds,
       hours: number(cal.hours, 2),
     }),
-    t('page.certainty.interval', {percent: number(100 * spec.diagnosis.confidence, 3)}),
+    t('page.certainty.interval', {percent: number(100 * (spec?.diagnosis.confidence ?? NaN), 3)}),
     t('page.certainty.judged-from', {s: number(cal.from_time, 3)}),
   ];
   for (const {output, declared, estimated} of noise) {
@@ -48,5 +57,5 @@ export function certainty({diagnosis, spec, plant}) {
             }),
       );
   }
-  return [...said, t('page.certainty.bands'), cal.note && spoken(cal.note, plant)].filter(Boolean);
+  return [...said, t('page.certainty.bands'), ...(cal.note ? [spoken(cal.note, plant)] : [])];
 }

@@ -1,15 +1,21 @@
 // What can be seen? How small a fault may be, which faults this input does not tell apart, and an input that would.
 
-import {post} from '../common/api.js';
+import {post, reason} from '../common/api.js';
 import {fill, h, number} from '../common/dom.js';
-import {badges, spoken} from '../common/names.js';
+import {badges, split, spoken} from '../common/names.js';
 import {badge, refusal} from '../widgets/controls.js';
 import {small} from './fault-size.js';
 import {asSentence, named, t} from '../i18n/words.js';
 
+/** @import {App, Diagnosis, DiagnosisState} from '../live/types.js' */
+/** @import * as service from '../types/service.js' */
+
 const DECADES = [-3, 1.5]; // of level/needed, what the bar shows
 
-/** @returns {{element: HTMLElement, show: () => void}} */
+/**
+ * @param {App} app
+ * @returns {{element: HTMLElement, show: () => void}}
+ */
 export function createSeen(app) {
   const body = h('div');
   const proposal = h('div', {class: 'proposal'});
@@ -21,6 +27,7 @@ export function createSeen(app) {
     proposal,
     along,
   );
+  /** @type {Diagnosis | null} */
   let shown = null;
   const show = () => {
     const {state} = app;
@@ -40,20 +47,23 @@ export function createSeen(app) {
         t('page.detectability.propose'),
       ),
     );
-  const ask = async (event) => {
+  /** @param {{currentTarget: HTMLButtonElement}} event */
+  const ask = async ({currentTarget: button}) => {
     const {state} = app;
-    event.currentTarget.disabled = true;
+    button.disabled = true;
     fill(proposal, h('p', {class: 'soft'}, t('page.detectability.proposing')));
     try {
       answer(await post(`/api/sessions/${state.session}/proposal`));
     } catch (error) {
-      answer({input: null, text: error.message});
+      answer({input: '', signal: null, text: reason(error).message});
     }
   };
+  /** @param {Pick<service.InputProposal, 'input' | 'signal' | 'text'>} found */
   const answer = (found) => {
     const {state} = app;
     const problem = h('p', {class: 'refused', role: 'alert'});
     const apply = async () => {
+      if (!found.input || !found.signal) return;
       try {
         await app.send({type: 'set-signal', name: found.input, signal: found.signal});
         fill(proposal, h('p', {class: 'soft'}, t('page.detectability.applied')));
@@ -89,13 +99,18 @@ export function createSeen(app) {
   return {element, show};
 }
 
-/** Rank and condition along the trajectory of the experiment, when they are asked for. */
+/**
+ * Rank and condition along the trajectory of the experiment, computed on request.
+ * @param {{state: DiagnosisState}} app
+ */
 export function trajectory(app) {
   const place = h('div', {class: 'trajectory'});
-  const ask = async (event) => {
-    event.currentTarget.disabled = true;
+  /** @param {{currentTarget: HTMLButtonElement}} event */
+  const ask = async ({currentTarget: button}) => {
+    button.disabled = true;
     try {
       const {spec, plant} = app.state;
+      /** @type {service.Observability} */
       const found = await post('/api/observability', {...spec, observers: [], figures: [], commands: []});
       fill(
         place,
@@ -140,14 +155,17 @@ export function trajectory(app) {
       );
       place.scrollIntoView({block: 'nearest'});
     } catch (error) {
-      fill(place, h('p', {class: 'refused', role: 'alert'}, error.message));
+      fill(place, h('p', {class: 'refused', role: 'alert'}, reason(error).message));
     }
   };
   fill(place, h('button', {type: 'button', class: 'quiet', onclick: ask}, t('page.detectability.trajectory')));
   return place;
 }
 
-/** In words, as a bar, and channel by channel. */
+/**
+ * In words, as a bar, and channel by channel.
+ * @param {{state: DiagnosisState}} app
+ */
 export function visible(app) {
   const {diagnosis, plant} = app.state;
   if (!diagnosis) return h('p', {class: 'soft'}, t('page.text.loading'));
@@ -157,13 +175,20 @@ export function visible(app) {
   return [h('p', {}, asSentence(words)), excitation.level !== null && bar(excitation), table(resolution, app)];
 }
 
-/** The level against what is needed, on a logarithmic scale; both as the times by which a typical fault stands out. */
-function bar({level, needed, window}) {
+/**
+ * The level of excitation and the level that is needed, on a logarithmic scale; both as multiples of the noise by which a typical fault
+ * stands out.
+ * @param {service.Excitation} excitation
+ */
+function bar({level: found, needed, window}) {
+  const level = found ?? 0;
+  /** @param {number} value */
   const share = (value) =>
     Math.min(
       1,
       Math.max(0.01, (Math.log10(Math.max(value, 1e-300) / needed) - DECADES[0]) / (DECADES[1] - DECADES[0])),
     );
+  /** @param {number} value */
   const percent = (value) => `${(100 * share(value)).toFixed(1)}%`;
   const enough = level >= needed * (1 - 1e-9);
   return [
@@ -190,10 +215,15 @@ function bar({level, needed, window}) {
   ];
 }
 
-/** Each channel: whether its fault can be told from the others now, and from what size on. */
+/**
+ * Each channel: whether its fault can be distinguished from the others now, and from which size on.
+ * @param {Diagnosis['resolution']} resolution
+ * @param {{state: DiagnosisState}} app
+ */
 function table(resolution, app) {
   const {state} = app;
-  const short = badges(state.plant.channels);
+  const channels = state.plant?.channels ?? [];
+  const short = badges(channels);
   return h(
     'table',
     {class: 'seen'},
@@ -213,11 +243,16 @@ function table(resolution, app) {
       'tbody',
       {},
       resolution.map((one) => {
-        const title = state.plant.channels.find(({name}) => name === one.channel)?.title;
+        const title = channels.find(({name}) => name === one.channel)?.title;
         return h(
           'tr',
           {title: spoken(one.text, state.plant)},
-          h('th', {scope: 'row'}, badge(short.get(one.channel)), h('span', {class: 'said'}, named(title))),
+          h(
+            'th',
+            {scope: 'row'},
+            badge(short.get(one.channel) ?? split(one.channel)),
+            h('span', {class: 'said'}, named(title)),
+          ),
           h('td', {}, one.smallest === null ? '–' : small(one.smallest)),
           h('td', {}, small(one.typical)),
           h(
@@ -233,7 +268,10 @@ function table(resolution, app) {
   );
 }
 
-/** Whether the fault of a channel can be distinguished now, in words. */
+/**
+ * Whether the fault of a channel can be distinguished now, in words.
+ * @param {Diagnosis['resolution'][number]} resolution
+ */
 function resolvedWords({smallest, resolvable, identifiable}) {
   if (smallest === null) return t('page.diagnosis.not-identifiable');
   if (!resolvable) return t('page.detectability.below-noise');

@@ -169,6 +169,11 @@ export interface State {
   told: Told | null;
 }
 
+/** What the diagnosis is shown from, of a session or a run. */
+export type DiagnosisState = Pick<State, 'plant' | 'diagnosis' | 'faults' | 'alarms' | 't'> & {
+  spec: service.Experiment | Experiment | null;
+};
+
 /** The page's own events; the others are the server's messages. */
 export type OwnEvent =
   | {type: 'connection'; now: Connection}

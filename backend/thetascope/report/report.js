@@ -26,7 +26,7 @@ async function draw() {
     if (same) await Plotly.relayout(boxes[place], {width});
     else {
       await Plotly.react(boxes[place], data, {...structuredClone(layout), width}, options);
-      if (small && layout.meta) await Plotly.relayout(boxes[place], structuredClone(layout.meta.narrow));
+      if (small && layout.meta) await Plotly.relayout(boxes[place], structuredClone(layout.meta.narrow ?? {}));
     }
   }
 }

@@ -1,6 +1,7 @@
 // The checks of the observers' theorems in Chinese: names and findings (backend/thetascope/engine/observers), and why an observer diverged.
 
 const NUMBER = '(-?[\\d.]+(?:e[-+]?\\d+)?)';
+/** @param {string} text @param {string} made @returns {[RegExp, string]} */
 const rule = (text, made) => [new RegExp(`^${text.replaceAll('#', NUMBER)}$`), made];
 
 export const checkNames = {

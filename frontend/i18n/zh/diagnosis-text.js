@@ -1,6 +1,7 @@
 // What the diagnosis says, in Chinese: excitation, proposals, resolution, and why there is none (backend/diagnosis).
 
 const NUMBER = '(-?[\\d.]+(?:e[-+]?\\d+)?)';
+/** @param {string} text @param {string} made @returns {[RegExp, string]} */
 const rule = (text, made) => [new RegExp(`^${text.replaceAll('#', NUMBER)}$`), made];
 
 /** Names one after another: θ₁, θ₂ and θ₃. */

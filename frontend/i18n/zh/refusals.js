@@ -1,5 +1,6 @@
 // Refusals of the server in Chinese: what is wrong, and what to do about it. The frequent ones; others stay English.
 
+/** @param {string} text @param {string} made @returns {[RegExp, string]} */
 const rule = (text, made) => [new RegExp(`^${text}$`, 's'), made];
 
 export const refusalRules = [

@@ -8,10 +8,12 @@ import {names} from './library-names.js';
 import {prose} from './prose.js';
 import {refusalRules} from './refusals.js';
 
+/** @type {{[words: string]: string}} */
 const known = {...prose, ...catalogue, ...names};
 
 /** What the library calls things; what is not of the library stays as it is. */
-export const named = (words) => known[words] ?? words;
+/** @param {string | null | undefined} words */
+export const named = (words) => (words ? (known[words] ?? words) : words);
 
 /** What the server says of a check, or why it refuses. */
 export const said = translator([...checkRules, ...refusalRules, ...diagnosisRules], {...known, ...checkNames});

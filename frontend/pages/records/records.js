@@ -195,20 +195,12 @@ function found(told, plant, columns) {
   ];
 }
 
-<<<<<<< HEAD
-const root = document.querySelector('.records');
-const {experiments} = await get('/api/experiments');
-let {plants} = await get('/api/plants');
-const known = new Map(); // plants in full, in the page's language
-const plantOf = async (id) =>
-  known.get(id) ?? known.set(id, await get(`/api/plants/${encodeURIComponent(id)}`)).get(id);
-=======
 const root = query('.records');
-const [{plants}, {experiments}] = await Promise.all([
-  /** @type {Promise<service.PlantList>} */ (get('/api/plants')),
-  /** @type {Promise<service.ExperimentList>} */ (get('/api/experiments')),
-]);
-/** @type {Map<string, Plant>} */
+/** @type {service.ExperimentList} */
+const {experiments} = await get('/api/experiments');
+/** @type {service.PlantList} */
+let {plants} = await get('/api/plants');
+/** @type {Map<string, Plant>} plants in full, in the page's language */
 const known = new Map();
 
 /**
@@ -222,7 +214,6 @@ async function plantOf(id) {
   known.set(id, plant);
   return plant;
 }
->>>>>>> 4a078fb (Type the panels, the scope, the pages and the page's actions)
 
 const choice = h(
   'select',
@@ -368,14 +359,10 @@ file.addEventListener('change', () => {
   taken = null;
   say(() => '');
 });
-<<<<<<< HEAD
-mountTop(document.querySelector('.top'), connection, 'records', async () => {
+mountTop(query('.top'), connection, 'records', async () => {
   known.clear();
   ({plants} = await get('/api/plants'));
   await plantOf(choice.value);
   build();
 });
-=======
-mountTop(query('.top'), connection, 'records', build);
->>>>>>> 4a078fb (Type the panels, the scope, the pages and the page's actions)
 build();

@@ -170,7 +170,7 @@ export function mount(element, app) {
     const newest = faults.findLast(
       (fault) => fault.onChannel && fault.active && estimated.some((one) => one.name === fault.subject),
     );
-    const x = plant.states.some((one) => one.name === state) ? state : plant.states[0].name;
+    const x = plant.states.find((one) => one.name === state)?.name ?? plant.states[0].name;
     return [
       x,
       plant.channels.some((one) => one.name === channel) ? channel : (newest?.subject ?? estimated[0]?.name ?? null),

@@ -4,7 +4,7 @@ import {fill, h} from '../../../common/dom.js';
 import {KEYS} from './keyboard.js';
 import {t} from '../../../i18n/words.js';
 
-/** @import {Child, Properties} from '../../../types/dom.js' */
+/** @import {Child} from '../../../types/dom.js' */
 
 /** @param {...Child} parts */
 const svg = (...parts) => h('svg', {viewBox: '0 0 26 14', width: 26, height: 14, 'aria-hidden': 'true'}, parts);
@@ -12,7 +12,7 @@ const svg = (...parts) => h('svg', {viewBox: '0 0 26 14', width: 26, height: 14,
  * @param {string} d
  * @param {string} colour
  * @param {boolean} [filled]
- * @param {Properties} [more]
+ * @param {{[attribute: string]: string | number}} [more]
  */
 const path = (d, colour, filled = true, more = {}) =>
   h('path', {d, fill: filled ? colour : 'none', stroke: filled ? 'none' : colour, 'stroke-width': 1.6, ...more});
