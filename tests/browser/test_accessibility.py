@@ -107,7 +107,7 @@ def test_nothing_serious_on_the_page_of_records(page, theme, width):
     shown.wait_for_selector(".names code")
     shown.evaluate(AXE)
     before = serious(shown)
-    shown.click("button:text-is('No record at hand: simulate one')")
+    shown.click("button:text-is('Simulate a record')")
     shown.wait_for_selector(".buttons [role=status]:has-text('The record is a run')", timeout=60_000)
     shown.click("button.run")
     shown.wait_for_selector(".found", timeout=60_000)

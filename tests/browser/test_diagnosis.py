@@ -64,8 +64,8 @@ def test_an_actuator_fault_is_named_and_clears(page):
     until(live, "thetascope.state.alarms.every((alarm) => alarm.over !== null)", 40)
     until(live, "document.querySelector('.finding.past') !== null")
     assert "found" not in site(live, "theta1").split()
-    assert "over" in live.locator(".finding.past").first.inner_text()
-    assert "alarm over: θ₁" in live.locator("#panel-log").inner_text()
+    assert "cleared" in live.locator(".finding.past").first.inner_text()
+    assert "alarm cleared: θ₁" in live.locator("#panel-log").inner_text()
 
 
 def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
@@ -82,7 +82,7 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
     assert (
         live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
     )
-    assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
+    assert "possible" in site(live, "theta1") and "possible" in site(live, "theta2")
     assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
     until(live, "document.querySelectorAll('.untold:not([hidden])').length >= 2", 20)
     assert "θ₁ or θ₂, not distinguishable" in live.locator("#panel-log").inner_text()
@@ -121,9 +121,9 @@ def test_what_can_be_seen_and_how_sure(page):
 
 
 def test_rank_and_condition_along_the_run(page):
-    """Behind "what can be seen?": full rank of states and faults by the equations, and in every window of the run with its condition."""
+    """Behind "What can be detected?": full rank of states and faults by the equations, and in every window of the run with its condition."""
     live = started(page)
-    live.click("#panel-diagnosis button:text-is('what can be seen?')")
+    live.click("#panel-diagnosis button:text-is('What can be detected?')")
     live.click(".trajectory button")
     live.wait_for_selector(".trajectory tbody tr:nth-child(4)", timeout=30_000)
     rows = live.locator(".trajectory tbody tr").all_inner_texts()

@@ -131,7 +131,7 @@ def test_marks_are_explained(page):
     box = canvas.bounding_box()
     left, width = opened.evaluate(f"[{APP}.scope.place.left, {APP}.scope.place.width]")
     opened.mouse.move(box["x"] + left + width * t / 30, box["y"] + 5)
-    assert "alarm was raised" in canvas.get_attribute("title")
+    assert "an alarm that names this channel" in canvas.get_attribute("title")
     opened.mouse.move(box["x"] + left + width * 0.5, box["y"] + 40)
     assert canvas.get_attribute("title") == ""
     rail = opened.locator(".rail").bounding_box()
@@ -149,6 +149,6 @@ def test_a_figure_has_its_marks_and_their_legend(page):
     """The exported scope carries alarms, threshold, tint and bands, each with its words."""
     opened = settled(page, PAUSED)
     svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
-    for words in ("alarm", "fault active", "±2σ of adaptive", "least excitation asked for"):
+    for words in ("alarm", "fault active", "±2σ of adaptive", "required excitation"):
         assert words in svg, words
     assert "▼" in svg and len(re.findall(r"stroke-dasharray", svg)) >= 4

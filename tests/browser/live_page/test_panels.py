@@ -258,7 +258,7 @@ def test_the_form_for_an_observer_can_be_reached_with_a_mouse(page, width, heigh
 def test_the_title_counts_the_observers_that_watch(page):
     """One is named until it is removed."""
     live = opened(page)
-    assert "one observer" in live.inner_text("#panel-title")
+    assert "1 observer" in live.inner_text("#panel-title")
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "/0 observers/.test(document.querySelector('#panel-title').textContent)")
 

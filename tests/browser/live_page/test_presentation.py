@@ -208,7 +208,7 @@ def test_a_lost_connection_and_a_page_that_only_watches_say_so(page, server):
     viewer = opened(page, link.removeprefix(server), width=1024, height=768)
     viewer.evaluate("thetascope.act.present(true)")
     said = viewer.locator(".connection")
-    assert said.is_visible() and said.inner_text() == "view only · live · 2 watching"
+    assert said.is_visible() and said.inner_text() == "view only · live · 2 viewers"
     assert viewer.locator("#desk-try").is_disabled()  # the questions are for who controls the session
     viewer.evaluate("thetascope.store.dispatch({type: 'connection', now: 'reconnecting'})")
     assert said.inner_text().startswith("view only · connection lost") and said.is_visible()
