@@ -82,7 +82,7 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
     assert (
         live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
     )
-    assert "possible" in site(live, "theta1") and "possible" in site(live, "theta2")
+    assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
     assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
     until(live, "document.querySelectorAll('.untold:not([hidden])').length >= 2", 20)
     assert "θ₁ or θ₂, not distinguishable" in live.locator("#panel-log").inner_text()
