@@ -57,7 +57,8 @@ const pause = (seconds, signal) =>
   });
 
 /**
- * The answer to a request, as JSON, its sentences in the page's language. Waits for a lost server: every request of this page may be repeated.
+ * The answer to a request, as JSON, its sentences in the page's language. Waits for a lost server: every request of
+ * this page may be repeated.
  * @template T   type of the answer
  * @param {string} method
  * @param {string} url
@@ -127,7 +128,8 @@ const ACTIVE = new Set(['queued', 'running']);
 export const run = async (body, progress, signal) => follow(await post('/api/runs', body, signal), progress, signal);
 
 /**
- * Follow a run that the server has accepted until it ends: a 202 answer holds its progress, not yet its spec and summary.
+ * Follow a run that the server has accepted until it ends: a 202 answer holds its progress, not yet its spec and
+ * summary.
  * @param {service.Run | service.Progress} state
  * @param {(state: service.Run | service.Progress) => void} [progress]
  * @param {AbortSignal} [signal]

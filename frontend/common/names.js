@@ -64,13 +64,13 @@ export const brief = (prose) =>
     .trim();
 
 /**
- * What a plant calls something beyond its name: a channel's title, else the beginning of the description.
+ * The title of an item of a plant, else the beginning of its description.
  * @param {{title?: string, description?: string}} item
  */
 export const titleOf = (item) => named(item.title) || brief(item.description);
 
 /**
- * What the page calls a channel, an output, an input, a signal or a state wherever it names it: its symbol, or where that is a word what the plant says it is.
+ * The page's name of a channel, output, input, signal or state: its symbol, or its title if the name is a word.
  * @param {string} name
  * @param {Plant | null} plant
  */
@@ -103,7 +103,7 @@ export function spoken(message, plant) {
 export const capital = (words) => words.replace(/^[a-z](?=[a-z ])/, (first) => first.toUpperCase());
 
 /**
- * What stands in the badge of each channel, two or three characters that tell it from the others: θ₁, gl for gain_loss,
+ * The badge of each channel, two or three characters that distinguish it from the others: θ₁, gl for gain_loss,
  * lv₁ and lk₁ for level1 and leak1.
  * @param {{name: string}[]} channels
  * @returns {Map<string, [string, string]>} name → [letters, index]

@@ -1,4 +1,4 @@
-// A refusal, in place: which field, what arrived, what is wrong with it, what to do.
+// A refusal beside the form: the field, the value that arrived, the problem and the remedy.
 
 import {h} from './dom.js';
 import {asSentence, refusalWords, say, t} from '../i18n/words.js';

@@ -23,7 +23,7 @@
     toggle() {
       const next = this.now === 'dark' ? 'light' : 'dark';
       try {
-        // Back to what the system has: follow it again from here on.
+        // The system's own theme again: follow the system from here on.
         if (next === (system.matches ? 'dark' : 'light')) localStorage.removeItem('theme');
         else localStorage.setItem('theme', next);
       } catch {

@@ -1,4 +1,5 @@
-// Templates of messages → sentences, exactly as backend/thetascope/messages/catalogue.py renders them; tests/messages/rendering.json holds both to
+// Templates of messages → sentences, exactly as backend/thetascope/messages/catalogue.py renders them;
+// tests/messages/rendering.json holds both to
 // the same results. Pure.
 
 const FIELD = /\{([\p{L}\p{N}_]+)(?::([^{}]*))?\}|\{\{|\}\}/gu;
@@ -12,7 +13,8 @@ const GUARD = 25; // digits after which a decimal expansion of a double that was
  */
 
 /**
- * The words of one language: code → template, or a template for each plural form; `plural` names these forms in their order, by the categories of
+ * The words of one language: code → template, or a template for each plural form; `plural` names these forms in their
+ * order, by the categories of
  * Unicode's CLDR.
  * @typedef {{language: string, plural: string[], messages: Record<string, string | string[]>}} Words
  */
@@ -32,7 +34,11 @@ export class Catalogue {
     return Object.hasOwn(this.templates, code);
   }
 
-  /** The sentence of a message. An unknown code is shown with its arguments, so that nothing is lost. @param {Message} message @returns {string} */
+  /**
+   * The sentence of a message. An unknown code is shown with its arguments, so that nothing is lost.
+   * @param {Message} message
+   * @returns {string}
+   */
   render({code, args = {}}) {
     const template = this.template(code, args);
     if (template === undefined) {
@@ -46,7 +52,11 @@ export class Catalogue {
     return withoutBlanks(sentence);
   }
 
-  /** The template of a code, in the plural form that the argument `n` asks for. @param {string} code @param {Record<string, Argument>} args */
+  /**
+   * The template of a code, in the plural form that the argument `n` asks for.
+   * @param {string} code
+   * @param {Record<string, Argument>} args
+   */
   template(code, args) {
     const found = this.has(code) ? this.templates[code] : undefined;
     if (!Array.isArray(found)) return found;
@@ -85,7 +95,11 @@ export class Catalogue {
 /** Words without the blanks that a template has around a name which turns out to be Chinese. @param {string} words */
 export const withoutBlanks = (words) => words.replace(BLANK, '');
 
-/** A number as Python's format writes it: .Ng, .Nf, .N%, `,` for thousands, `+` for the sign. @param {number} value @param {string} format */
+/**
+ * A number as Python's format writes it: .Ng, .Nf, .N%, `,` for thousands, `+` for the sign.
+ * @param {number} value
+ * @param {string} format
+ */
 export function formatted(value, format) {
   if (!Number.isFinite(value)) return Number.isNaN(value) ? 'nan' : value > 0 ? 'inf' : '-inf';
   if (format === '') return Number.isInteger(value) ? String(value) : general(value, 6);
@@ -115,7 +129,11 @@ function written(value, kind, digits) {
   }
 }
 
-/** Python's `g`: significant digits without trailing zeros, a power of ten where it is shorter. @param {number} value @param {number} digits */
+/**
+ * Python's `g`: significant digits without trailing zeros, a power of ten where it is shorter.
+ * @param {number} value
+ * @param {number} digits
+ */
 function general(value, digits) {
   if (value === 0) return '0';
   const precision = Math.max(1, digits);
@@ -130,7 +148,11 @@ const powered = (mantissa, power) => `${mantissa}e${power < 0 ? '-' : '+'}${Stri
 /** @param {string} number */
 const trimmed = (number) => (number.includes('.') ? number.replace(/\.?0+$/, '') : number);
 
-/** Decimals, a tie to the even digit as in Python (toFixed takes the larger one). @param {number} value @param {number} places */
+/**
+ * Decimals, a tie to the even digit as in Python (toFixed takes the larger one).
+ * @param {number} value
+ * @param {number} places
+ */
 const fixed = (value, places) => even(value.toFixed(places), value.toFixed(Math.min(100, places + GUARD)), places);
 
 /** Mantissa and power of ten, likewise. @param {number} value @param {number} places @returns {[string, number]} */

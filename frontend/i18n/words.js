@@ -1,4 +1,5 @@
-// The words of the page: codes with arguments, rendered with the catalogue of one language, which comes from the server.
+// The words of the page: codes with arguments, rendered with the catalogue of one language, which comes from the
+// server.
 
 import {get} from '../common/api.js';
 import {Catalogue} from './render.js';
@@ -7,7 +8,10 @@ import {named as chineseName, said as chineseText} from './zh/server-text.js';
 /** @type {Catalogue} */
 let catalogue = new Catalogue({language: 'en', plural: ['one', 'other'], messages: {}});
 
-/** Load the words of a language; from then on `t` and `say` use them. @param {import('./language.js').Language} language */
+/**
+ * Load the words of a language; from then on `t` and `say` use them.
+ * @param {import('./language.js').Language} language
+ */
 export async function speak(language) {
   catalogue = new Catalogue(await get(`/api/messages/${language}`));
   document.documentElement.lang = language === 'zh' ? 'zh-CN' : language;
@@ -16,14 +20,18 @@ export async function speak(language) {
 /** The language that is spoken. */
 export const language = () => catalogue.language;
 
-/** The words of a code: t('page.transport.play'), t('page.plant.states', {n: 3}). @param {string} code @param {Record<string, import('./render.js').Argument>} args */
+/**
+ * The words of a code: t('page.transport.play'), t('page.plant.states', {n: 3}).
+ * @param {string} code
+ * @param {Record<string, import('./render.js').Argument>} args
+ */
 export const t = (code, args = {}) => catalogue.render({code, args});
 
 /** Whether there are words for a code. @param {string} code */
 export const hasWords = (code) => catalogue.has(code);
 
 /**
- * What the server says, {code, args, text}, in the page's language: the text as it came only where the code is not known here.
+ * A message of the server, {code, args, text}, in the page's language; its text only where the code is unknown here.
  * @param {import('./render.js').Message | string | null | undefined} message
  * @returns {string}
  */
@@ -34,7 +42,7 @@ export function say(message) {
 }
 
 /**
- * What refusals and other errors have of this.
+ * A refusal or another error, as far as it has these.
  * @typedef {object} Refusal
  * @property {string} [code]
  * @property {Record<string, import('./render.js').Argument>} [args]
@@ -54,7 +62,10 @@ export function named(prose) {
   return (language() === 'zh' ? chineseName(prose) : prose) ?? '';
 }
 
-/** What the server says as a sentence of its own, with a capital letter and a full stop. @param {Parameters<typeof say>[0]} message */
+/**
+ * A message of the server as a sentence, with a capital letter and a full stop.
+ * @param {Parameters<typeof say>[0]} message
+ */
 export function asSentence(message) {
   const words = say(message);
   if (words === '') return '';
@@ -62,7 +73,8 @@ export function asSentence(message) {
 }
 
 /**
- * The problem and the remedy of a refusal, or of another error, in the page's language: by its code, else as the server has worded them.
+ * The problem and the remedy of a refusal, or of another error, in the page's language: by its code, else as the
+ * server has worded them.
  * @param {unknown} error   as thrown
  * @returns {{problem: string, remedy: string}}
  */

@@ -1,4 +1,4 @@
-// What can be done on the page beyond single commands (README.md lists it).
+// Actions that are more than one command (README.md lists them).
 
 import {picture} from './scope/figure.js';
 import {seconds} from '../widgets/number-format.js';
@@ -41,7 +41,7 @@ export function refused(error) {
 }
 
 /**
- * A command whose refusal is told on the page; the Ack, or null.
+ * Send a command and show its refusal on the page. Returns the Ack, or null.
  * @param {App} app
  * @param {Command} command
  */
@@ -63,7 +63,8 @@ function transport(app, link) {
   /** @param {Command} command */
   const send = (command) => ask(app, command);
   /**
-   * Go back to a time and discard what came after it; for a while this can be undone, with another session of the same history.
+   * Go back to a time and discard what came after it; for a while this can be undone, with another session of the same
+   * history.
    * @param {Command} command
    * @param {number} at
    */

@@ -4,7 +4,7 @@ const TICK = 200; // ms between the numbers beside the curves
 const CATCH_UP = 5; // per s: how firmly the edge is drawn to the newest sample
 
 /**
- * What a listener answers; one that fails must not stop the others.
+ * Call a listener; one that fails must not stop the others.
  * @param {(now: number) => unknown} fn
  * @param {number} now
  */
@@ -60,7 +60,8 @@ export function createLoop() {
 }
 
 /**
- * Time at the right edge. Samples come 30 times a second and in bursts; the edge moves evenly at the session's speed and is drawn gently to the newest
+ * Time at the right edge. Samples come 30 times a second and in bursts; the edge moves evenly at the session's speed
+ * and is drawn gently to the newest
  * sample, so that the picture glides on a screen of any rate.
  */
 export class Edge {

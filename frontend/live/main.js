@@ -1,4 +1,4 @@
-// Starts the live page: makes the app, opens what the address asks for, joins sessions and leaves them.
+// Starts the live page: creates the app, opens the session of the address, joins sessions and leaves them.
 
 import {get} from '../common/api.js';
 import {query} from '../common/dom.js';
@@ -57,7 +57,7 @@ const app = /** @type {App} */ (
   /** @type {Omit<App, 'act' | 'scope'>} */ ({
     store,
     samples: new Samples(1),
-    ghost: null, // the parent's samples; state.origin is what is known of it
+    ghost: null, // the parent's samples; state.origin has the rest
     edge: new Edge(),
     first: FIRST.experiment,
     get state() {
@@ -90,7 +90,8 @@ const app = /** @type {App} */ (
 /** @type {{language: Language, answer: Promise<Catalogue>} | null} */
 let catalogue = null;
 
-// ---- joining and leaving a session ---------------------------------------------------------------------------------------
+// ---- joining and leaving a session
+// ---------------------------------------------------------------------------------------
 
 function leave() {
   socket?.stop();
@@ -99,7 +100,8 @@ function leave() {
 }
 
 /**
- * Join a session: its messages go to the store, its frames to the samples. `then` is called when it has said hello for the first time.
+ * Join a session: its messages go to the store, its frames to the samples. `then` is called when it has said hello for
+ * the first time.
  * @param {JoinOptions} options
  */
 function join({id, control, experiment, plain, parent = null, fresh = false, then = () => {}}) {
@@ -133,7 +135,7 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
 }
 
 /**
- * What a message means for the samples, before the store hears of it.
+ * Prepare the samples for a message, before the store gets it.
  * @param {Samples} samples
  * @param {Arrivals} arrivals
  * @param {ServerMessage} message
@@ -250,7 +252,8 @@ function failed(error) {
   store.dispatch({type: 'failed', problem});
 }
 
-// ---- the address ---------------------------------------------------------------------------------------------------------
+// ---- the address
+// ---------------------------------------------------------------------------------------------------------
 
 let soon = 0;
 let written = -1; // rows when the address was last written: single steps move the time, too
@@ -293,7 +296,7 @@ function openingSpeed({horizon, faults}) {
   return SPEEDS.findLast((speed) => speed !== null && speed <= wanted) ?? SPEEDS[0];
 }
 
-/** Open what the address asks for; without any, the first experiment, already running. */
+/** Open the session of the address; without one, the first experiment, already running. */
 async function open() {
   /** @type {Awaited<ReturnType<typeof permalink.read>>} */
   let asked;
@@ -330,7 +333,8 @@ async function open() {
   return link.begin({experiment: FIRST.experiment, t: FIRST.t, play: true});
 }
 
-// ---- the page ------------------------------------------------------------------------------------------------------------
+// ---- the page
+// ------------------------------------------------------------------------------------------------------------
 
 app.act = actions(app, link);
 /** @param {string} id */

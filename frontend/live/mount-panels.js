@@ -22,7 +22,8 @@ const PANELS = [
 /** @typedef {{mount: (element: HTMLElement, app: App) => void}} Panel */
 
 /**
- * Load every panel, then mount them together, so that keys work as soon as there is something to see. A panel that fails leaves its
+ * Load every panel, then mount them together, so that keys work as soon as there is something to see. A panel that
+ * fails leaves its
  * place empty.
  * @param {App} app
  */

@@ -1,4 +1,5 @@
-// The types of the live page: its state, the `app` that panels get, and what the scope draws. The messages and answers of the
+// The types of the live page: its state, the `app` that panels get, and what the scope draws. The messages and answers
+// of the
 // service are generated (types/service.d.ts).
 
 import type {Alarm} from '../diagnosis/alarms.js';

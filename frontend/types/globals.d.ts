@@ -1,4 +1,5 @@
-// Globals of the pages: the theme (common/theme.js), Plotly.js (loaded when a figure is first shown), and the live page's app.
+// Globals of the pages: the theme (common/theme.js), Plotly.js (loaded when a figure is first shown), and the live
+// page's app.
 
 import type {App} from '../live/types.js';
 

@@ -16,7 +16,7 @@ import {asSentence, refusalWords, t} from '../i18n/words.js';
 export const heading = (title, ...right) => h('div', {class: 'heading'}, h('h2', {}, title), ...right);
 
 /**
- * A mark for a heading: while one looks back, that what stands under it is of now.
+ * A mark for a heading: while the scope looks back, that the panel shows the present.
  * @param {App} app
  */
 export function asOfNow(app) {
@@ -62,7 +62,8 @@ export function badge([letters, whole], {square = false, lit = false} = {}) {
 export const chip = (colour) => h('span', {class: 'chip', style: `--c:${colour}`});
 
 /**
- * A number with so many decimals that numbers of its scale have four digits: it keeps its width while it changes.
+ * A number with as many decimals as numbers of its scale need for four digits, so that it keeps its width while it
+ * changes.
  * @param {number} value
  * @param {number} [scale]
  * @param {number} [digits]
@@ -153,7 +154,7 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
       return present;
     },
     /**
-     * Show what a command has set, wherever it came from; it does not take what one is typing or dragging from under the hand.
+     * Show a value that a command has set, unless one is typing or dragging.
      * @param {number} next
      */
     follow(next) {

@@ -5,7 +5,7 @@ const RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 const LONGEST = 9; // characters
 
 /**
- * A value with so many decimals and a true minus, as a power of ten where that is too long; '–' for none.
+ * A value with a number of decimals and a true minus, as a power of ten where that would be long; '–' if it is missing.
  * @param {number} value
  * @param {number} places
  */
@@ -31,7 +31,7 @@ export const raised = (exponent) =>
   (exponent < 0 ? '⁻' : '') + [...String(Math.abs(exponent))].map((digit) => RAISED[Number(digit)]).join('');
 
 /**
- * A time for a clock or an axis whose marks are `step` apart: 78.4, 1:02:05 never; plain seconds are what the papers use.
+ * A time in plain seconds for a clock or an axis whose marks are `step` apart: 78.4
  * @param {number} t
  * @param {number} [step]
  */

@@ -1,7 +1,7 @@
 // Between a slider's position (0 … 1000) and a value: linear, or logarithmic with or without a zero at the left end.
 
 export const ENDS = 1000;
-const ZERO = 20; // positions at the left end that stand for 0 on a logarithmic scale that has one
+const ZERO = 20; // positions at the left end that mean 0 on a logarithmic scale with a zero
 
 /** @typedef {{min: number, max: number, kind: 'linear'|'log', zero: boolean}} Scale */
 
@@ -35,7 +35,7 @@ export function position(scale, value) {
 }
 
 /**
- * The value at a position, rounded to what a slider can tell apart.
+ * The value at a position, rounded to the resolution of a slider.
  * @param {Scale} scale
  * @param {number} place
  */

@@ -1,4 +1,5 @@
-// Lists that end with a whole line: what does not fit is scrolled to, and the rim of the card says how many lines follow. All lists are fitted
+// Lists that end with a whole line: what does not fit is scrolled to, and the rim of the card says how many lines
+// follow. All lists are fitted
 // together, since the cards of a column share its height.
 
 import {h} from '../common/dom.js';
@@ -26,7 +27,8 @@ const resized = new ResizeObserver(soon);
 addEventListener('resize', soon);
 
 /**
- * Keep a scrolling list whole. `lines()` are its lines from above; what it returns says how many are out of sight below, and goes into the card.
+ * End a scrolling list with a whole line. `lines()` returns its lines from the top. Returns a button for the card that
+ * says how many lines follow.
  * @param {HTMLElement} list
  * @param {() => HTMLElement[]} lines
  * @param {App} app
@@ -57,7 +59,7 @@ const matters = ({type, addedNodes, removedNodes}) =>
   type === 'attributes' || [...addedNodes, ...removedNodes].some((node) => node.nodeType === Node.ELEMENT_NODE);
 
 /**
- * Where a line ends, from the top of what is seen.
+ * The lower end of a line, from the top of the visible part.
  * @param {Element} line
  * @param {HTMLElement} list
  */
@@ -71,11 +73,11 @@ function fitAll() {
   for (const {list} of kept) cap(list, null);
   const whole = new Map(free.map((one) => [one, lastWhole(one)]));
   for (const [{list}, end] of whole) if (end) cap(list, end);
-  for (const [one, end] of whole) if (end && grows(one.list)) refit(one); // what the others left empty is theirs
+  for (const [one, end] of whole) if (end && grows(one.list)) refit(one); // they get the room that the others left
   for (const {one, top, line} of before) {
     if (one.list.scrollTop !== top) one.list.scrollTop = top; // higher for a moment, it may have been scrolled less
     const out = line ? bottom(line, one.list) - one.list.clientHeight : 0;
-    if (out > 0) one.list.scrollTop += out; // what was whole in sight stays so while it is used
+    if (out > 0) one.list.scrollTop += out; // a line that is in use stays whole
     count(one);
   }
 }

@@ -1,4 +1,5 @@
-// Frames on their way into the samples, in order. Rows that were not sent because this page was too far behind are fetched thinned out, so
+// Frames on their way into the samples, in order. Rows that were not sent because this page was too far behind are
+// fetched thinned out, so
 // that the curves have no hole; frames that come meanwhile wait.
 
 import {get} from '../../common/api.js';
@@ -8,7 +9,7 @@ import {get} from '../../common/api.js';
 /** @typedef {{rows: number, columns: {[name: string]: {bdata: string}}}} Table   float64 in base64 */
 
 const MOST = 4000; // rows asked for
-const PIECE = 8192; // rows handed on at once
+const PIECE = 8192; // rows per push
 const TRIES = [0, 400, 1500, 4000]; // ms before each; then there is a hole, which is what there is
 
 export class Arrivals {
@@ -87,7 +88,8 @@ export class Arrivals {
 }
 
 /**
- * Fetch rows first … last − 1 of a session and give them to `push(first, count, data)` as if they had been sent, each held until the next.
+ * Fetch rows first … last − 1 of a session and give them to `push(first, count, data)` as if they had been sent, each
+ * held until the next.
  * @param {{session: string, names: string[], record: number, first: number, last: number, push: (first: number, count: number, data: Float32Array) => void}} options
  * @returns {Promise<void>}
  */

@@ -1,4 +1,4 @@
-// Sessions over REST, and what this tab remembers of the one that it began.
+// Sessions over REST, and the sessions that this tab remembers.
 
 import {follow, get, post, Problem, request} from '../../common/api.js';
 
@@ -9,14 +9,14 @@ const KEPT = 'thetascope.sessions';
 const MOST = 8; // sessions that are remembered
 
 /**
- * Begin a session. `play`: time runs at once; `t`: begin at that time.
+ * Begin a session. `play`: time runs from the start; `t`: begin at that time.
  * @param {service.SessionRequest} body
  * @returns {Promise<service.SessionOpened>}
  */
 export const create = (body) => post('/api/sessions', body);
 
 /**
- * How a session stands, or null where there is none (any more).
+ * The state of a session, or null if it does not exist (any more).
  * @param {string} id
  * @returns {Promise<service.SessionState | null>}
  */
@@ -53,7 +53,8 @@ const controlled = (method, id, path, token, body) =>
 export const fork = (id, token, t) => controlled('POST', id, '/fork', token, t === undefined ? {} : {t});
 
 /**
- * Save a session as a run. The promise settles when the run has ended, and rejects with a Problem where it has no result.
+ * Save a session as a run. The promise settles when the run has ended, and rejects with a Problem where it has no
+ * result.
  * @param {string} id
  * @param {string | null} token
  * @returns {Promise<service.Run>}
@@ -97,7 +98,10 @@ export function library(id) {
   return known;
 }
 
-/** What this tab controls, {id, token, address, experiment, plain, parent}, so that loading the page again and going back in it do not lose it; the newest last. */
+/**
+ * What this tab controls, {id, token, address, experiment, plain, parent}, so that loading the page again and going
+ * back in it do not lose it; the newest last.
+ */
 export const kept = {
   /** @returns {KeptSession[]} */
   all() {

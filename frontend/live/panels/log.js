@@ -1,4 +1,4 @@
-// The log of what happened; a click shows that moment in the scope.
+// The log of the session; a click shows that moment in the scope.
 
 import {childrenOf, fill, h} from '../../common/dom.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
@@ -15,7 +15,7 @@ export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
   let signs = {}; // gains as their cards write them
   const more = wholeLines(list, () => childrenOf(list), app);
-  let made = new WeakMap(); // event → its line, so that a long log is not made anew with every event
+  let made = new WeakMap(); // event → its line, so that an event does not rebuild a long log
   const build = () => {
     made = new WeakMap();
     list.setAttribute('aria-label', t('page.log.title'));

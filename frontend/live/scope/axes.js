@@ -1,4 +1,5 @@
-// Axes that are calm: marks at round numbers, and ranges that widen when they must, shrink only after a while, and glide.
+// Axes that are calm: marks at round numbers, and ranges that widen when they must, shrink only after a while, and
+// glide.
 
 /** @import {Bins, Samples} from '../types.js' */
 
@@ -47,7 +48,7 @@ function rounded(low, high) {
   return [[Math.floor((low - 0.04 * span) / step) * step, Math.ceil((high + 0.04 * span) / step) * step], step];
 }
 
-/** The range of an axis. `aim` is told what should be seen, `move` brings it there. */
+/** The range of an axis. `aim` sets the values that should be visible, `move` brings the range there. */
 export class Range {
   constructor() {
     this.low = NaN;
@@ -60,7 +61,8 @@ export class Range {
   }
 
   /**
-   * Values between low and high should be seen. `at once` where the old range means nothing (another plant, another window).
+   * Make the values between low and high visible; `atOnce` where the old range means nothing (another plant, another
+   * window).
    * @param {number} low
    * @param {number} high
    * @param {number} now
@@ -74,7 +76,7 @@ export class Range {
       return;
     }
     const [from, to] = this.target;
-    const ahead = ROOM * (wanted[1] - wanted[0]); // what has outgrown the axis goes on growing
+    const ahead = ROOM * (wanted[1] - wanted[0]); // a value that has outgrown the axis usually goes on growing
     const edge = EDGE * (to - from);
     if (low < from + edge || high > to - edge) {
       this.glide(
@@ -141,7 +143,8 @@ export class Range {
 }
 
 /**
- * A column between two rows as minima and maxima of at most some 120 bins, the first of which is number `from`; null without any.
+ * A column between two rows as minima and maxima of at most some 120 bins, the first of which is number `from`; null
+ * without any.
  * @param {Samples} samples
  * @param {string} name
  * @param {number} first

@@ -1,4 +1,4 @@
-// What the axis of a strip should show, the marks beside it, and where curves leave it.
+// The range that the axis of a strip should show, the marks beside it, and where curves leave it.
 
 import {bins, marks, niceStep, quantiles} from './axes.js';
 import {fixed, power, raised} from '../../widgets/number-format.js';
@@ -23,8 +23,10 @@ function rowsOf(samples, t0, t1) {
 }
 
 /**
- * What a strip should show between two times: all of the truth, the bulk of the estimates with all of its noise, and their bands as far as they
- * leave the curves readable. A short throw far out stays off the axis and gets a mark (`leaving`); `whole` shows that, too.
+ * The range of a strip between two times: all of the truth, most of the estimates with all of their noise, and their
+ * bands as far as they
+ * leave the curves readable. A short throw far out stays off the axis and gets a mark (`leaving`); `whole` shows that,
+ * too.
  * @param {Strip} strip
  * @param {Samples} samples
  * @param {number} t0
@@ -169,7 +171,7 @@ export function spelt(ticks, step) {
 const placesOf = (step) => Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
 
 /**
- * How the numbers beside a strip are written: all in one form, which goes by the axis.
+ * The form of the numbers beside a strip, the same for all of them; it follows from the axis.
  * @param {{low: number, high: number}} range
  * @returns {(value: number) => string}
  */

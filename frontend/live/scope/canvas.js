@@ -1,4 +1,5 @@
-// Drawing one strip on its canvas. Everything is in CSS pixels; the caller has set the scale. The only code that runs 30 to 60 times a second.
+// Drawing one strip on its canvas. Everything is in CSS pixels; the caller has set the scale. The only code that runs
+// 30 to 60 times a second.
 
 import {marks} from './axes.js';
 import {bandPath, PIECE, strokeTrace, WHOLE} from './traces.js';
@@ -65,7 +66,8 @@ export function drawStrip(ctx, strip, place, view, range, colours) {
 }
 
 /**
- * The times at which a fault acts, each once however many act together; one injected while time stands still shows as a sliver at the edge.
+ * The times at which a fault acts, each once however many act together; one injected while time is paused shows as a
+ * sliver at the edge.
  * @param {CanvasRenderingContext2D} ctx
  * @param {DrawnStrip} strip
  * @param {{left: number, right: number, height: number}} options
@@ -198,7 +200,8 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
 /** @typedef {[first: number, last: number, power: number, x0: number, dx: number, y0: number, dy: number, top: number, bottom: number]} Geometry */
 
 /**
- * Confidence bands, the first observer's on top; many of them are paler. (Outlines would cost the square of what crosses in them.)
+ * Confidence bands, the first observer's on top; many of them are paler. (Outlines would cost the square of what
+ * crosses in them.)
  * @param {CanvasRenderingContext2D} ctx
  * @param {DrawnStrip} strip
  * @param {View} view
@@ -282,7 +285,8 @@ function drawLeaving(ctx, strip, {left, right, height}, scale, colours) {
 }
 
 /**
- * Alarms on the strip that they name: a flag where it was raised, a line above for as long as it is on, and at the foot when the fault began.
+ * Alarms on the strip that they name: a flag where it was raised, a line above for as long as it is on, and at the
+ * foot when the fault began.
  * @param {CanvasRenderingContext2D} ctx
  * @param {DrawnStrip} strip
  * @param {{left: number, right: number, height: number}} options
@@ -300,7 +304,7 @@ function drawAlarms(ctx, strip, {left, right, height}, view, scale, colours) {
         : !alarm.explained && alarm.subject === strip.subject;
     const end = Math.min(alarm.over ?? Infinity, view.now);
     if (!named || alarm.from > view.t1 || end < view.t0) continue;
-    const second = alarm.subject !== strip.subject; // it would explain the data as well
+    const second = alarm.subject !== strip.subject; // it would explain the data equally well
     ctx.fillStyle = ctx.strokeStyle = colours.alarm;
     ctx.lineWidth = 1.2 * colours.size;
     const x = scale.x(alarm.t);

@@ -43,7 +43,7 @@ function make(app, strips, {span = app.span(), whole = false} = {}) {
 }
 
 /**
- * What the strip's own axis shows at present.
+ * The present range of the strip's own axis.
  * @param {App} app
  * @param {string} name
  * @returns {[number, number] | null}

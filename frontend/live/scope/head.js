@@ -1,4 +1,4 @@
-// Above the strips: what the lines mean, how long the window is, which strips are shown.
+// Above the strips: the legend, the length of the window, the choice of strips.
 
 import {childrenOf, fill, h, query, symbol} from '../../common/dom.js';
 import {brief, symbolic} from '../../common/names.js';
@@ -87,7 +87,9 @@ export function mountHead(root, app, scope) {
 }
 
 /**
- * A projector's legend stands on one line: where there is no room, marks that mean the same everywhere go, the plainest first. Else it is set closer, and wraps.
+ * In presentation mode the legend keeps to one line: without room it drops the marks that mean the same everywhere,
+ * the plainest first. Otherwise it is set
+ * closer, and wraps.
  * @param {HTMLElement} legend
  */
 function fitLegend(legend) {

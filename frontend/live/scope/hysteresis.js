@@ -1,4 +1,5 @@
-// A sandwich plant's hysteresis: the loop v over x, and every backlash operator as what it is, a slot that its input pushes along.
+// The hysteresis of a sandwich plant: the loop v over x, and every backlash operator as a slot that its input pushes
+// along.
 
 import {context, fill, h, symbol} from '../../common/dom.js';
 import {Range, marks, niceStep} from './axes.js';
@@ -291,7 +292,8 @@ function drawAxes({ctx, loop, x, y, colours}, area, px, py) {
 }
 
 /**
- * Each operator as a slot of its width around its output; the dot is the input. Where it pushes a wall, the operator follows.
+ * Each operator as a slot of its width around its output; the dot is the input. Where it pushes a wall, the operator
+ * follows.
  * @param {Picture} picture
  * @param {number} end
  */
@@ -313,7 +315,7 @@ function drawSlots({app, slotCtx: ctx, slots, found, colours, observer, x: range
   straight(ctx, px(0), 0, px(0), height);
   operators.forEach(({memory, right, left}, i) => {
     const y = (i + 0.5) * pitch;
-    const z = samples.value(`x.${memory}`, end); // what it put out in the row before
+    const z = samples.value(`x.${memory}`, end); // its output in the row before
     const zone = observer ? samples.value(`${observer.label}.zone.${i + 1}`, end - 1) : 0;
     ctx.fillStyle = colours.soft;
     ctx.font = colours.number;

@@ -1,4 +1,4 @@
-// What the small marks on a strip say, where the pointer is on one.
+// The meaning of the small mark on a strip under the pointer.
 
 /** @import {App, Row} from '../types.js' */
 

@@ -1,4 +1,4 @@
-// Plotly.js, loaded when it is first asked for: figures of the strips to measure in and to save. The live curves are not its affair.
+// Figures of the strips with Plotly.js, which is loaded with the first of them. The live curves are drawn by canvas.js.
 
 import {h} from '../../common/dom.js';
 import {brief, plain, symbolic} from '../../common/names.js';
@@ -136,7 +136,7 @@ export function figureOf({samples, strips, faults, alarms, bands, t0, t1, title}
 }
 
 /**
- * What the marks of a figure mean, as entries of its legend: curves without points.
+ * The marks of a figure as entries of its legend: curves without points.
  * @param {Marks} marks
  * @param {FigureStrip[]} strips
  * @param {Palette} colours
@@ -226,7 +226,7 @@ function layoutOf({colours, title, t0, t1, axis}) {
 }
 
 /**
- * Bands, estimates and truth of a strip; a name stands in the legend once.
+ * Bands, estimates and truth of a strip; each name is in the legend once.
  * @param {FigureStrip} strip
  * @param {string} axis
  * @param {Pick<FigureOptions, 'samples' | 't0' | 't1' | 'bands'> & {colours: Palette, listed: Set<string>}} options

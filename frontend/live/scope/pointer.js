@@ -154,7 +154,7 @@ class Pointer {
   }
 
   /**
-   * What the mark under the pointer says, as a hint.
+   * Show the meaning of the mark under the pointer as a hint.
    * @param {PointerEvent} event
    * @param {number} x
    */

@@ -8,10 +8,10 @@ import {t} from '../../i18n/words.js';
 
 /** @import {App, Place, Plant, Row, Strip} from '../types.js' */
 
-/** @typedef {{place: Place | null, ctx: CanvasRenderingContext2D}} Drawn   what has a canvas */
+/** @typedef {{place: Place | null, ctx: CanvasRenderingContext2D}} Drawn   an object with a canvas */
 
 /**
- * What a strip shows, in words.
+ * The title of a strip.
  * @param {Strip} strip
  * @returns {string}
  */
@@ -75,7 +75,7 @@ export function labelAll({all, whole}) {
 }
 
 /**
- * What a strip is called in mathematics; a channel that is a word has the letters of its badge in the plant.
+ * The symbol of a strip; a channel whose name is a word has the letters of its badge in the plant.
  * @param {Strip} strip
  * @param {Plant | null} plant
  */

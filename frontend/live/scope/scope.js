@@ -14,7 +14,7 @@ import {say, t} from '../../i18n/words.js';
 
 /** @import {App, Place, Row, Strip} from '../types.js' */
 
-const AIM = 300; // ms between looks at what the axes should show
+const AIM = 300; // ms between fits of the axes
 const GUTTER = 52; // px for the marks of the vertical axis
 const LINE = 14.3; // px of one number beside a strip
 
@@ -66,7 +66,7 @@ export function mountScope(root, app) {
   app.subscribe(
     (state) => [state.cursor, state.looking],
     () => app.wake(),
-  ); // the numbers follow while time stands still, too
+  ); // the numbers follow while time is paused, too
   app.onFrame((now) => scope.draw(now));
   app.onTick(() => scope.showValues());
   return scope;
@@ -82,9 +82,9 @@ export class Scope {
     this.strips = [];
     this.colours = palette();
     this.aimed = 0;
-    this.seen = ''; // what the axes were last fitted to
+    this.seen = ''; // the rows and times that the axes were last fitted to
     this.atOnce = true;
-    this.still = ''; // what is drawn
+    this.still = ''; // the rows and times that are drawn
     /** @type {string | null} the observer whose name is pointed at */
     this.pointed = null;
     /** @type {Place | null} of the time axis */
@@ -102,7 +102,7 @@ export class Scope {
     new ResizeObserver(() => this.measure()).observe(this.list);
   }
 
-  /** Make the rows anew where the strips have changed; rows that stay keep their axes. */
+  /** Rebuild the rows after a change of the strips; rows that remain keep their axes. */
   build() {
     const {state} = this.app;
     this.strips = stripsOf(state);
@@ -141,7 +141,7 @@ export class Scope {
     }
   }
 
-  /** Axes look again, at once: the old ranges mean nothing to another plant or another window. */
+  /** Fit the axes immediately: the old ranges mean nothing to another plant or another window. */
   refit() {
     this.atOnce = true;
     this.aimed = 0;
@@ -244,7 +244,7 @@ export class Scope {
   }
 
   /**
-   * Let every axis see what it should; whether one is still gliding.
+   * Fit every axis to its curves. Returns whether one is still moving.
    * @param {number} now
    * @param {number} t0
    * @param {number} t1
@@ -267,7 +267,7 @@ export class Scope {
   }
 
   /**
-   * What one axis should show, and which curves leave it.
+   * Fit one axis, and mark the curves that leave it.
    * @param {Row} row
    * @param {number} t0
    * @param {number} t1
@@ -297,7 +297,7 @@ export class Scope {
     this.app.wake();
   }
 
-  /** What stands where there are no curves (yet). */
+  /** Say why there are no curves (yet). */
   showEmpty() {
     const {state, samples} = this.app;
     const words = ['ended', 'failed', 'full'].includes(state.connection)

@@ -1,4 +1,5 @@
-// The numbers beside the strips: at the pointer, else at the time that is looked back to, else at the right edge of the curves.
+// The numbers beside the strips: at the pointer, else at the time that is looked back to, else at the right edge of
+// the curves.
 
 import {power} from '../../widgets/number-format.js';
 import {written} from './axis-view.js';

@@ -1,6 +1,8 @@
-// The samples of a session in the browser: the newest rows at full rate, all of them as minima and maxima of 4, 16, 64 … rows.
+// The samples of a session in the browser: the newest rows at full rate, all of them as minima and maxima of 4, 16, 64
+// … rows.
 //
-// Memory is bounded: every array is a ring whose capacity is a power of two, so a row's place is `row & mask`. Minima and maxima belong to
+// Memory is bounded: every array is a ring whose capacity is a power of two, so a row's place is `row & mask`. Minima
+// and maxima belong to
 // absolute row numbers, not to the screen: a curve that scrolls does not shimmer.
 
 /** @import {DerivedColumn, Source} from '../types.js' */
@@ -112,8 +114,9 @@ export class Samples {
   }
 
   /**
-   * The columns that arrive from now on, and those that are computed of them: [{name, of: [names], make: (a, b) => value}].
-   * What is there already under the same name is kept.
+   * The columns that arrive from now on, and those that are computed of them: [{name, of: [names], make: (a, b) =>
+   * value}].
+   * Samples that are there already under the same name are kept.
    * @param {string[]} names
    * @param {DerivedColumn[]} [derived]
    */
@@ -237,7 +240,7 @@ export class Samples {
   }
 
   /**
-   * What the finest level that still has it knows of a row: the middle between its minimum and maximum.
+   * The value of a row in the finest level that still has it: the middle between minimum and maximum.
    * @param {Column} column
    * @param {number} row
    */
@@ -258,7 +261,7 @@ export class Samples {
   }
 
   /**
-   * Copies of what is kept at full rate between two times: {t, v}.
+   * Copies of the rows that are kept at full rate between two times: {t, v}.
    * @param {string} name
    * @param {number} t0
    * @param {number} t1
@@ -301,7 +304,8 @@ export class Samples {
   }
 
   /**
-   * How to draw rows first … last on so many pixels: the number of rows that are put together, as a power of two. One bin is at least a
+   * How many rows to combine when rows first … last are drawn on a number of pixels, as a power of two. One bin is at
+   * least a
    * pixel wide, and its level still reaches back to `first`.
    * @param {number} first
    * @param {number} last
@@ -323,7 +327,7 @@ export class Samples {
   }
 
   /**
-   * The arrays that hold bins of 2^power rows: entry i stands for rows i·rows … and is found at i & mask.
+   * The arrays that hold bins of 2^power rows: entry i covers rows i·rows … and is found at i & mask.
    * @param {string} name
    * @param {number} power
    * @returns {Source | null}

@@ -1,4 +1,5 @@
-// Which strips a session has and what each of them draws: one per fault channel, per state, per output's residual, and the excitation.
+// Which strips a session has and what each of them draws: one per fault channel, per state, per output's residual, and
+// the excitation.
 
 /** @import {DerivedColumn, FaultState, ObserverState, Plant, State, Strip, Trace} from '../types.js' */
 
@@ -74,7 +75,8 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
 }
 
 /**
- * What a projector shows: the fault channels and a state; where no observer estimates a fault, what shows it otherwise: two states and a residual.
+ * The strips of presentation mode: the fault channels and a state; if no observer estimates a fault, two states and a
+ * residual.
  * @param {UsualStrip[]} all
  * @returns {(strip: UsualStrip) => boolean}
  */

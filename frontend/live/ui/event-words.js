@@ -19,7 +19,8 @@ import {say, t} from '../../i18n/words.js';
 const DRAGGED = 5; // s between two values of one slider that are shown as one
 
 /**
- * Lines for the log, newest first by the time at which each event happened: an alarm, for example, is reported later than it was raised. A gain or a
+ * Lines for the log, newest first by the time at which each event happened: an alarm, for example, is reported later
+ * than it was raised. A gain or a
  * noise level that was dragged is one line. `signs`: the symbols of the observers' gains.
  * @param {Event[]} log
  * @param {Plant | null} plant
@@ -89,7 +90,7 @@ const OWN = new Set([
 ]);
 
 /**
- * What the values of some kinds of events hold.
+ * The values of some kinds of events.
  * @typedef {{planned?: boolean}} Cleared
  * @typedef {{gain: string, value: Gain}} GainSet
  * @typedef {FaultInput & {[field: string]: unknown}} Injected

@@ -10,7 +10,8 @@ const ROUNDING = 1; // px: an element as wide as its room may measure a fraction
  * Put an element in the first place with room for it. While presenting, and on narrow pages, the style sheet places it.
  * @param {HTMLElement} element
  * @param {{breaks?: boolean, taken?: boolean, crowded?: boolean, narrow?: (on: boolean) => void}} [options]
- *   breaks: its text may wrap; taken: the header holds something else; crowded: the legend's place does; narrow: makes it
+ *   breaks: its text may wrap; taken: the header holds something else; crowded: the legend's place does; narrow: makes
+ * it
  *   narrower, for a header without room
  */
 export function stand(element, {breaks = false, taken = false, crowded = false, narrow = () => {}} = {}) {

@@ -1,4 +1,4 @@
-// What the page has to say about itself: a quiet line for some seconds or, while something stands in the way, until it is over.
+// The notice: a line for some seconds or, while the session cannot go on, until it can.
 
 import {fill, h, number} from '../../common/dom.js';
 import {called} from '../../common/names.js';
@@ -71,7 +71,7 @@ export function mountNotice(root, app) {
         return;
       }
       const act = () => {
-        app.store.dispatch({type: 'set', told: null}); // what was taken is not offered again
+        app.store.dispatch({type: 'set', told: null}); // an action is offered once
         action?.act();
       };
       const offered = action && !(action.alone && app.state.viewers > 1);
@@ -98,7 +98,7 @@ function under({plant, faults}) {
 }
 
 /**
- * What stands in the way, with the ways on; null: nothing.
+ * Why the session cannot go on, with buttons that help; null: it can.
  * @param {App} app
  * @returns {Notice | null}
  */

@@ -1,5 +1,7 @@
-// The page for a projector: the curves, and beside them the diagnosis, the plant and one card whose tabs hold the other panels. Panels are moved
-// there and back: they read in the order in which they are seen, keep what was typed, and exist once. What it looks like is in presentation.css.
+// The page for a projector: the curves, and beside them the diagnosis, the plant and one card whose tabs hold the
+// other panels. Panels are moved
+// there and back: their order in the document is that on the screen, they keep typed text, and exist once. Styles:
+// presentation.css.
 
 import {fill, h, query} from '../../common/dom.js';
 import {t} from '../../i18n/words.js';
@@ -100,7 +102,7 @@ function label(list, tabs) {
 }
 
 /**
- * Make a place the panel of a tab, or (null) what it was.
+ * Make a place the panel of a tab, or (null) an ordinary place again.
  * @param {HTMLElement} element
  * @param {string | null} tab
  */

@@ -1,4 +1,5 @@
-// The whole session as a video editor shows it: faults as bars, alarms as flags, changes as ticks. Dragging looks back and gives up nothing;
+// The whole session as a video editor shows it: faults as bars, alarms as flags, changes as ticks. Dragging looks back
+// and gives up nothing;
 // going back or forking from there is a button at the place.
 
 import {context, fill, h, query} from '../../common/dom.js';
@@ -156,7 +157,7 @@ function draw(timeline) {
 }
 
 /**
- * One thin row for each channel or output that has a fault; what is planned beyond now is drawn faintly.
+ * One thin row for each channel or output that has a fault; planned faults are drawn faintly.
  * @param {Timeline} timeline
  * @param {(t: number) => number} x
  * @param {number} now
@@ -318,7 +319,7 @@ function listen(timeline) {
 }
 
 /**
- * What happened where the pointer is, as the log says it.
+ * The lines of the log near the pointer.
  * @param {Timeline} timeline
  * @param {PointerEvent} event
  */

@@ -70,7 +70,7 @@ export function mountTransport(root, app) {
     },
   );
   app.onTick(() => {
-    const text = seconds(app.samples.now, app.state.record >= 1 ? 1 : 0.1); // now, wherever one looks: that time stands at its line in the scope
+    const text = seconds(app.samples.now, app.state.record >= 1 ? 1 : 0.1); // the present, also while looking back: the scope shows that time at its line
     if (figures.textContent !== text) figures.textContent = text;
   });
 }

@@ -1,7 +1,8 @@
 // CSV text in the browser: its columns for the picture, and a copy with only the columns that the server needs. Pure.
 
 /**
- * The separator of the cells, as backend/thetascope/assembly/analyses/csv_columns.py finds it; with semicolons, numbers may have a decimal comma.
+ * The separator of the cells, as backend/thetascope/assembly/analyses/csv_columns.py finds it; with semicolons,
+ * numbers may have a decimal comma.
  * @param {string} csv
  */
 const separator = (csv) => [',', ';', '\t'].find((one) => csv.split(/\r?\n/u, 1)[0].includes(one)) ?? ',';
@@ -21,8 +22,10 @@ export function columnsOf(csv) {
 }
 
 /**
- * The same text with no more columns than a plant's diagnosis reads (backend/thetascope/assembly/analyses/record_diagnosis.py), since a
- * whole run may be larger than the server accepts. Text that does not fit is returned unchanged, so that a refusal names lines of the file.
+ * The same text with no more columns than a plant's diagnosis reads
+ * (backend/thetascope/assembly/analyses/record_diagnosis.py), since a
+ * whole run may be larger than the server accepts. Text that does not fit is returned unchanged, so that a refusal
+ * names lines of the file.
  * @param {string} csv
  * @param {{outputs: {name: string}[], inputs: {name: string}[], signals: {name: string}[]}} plant
  * @returns {string}

@@ -21,7 +21,6 @@ const POINTS = 1200;
 const SLOT = '\u0000'; // where elements take the place of an argument
 await speak(chosenLanguage());
 
-/** An output over time, with what was found in it. */
 /**
  * A recorded output over time, with the alarms.
  * @param {Plant['outputs'][number]} output
@@ -228,7 +227,7 @@ const state = h('span', {class: 'soft', role: 'status'});
 const result = h('div', {class: 'records'});
 /** @type {string | null} text of a simulated record */
 let taken = null;
-// what stands beside the buttons, and below: as functions, to be said again in another language
+// the text beside the buttons and the content below: functions, so that they can be shown again in another language
 /** @type {() => string} */
 let beside = () => '';
 /** @type {() => Child} */
@@ -248,7 +247,7 @@ const show = (elements) => {
 async function showNames() {
   const plant = await plantOf(choice.value);
   const columns = ['t', ...[...plant.inputs, ...plant.signals, ...plant.outputs].map((one) => one.name)];
-  // the names stand in a sentence of their own as code
+  // the names are within a sentence, as code
   const [before, after] = t('page.records.columns', {columns: SLOT}).split(SLOT);
   fill(
     names,
@@ -290,7 +289,7 @@ async function ask(csv) {
   show(() => found(told, known.get(plant.id) ?? plant, columns));
 }
 
-/** A run of the plant's first experiment as a record, for those who have none at hand. */
+/** A run of the plant's first experiment as a record, for those who have none of their own. */
 async function simulated() {
   const experiment =
     experiments.find((one) => one.plant === choice.value && one.observers.length > 0) ??
@@ -322,7 +321,7 @@ async function submit(event) {
   else say(() => t('page.records.no-file'));
 }
 
-/** The page in the language at hand. What was chosen, and what came of it, stays. */
+/** Build the page in the present language. The choices and the results remain. */
 function build() {
   query('.skip').textContent = t('page.records.title');
   plants.forEach((line, place) => {

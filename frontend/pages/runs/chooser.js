@@ -6,7 +6,7 @@ import {named, t} from '../../i18n/words.js';
 
 /** @import {ExperimentLine, RunActions, RunStore} from '../types.js' */
 
-const MANY = 8; // from so many experiments on there is a field to find one
+const MANY = 8; // with this many experiments there is a search field
 
 /**
  * @param {HTMLElement} root

@@ -1,4 +1,5 @@
-// Tables of the comparison: errors between the events of a run, and how soon estimates followed the steps of the faults.
+// Tables of the comparison: errors between the events of a run, and how soon estimates followed the steps of the
+// faults.
 
 import {h, number, symbol} from '../../common/dom.js';
 import {small} from '../../diagnosis/fault-size.js';
@@ -7,7 +8,8 @@ import {t} from '../../i18n/words.js';
 /** @import {Comparison, ComparisonRow, Plant} from '../types.js' */
 
 /**
- * Root mean square errors, a row for each quantity and observer, a column for each stretch between two events; the largest error when pointed at.
+ * Root mean square errors, a row for each quantity and observer, a column for each stretch between two events; the
+ * largest error when pointed at.
  * @param {Comparison['windows']} windows
  * @param {ComparisonRow[]} rows
  * @param {(place: number) => HTMLElement} chip

@@ -1,4 +1,4 @@
-// The chosen experiment: what it is, what can be set, the run and its progress.
+// The chosen experiment: its description, its form, the run and its progress.
 
 import {fill, h} from '../../common/dom.js';
 import {spelt, stale} from './run-state.js';

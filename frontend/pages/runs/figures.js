@@ -1,4 +1,5 @@
-// The figures of the run. Plotly is loaded when it is first needed; figures are fetched and drawn one after another, as they
+// The figures of the run. Plotly is loaded when it is first needed; figures are fetched and drawn one after another,
+// as they
 // come near the screen.
 
 import {connection, get, reason} from '../../common/api.js';
@@ -128,7 +129,7 @@ export function mountFigures(root, store) {
   /** @param {service.FigureLine} one @param {Run} run */
   function section(one, run) {
     const box = boxes.get(one.name) ?? create(one);
-    near.unobserve(box.section); // observed anew, so that what is on the screen is drawn anew
+    near.unobserve(box.section); // observed again, so that a visible figure is redrawn
     return Object.assign(box, {address: `${run.links.figures}/${encodeURIComponent(one.name)}`, drawn: null}).section;
   }
 
@@ -193,7 +194,7 @@ export function mountFigures(root, store) {
     );
 
   /**
-   * Fit what is drawn to another size of the window.
+   * Fit the figures to another size of the window.
    * @param {boolean} whole
    */
   function refit(whole) {
@@ -238,7 +239,7 @@ export function mountFigures(root, store) {
     else if (!state.run && (state.spec !== before.spec || state.phase !== before.phase || before.run)) {
       for (const [name, box] of boxes) remove(name, box);
       showEmpty(state);
-      if (state.spec) plotly().catch(() => {}); // ready by the time it is needed; a failure is told when it is
+      if (state.spec) plotly().catch(() => {}); // ready when it is needed; a failure is shown then
     }
   });
 }

@@ -1,5 +1,5 @@
-// What can be changed before a run: seed, noise, gains, and any other value by its path.
-// Values go to the server as they are typed; what it refuses is shown under the field that it names.
+// The form for changes before a run: seed, noise, gains, and any other value by its path.
+// Values go to the server as they are typed; a refusal is shown under the field that it names.
 
 import {spell, value} from './address.js';
 import {fill, h, symbol} from '../../common/dom.js';

@@ -67,7 +67,7 @@ export function reduce(state, event) {
 }
 
 /**
- * Whether the form asks for something else than what the figures show.
+ * Whether the form differs from the run that the figures show.
  * @param {RunState} state
  */
 export const stale = (state) => state.run !== null && state.ranWith !== JSON.stringify(state.changes);
@@ -94,7 +94,8 @@ export const original = (spec, path) =>
   path.split('.').reduce((at, key) => step(at, key), /** @type {unknown} */ (spec));
 
 /**
- * A field's name in an answer of the server, spelt as the form spells it: observers[0].gains.rho → observers.adaptive.gains.rho.
+ * A field's name in an answer of the server, spelt as the form spells it: observers[0].gains.rho →
+ * observers.adaptive.gains.rho.
  * @param {Experiment | null} spec
  * @param {string} field
  */

@@ -1,4 +1,4 @@
-// Starts the page: loads the library, opens what the address chooses, and carries out what the views ask for.
+// Starts the page: loads the library, opens the choice of the address, and has the actions of the views.
 
 import {connection, get, post, Problem, reason, run} from '../../common/api.js';
 import {query} from '../../common/dom.js';

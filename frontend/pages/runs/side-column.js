@@ -1,4 +1,4 @@
-// Beside the figures: how the observers compare, whether their assumptions hold, the source's errata, what to take along.
+// Beside the figures: the comparison of the observers, their assumptions, the source's errata, downloads.
 
 import {fill, h, number, symbol} from '../../common/dom.js';
 import {downloads} from './downloads.js';
@@ -168,7 +168,7 @@ function settled(entry) {
 }
 
 /**
- * The lights of an observer, each opening to what was checked.
+ * The lights of an observer's checks, which open to the list of them.
  * @param {ObserverSummary} one
  * @param {number} place
  */

@@ -1,4 +1,4 @@
-// What opens over the page: equations, the keys, sharing, exporting. One dialog element, filled when it is opened.
+// The dialogs: equations, keys, sharing, exporting. One dialog element, filled when it is opened.
 
 import {fill, h} from '../../../common/dom.js';
 import {showEquations} from '../../../widgets/equations.js';

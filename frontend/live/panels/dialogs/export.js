@@ -1,4 +1,4 @@
-// Take it with you: data and report of this session as an ordinary run, a picture of the scope, the specification.
+// Downloads: data and report of this session as an ordinary run, a picture of the scope, the specification.
 
 import {fill, h} from '../../../common/dom.js';
 import {refused} from '../../actions.js';

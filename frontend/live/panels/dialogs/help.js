@@ -1,4 +1,4 @@
-// The keys of the page, and what the marks on the curves and on the timeline say.
+// The keys of the page, and the meaning of the marks on the curves and on the timeline.
 
 import {fill, h} from '../../../common/dom.js';
 import {KEYS} from './keyboard.js';
@@ -34,7 +34,7 @@ const MARKS = {
   escaped: () => path('M9 3L17 11M9 11L17 3', 'var(--alarm)', false, {'stroke-width': 2}),
 };
 
-/** Keys whose name is not what is printed on them. */
+/** Keys whose name differs from their label. */
 /** @type {{[key: string]: () => string}} */
 const KEY_NAMES = {
   Space: () => t('page.help.key.space'),

@@ -1,4 +1,4 @@
-// All keys of the page. Nothing is taken while one types, or from a control that uses the key itself.
+// All keys of the page. They do nothing while text is typed, or in a control that uses the key itself.
 
 import {TABS} from '../../ui/presentation.js';
 import {SPEEDS} from '../../../widgets/number-format.js';
@@ -76,8 +76,10 @@ export function faster(speed, by) {
 }
 
 /**
- * Buttons that keep the focus although nobody navigates by keyboard: one that was clicked, and one that gets the focus back
- * when Escape closes what it had opened. Space is the page's there; Enter still presses them, and Tab makes them ordinary again.
+ * Buttons that keep the focus although nobody navigates by keyboard: one that was clicked, and one that gets the focus
+ * back
+ * when Escape closes what it had opened. There Space belongs to the page; Enter still presses them, and after Tab they
+ * are ordinary buttons.
  */
 /** @type {WeakSet<Element>} */
 let resting = new WeakSet();
@@ -106,7 +108,7 @@ function own(element, key) {
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
-  let taken = false; // Space was taken when it went down: a button must not act on its release (Firefox)
+  let taken = false; // Space was handled when it was pressed: a button must not act on its release (Firefox)
   element.addEventListener('pointerdown', (event) => rest(event.target), true);
   element.addEventListener(
     'keydown',

@@ -1,4 +1,4 @@
-// Opening a dialog by its name, for whoever wants one; dialogs.js says how.
+// Opens a dialog by its name; dialogs.js registers how.
 
 /** @type {(name: string) => void} */
 let show = () => {};

@@ -1,4 +1,4 @@
-// Links to this session: one that opens it anew with everything in it, one to watch this very one.
+// Links to this session: one that opens a copy of it, one that views this session itself.
 
 import {reason} from '../../../common/api.js';
 import {fill, h} from '../../../common/dom.js';

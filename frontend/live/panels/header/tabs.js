@@ -1,4 +1,4 @@
-// On a phone the panels stand behind tabs at the foot of the page; elsewhere the tabs are not shown and all panels are.
+// On a phone the panels are behind tabs at the foot of the page; elsewhere all panels are shown and the tabs are not.
 
 import {fill, h} from '../../../common/dom.js';
 import {t} from '../../../i18n/words.js';

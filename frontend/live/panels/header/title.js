@@ -1,4 +1,4 @@
-// The experiment at hand, and the choice of another.
+// The title of the experiment, and the choice of another.
 
 import {childrenOf, fill, h} from '../../../common/dom.js';
 import {icon} from '../../../widgets/svg.js';
@@ -82,7 +82,7 @@ export function mount(element, app) {
     if (!menu.hidden && event.target instanceof Node && !element.contains(event.target)) toggle(false);
   });
 
-  /** A name that does not fit is smaller; if it then still takes two lines, what it is about has one. */
+  /** Write a name that does not fit smaller; if it then takes two lines, the subtitle gets one. */
   const fit = () => {
     button.classList.remove('long');
     button.classList.toggle('long', name.scrollWidth > name.clientWidth);

@@ -1,4 +1,4 @@
-// What a form for a fault needs, from the catalogue's description of its shape: its fields, first values, sliders.
+// The form of a fault, from the catalogue's description of its shape: fields, first values, sliders.
 
 import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
 
@@ -10,7 +10,7 @@ import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
 /** @typedef {{[field: string]: FieldValue}} Values */
 
 /**
- * What a fault acts on.
+ * The channel or output that a fault acts on.
  * @typedef {object} Subject
  * @property {string} name
  * @property {boolean} onChannel
@@ -42,7 +42,7 @@ export const ownFields = (shape) => shape.fields.filter((field) => !GENERAL.has(
  */
 export const mainField = (shape) => ownFields(shape).find((field) => field.type === 'number') ?? null;
 
-/** First values by what a field is called; others take their default, or the catalogue's example. */
+/** First values by the name of a field; other fields have their default, or the value of the catalogue's example. */
 /** @type {{[field: string]: (subject: Subject) => FieldValue}} */
 const FIRST = {
   size: (subject) => (subject.onChannel ? subject.typical : nice(subject.typical)),

@@ -146,7 +146,7 @@ export function createRow(app, subjectOf, about) {
     const input = event.target;
     if (event.key !== 'Enter' || !(input instanceof HTMLInputElement) || press.disabled) return;
     event.preventDefault();
-    if (input.matches('.number')) input.dispatchEvent(new Event('change')); // what was typed counts
+    if (input.matches('.number')) input.dispatchEvent(new Event('change')); // typed text counts
     if (row.main?.field.matches('[aria-invalid]')) return;
     if (!row.active) press.click();
     else if (row.edited) change.click();

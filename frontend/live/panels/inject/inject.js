@@ -156,7 +156,7 @@ function outputRows(app, plant, shapes, rows) {
 const titled = (words) => words && words[0].toUpperCase() + words.slice(1);
 
 /**
- * The times that first values go by.
+ * The times that the first values depend on.
  * @param {App} app
  */
 function times(app) {
@@ -168,7 +168,8 @@ function times(app) {
 }
 
 /**
- * How large an output is, and a fault on it that one sees: a fifth of what it moved by, at least a tenth of itself.
+ * The present size of an output, and the size of a visible fault on it: a third of its recent range, at least a tenth
+ * of its value.
  * @param {App} app
  * @param {string} name
  */

@@ -1,4 +1,4 @@
-// Add an observer: its kind, a label, its options; a refusal is shown in place with what would do.
+// The form that adds an observer: its kind, label and options. A refusal is shown in place, with its remedy.
 
 import {post} from '../../../common/api.js';
 import {fill, h} from '../../../common/dom.js';
@@ -12,7 +12,7 @@ import {named, say, t} from '../../../i18n/words.js';
 
 /** @typedef {Map<string, () => string | number | null>} Inputs   option → its present value */
 
-/** What an observer of a kind is called; of a kind that is not known here: the kind. */
+/** Labels of observers by kind; an unknown kind is its own label. */
 const SHORT = /** @type {{[kind: string]: string}} */ ({
   'zhao-adaptive': 'adaptive',
   'nonsmooth-adaptive': 'nonsmooth',
@@ -150,7 +150,7 @@ function possible(plant) {
 }
 
 /**
- * Grey out what cannot be built; true where another has to be chosen.
+ * Disable the kinds that cannot be built. Returns true if the selected kind is one of them.
  * @param {HTMLSelectElement} menu
  * @param {service.PlantCheck['observers']} found
  * @param {service.ObserverKind[]} kinds

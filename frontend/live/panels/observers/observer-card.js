@@ -29,7 +29,7 @@ import {asSentence, named, say, t} from '../../../i18n/words.js';
  * @property {(on: boolean) => void} unfold
  */
 
-const SHOWN = 2; // gains that are always in sight
+const SHOWN = 2; // gains that are always visible
 
 /**
  * Every number of the gains that a running observer takes: one for each entry of a column or a matrix.
@@ -202,7 +202,7 @@ export function createCard(app, observer, kind) {
 }
 
 /**
- * Where and why it diverged, what to do about it, and a button that lets it begin anew with its present gains.
+ * Where and why it diverged, the remedy, and a button that restarts it with its present gains.
  * @param {App} app
  * @param {ObserverState} observer
  */

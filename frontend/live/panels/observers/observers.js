@@ -1,4 +1,5 @@
-// The observers that watch: colour, assumptions, gains to move while they run; one more can be added, each can go.
+// The running observers: colour, assumptions, gains that can be changed while they run. Observers can be added and
+// removed.
 
 import {post} from '../../../common/api.js';
 import {childrenOf, fill, h} from '../../../common/dom.js';
@@ -12,7 +13,7 @@ import {t} from '../../../i18n/words.js';
 /** @import {Card} from './observer-card.js' */
 /** @import * as service from '../../../types/service.js' */
 
-const FOLDED = 3; // so many observers are a line each, until one is opened
+const FOLDED = 3; // with this many observers each is one line until it is opened
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
@@ -67,7 +68,8 @@ export function mount(element, app) {
     return filled();
   };
   /**
-   * Every gain's present value, with defaults that depend on plant and noise, from the server; `anew`: the noise is another now.
+   * Every gain's present value, with defaults that depend on plant and noise, from the server; `anew`: the noise has
+   * changed.
    * @param {boolean} [anew]
    */
   const filled = async (anew = false) => {

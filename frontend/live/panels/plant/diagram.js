@@ -1,4 +1,4 @@
-// From a plant's description to what its picture is made of: which blocks, which fault sites on them. No drawing here.
+// The blocks of a plant's picture and the fault sites on them, from its description. Nothing is drawn here.
 
 /** @import {Channel} from '../../types.js' */
 /** @import {Plant} from '../../../pages/types.js' */
@@ -27,7 +27,7 @@ export function sandwich(plant) {
   const uses = Object.fromEntries(states.map((state) => [state, mentioned(plant.dynamics[state])]));
   const within = new Set(operators.flatMap((one) => [...mentioned(one.expression)]));
   const memory = states.filter((state) => within.has(state) && uses[state].size === 1 && !uses[state].has(state));
-  const carries = new Set(operators.map((one) => one.name)); // what follows the hysteresis: its operators, then all that use it
+  const carries = new Set(operators.map((one) => one.name)); // what comes after the hysteresis: its operators, then everything that uses them
   for (const one of plant.definitions)
     if ([...mentioned(one.expression)].some((name) => carries.has(name))) carries.add(one.name);
   /** @type {string[]} */
@@ -106,7 +106,7 @@ const EDGE = 30; // room for u on the left
 const SHARE = {actuator: 0.8, plant: 1.25, l1: 0.62, hysteresis: 0.58, l2: 0.62, sensor: 0.76};
 
 /**
- * Where everything stands in a picture 272 wide.
+ * The positions in a picture that is 272 wide.
  * @param {Plant} plant
  * @returns {Layout}
  */
@@ -132,7 +132,7 @@ export function layout(plant) {
   const axis = top + half + 2;
   const boxes = placed.map((one) => ({...one, y: axis - half, height: 2 * half, top, spots: spots(one, top)}));
   const lines = Math.max(plant.inputs.length, plant.outputs.length, 1);
-  const foot = axis + half + 12 + 14 * lines + 22; // the names stand beside the wires, above the observers
+  const foot = axis + half + 12 + 14 * lines + 22; // the names are beside the wires, above the observers
   const last = boxes[boxes.length - 1];
   return {blocks: boxes, axis, foot, height: foot + 24, left, right: last.x + last.width / 2};
 }

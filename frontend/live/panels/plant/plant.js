@@ -1,4 +1,4 @@
-// The plant as a picture one can touch: what goes in, where faults act, what is measured, who watches.
+// The picture of the plant: inputs, fault sites, outputs, observers. A fault site can be clicked.
 
 import {fill} from '../../../common/dom.js';
 import {badges, called} from '../../../common/names.js';
@@ -35,7 +35,10 @@ export function mount(element, app) {
     tick();
     return made.svg;
   };
-  /** Amber: a fault acts there; a vermilion ring: an alarm names it, dashed where others explain the data as well. */
+  /**
+   * Amber: a fault acts there; a vermilion ring: an alarm names it, dashed where others explain the data equally
+   * well.
+   */
   const light = () => {
     const {faults, alarms} = app.state;
     const active = new Set(faults.filter((fault) => fault.active).map((fault) => fault.subject));
@@ -262,7 +265,7 @@ function watchers({foot, axis}, app) {
 }
 
 /**
- * One fault site: round for a channel, a small square for what can happen to a measurement.
+ * One fault site: round for a channel, a small square for a measurement.
  * @param {Spot} spot
  * @param {Map<string, [string, string]>} short
  * @param {App} app
