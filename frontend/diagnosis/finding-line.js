@@ -1,36 +1,53 @@
 // Findings in words: the sentence, and one line each. `app` need be no more than {state: {plant, spec, faults, diagnosis}}.
 
-import {h, number} from '../common/dom.js';
+import {h} from '../common/dom.js';
 import {badges, called, capital, spoken, split, symbolic} from '../common/names.js';
 import {badge, seconds, took} from '../widgets/controls.js';
 import {amount, resolutionOf, small} from './fault-size.js';
-import {withoutBlanks} from '../i18n/render.js';
-import {sentences} from '../i18n/sentences.js';
-import {named, t} from '../i18n/words.js';
+import {named, say, t} from '../i18n/words.js';
 
-/** The sentence in the page's language, with symbols for names. */
-export function spell(said, {state}) {
-  const nameOf = (subject) => called(subject, state.plant);
-  const {alarm} = said;
-  const channel = alarm && state.plant.channels.find((one) => one.name === alarm.subject);
-  return withoutBlanks(
-    sentences()[said.key]({
-      ...said,
-      name: said.subject && nameOf(said.subject),
-      otherName: said.other && nameOf(said.other),
-      names: said.subjects?.map(nameOf),
-      took: typeof said.took === 'number' && took(said.took),
-      note: said.note && spoken(said.note, state.plant),
-      from: number(said.from, 3),
-      at: typeof said.at === 'number' && seconds(said.at, state.spec.horizon),
-      again: typeof said.again === 'number' && seconds(said.again, state.spec.horizon),
-      ...(alarm && {
-        kind: symbolic(alarm.subject) ? t(`page.fault.kind.${channel.kind}`) : null,
-        size: amount(alarm, channel),
-        since: seconds(alarm.onset, state.spec.horizon),
-      }),
-    }),
-  );
+/** @import {Experiment, FaultState, Plant} from '../live/types.js' */
+/** @import {Argument, Message} from '../i18n/render.js' */
+
+/** @typedef {{plant: Plant, spec: Experiment, faults: FaultState[]}} SpokenState */
+
+/** Arguments that are names of channels or outputs. */
+const NAMES = new Set(['name', 'names', 'other']);
+
+/**
+ * The summary in the page's language, with symbols for names and sizes as the panels write them.
+ * @param {Message} summary
+ * @param {{state: SpokenState}} app
+ */
+export const spell = (summary, {state}) =>
+  capital(t(summary.code, /** @type {Record<string, Argument>} */ (spokenArgs(summary.args ?? {}, state))));
+
+/** @param {Record<string, any>} args @param {SpokenState} state */
+const spokenArgs = (args, state) =>
+  Object.fromEntries(Object.entries(args).map(([name, value]) => [name, spokenArg(name, value, state)]));
+
+/**
+ * An argument as the page says it: names with their symbols, sizes with the channel's digits, times with the session's.
+ * @param {string} name
+ * @param {any} value
+ * @param {SpokenState} state
+ * @returns {Argument}
+ */
+function spokenArg(name, value, state) {
+  const {plant, spec} = state;
+  if (Array.isArray(value)) return value.map((one) => spokenArg(name, one, state));
+  if (NAMES.has(name)) return called(value, plant);
+  if (name === 'note') return spoken(say(value), plant);
+  if (value === null || typeof value !== 'object') return value;
+  const {code, args} = value;
+  if (code === 'diagnosis.amount') {
+    const channel = plant.channels.find((one) => one.name === args.name);
+    return amount(args, channel);
+  }
+  if (code === 'diagnosis.time') return seconds(args.t, spec.horizon);
+  if (code === 'diagnosis.duration') return took(args.t);
+  if (code.startsWith('diagnosis.fault.') && !symbolic(args.name)) return called(args.name, plant); // its title says its kind
+  return {code, args: spokenArgs(args, state)};
 }
 
 /** One finding: the size with its interval, and the story in a line. */

@@ -64,6 +64,8 @@ export interface ObserverState {
 
 /** A fault of the spec, on a channel or on a measurement. */
 export interface FaultState {
+  /** The same as long as the session runs, also when the fault is cleared. */
+  id: string;
   /** Channel or output. */
   subject: string;
   onChannel: boolean;
@@ -137,6 +139,8 @@ export interface State {
   noise: {[output: string]: Noise};
   /** Time in s at which the plant itself diverged. */
   broken: number | null;
+  /** The facts of the server at the row that is shown: observers, faults, noise, alarms and the verdicts on them. */
+  facts: service.Facts | null;
   /** Colour numbers by observer label, of removed observers too. */
   places: {[label: string]: number};
   /** The session that this one was forked from. */

@@ -1149,6 +1149,19 @@ export interface ObserverEquations {
   where: (WhereLine)[];
 }
 
+/** The figures of one observer over a window. */
+export interface ObserverInWindow {
+  label: string;
+  /** Root mean square error of the state; null: not all rows have a value. */
+  rmse: number | null;
+  /** Standard deviation of θ̂ about its straight line, over the last quarter. */
+  noise: number | null;
+  /** Seconds from the step of θ until θ̂ stays within 10 % of its size. */
+  settled: number | null;
+  /** Too noisy: θ̂ has reached θ, but noise keeps moving it out of the 10 %. Unknown: no step, or no θ̂. */
+  outcome: 'settled' | 'not-yet' | 'too-noisy' | 'unknown';
+}
+
 /** A kind of observer with its gains and options. */
 export interface ObserverKind {
   id: string;
@@ -2204,6 +2217,16 @@ export interface StepFollowed {
   five: number | null;
 }
 
+/** The newest fault of a channel, and whether the detector has found it. */
+export interface StepFound {
+  /** Id of the fault. */
+  id: string;
+  /** The verdict so far; null without a detector, or if θ is zero. */
+  outcome: 'found' | 'covered' | 'missed' | null;
+  /** Seconds from the onset to the alarm that found it. */
+  delay: number | null;
+}
+
 /** Piecewise constant: values[0] before times[0], values[i] from times[i-1] on. */
 export interface StepsSignal {
   kind: 'steps';
@@ -2371,6 +2394,19 @@ export interface Window {
   start: number;
   /** Time in s of the event at which it ends. */
   end: number;
+}
+
+/** The observers of a session over the window that a page shows. */
+export interface WindowComparison {
+  /** Time in s up to which the session has come. */
+  t: number;
+  /** The state whose error is given. */
+  state: string;
+  /** The fault channel; null: the plant has none. */
+  channel: string | null;
+  /** Its newest fault; null: none so far. */
+  fault: StepFound | null;
+  observers: (ObserverInWindow)[];
 }
 
 /** A text in the languages of the page. */

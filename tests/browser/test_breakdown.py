@@ -13,7 +13,7 @@ def test_a_plant_that_broke_down_is_not_called_healthy(page):
     for speed in ("null", "0.5"):
         live.evaluate(f"thetascope.act.speed({speed})")
         live.evaluate("thetascope.act.play()")
-        said = until(live, f"/broke down at 2\\.52/.test({VERDICT}) && {VERDICT}", 30)
+        said = until(live, f"/plant diverged at 2\\.52/.test({VERDICT}) && {VERDICT}", 30)
         assert "Go back" in said and live.locator(".hint").count() == 0
         until(live, "/diverged at 2\\.52/.test(document.querySelector('#notice').textContent)")
         live.click("#notice button")
@@ -76,19 +76,6 @@ def test_an_observer_started_again_keeps_its_colour_among_others(page):
         assert live.locator(".observer[aria-label=kalman] .checks li").count() == 0
 
 
-def test_what_is_lost_beside_faults_that_act_is_told_too(page):
-    """The sentence is of the fault, a line below names the observer that diverged; with no fault the sentence names it."""
-    live = opened(page, "/?experiment=zhao-2012&t=8")
-    said = live.evaluate("""async () => {
-      const {sentence} = await import('/diagnosis/findings.js');
-      const {spell} = await import('/diagnosis/finding-line.js');
-      const lost = (label, t) => ({label, diverged: t && {t, text: ''}});
-      const say = (all, state) => spell(sentence(all, {t: 9, diagnosis: null, ...state}), thetascope);
-      return [say([], {observers: [lost('a', 3), lost('b', null)]}), say([], {observers: [lost('a', 3), lost('b', 4)]}), say([], {broken: 2, observers: []})];
-    }""")
-    assert "a diverged at 3" in said[0] and "all 2 observers have diverged" in said[1] and "broke down at 2" in said[2]
-
-
 def test_a_fault_that_comes_before_the_alarm_of_the_last_is_over_is_not_said_to_be_found(page):
     """Cleared and injected again at once: since when the alarm says, when the new one began, and no time to find it."""
     live = opened(page, "/?experiment=zhao-2012&t=25")
@@ -97,6 +84,6 @@ def test_a_fault_that_comes_before_the_alarm_of_the_last_is_over_is_not_said_to_
         "thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', onset: 0, size: 0.02}}])"
     )
     live.evaluate("thetascope.act.step(60)")
-    said = until(live, f"/came before that alarm was over/.test({VERDICT}) && {VERDICT}")
-    assert "since 20.0" in said and "The one of 25.0" in said and "found in" not in live.inner_text(".finding")
+    said = until(live, f"/began at .* while this alarm was still on/.test({VERDICT}) && {VERDICT}")
+    assert "since 20.0" in said and "began at 25.0" in said and "found in" not in live.inner_text(".finding")
     until(live, "document.querySelector('#panel-comparison .detector td').title === 'its alarm was already on'")

@@ -3,7 +3,7 @@
 import {childrenOf, fill, h} from '../../common/dom.js';
 import {called, capital, spoken} from '../../common/names.js';
 import {line, spell} from '../../diagnosis/finding-line.js';
-import {findings, sentence} from '../../diagnosis/findings.js';
+import {findings} from '../../diagnosis/findings.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
 import {asOfNow, heading, link, seconds} from '../../widgets/controls.js';
 import {createSeen} from '../../diagnosis/detectability.js';
@@ -73,9 +73,10 @@ export function mount(element, app) {
   addEventListener('resize', place);
   const update = () => {
     const {state} = app;
-    if (!state.plant) return;
-    const found = findings(state);
-    const words = spell(sentence(found, state), app);
+    const {facts} = state;
+    if (!state.plant || !facts) return;
+    const found = findings({...state, facts});
+    const words = spell(facts.summary, app);
     if (verdict.textContent !== words) verdict.textContent = words;
     const weak = state.broken === null ? weakness(state) : '';
     const lost = state.broken === null ? state.observers.filter((one) => one.diverged) : [];
@@ -124,17 +125,11 @@ export function mount(element, app) {
       state.role,
       state.observers,
       state.broken,
-      early(state),
+      state.facts,
     ],
     update,
   );
 }
-
-/**
- * Whether it is too soon to judge: the sentence changes when that is over.
- * @param {State} state
- */
-const early = ({t, diagnosis}) => (diagnosis?.calibration?.from_time ?? 0) > t;
 
 /**
  * The faults that cannot be distinguished now, not even of typical size; '' where all can.

@@ -11,7 +11,6 @@ import {t} from '../../i18n/words.js';
 /** @import {App, Command, Language} from '../types.js' */
 /** @import * as service from '../../types/service.js' */
 
-const SAME = 1e-6; // s
 const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;
 
 /** @param {HTMLElement} element @param {App} app */
@@ -79,14 +78,11 @@ export function mount(element, app) {
         later.length === 0
           ? null
           : faults.findLast(
-              ({subject, shape, onset, active, ended}) =>
+              ({id, subject, shape, active, ended}) =>
                 !active &&
                 !ended &&
                 later.some(({fault}) => (fault.channel ?? fault.output) === subject && fault.shape === shape) &&
-                log.some(
-                  ({kind, subject: of, value, t: at}) =>
-                    kind === 'inject' && of === subject && Math.abs(at + value.onset - onset) < SAME,
-                ),
+                log.some((event) => event.kind === 'inject' && event.fault === id),
             );
       const line = element.querySelectorAll('.coming')[place];
       if (line)

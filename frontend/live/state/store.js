@@ -31,6 +31,7 @@ export const initial = Object.freeze({
   faults: [],
   noise: {},
   broken: null,
+  facts: null,
   places: {},
   parent: null,
   origin: null,

@@ -3,13 +3,12 @@
 import {fill, h, number} from '../../common/dom.js';
 import {alarmFrom} from '../../diagnosis/alarms.js';
 import {line, spell} from '../../diagnosis/finding-line.js';
-import {findings, sentence} from '../../diagnosis/findings.js';
+import {findings, stateOf} from '../../diagnosis/findings.js';
 import {took} from '../../widgets/controls.js';
 import {trajectory, visible} from '../../diagnosis/detectability.js';
 import {amount} from '../../diagnosis/fault-size.js';
 import {certainty} from '../../diagnosis/confidence.js';
-import {faultsAt} from '../../live/state/reduce.js';
-import {called, capital, spoken} from '../../common/names.js';
+import {called, spoken} from '../../common/names.js';
 import {errors, settling} from './error-tables.js';
 import {asSentence, say, t} from '../../i18n/words.js';
 
@@ -30,7 +29,7 @@ export function mountVerdicts(root, store) {
     if (root.hidden || !state.plant) return fill(root);
     return fill(
       root,
-      diagnosis && card(t('page.diagnosis.title'), detector(state, diagnosis)),
+      diagnosis && state.run.summary.facts && card(t('page.diagnosis.title'), detector(state, diagnosis)),
       comparison?.observers.length > 0 &&
         card(t('page.runs.who-found'), compared(state.run, diagnosis, comparison, state.plant)),
     );
@@ -49,12 +48,11 @@ const fold = (title, ...body) => h('details', {class: 'more'}, h('summary', {}, 
  */
 function detector({run, plant}, {detector: told}) {
   const {spec} = run;
-  const faults = faultsAt(spec, spec.horizon);
-  const state = {plant, spec, faults, alarms: told.alarms.map(alarmFrom), diagnosis: told, t: spec.horizon};
+  const state = {...stateOf(run.summary.facts), plant, spec, diagnosis: told, t: spec.horizon};
   const app = {state};
   const found = findings(state);
   return [
-    h('p', {class: 'verdict'}, capital(spell(sentence(found, state), app))),
+    h('p', {class: 'verdict'}, spell(state.facts.summary, app)),
     h(
       'div',
       {class: 'side-by-side'},

@@ -146,3 +146,45 @@ class Comparison(Strict):
 
     windows: tuple[Window, ...] = ()
     observers: tuple[ComparisonRow, ...] = ()
+
+
+_FOUND = {"id": "theta3@20.0", "outcome": "found", "delay": 0.6}
+_IN_WINDOW = {"label": "adaptive", "rmse": 0.0004, "noise": 0.0003, "settled": 0.77, "outcome": "settled"}
+
+
+class StepFound(Strict):
+    """The newest fault of a channel, and whether the detector has found it."""
+
+    model_config = example(**_FOUND)
+
+    id: str = Field(description="Id of the fault.")
+    outcome: Literal["found", "covered", "missed"] | None = Field(
+        description="The verdict so far; null without a detector, or if θ is zero."
+    )
+    delay: Number | None = Field(description="Seconds from the onset to the alarm that found it.")
+
+
+class ObserverInWindow(Strict):
+    """The figures of one observer over a window."""
+
+    model_config = example(**_IN_WINDOW)
+
+    label: str
+    rmse: Number | None = Field(description="Root mean square error of the state; null: not all rows have a value.")
+    noise: Number | None = Field(description="Standard deviation of θ̂ about its straight line, over the last quarter.")
+    settled: Number | None = Field(description="Seconds from the step of θ until θ̂ stays within 10 % of its size.")
+    outcome: Literal["settled", "not-yet", "too-noisy", "unknown"] = Field(
+        description="Too noisy: θ̂ has reached θ, but noise keeps moving it out of the 10 %. Unknown: no step, or no θ̂."
+    )
+
+
+class WindowComparison(Strict):
+    """The observers of a session over the window that a page shows."""
+
+    model_config = example(t=30, state="x1", channel="theta3", fault=_FOUND, observers=[_IN_WINDOW])
+
+    t: Number = Field(description="Time in s up to which the session has come.")
+    state: str = Field(description="The state whose error is given.")
+    channel: str | None = Field(description="The fault channel; null: the plant has none.")
+    fault: StepFound | None = Field(description="Its newest fault; null: none so far.")
+    observers: tuple[ObserverInWindow, ...] = ()

@@ -19,6 +19,7 @@ from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import Unwatchable
 from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
 from thetascope.live.room.advice import propose_input_for
+from thetascope.live.room.window_comparison import window_comparison
 from thetascope.live.scheduling.hub import TooManySessions
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
@@ -26,7 +27,9 @@ from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import NotReady, Unknown, invalid, validated
 from thetascope_schemas.experiment.diagnosis import InputProposal
 from thetascope_schemas.service.answers import SessionOpened, SessionState
+from thetascope_schemas.service.comparison import WindowComparison
 from thetascope_schemas.service.run import Problem, Progress, Run
+from thetascope_schemas.texts.refusal import suggestion
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
 router.routes.append(WebSocketRoute("/sessions/{id}/stream", Stream()))  # the router adds its prefix to requests only
@@ -37,7 +40,7 @@ _FORBIDDEN = {403: {"model": Problem, "description": "The control token is not t
 def links(id: str) -> dict[str, str]:
     """Where a session's parts are."""
     base = f"/api/sessions/{id}"
-    return {"self": base, **{part: f"{base}/{part}" for part in ("stream", "fork", "save", "data")}}
+    return {"self": base, **{part: f"{base}/{part}" for part in ("stream", "fork", "save", "data", "comparison")}}
 
 
 @router.post(
@@ -142,6 +145,27 @@ async def propose_input(id: str, services: Use) -> InputProposal:
         return await propose_input_for(room)
     except Unwatchable as error:
         raise NotReady(Message("session.no-proposal", reason=error.args[0])) from None
+
+
+@router.get("/{id}/comparison", response_model=WindowComparison, responses=documented(404, 422))
+async def compare_observers(
+    id: str,
+    services: Use,
+    start: time_span.First = None,
+    end: time_span.Last = None,
+    state: Annotated[str | None, Query(max_length=32, description="The state whose error is measured.")] = None,
+    channel: Annotated[str | None, Query(max_length=32, description="The fault channel.")] = None,
+) -> WindowComparison:
+    """Return error, noise and time to settle of every observer over a window, and whether the newest fault is found."""
+    room = _room(services, id)
+    time_span.check(start, end)
+    plant = room.session.spec.plant
+    for field, name, known in (("state", state, plant.names("states")), ("channel", channel, plant.names("channels"))):
+        if name is not None and name not in known:
+            raise invalid(
+                field, name, Message(f"plant.{field}.unknown", name=name), Message.from_data(suggestion(name, known))
+            )
+    return await window_comparison(room, start, end, state, channel)
 
 
 @router.get("/{id}/data", response_model=None, responses=documented(404, 422))

@@ -36,6 +36,11 @@ class FactsPublisher:
             room.broadcast.send(FactsNow(row=room.shown, facts=facts), "facts")
         return facts
 
+    @property
+    def current(self) -> Facts:
+        """Return the newest facts that were sent; those of now if none were."""
+        return self._sent or self.facts()
+
     def _following(self, facts: Facts) -> float:
         """Return the time of the next row at which the spec alone changes the facts."""
         spec, at = self._room.session.spec, facts.t + self._room.session.record

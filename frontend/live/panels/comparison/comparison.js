@@ -2,6 +2,7 @@
 
 import {childrenOf, fill, h, hatted, symbol} from '../../../common/dom.js';
 import {badges, called, plain, split, symbolic, titleOf} from '../../../common/names.js';
+import {get} from '../../../common/api.js';
 import {Form} from './column-format.js';
 import {detected, figuresOf} from './compare-observer.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
@@ -10,11 +11,12 @@ import {kindName} from '../../../widgets/kind-name.js';
 import {t} from '../../../i18n/words.js';
 
 /** @import {App, ObserverState} from '../../types.js' */
-/** @import {Figure, Watched} from './compare-observer.js' */
+/** @import {Figure} from './compare-observer.js' */
+/** @import * as service from '../../../types/service.js' */
 
 /** @typedef {{name: string, title?: string, description?: string}} Named   a state or channel */
 
-const EVERY = 900; // ms between two computations
+const EVERY = 1000; // ms between two requests
 const LONGEST = 6000; // rows of a window of "all"
 
 /** @param {HTMLElement} element @param {App} app */
@@ -23,13 +25,14 @@ export function mount(element, app) {
   let state = null;
   /** @type {string | null} chosen by hand */
   let channel = null;
-  /** @type {{cells: HTMLElement[], of: () => Figure[]}[]} */
+  /** @type {{cells: HTMLElement[], session: 'mine' | 'parent', of: (answer: service.WindowComparison) => Figure[]}[]} */
   let rows = [];
   /** @type {Form[]} */
   let forms = []; // how the numbers of each column are written
   let last = 0;
   /** @type {ReturnType<typeof setTimeout> | 0} */
   let late = 0;
+  let asking = 0; // number of the newest request: answers to earlier ones are dropped
   const body = h('tbody');
   const scroll = h('div', {class: 'scroll'});
   const more = wholeLines(scroll, () => childrenOf(body), app);
@@ -85,7 +88,7 @@ export function mount(element, app) {
         ),
     );
     rows = [];
-    const mine = group(observers, () => ({samples: app.samples, faults: app.state.faults, alarms: app.state.alarms}));
+    const mine = group(observers, 'mine');
     const first =
       origin &&
       group(
@@ -93,7 +96,7 @@ export function mount(element, app) {
           ...one,
           colour: observers.find(({label}) => label === one.label)?.colour ?? one.colour,
         })),
-        () => ({samples: app.ghost ?? app.samples, faults: origin.faults, alarms: origin.alarms}),
+        'parent',
       );
     fill(
       body,
@@ -122,16 +125,16 @@ export function mount(element, app) {
     compute();
   };
   /**
-   * The rows of one session: one an observer, and how soon its detector found the fault. `watched` gives it when figures are wanted.
+   * The rows of one session: one an observer, and how soon its detector found the fault.
    * @param {ObserverState[]} observers
-   * @param {() => Watched} watched
+   * @param {'mine' | 'parent'} session
    */
-  const group = (observers, watched) => {
-    const [x, theta] = chosen();
+  const group = (observers, session) => {
+    const [, theta] = chosen();
     const cell = () => h('td');
     const made = observers.map(({label, colour, kind}) => {
       const cells = theta ? [cell(), cell(), cell()] : [cell()];
-      rows.push({cells, of: () => figuresOf(watched(), label, [x, theta], span())});
+      rows.push({cells, session, of: (answer) => figuresOf(answer, label, span()[1], app.state.record)});
       return h(
         'tr',
         {},
@@ -145,7 +148,7 @@ export function mount(element, app) {
     });
     if (!theta || app.state.diagnosis?.note !== '') return made;
     const found = cell();
-    rows.push({cells: [found], of: () => [detected(watched(), theta, span()[1])]});
+    rows.push({cells: [found], session, of: (answer) => [detected(answer)]});
     return [
       ...made,
       h(
@@ -181,9 +184,30 @@ export function mount(element, app) {
     const {t, window, selection} = app.state;
     return selection ?? [Math.max(0, t - (window ?? LONGEST * app.state.record)), t];
   };
-  const compute = () => {
-    if (!app.state.plant || element.hidden) return;
-    const found = rows.map(({cells, of}) => ({cells, figures: of()}));
+  /** Ask the server for the figures of the window, of this session and of the one that it was forked from. */
+  const compute = async () => {
+    const {session, parent, origin, plant} = app.state;
+    if (!plant || element.hidden || !session) return;
+    const [x, theta] = chosen();
+    const [from, to] = span();
+    const query = new URLSearchParams({
+      from: String(from),
+      to: String(to),
+      state: x,
+      ...(theta ? {channel: theta} : {}),
+    });
+    const number = (asking += 1);
+    /** @param {string} id @returns {Promise<service.WindowComparison | null>} */
+    const ask = (id) => get(`/api/sessions/${encodeURIComponent(id)}/comparison?${query}`).catch(() => null);
+    const [mine, first] = await Promise.all([ask(session), origin && parent ? ask(parent.id) : null]);
+    if (number === asking) show({mine, parent: first});
+  };
+  /** @param {{mine: service.WindowComparison | null, parent: service.WindowComparison | null}} answers */
+  const show = (answers) => {
+    const found = rows.flatMap(({cells, session, of}) => {
+      const answer = answers[session];
+      return answer ? [{cells, figures: of(answer)}] : [];
+    });
     forms.forEach((form, place) => form.take(found.flatMap(({figures}) => figures[place]?.value ?? [])));
     for (const {cells, figures} of found) {
       for (const [place, {words, value, title}] of figures.entries())

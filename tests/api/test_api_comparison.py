@@ -1,0 +1,48 @@
+"""Comparing the observers of a live session over a window: the figures are those of the run of its spec."""
+
+import numpy as np
+import pytest
+
+from thetascope.client import ServiceError
+from thetascope.diagnosis.evaluation.metrics import rmse
+
+
+def opened(client, t: float):
+    """A session on the library's first experiment, paused at a time."""
+    return client.post("/api/sessions", {"experiment": "zhao-2012", "t": t, "play": False})
+
+
+def test_the_figures_of_a_window_are_those_of_the_rows_in_it(client):
+    """RMSE of the chosen state against the rows that /data gives; noise about the straight line of the last quarter."""
+    session = opened(client, 30)
+    link = session["links"]["comparison"]
+    figures = client.get(f"{link}?from=10&to=20&state=x1&channel=theta3")
+    rows = client.get(session["links"]["data"] + "?from=10&to=20")["columns"]
+    (row,) = figures["observers"]
+    truth, estimate = (np.array(rows[name]) for name in ("x.x1", f"{row['label']}.x.x1"))
+    assert row["rmse"] == pytest.approx(rmse(estimate, truth), rel=1e-5)
+    t, theta = np.array(rows["t"]), np.array(rows[f"{row['label']}.theta.theta3"])
+    late = t >= 17.5 - 1e-9
+    rest = theta[late] - np.polyval(np.polyfit(t[late], theta[late], 1), t[late])
+    assert row["noise"] == pytest.approx(np.sqrt(np.mean(rest**2)), rel=1e-3)
+    assert figures["t"] == pytest.approx(30, abs=0.02) and (figures["state"], figures["channel"]) == ("x1", "theta3")
+
+
+def test_the_newest_fault_of_the_channel_is_followed_and_found(client):
+    """θ3 of 20 s: how long θ̂ took into its 10 %, and the detector's verdict with its delay; before it there is none."""
+    link = opened(client, 30)["links"]["comparison"]
+    figures = client.get(f"{link}?from=0&to=30&channel=theta3")
+    assert figures["fault"]["id"] == "theta3@20.0"
+    (row,) = figures["observers"]
+    assert row["outcome"] in ("settled", "too-noisy") and (row["settled"] is None or 0 < row["settled"] < 10)
+    assert client.get(f"{link}?from=0&to=15&channel=theta3")["fault"] is None
+    assert client.get(f"{link}?channel=theta1&to=30")["fault"] is None
+
+
+def test_a_window_of_nothing_and_unknown_names(client):
+    """Before the first row of a window there are no figures; an unknown state is refused with those there are."""
+    link = opened(client, 3)["links"]["comparison"]
+    assert client.get(f"{link}?from=5&to=6")["observers"][0]["rmse"] is None
+    for query, words in (("state=z", "x1"), ("channel=theta9", "theta1"), ("from=2&to=1", "")):
+        with pytest.raises(ServiceError, match=words):
+            client.get(f"{link}?{query}")
