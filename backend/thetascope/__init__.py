@@ -1,19 +1,21 @@
-"""Thetascope's service: numerics, library, store, web interface and command line."""
+"""Thetascope: observers that estimate faults. Numerics, library, store, service, page and command line."""
 
+from importlib import import_module
 from typing import TYPE_CHECKING
 
 __version__ = "0.1.0"
 
-__all__ = ["Client", "__version__"]
+__all__ = ["Client", "__version__", "run"]
 
 if TYPE_CHECKING:
     from thetascope.client import Client as Client
+    from thetascope.in_process import run as run
+
+_MODULES = {"Client": "thetascope.client", "run": "thetascope.in_process"}
 
 
 def __getattr__(name: str) -> object:
-    """Return `Client` when it is first used: it needs NumPy, and `thetascope --help` should not wait for that."""
-    if name == "Client":
-        from thetascope.client import Client
-
-        return Client
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    """Import `Client` or `run` when it is first used: `thetascope --help` should not wait for NumPy."""
+    if name not in _MODULES:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return getattr(import_module(_MODULES[name]), name)

@@ -6,6 +6,7 @@ import re
 
 import pytest
 
+import thetascope
 from thetascope.client import ServiceError
 from thetascope.engine.observers.registry import kinds
 
@@ -93,3 +94,9 @@ def test_library_items_come_in_full_and_are_specs_that_can_be_posted_back(client
     assert {line["id"] for line in lines} >= {"zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012"}
     plant = client.get(client.get("/api/plants")["plants"][0]["href"])
     assert client.check(plant)["valid"]
+
+
+def test_health_and_openapi_tell_the_version_of_the_package(client):
+    """Both name thetascope.__version__."""
+    assert client.health()["version"] == thetascope.__version__
+    assert client.get("/openapi.json")["info"]["version"] == thetascope.__version__

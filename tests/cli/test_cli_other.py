@@ -6,8 +6,14 @@ import sys
 
 import pytest
 
+import thetascope
 from tests.cli.conftest import ROOT
 from tests.runs.samples import PLANT
+
+
+def test_version_is_that_of_the_package(call):
+    """`thetascope --version` prints the name and the one version."""
+    assert call("--version") == (0, f"thetascope {thetascope.__version__}\n", "")
 
 
 def test_list_names_the_experiments_and_plants_of_the_library(call):

@@ -9,6 +9,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
+from thetascope import __version__
+
 FORMATS = (".csv", ".json", ".mat", ".html")
 COMPARISONS = (".csv", ".json")
 
@@ -30,6 +32,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def parser() -> argparse.ArgumentParser:
     """What the command line understands."""
     top = argparse.ArgumentParser(prog="thetascope", description="Adaptive observers finding faults.")
+    top.add_argument("--version", action="version", version=f"%(prog)s {__version__}", help="print the version")
     commands = top.add_subparsers(title="commands", required=True, metavar="COMMAND")
 
     serve = commands.add_parser("serve", help="serve the page and the REST interface")

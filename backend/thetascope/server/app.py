@@ -11,7 +11,7 @@ from fastapi import APIRouter, FastAPI
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
-from thetascope import library
+from thetascope import __version__, library
 from thetascope.api.http import openapi, problems, static_pages
 from thetascope.api.http.answers import json_response
 from thetascope.api.http.language import ContentLanguage
@@ -54,7 +54,12 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         await run_in_threadpool(app.state.services.close)
 
     app = FastAPI(
-        title="Thetascope", description=DESCRIPTION, version="1", lifespan=lifespan, docs_url=None, redoc_url=None
+        title="Thetascope",
+        description=DESCRIPTION,
+        version=__version__,
+        lifespan=lifespan,
+        docs_url=None,
+        redoc_url=None,
     )
     app.add_middleware(ContentLanguage)
     app.add_middleware(Security)
@@ -78,10 +83,9 @@ def _api() -> APIRouter:
 
     @api.get("/health", response_model=None, tags=["service"])
     def health(services: Use) -> Response:
-        """Whether the service and its store work."""
-        return json_response(
-            {"status": "ok", "schema": SCHEMA_VERSION, "engine": engine_version(), "runs": services.runs.usage()}
-        )
+        """Whether the service and its store work, and the versions of program, schema and numbers."""
+        versions = {"version": __version__, "schema": SCHEMA_VERSION, "engine": engine_version()}
+        return json_response({"status": "ok", **versions, "runs": services.runs.usage()})
 
     for part in (catalogue, plants, equations, gain_defaults, lessons, messages, records, runs, run_results, sessions):
         api.include_router(part.router)
