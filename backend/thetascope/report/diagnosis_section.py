@@ -1,150 +1,148 @@
-"""The diagnosis in the report: which faults each observer's tests found, how the tests were set, what cannot be seen."""
+"""The diagnosis in the report: the faults that each observer's tests found, the thresholds, what cannot be seen."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+
+from markupsafe import Markup
 
 from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
-from thetascope.figures.figure_data import Scene
-from thetascope.figures.html_symbols import escape, symbol
-from thetascope.report.prose import bracketed, chip, number, span, table, unit
-from thetascope_schemas.experiment.diagnosis import Observability
+from thetascope.report.words import Report, bracketed, mark, number, symbol, unit
+from thetascope_schemas.experiment.diagnosis import (
+    Alarm,
+    Calibration,
+    Excitation,
+    NoiseLevel,
+    Observability,
+    ObserverDiagnosis,
+    Resolution,
+)
 
 
-def diagnosis(scene: Scene, findings: Mapping[str, object]) -> str:
-    """The detector's findings (shaped as `shared.diagnosis.ObserverDiagnosis`), then each observer's, in the order of the spec."""
-    labels = (DETECTOR, *scene.labels)
-    return "".join(_observer(scene, label, findings[label]) for label in labels if label in findings)
-
-
-def visible(found: Observability) -> str:
-    """What the outputs show of states and faults: by the equations alone, and along the run."""
-    return (
-        f"<h3>Observability of states and faults</h3><p><span class=soft>By the equations:</span> {escape(found.text)}.</p>"
-        f"<p><span class=soft>Along this run (empirical Gramian, in units of typical sizes):</span> {escape(found.along)}.</p>"
+def diagnosis(report: Report, findings: Mapping[str, ObserverDiagnosis], seen: Observability) -> Markup:
+    """Return the detector's findings, then each observer's in the order of the spec, then what the outputs show at all."""
+    labels = [label for label in (DETECTOR, *report.scene.labels) if label in findings]
+    return report.render(
+        "diagnosis.html",
+        observers=[_observer(report, label, findings[label]) for label in labels],
+        structural=report.say("report.sentence", text=report.text(seen.text)),
+        along=report.say("report.sentence", text=report.text(seen.along)),
     )
 
 
-def _observer(scene: Scene, label: str, found) -> str:
-    title = "Detector" if label == DETECTOR else f"{chip(scene, label)}: its own estimates"
-    out = f"<h3>{title}</h3>"
-    if found.sentence:
-        out += f"<p>{escape(found.sentence)}</p>"
-    if found.note:
-        out += f"<p class=scope-note>{escape(found.note)}</p>"
-    return (
-        out
-        + _alarms(scene, found.alarms)
-        + _thresholds(found.calibration)
-        + _resolution(scene, found.resolution)
-        + _excitation(found.excitation)
-        + _noise(scene, found.noise)
-    )
+def _observer(report: Report, label: str, found: ObserverDiagnosis) -> dict[str, object]:
+    own = report.say("report.own-estimates", label=report.chip(label))
+    excitation = found.excitation
+    return {
+        "title": report.say("report.detector") if label == DETECTOR else own,
+        "sentence": report.text(found.sentence),
+        "note": report.text(found.note),
+        "alarms": _alarms(report, found.alarms),
+        "thresholds": _thresholds(report, found.calibration) if found.calibration else "",
+        "resolution": _resolution(report, found.resolution),
+        "excitation": _excitation(report, excitation) if excitation else "",
+        "text": report.text(excitation.text) if excitation else "",
+        "proposal": report.text(excitation.proposal) if excitation and excitation.proposal else "",
+        "noise": _noise(report, found.noise),
+    }
 
 
-def _alarms(scene: Scene, alarms) -> str:
+def _alarms(report: Report, alarms: Sequence[Alarm]) -> Markup:
     rows = [
         [
             number(alarm.t, 6),
-            _what(alarm),
-            ", ".join(symbol(name) for name in alarm.alternatives) or "–",
-            escape(alarm.test),
-            number(alarm.onset, 6) + span(alarm.onset_from, alarm.onset_to, 6),
-            _size(scene, alarm),
-            f"{number(alarm.statistic)} <span class=soft>over {number(alarm.threshold)}</span>",
-            "still on" if alarm.cleared is None else number(alarm.cleared, 6),
+            _fault(report, alarm),
+            report.joined(symbol(name) for name in alarm.alternatives) or "–",
+            report.text(alarm.test),
+            number(alarm.onset, 6) + report.span(alarm.onset_from, alarm.onset_to, 6),
+            _size(report, alarm),
+            report.say("report.statistic", value=number(alarm.statistic), limit=number(alarm.threshold)),
+            report.say("report.still-on") if alarm.cleared is None else number(alarm.cleared, 6),
         ]
         for alarm in sorted(alarms, key=lambda a: a.t)
     ]
-    if not rows:
-        return ""
-    head = ["alarm at (s)", "fault", "or as well", "test", "since (s)", "size", "statistic", "over at (s)"]
-    return table(head, rows, 4)
+    names = ("alarm-at", "fault", "alternatives", "test", "since", "size", "statistic", "cleared")
+    return report.table([report.say(f"report.head.{name}") for name in names], rows, 4)
 
 
-def _what(alarm) -> str:
-    if alarm.kind == "fault":
+def _fault(report: Report, alarm: Alarm) -> Markup:
+    if alarm.kind == "fault" and alarm.channel is not None:
         return symbol(alarm.channel)
-    return "not explained by the model" + (f", seen in {symbol(alarm.output)}" if alarm.output else "")
+    if alarm.output:
+        return report.say("report.unexplained.output", output=symbol(alarm.output))
+    return report.say("report.unexplained")
 
 
-def _size(scene: Scene, alarm) -> str:
+def _size(report: Report, alarm: Alarm) -> Markup | str:
     if alarm.size is None:
         return "–"
-    return number(alarm.size) + unit(scene.unit("theta", alarm.channel)) + span(alarm.size_from, alarm.size_to)
+    size = number(alarm.size) + unit(report.scene.unit("theta", alarm.channel))
+    return size + report.span(alarm.size_from, alarm.size_to)
 
 
-def _thresholds(calibration) -> str:
-    if calibration is None:
-        return ""
-    limits = ", ".join(f"{escape(name)} {number(value)}" for name, value in calibration.thresholds.items())
-    note = f" {escape(calibration.note)}" if calibration.note else ""
-    return (
-        f"<p><span class=soft>Thresholds:</span> {limits or 'none'}, set for {number(calibration.false_alarms)} false alarms "
-        f"per hour. They come from {calibration.seeds} simulated runs of this plant, observer and noise without faults, "
-        f"{number(calibration.hours, 3)} hours in all. Nothing is judged before {number(calibration.from_time)} s, while "
-        f"the observer settles.{note}</p>"
+def _thresholds(report: Report, calibration: Calibration) -> Markup:
+    limits = [Markup("{} {}").format(name, number(value)) for name, value in calibration.thresholds.items()]
+    return report.say(
+        "report.thresholds",
+        title=mark("soft", report.say("report.thresholds.title")),
+        limits=report.joined(limits) if limits else report.say("report.none"),
+        rate=number(calibration.false_alarms),
+        seeds=calibration.seeds,
+        hours=number(calibration.hours, 3),
+        begin=number(calibration.from_time),
+        note=report.text(calibration.note or ""),
     )
 
 
-def _resolution(scene: Scene, resolution) -> str:
+def _resolution(report: Report, resolution: Sequence[Resolution]) -> Markup:
     rows = [
         [
-            symbol(r.channel) + bracketed(scene.unit("theta", r.channel)),
-            _yes(r.resolvable),
-            _yes(r.identifiable),
-            escape(r.text),
+            symbol(r.channel) + bracketed(report.scene.unit("theta", r.channel)),
+            _yes(report, r.resolvable),
+            _yes(report, r.identifiable),
+            report.text(r.text),
             number(r.sigma),
             number(r.typical),
             number(r.smallest),
         ]
         for r in resolution
     ]
-    head = [
-        "fault",
-        "a typical one can be found",
-        "the input excites it",
-        "",
-        "standard deviation",
-        "typical size",
-        "smallest step found",
-    ]
-    return table(head, rows, 3) if rows else ""
+    names = ("fault", "resolvable", "identifiable", "details", "sigma", "typical", "smallest")
+    return report.table([report.say(f"report.head.{name}") for name in names], rows, 3)
 
 
-def _yes(value: bool) -> str:
-    return f"<span class='verdict {'holds' if value else 'fails'}'>{'yes' if value else 'no'}</span>"
+def _yes(report: Report, value: bool) -> Markup:
+    return mark("verdict", "holds" if value else "fails", report.say("report.yes" if value else "report.no"))
 
 
-def _excitation(excitation) -> str:
-    if excitation is None:
-        return ""
+def _excitation(report: Report, excitation: Excitation) -> Markup:
     enough = excitation.level is not None and excitation.level >= excitation.needed
-    out = (
-        f"<p><span class=soft>Excitation</span> over the last {number(excitation.window)} s: smallest eigenvalue "
-        f"{number(excitation.level)}, and {number(excitation.needed)} {'is' if enough else 'would be'} needed for the "
-        f"accuracy asked for. Seen least: {_direction(excitation.direction)}."
+    return report.say(
+        "report.excitation.enough" if enough else "report.excitation.too-low",
+        title=mark("soft", report.say("report.excitation.title")),
+        window=number(excitation.window),
+        level=number(excitation.level),
+        needed=number(excitation.needed),
+        direction=_direction(excitation.direction) or report.say("report.none"),
     )
-    out += f" {escape(excitation.text)}" if excitation.text else ""
-    return out + (f" <b>{escape(excitation.proposal)}</b>" if excitation.proposal else "") + "</p>"
 
 
-def _direction(direction: Mapping[str, float]) -> str:
-    """A combination of faults: "0.71 θ1 − 0.71 θ2"; parts below a hundredth of the largest are left out."""
+def _direction(direction: Mapping[str, float]) -> Markup:
+    """Return a combination of faults, "0.71 θ1 − 0.71 θ2"; parts below a hundredth of the largest are left out."""
     most = max(map(abs, direction.values()), default=0.0)
-    text = ""
+    text = Markup()
     for name, share in direction.items():
         if abs(share) > 0.01 * most:
             sign = ("− " if share < 0 else "") if not text else (" − " if share < 0 else " + ")
-            text += f"{sign}{number(abs(share), 2)}\u2009{symbol(name)}"
-    return text or "none"
+            text += Markup("{}{}\u2009{}").format(sign, number(abs(share), 2), symbol(name))
+    return text
 
 
-def _noise(scene: Scene, levels) -> str:
+def _noise(report: Report, levels: Sequence[NoiseLevel]) -> Markup:
     rows = [
         [
-            symbol(level.output) + bracketed(scene.unit("y", level.output)),
+            symbol(level.output) + bracketed(report.scene.unit("y", level.output)),
             number(level.declared),
             number(level.estimated),
         ]
         for level in levels
     ]
-    return table(["noise of", "declared std", "std from the residual"], rows, 2) if rows else ""
+    return report.table([report.say(f"report.head.{name}") for name in ("noise", "declared", "estimated")], rows, 2)

@@ -6,11 +6,11 @@ from thetascope.runs.jobs.job import Finished
 from thetascope.runs.specs.resolve_spec import plant_of
 
 
-def report_html(finished: Finished, command: str | None = None) -> str:
-    """The run as one HTML file. `command` is the command line that makes it again, where there is one."""
+def report_html(finished: Finished, command: str | None = None, language: str = "en") -> str:
+    """Return the run as one HTML file in a language. `command` is the command line that makes it again, if there is one."""
     from thetascope.report.html_report import report  # only reports need it
 
     snapshot = finished.snapshot
     created = datetime.fromtimestamp(snapshot.created, UTC).strftime("%Y-%m-%d %H:%M UTC")
     about = {"id": snapshot.id, "created": created, "command": command}
-    return report(finished.result, snapshot.spec, plant_of(snapshot.spec.plant), about)
+    return report(finished.result, snapshot.spec, plant_of(snapshot.spec.plant), about, language)

@@ -7,6 +7,7 @@ from starlette.responses import Response, StreamingResponse
 
 from thetascope.api.http import time_span
 from thetascope.api.http.answers import from_result, json_response, run_links
+from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.services import Use
 from thetascope.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
@@ -116,9 +117,12 @@ async def get_figure(id: str, name: str, services: Use, theme: Literal["light", 
 
 @router.get("/report", response_model=None, responses=documented(404, 409))
 async def get_report(
-    id: str, services: Use, download: Annotated[bool, Query(description="Save it instead of showing it.")] = False
+    id: str,
+    services: Use,
+    language: Language,
+    download: Annotated[bool, Query(description="Save it instead of showing it.")] = False,
 ) -> Response:
-    """The run as one HTML file that opens offline."""
+    """Return the run as one HTML file that opens offline, in the asked language."""
 
     def make(finished: Finished) -> Response:
         place = "attachment" if download else "inline"
@@ -126,7 +130,7 @@ async def get_report(
             "Content-Security-Policy": REPORT_POLICY,
             "Content-Disposition": f'{place}; filename="{finished.snapshot.spec.id}-{id[:8]}.html"',
         }
-        return Response(report_html(finished), 200, headers, "text/html; charset=utf-8")
+        return Response(report_html(finished, None, language), 200, headers, "text/html; charset=utf-8")
 
     return await from_result(services, id, make)
 

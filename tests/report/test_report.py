@@ -4,12 +4,17 @@ import json
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from pathlib import Path
 
 import pytest
+from markupsafe import Markup
 
 from thetascope.engine.model.result import Check
+from thetascope.figures.figure_data import Scene
 from thetascope.figures.html_symbols import symbol
+from thetascope.report import words
 from thetascope.report.html_report import report
+from thetascope.report.words import Report, mark
 from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'><svg onload=alert(1)>&lt;b&gt;"
@@ -231,7 +236,7 @@ def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, pla
         "20.6",
         "(19.9 to 20.1)",
         "0.02 1/h (0.0197 to 0.0203)",
-        "41 over 29.5",
+        "41, limit 29.5",
         "still on",
         "glr 29.5, residual 33, set for 0.01 false alarms per hour",
         "32 simulated runs",
@@ -265,3 +270,54 @@ def test_markup_in_a_diagnosis_stays_text(experiment, result, plant):
     assert page.tags.count("script") == 3 and "img" not in page.tags and "svg" not in page.tags
     assert not [a for a in page.attributes if a[1].startswith("on")]
     assert "".join(page.text).count(HOSTILE) == 5
+
+
+ENGLISH = re.compile(r"[a-z]{4,} [a-z]{2,}")  # two words in a row: not a symbol, not a name
+
+
+def test_a_chinese_report_has_no_english_sentence(experiment, result, plant):
+    """Headings, tables, legends and notes are in the asked language; what users wrote stays as it is."""
+    spec = experiment(title="三个故障", source="论文", errata=["有一处符号错误。"])
+    noise = [{"output": "y", "declared": 0.001, "estimated": 0.00098}]
+    html = report(diagnosed(result(spec, lost={"slow": 50.0}), adaptive={"noise": noise}), spec, plant, {}, "zh")
+    assert "<html lang=zh>" in html
+    written = [check.text for one in result(spec).observers for check in one.checks]
+    written += [check.name for one in result(spec).observers for check in one.checks]
+    example = ObserverDiagnosis.model_json_schema()["examples"][0]
+    written += [plant.description, "a finite escape", *(c.title for c in plant.channels), *sentences_of(example)]
+    written += [one.title for one in result(spec).observers]
+    text = " ".join(part for part in Page(html).text if not part.lstrip().startswith(("{", "thetascope run")))
+    for own in sorted(written, key=len, reverse=True):
+        text = text.replace(own.replace("-", " "), "").replace(own, "")
+    text = text[: text.index("由方程：")] + text[text.index("比较") :]  # findings on observability come from the engine
+    assert ENGLISH.findall(text) == []
+    for heading in ("对象", "故障与噪声", "诊断", "比较", "观测器及其假设", "复现"):
+        assert f"<h2>{heading}</h2>" in html
+
+
+def sentences_of(value: object) -> list[str]:
+    """Return all texts in plain data."""
+    if isinstance(value, str):
+        return [value]
+    items = value.values() if isinstance(value, dict) else value if isinstance(value, list) else ()
+    return [text for item in items for text in sentences_of(item)]
+
+
+def test_the_text_of_a_message_is_escaped_and_its_markup_is_kept(experiment, result, plant):
+    """Arguments that are markup stay markup; every other argument is text, whatever it holds."""
+    spec = experiment()
+    own = Report(Scene(result(spec), spec, plant, "light"), "en")
+    said = own.say("report.diverged", label=HOSTILE, t=mark("power", "1", "3"), cause="\x000\x00")
+    assert "1·10<sup>3</sup>" in said and "<script" not in said and "<img" not in said
+    assert own.say("report.detail", name="<b>", value=Markup("<i>x</i>")) == "&lt;b&gt; <i>x</i>"
+
+
+def test_no_markup_is_written_in_python():
+    """The report's markup is in its templates, which escape; a tag in a string of the code would not be."""
+    folder = Path(words.__file__).parent
+    assert {path.name for path in folder.glob("templates/*.html")} >= {"report.html", "marks.html"}
+    for path in folder.glob("*.py"):
+        tags = re.findall(
+            r"[\"'][^\"'\n]*</?(?:p|b|i|td|tr|table|span|h\d|div|section|li|ul|code|pre)[ >]", path.read_text()
+        )
+        assert tags in ([], ['"<i>', '"<i ']), path.name

@@ -1,0 +1,117 @@
+"""The plant in the report: equations, parameters, fault channels; then the faults of the run and the noise."""
+
+from collections.abc import Iterator
+
+from markupsafe import Markup
+
+from thetascope.report.words import Report, expression, mark, number, symbol, unit
+from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.plant import Plant
+
+_GIVEN = {"channel", "output", "shape", "onset", "end"}  # fields of a fault that have columns of their own
+
+
+def plant_section(report: Report) -> Markup:
+    """Return title, equations, parameters and fault channels."""
+    plant, spec = report.scene.plant, report.scene.spec
+    discrete = plant.time.kind == "discrete"
+    return report.render(
+        "plant.html",
+        title=report.text(plant.title) or plant.id,
+        description=report.text(plant.description),
+        equations=list(_equations(report, plant)),
+        discrete=report.say("report.discrete-time", period=plant.time.period) if discrete else "",
+        quantities=_quantities(report, plant, spec),
+        channels=report.table(
+            [report.say(f"report.head.{name}") for name in ("fault", "meaning", "kind", "unit")],
+            [
+                [symbol(c.name), report.text(c.title or c.description), report.say(f"report.kind.{c.kind}"), c.unit]
+                for c in plant.channels
+            ],
+            0,
+        ),
+    )
+
+
+def timeline(report: Report) -> Markup:
+    """Return the faults in the order of their onset, and the noise."""
+    spec = report.scene.spec
+    rows = []
+    for fault in sorted(spec.faults, key=lambda fault: fault.onset):
+        details = [name for name in type(fault).model_fields if name not in _GIVEN]
+        size_unit = unit(report.scene.unit(fault.site.prefix, fault.site.name)) if "size" in details else ""
+        texts = [_detail(report, name, getattr(fault, name)) for name in details]
+        rows.append(
+            [
+                symbol(fault.site.name),
+                report.say(f"report.shape.{fault.shape}"),
+                report.joined(texts) + size_unit,
+                number(fault.onset, 6),
+                report.say("report.stays") if fault.end is None else number(fault.end, 6),
+            ]
+        )
+    noise = [
+        report.say("report.noise.level", output=symbol(name), std=number(n.std), hold=number(n.sample_time))
+        for name, n in spec.noise.items()
+    ]
+    head = [report.say(f"report.head.{name}") for name in ("fault-on", "shape", "details", "from", "until")]
+    return report.render("timeline.html", faults=report.table(head, rows, 2), noise=report.joined(noise))
+
+
+def _equations(report: Report, plant: Plant) -> Iterator[tuple[Markup, Markup, Markup | str]]:
+    """Yield left side, right side and note: the states, the definitions, the outputs. Faults are marked where they enter."""
+    prime = mark("next") if plant.time.kind == "discrete" else "′"
+    for state in plant.states:
+        right = expression(plant.dynamics[state.name]) + _faults(plant, state.name, ("actuator", "process"))
+        yield symbol(state.name) + prime, right, ""
+    for item in plant.definitions:
+        yield symbol(item.name), expression(item.expression), _domain(report, item.domain)
+    for output in plant.outputs:
+        right = expression(output.expression) + _faults(plant, output.name, ("sensor",))
+        yield symbol(output.name), right, output.unit
+
+
+def _domain(report: Report, domain: tuple[float | str | None, float | str | None]) -> Markup | str:
+    if domain == (None, None):
+        return ""
+    low, high = (
+        open_side if limit is None else symbol(limit) if isinstance(limit, str) else number(limit)
+        for limit, open_side in zip(domain, ("−∞", "∞"), strict=True)
+    )
+    return report.say("report.domain", low=low, high=high)
+
+
+def _faults(plant: Plant, equation: str, kinds: tuple[str, ...]) -> Markup:
+    text = Markup()
+    for channel in plant.channels:
+        if channel.kind in kinds and equation in channel.enters:
+            coefficient = channel.enters[equation].strip()
+            simple = coefficient.replace("_", "").isalnum()
+            factor = "" if coefficient == "1" else expression(coefficient if simple else f"({coefficient})") + "\u2009"
+            text += mark("fault_term", factor, symbol(channel.name))
+    return text
+
+
+def _quantities(report: Report, plant: Plant, spec: Experiment) -> list[tuple[Markup, Markup]]:
+    """Return the parameters in effect and the initial state, each as a name and the values."""
+    parameters = [
+        Markup("{} = {}{}").format(symbol(p.name), number(spec.parameters.get(p.name, p.value), 6), unit(p.unit))
+        for p in plant.parameters
+    ]
+    initial = [
+        Markup("{}(0) = {}{}").format(symbol(s.name), number(spec.initial.get(s.name, s.initial), 6), unit(s.unit))
+        for s in plant.states
+    ]
+    groups = ((report.say("report.parameters"), parameters), (report.say("report.start"), initial))
+    return [(name, report.joined(items)) for name, items in groups if items]
+
+
+def _detail(report: Report, name: str, value: object) -> Markup:
+    """Return one more field of a fault, with its value."""
+    if isinstance(value, tuple | list):
+        shown: Markup | str = report.say("report.points", n=len(value))
+    elif isinstance(value, bool) or not isinstance(value, int | float):
+        shown = str(value)
+    else:
+        shown = number(value, 6)
+    return report.say("report.detail", name=report.say(f"report.field.{name.replace('_', '-')}"), value=shown)
