@@ -16,7 +16,7 @@ from thetascope_schemas.experiment.field_error import PYDANTIC_CODES
 from thetascope_schemas.experiment.signals import Signal
 
 ROOT = Path(__file__).parents[2]
-CODE = re.compile(r"[a-z][a-z0-9]*(\.[a-z0-9-]+)+")
+CODE = re.compile(r"[a-z][a-z0-9]*(?:\.[a-z0-9-]+)+")
 FIELD = re.compile(r"\{(\w+)(?::[^{}]*)?\}")
 CJK = re.compile("[\u3400-\u9fff]")
 SAME_IN_CHINESE = {"join.comma"}
@@ -39,16 +39,28 @@ def codes_of(path: Path) -> set[str]:
 
 
 @cache
+def nodes() -> tuple[tuple[str, ast.AST], ...]:
+    """Return every node of the code's syntax trees, with its file."""
+    files = [path for folder in ("backend", "shared") for path in (ROOT / folder).rglob("*.py")]
+    return tuple(
+        (str(path.relative_to(ROOT)), node)
+        for path in files
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Constant | ast.JoinedStr | ast.Call)
+    )
+
+
+@cache
 def used() -> tuple[frozenset[str], tuple[re.Pattern[str], ...]]:
-    """Return the texts in the code that are spelt like codes, and patterns of those put together from parts."""
+    """Return the texts in code and templates that are spelt like codes, and patterns of those put together from parts."""
     codes, patterns = set(), set()
-    for folder in ("backend", "shared"):
-        for path in (ROOT / folder).rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if isinstance(node, ast.Constant) and isinstance(node.value, str) and CODE.fullmatch(node.value):
-                    codes.add(node.value)
-                if isinstance(node, ast.JoinedStr) and (pattern := pattern_of(node)):
-                    patterns.add(pattern)
+    for _, node in nodes():
+        if isinstance(node, ast.Constant) and isinstance(node.value, str) and CODE.fullmatch(node.value):
+            codes.add(node.value)
+        if isinstance(node, ast.JoinedStr) and (pattern := pattern_of(node)):
+            patterns.add(pattern)
+    for path in (ROOT / "backend").rglob("templates/*.html"):
+        codes |= set(re.findall(rf'"({CODE.pattern})"', path.read_text(encoding="utf-8")))
     return frozenset(codes), tuple(re.compile(pattern) for pattern in sorted(patterns))
 
 
@@ -64,15 +76,13 @@ def pattern_of(node: ast.JoinedStr) -> str | None:
 
 def messages() -> Iterator[tuple[str, str]]:
     """Yield the codes that the code gives to Message, refuse and the like, with the place."""
-    for folder in ("backend", "shared"):
-        for path in (ROOT / folder).rglob("*.py"):
-            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-                if not isinstance(node, ast.Call) or not node.args:
-                    continue
-                name = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
-                first = node.args[0]
-                if name in ("Message", "Wording", "refuse") and isinstance(first, ast.Constant):
-                    yield first.value, f"{path.relative_to(ROOT)}:{node.lineno}"
+    for file, node in nodes():
+        if not isinstance(node, ast.Call) or not node.args:
+            continue
+        name = node.func.id if isinstance(node.func, ast.Name) else getattr(node.func, "attr", "")
+        first = node.args[0]
+        if name in ("Message", "Wording", "refuse", "say") and isinstance(first, ast.Constant):
+            yield str(first.value), f"{file}:{node.lineno}"
 
 
 def test_every_code_that_is_used_has_words():
