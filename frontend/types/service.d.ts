@@ -25,9 +25,9 @@ export interface AddObserverInput {
   observer: ObserverConfigInput;
 }
 
-/** Let another observer watch from now on. */
+/** Add an observer, which starts now. */
 export interface AddObserverNow {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'add-observer';
   observer: ObserverConfigInput;
@@ -110,9 +110,9 @@ export interface Assumptions {
   checks: (AssumptionCheck)[];
 }
 
-/** Carry out several commands in order at the same row. One that is refused leaves none: there is one answer for all. */
+/** Carry out several commands in order at the same row. If one is refused, none is carried out: one answer for all. */
 export interface Batch {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'batch';
   /** The commands, without their ids; a refusal names commands[i].field. */
@@ -212,7 +212,7 @@ export interface ChirpSignalInput {
 
 /** End faults now: those of one channel, of one output, or all. */
 export interface Clear {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'clear';
   channel?: string | null;
@@ -221,7 +221,7 @@ export interface Clear {
 
 export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset | Seek | Batch;
 
-/** The columns have changed from this row on (observers added or removed); a new epoch begins. */
+/** The columns change from this row on (observers added or removed); a new epoch begins. */
 export interface Columns {
   type: 'columns';
   epoch: number;
@@ -353,7 +353,7 @@ export interface Diagnosis {
   observers: (ObserverDiagnosis)[];
 }
 
-/** What the detector says of the session so far; newer replaces older. */
+/** The diagnosis of the session so far. A newer one replaces an older one. */
 export interface DiagnosisNow {
   type: 'diagnosis';
   diagnosis: ObserverDiagnosis;
@@ -495,22 +495,22 @@ export interface Equations {
   observers: {[name: string]: ObserverEquations};
 }
 
-/** Something that happened, for the log. It is never dropped. */
+/** An event for the log. It is never dropped. */
 export interface Event {
   type: 'event';
   row: number;
   t: number;
   kind: 'inject' | 'clear' | 'fault-begins' | 'fault-ends' | 'gain' | 'signal' | 'noise' | 'observer-added' | 'observer-removed' | 'alarm' | 'alarm-over' | 'diverged' | 'rewound' | 'reset' | 'substeps';
-  /** Channel, output, observer label, or signal that it is about; of "diverged", empty: the plant itself. */
+  /** Channel, output, observer label or signal; of "diverged", empty if it is the plant itself. */
   subject: string;
-  /** The observer that says so (alarms). */
+  /** The observer that raised it (alarms). */
   observer: string;
   /** Id of the fault that it is about (inject, fault-begins, fault-ends). */
   fault: string;
   /** Size, gain value, estimate … */
   value: JsonValue;
-  /** The event in English. */
-  text: string;
+  /** The event in a sentence. */
+  message: Text;
 }
 
 /** What the input tells about the faults: the smallest eigenvalue of the windowed Gramian of Ω in typical faults. */
@@ -698,7 +698,7 @@ export interface Facts {
   summary: Text;
 }
 
-/** The facts at the row that is shown, after every change of them; newer replaces older. */
+/** The facts at the row that is shown, after every change of them. A newer one replaces an older one. */
 export interface FactsNow {
   type: 'facts';
   /** Rows shown so far. */
@@ -887,7 +887,7 @@ export interface GainLabels {
   columns: (string)[];
 }
 
-/** The first message on a connection: everything a page needs to draw itself. */
+/** The first message on a connection: everything that a page needs to draw itself. */
 export interface Hello {
   type: 'hello';
   protocol: number;
@@ -900,21 +900,21 @@ export interface Hello {
   step: number;
   /** Time in s between rows. */
   record: number;
-  /** Rows recorded so far: the next row's number. */
+  /** Number of rows so far, which is the number of the next row. */
   row: number;
   playing: boolean;
   speed: number | null;
   /** The session that this one was forked from. */
   parent: string | null;
-  /** Everything that happened so far. */
+  /** All events so far. */
   log: (Event)[];
   /** Observers, faults, noise, alarms and verdicts at the row that is shown. */
   facts: Facts;
 }
 
-/** Let a fault begin now. Its onset (and end) in `fault` are counted from now. */
+/** Inject a fault. Its onset and end count from now. */
 export interface Inject {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'inject';
   fault: StepFaultInput | RampFaultInput | DriftFaultInput | ExponentialFaultInput | SineFaultInput | PulseTrainFaultInput | RandomWalkFaultInput | TableFaultInput | StuckFaultInput | FreezeFaultInput | DropoutFaultInput | OutliersFaultInput | NoiseBurstFaultInput | QuantisationFaultInput | DelayFaultInput;
@@ -964,7 +964,7 @@ export interface InputProposal {
 
 export type JsonValue = unknown;
 
-/** Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; /data has them, thinned out if wanted. */
+/** Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; GET /api/sessions/{id}/data has them. */
 export interface Jump {
   type: 'jump';
   epoch: number;
@@ -1334,7 +1334,7 @@ export interface ParameterInput {
 
 /** Stop time. */
 export interface Pause {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'pause';
 }
@@ -1440,7 +1440,7 @@ export interface PlantSizes {
 
 /** Let time run. */
 export interface Play {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'play';
 }
@@ -1718,11 +1718,19 @@ export interface Record {
 /** A command was not carried out; nothing has changed. */
 export interface Refused {
   type: 'refused';
-  /** The command's id, null where the message had none. */
+  /** The command's id; null if the message had none. */
   id: number | null;
+  /** Path of the field at fault, for example fault.channel. */
   field: string;
+  /** The value that arrived, shortened. */
   value: JsonValue;
+  /** Key of the problem's sentence, GET /api/messages/{language}. */
+  code: string;
+  /** Arguments of both sentences by name. */
+  args: {[name: string]: JsonValue};
+  /** Why the command was refused, in the viewer's language. */
   problem: string;
+  /** How to correct it, in the viewer's language. */
   remedy: string;
 }
 
@@ -1742,17 +1750,17 @@ export interface RemoveObserverInput {
   label: string;
 }
 
-/** Let an observer watch no longer. */
+/** Remove an observer. */
 export interface RemoveObserverNow {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'remove-observer';
   label: string;
 }
 
-/** Back to t = 0 with the experiment as it was at the start; the log is emptied. */
+/** Go back to t = 0 and the experiment as it was at the start; the log is emptied. */
 export interface Reset {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'reset';
 }
@@ -1775,7 +1783,7 @@ export interface Resolution {
   text: string;
 }
 
-/** Rows from this one on are void; a new epoch begins. The log now ends here too. */
+/** Rows from this one on are void; a new epoch begins. The log ends here as well. */
 export interface Rewound {
   type: 'rewound';
   epoch: number;
@@ -1863,12 +1871,12 @@ export interface SampledMeasurementInput {
   period: number;
 }
 
-/** Back to an earlier time: what was done and recorded after it is given up (fork first to keep it). */
+/** Go back to an earlier time. Rows and commands after it are discarded; fork first to keep them. */
 export interface Seek {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'seek';
-  /** Time in s, rounded to a row, up to the present one. */
+  /** Time in s, rounded to a row, at most the present time. */
   t: number;
 }
 
@@ -1938,9 +1946,9 @@ export interface SetGainInput {
   value: number | (number)[] | ((number)[])[];
 }
 
-/** Give an observer's gain another value from now on. */
+/** Set a gain of an observer from now on. */
 export interface SetGainNow {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'set-gain';
   observer: string;
@@ -1974,9 +1982,9 @@ export interface SetNoiseInput {
   sample_time?: number;
 }
 
-/** Change the measurement noise of an output from now on. */
+/** Set the measurement noise of an output from now on. */
 export interface SetNoiseNow {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'set-noise';
   output: string;
@@ -2006,9 +2014,9 @@ export interface SetSignalInput {
   signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
 }
 
-/** Give an input or known signal another course from now on (its time is the session's). */
+/** Set an input or known signal from now on; its time is the session's. */
 export interface SetSignalNow {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'set-signal';
   name: string;
@@ -2116,7 +2124,7 @@ export interface SineSignalInput {
   offset?: number;
 }
 
-/** The experiment with everything done so far (after every command that changes it). */
+/** The experiment with everything done so far, after every command that changes it. */
 export interface Spec {
   type: 'spec';
   spec: Experiment;
@@ -2124,7 +2132,7 @@ export interface Spec {
 
 /** Simulated seconds per second; null: as fast as possible. */
 export interface Speed {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'speed';
   value: number | null;
@@ -2156,23 +2164,23 @@ export interface StateInput {
   description?: string | {[name: string]: string};
 }
 
-/** How the session stands; newer replaces older. */
+/** The status of the session. A newer one replaces an older one. */
 export interface Status {
   type: 'status';
   row: number;
   t: number;
   playing: boolean;
   speed: number | null;
-  /** Simulated seconds per second, as measured. */
+  /** Measured speed: simulated seconds per second. */
   rate: number | null;
   viewers: number;
-  /** The horizon that a session may reach, or a plant that escaped. */
+  /** The session has reached its last row, or the plant has diverged. */
   ended: boolean;
 }
 
-/** Advance by so many rows and stay paused. */
+/** Advance by `rows` rows, as fast as possible, and stay paused. */
 export interface Step {
-  /** The client's number of the command. */
+  /** Number that the client gives the command. */
   id: number;
   type: 'step';
   rows?: number;

@@ -1,26 +1,28 @@
-"""The wire of a live session: every message between a browser and /api/sessions/{id}/stream, in one file.
+"""The messages of a live session: everything that a browser and /api/sessions/{id}/stream send each other, in one file.
 
-Text frames are JSON: commands from the client, events from the server, each told by its `type`. Binary frames are
-samples: a header of HEADER (little endian) and then, column after column, `count` float32 values.
+Text frames are JSON: commands from the client, events from the server, distinguished by `type`. Binary frames are
+samples: a header of HEADER (little endian), then `count` float32 values of each column in turn.
 
     sequence  uint32   number of the frame within the session, counted from 1
-    epoch     uint32   raised whenever the columns or the past change (an observer added, a rewind): see Columns, Rewound
+    epoch     uint32   grows whenever the columns or the past change (an observer added, a rewind): see Columns, Rewound
     first     uint64   row number of the first sample: row r is at time r · record
     count     uint32   rows in this frame
     columns   uint32   columns in this frame
 
-A slow viewer gets fewer, larger frames: `sequence` is then that of the last frame they cover (0: of none that the server
-still knows). One that is too far behind jumps (see Jump).
+A slow viewer gets fewer, larger frames, whose `sequence` is that of the last frame they cover (0 if the server no longer
+knows it). A viewer that is too far behind jumps (see Jump).
 
-A client that lost its connection asks for `?after=<sequence>`. If the epoch in Hello is still the one it knew, it gets what
-it missed; else, or where that is too long ago, the whole past again.
+A client that lost its connection asks for `?after=<sequence>`. If the epoch in Hello is the one it knew, it gets the rows
+that it missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
+
+Sentences are messages {code, args, text}. `text` is in the viewer's language: `?lang=`, or else Accept-Language.
 """
 
 from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, JsonValue
 
-from thetascope_schemas.experiment.base import Instant, NonNegative, Number, Positive, Reference, Strict, example
+from thetascope_schemas.experiment.base import Instant, NonNegative, Number, Positive, Reference, Strict, Text, example
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.faults import Fault
@@ -34,11 +36,11 @@ HEADER = "<IIQII"
 
 # ---- close codes (application range of RFC 6455) ----------------------------------------------------------------------
 
-CLOSE_NO_SESSION = 4404  # there is no such session (any more)
+CLOSE_NO_SESSION = 4404  # the session does not exist, or has ended
 CLOSE_ORIGIN = 4403  # the page comes from another origin
 CLOSE_TOKEN = 4401  # the control token is not this session's
 CLOSE_FULL = 4429  # too many viewers
-CLOSE_SLOW = 4408  # the viewer does not read what it is sent
+CLOSE_SLOW = 4408  # the viewer does not read its messages
 CLOSE_ENDED = 4410  # the session was closed or idle for too long
 
 
@@ -46,9 +48,9 @@ CLOSE_ENDED = 4410  # the session was closed or idle for too long
 
 
 class Command(Strict):
-    """What all commands share. Every one is answered by an Ack or a Refused with its id."""
+    """The base of all commands. Each is answered by an Ack or a Refused with its id."""
 
-    id: int = Field(ge=0, le=2**53 - 1, strict=True, description="The client's number of the command.")
+    id: int = Field(ge=0, le=2**53 - 1, strict=True, description="Number that the client gives the command.")
 
 
 class Play(Command):
@@ -66,7 +68,7 @@ class Pause(Command):
 
 
 class Step(Command):
-    """Advance by so many rows and stay paused."""
+    """Advance by `rows` rows, as fast as possible, and stay paused."""
 
     model_config = example(type="step", id=3, rows=1)
     type: Literal["step"] = "step"
@@ -82,7 +84,7 @@ class Speed(Command):
 
 
 class Inject(Command):
-    """Let a fault begin now. Its onset (and end) in `fault` are counted from now."""
+    """Inject a fault. Its onset and end count from now."""
 
     model_config = example(type="inject", id=5, fault={"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02})
     type: Literal["inject"] = "inject"
@@ -99,7 +101,7 @@ class Clear(Command):
 
 
 class SetGainNow(Command):
-    """Give an observer's gain another value from now on."""
+    """Set a gain of an observer from now on."""
 
     model_config = example(type="set-gain", id=7, observer="adaptive", gain="rho", value=8)
     type: Literal["set-gain"] = "set-gain"
@@ -109,7 +111,7 @@ class SetGainNow(Command):
 
 
 class SetSignalNow(Command):
-    """Give an input or known signal another course from now on (its time is the session's)."""
+    """Set an input or known signal from now on; its time is the session's."""
 
     model_config = example(type="set-signal", id=8, name="u", signal={"kind": "constant", "value": 0.05})
     type: Literal["set-signal"] = "set-signal"
@@ -118,7 +120,7 @@ class SetSignalNow(Command):
 
 
 class SetNoiseNow(Command):
-    """Change the measurement noise of an output from now on."""
+    """Set the measurement noise of an output from now on."""
 
     model_config = example(type="set-noise", id=9, output="y", std=0.002, sample_time=0.01)
     type: Literal["set-noise"] = "set-noise"
@@ -128,7 +130,7 @@ class SetNoiseNow(Command):
 
 
 class AddObserverNow(Command):
-    """Let another observer watch from now on."""
+    """Add an observer, which starts now."""
 
     model_config = example(type="add-observer", id=10, observer={"label": "ekf", "kind": "joint-ekf"})
     type: Literal["add-observer"] = "add-observer"
@@ -136,7 +138,7 @@ class AddObserverNow(Command):
 
 
 class RemoveObserverNow(Command):
-    """Let an observer watch no longer."""
+    """Remove an observer."""
 
     model_config = example(type="remove-observer", id=11, label="ekf")
     type: Literal["remove-observer"] = "remove-observer"
@@ -144,18 +146,18 @@ class RemoveObserverNow(Command):
 
 
 class Reset(Command):
-    """Back to t = 0 with the experiment as it was at the start; the log is emptied."""
+    """Go back to t = 0 and the experiment as it was at the start; the log is emptied."""
 
     model_config = example(type="reset", id=12)
     type: Literal["reset"] = "reset"
 
 
 class Seek(Command):
-    """Back to an earlier time: what was done and recorded after it is given up (fork first to keep it)."""
+    """Go back to an earlier time. Rows and commands after it are discarded; fork first to keep them."""
 
     model_config = example(type="seek", id=13, t=20.0)
     type: Literal["seek"] = "seek"
-    t: Instant = Field(description="Time in s, rounded to a row, up to the present one.")
+    t: Instant = Field(description="Time in s, rounded to a row, at most the present time.")
 
 
 def unnumbered(command: object) -> object:
@@ -172,9 +174,12 @@ BatchMember = Annotated[
 ]
 """A command within a batch: one that acts on the session, given without an id."""
 
+SpecCommand = Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow
+"""The commands that change the experiment from the present row on."""
+
 
 class Batch(Command):
-    """Carry out several commands in order at the same row. One that is refused leaves none: there is one answer for all."""
+    """Carry out several commands in order at the same row. If one is refused, none is carried out: one answer for all."""
 
     model_config = example(
         type="batch",
@@ -189,6 +194,9 @@ class Batch(Command):
         min_length=1, max_length=20, description="The commands, without their ids; a refusal names commands[i].field."
     )
 
+
+SessionCommand = SpecCommand | Reset | Seek | Batch
+"""The commands that are carried out on the session; the others concern its clock."""
 
 ClientMessage = Annotated[
     Play
@@ -213,7 +221,7 @@ ClientMessage = Annotated[
 
 
 class Hello(Strict):
-    """The first message on a connection: everything a page needs to draw itself."""
+    """The first message on a connection: everything that a page needs to draw itself."""
 
     type: Literal["hello"] = "hello"
     protocol: int = PROTOCOL_VERSION
@@ -224,11 +232,11 @@ class Hello(Strict):
     epoch: int
     step: Number
     record: Number = Field(description="Time in s between rows.")
-    row: int = Field(description="Rows recorded so far: the next row's number.")
+    row: int = Field(description="Number of rows so far, which is the number of the next row.")
     playing: bool
     speed: Number | None
     parent: str | None = Field(default=None, description="The session that this one was forked from.")
-    log: tuple["Event", ...] = Field(default=(), description="Everything that happened so far.")
+    log: tuple["Event", ...] = Field(default=(), description="All events so far.")
     facts: Facts = Field(description="Observers, faults, noise, alarms and verdicts at the row that is shown.")
 
 
@@ -242,64 +250,84 @@ class Ack(Strict):
 
 
 class Refused(Strict):
-    """A command was not carried out; nothing has changed."""
+    """A command was not carried out; nothing has changed.
+
+    The problem is the sentence of `code`. The remedy is the message `args.remedy` where there is one, else the sentence
+    of `code.remedy`, with the same arguments.
+    """
+
+    model_config = example(
+        type="refused",
+        id=7,
+        field="t",
+        value=20,
+        code="session.seek.ahead",
+        args={"t": 12.5},
+        problem="the session is at 12.5 s",
+        remedy="give at most 12.5, or let time run",
+    )
 
     type: Literal["refused"] = "refused"
-    id: int | None = Field(description="The command's id, null where the message had none.")
-    field: str = ""
-    value: JsonValue = None
-    problem: str
-    remedy: str
+    id: int | None = Field(description="The command's id; null if the message had none.")
+    field: str = Field(default="", description="Path of the field at fault, for example fault.channel.")
+    value: JsonValue = Field(default=None, description="The value that arrived, shortened.")
+    code: str = Field(default="", description="Key of the problem's sentence, GET /api/messages/{language}.")
+    args: dict[str, JsonValue] = Field(default_factory=dict, description="Arguments of both sentences by name.")
+    problem: str = Field(description="Why the command was refused, in the viewer's language.")
+    remedy: str = Field(description="How to correct it, in the viewer's language.")
 
 
 class Status(Strict):
-    """How the session stands; newer replaces older."""
+    """The status of the session. A newer one replaces an older one."""
 
     type: Literal["status"] = "status"
     row: int
     t: Number
     playing: bool
     speed: Number | None
-    rate: Number | None = Field(description="Simulated seconds per second, as measured.")
+    rate: Number | None = Field(description="Measured speed: simulated seconds per second.")
     viewers: int
-    ended: bool = Field(default=False, description="The horizon that a session may reach, or a plant that escaped.")
+    ended: bool = Field(default=False, description="The session has reached its last row, or the plant has diverged.")
+
+
+EventKind = Literal[
+    "inject",
+    "clear",
+    "fault-begins",
+    "fault-ends",
+    "gain",
+    "signal",
+    "noise",
+    "observer-added",
+    "observer-removed",
+    "alarm",
+    "alarm-over",
+    "diverged",
+    "rewound",
+    "reset",
+    "substeps",
+]
 
 
 class Event(Strict):
-    """Something that happened, for the log. It is never dropped."""
+    """An event for the log. It is never dropped."""
 
     type: Literal["event"] = "event"
     row: int
     t: Number
-    kind: Literal[
-        "inject",
-        "clear",
-        "fault-begins",
-        "fault-ends",
-        "gain",
-        "signal",
-        "noise",
-        "observer-added",
-        "observer-removed",
-        "alarm",
-        "alarm-over",
-        "diverged",
-        "rewound",
-        "reset",
-        "substeps",
-    ]
+    kind: EventKind
     subject: str = Field(
         default="",
-        description='Channel, output, observer label, or signal that it is about; of "diverged", empty: the plant itself.',
+        description='Channel, output, observer label or signal; of "diverged", empty if it is the plant itself.',
     )
-    observer: str = Field(default="", description="The observer that says so (alarms).")
+    observer: str = Field(default="", description="The observer that raised it (alarms).")
     fault: str = Field(default="", description="Id of the fault that it is about (inject, fault-begins, fault-ends).")
     value: JsonValue = Field(default=None, description="Size, gain value, estimate …")
-    text: str = Field(default="", description="The event in English.")
+    message: Text = Field(description="The event in a sentence.")
 
 
 class Columns(Strict):
-    """The columns have changed from this row on (observers added or removed); a new epoch begins."""
+    """The columns change from this row on (observers added or removed); a new epoch begins."""
 
     type: Literal["columns"] = "columns"
     epoch: int
@@ -308,7 +336,7 @@ class Columns(Strict):
 
 
 class Rewound(Strict):
-    """Rows from this one on are void; a new epoch begins. The log now ends here too."""
+    """Rows from this one on are void; a new epoch begins. The log ends here as well."""
 
     type: Literal["rewound"] = "rewound"
     epoch: int
@@ -317,7 +345,7 @@ class Rewound(Strict):
 
 
 class Jump(Strict):
-    """Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; /data has them, thinned out if wanted."""
+    """Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; GET /api/sessions/{id}/data has them."""
 
     type: Literal["jump"] = "jump"
     epoch: int
@@ -326,7 +354,7 @@ class Jump(Strict):
 
 
 class Spec(Strict):
-    """The experiment with everything done so far (after every command that changes it)."""
+    """The experiment with everything done so far, after every command that changes it."""
 
     type: Literal["spec"] = "spec"
     spec: Experiment
@@ -341,7 +369,7 @@ class Assumptions(Strict):
 
 
 class DiagnosisNow(Strict):
-    """What the detector says of the session so far; newer replaces older."""
+    """The diagnosis of the session so far. A newer one replaces an older one."""
 
     model_config = example(type="diagnosis", diagnosis={"observer": "", "sentence": "no fault found since 2 s"})
 
@@ -350,7 +378,7 @@ class DiagnosisNow(Strict):
 
 
 class FactsNow(Strict):
-    """The facts at the row that is shown, after every change of them; newer replaces older."""
+    """The facts at the row that is shown, after every change of them. A newer one replaces an older one."""
 
     model_config = example(type="facts", row=3001, facts=EXAMPLE)
 

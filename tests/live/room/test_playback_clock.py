@@ -6,6 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thetascope.live.room.playback_clock import FRAME, MeasuredSpeed, MinimumInterval, PlaybackClock, RateLimiter
+from thetascope.live.room.room_state import RoomMachine
+
+
+def clock(record: float) -> PlaybackClock:
+    """Return the clock of a paused room."""
+    return PlaybackClock(record, RoomMachine())
+
 
 TIMES = st.lists(st.floats(0.001, 2.0), min_size=1, max_size=30)
 
@@ -13,7 +20,7 @@ TIMES = st.lists(st.floats(0.001, 2.0), min_size=1, max_size=30)
 @given(TIMES, st.sampled_from([0.1, 1.0, 7.3, 1000.0]), st.sampled_from([0.001, 0.01, 0.25]))
 def test_rows_follow_the_speed_however_often_one_looks(spacings, speed, record):
     """After T seconds T · speed / record rows are due, and never fewer than before."""
-    playback, now, before = PlaybackClock(record), 0.0, 0
+    playback, now, before = clock(record), 0.0, 0
     playback.set_speed(speed, 0, 0.0)
     playback.play(0, 0.0)
     for spacing in spacings:
@@ -25,7 +32,7 @@ def test_rows_follow_the_speed_however_often_one_looks(spacings, speed, record):
 
 def test_a_change_of_speed_neither_jumps_nor_loses_part_of_a_row():
     """Half a row at one speed and half a row at another are a row."""
-    playback = PlaybackClock(0.1)
+    playback = clock(0.1)
     playback.play(0, 0.0)
     for i in range(10):
         playback.set_speed([0.5, 2.0][i % 2], 0, 0.05 * i)
@@ -35,7 +42,7 @@ def test_a_change_of_speed_neither_jumps_nor_loses_part_of_a_row():
 
 def test_what_the_simulation_cannot_follow_is_not_caught_up():
     """Set back to what there is, the clock goes on from there at its speed."""
-    playback = PlaybackClock(0.01)
+    playback = clock(0.01)
     playback.play(0, 0.0)
     assert playback.due(10.0) == 1000
     playback.anchor(300, 10.0)
@@ -44,7 +51,7 @@ def test_what_the_simulation_cannot_follow_is_not_caught_up():
 
 def test_paused_nothing_is_due_and_playing_goes_on_where_it_stopped():
     """A pause takes no time."""
-    playback = PlaybackClock(0.01)
+    playback = clock(0.01)
     playback.play(0, 0.0)
     assert playback.due(1.0) == 100
     playback.pause()
@@ -55,19 +62,17 @@ def test_paused_nothing_is_due_and_playing_goes_on_where_it_stopped():
 
 def test_a_step_is_due_at_once_and_ends_where_it_should():
     """Playing stops, the rows are due whatever the time."""
-    playback = PlaybackClock(0.01)
+    playback = clock(0.01)
     playback.play(0, 0.0)
-    playback.step(70)
-    assert (playback.playing, playback.moving, playback.due(0.0), playback.target) == (False, True, 70, 70)
-    playback.reached(69)
-    assert playback.moving
-    playback.reached(70)
-    assert not playback.moving
+    playback.step(0, 70)
+    assert (playback.due(0.0), playback.target) == (70, 70)
+    assert not playback.reached(69) and playback.target == 70
+    assert playback.reached(70) and playback.target is None
 
 
 def test_as_fast_as_possible_everything_is_due():
     """There is no end to it."""
-    playback = PlaybackClock(0.01)
+    playback = clock(0.01)
     playback.play(0, 0.0)
     playback.set_speed(None, 0, 0.0)
     assert playback.due(0.0) == inf
@@ -77,7 +82,7 @@ def test_as_fast_as_possible_everything_is_due():
 @given(st.lists(st.floats(0, 0.2), min_size=1, max_size=50))
 def test_frames_keep_their_beat_whatever_the_delays(delays):
     """Every frame is due at a whole number of frames from the first, in the future, and none is far away."""
-    playback = PlaybackClock(0.001)
+    playback = clock(0.001)
     playback.play(0, 0.0)
     at = 0.0
     for delay in delays:
@@ -90,7 +95,7 @@ def test_frames_keep_their_beat_whatever_the_delays(delays):
 
 def test_where_rows_are_rare_the_next_row_decides():
     """One row a second needs no thirty looks."""
-    playback = PlaybackClock(1.0)
+    playback = clock(1.0)
     playback.play(3, 0.0)
     assert playback.next(3, 0.0, 0.0) == 1.0
     assert playback.due(1.0) == 4
@@ -101,7 +106,7 @@ def test_the_rate_is_what_was_reached():
     rate = MeasuredSpeed()
     rate.start(100, 5.0)
     assert rate.value is None
-    assert abs(rate.look(350, 6.0, 0.01) - 2.5) < 1e-12
+    assert abs(rate.update(350, 6.0, 0.01) - 2.5) < 1e-12
 
 
 def test_a_spacing_lets_through_one_in_its_time():

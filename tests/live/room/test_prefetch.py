@@ -6,12 +6,13 @@ import pytest
 
 from thetascope.live.room.playback_clock import FRAME, PlaybackClock
 from thetascope.live.room.prefetch_plan import LIGHT, SLICE, PrefetchPlan
+from thetascope.live.room.room_state import RoomMachine
 
 MOST = 20_000  # rows of one frame
 
 
 def playing(speed: float) -> PlaybackClock:
-    playback = PlaybackClock(0.01)
+    playback = PlaybackClock(0.01, RoomMachine())
     playback.set_speed(speed, 0, 0.0)
     playback.play(0, 0.0)
     return playback

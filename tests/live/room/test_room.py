@@ -235,7 +235,7 @@ def test_who_only_watches_commands_nothing():
         assert guest.texts[0]["role"] == "view"
         await stage.say(page, "play")
         for kind, fields in [("pause", {}), ("inject", {"fault": FAULT}), ("reset", {})]:
-            assert "only watches" in (await stage.say(guest, kind, **fields))["problem"]
+            assert "only allows viewing" in (await stage.say(guest, kind, **fields))["problem"]
         await stage.go(1.0)
         np.testing.assert_array_equal(guest.rows(), page.rows())
         assert stage.room.shown > 95

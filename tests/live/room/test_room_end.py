@@ -68,7 +68,7 @@ def test_a_session_that_is_closed_gives_its_past_back():
         kept = fork.rows(0, 100).copy()
         past = weakref.ref(stage.session.history)
         stage.room.close(CLOSE_ENDED, "it was ended")
-        assert past() is None and stage.session.history.end == 0 and stage.session.log == []
+        assert past() is None and stage.session.history.end == 0 and stage.session.log == ()
         np.testing.assert_array_equal(fork.rows(0, 100), kept)
         fork.advance(10)
         assert fork.row == 111

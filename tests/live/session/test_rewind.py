@@ -59,7 +59,7 @@ def test_there_is_no_going_back_to_what_is_ahead():
     session = Session(library.resolve(library.experiment("zhao-2012")))
     session.advance(100)
     before = session.spec
-    with pytest.raises(SpecError, match="the session stands at 1 s"):
+    with pytest.raises(SpecError, match="the session is at 1 s"):
         do(session, "seek", t=500.0)
     assert session.spec is before and session.row == 100
 
@@ -88,4 +88,4 @@ def test_what_was_told_is_not_told_again_when_rows_are_given_up():
         assert {"diverged", "alarm"} & {e.kind for e in session.new_events()}
         session.drop_unseen_rows(back)
         session.advance(rows - back)
-        assert session.new_events() == []
+        assert session.new_events() == ()

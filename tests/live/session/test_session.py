@@ -1,6 +1,7 @@
 """Live sessions: what is seen live is what a saved run gives, bit for bit, whatever is done meanwhile."""
 
 import random
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -161,7 +162,8 @@ def test_a_session_takes_no_more_commands_than_an_experiment_may_have():
     session = Session(zhao())
     session.advance(10)
     command = SetNoise(at=0.0, output="y", std=0.001)
-    session.spec = session.spec.model_copy(update={"commands": (command,) * MAX_COMMANDS})
+    spec = session.spec.model_copy(update={"commands": (command,) * MAX_COMMANDS})
+    session.state = replace(session.state, spec=spec)
     before = session.spec
     with pytest.raises(SpecError, match=str(MAX_COMMANDS)):
         do(session, "set-noise", output="y", std=0.002)
@@ -337,6 +339,6 @@ def test_the_log_says_what_was_cleared_and_what_an_alarm_was_named_with():
         told.append([(e.row, e.subject, e.value["size"]) for e in session.log if e.kind == "alarm"])
     assert told[0] == told[1] and [subject for _, subject, _ in told[0]] == ["theta3"]
     (event,), _ = do(session, "clear", channel="theta1")
-    assert event.value == {"planned": 1} and event.text == "you cleared theta1, and what was planned"
+    assert event.value == {"planned": 1} and event.message.text == "theta1 cleared, planned faults included"
     (event,), _ = do(session, "clear", channel="theta3")
-    assert event.value is None and event.text == "you cleared theta3"
+    assert event.value is None and event.message.text == "theta3 cleared"

@@ -4,6 +4,7 @@ from typing import Annotated
 
 from fastapi import Depends, Query, Request
 from starlette.datastructures import MutableHeaders
+from starlette.requests import HTTPConnection
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
 from thetascope.messages.catalogue import negotiate
@@ -12,8 +13,8 @@ from thetascope_schemas.texts.local_text import ALL
 _KEY = "thetascope.language"  # in the scope of a request: {"language": …} once it has been asked for
 
 
-def language_of(request: Request) -> str:
-    """Return the language that a request asks for; its answer then says so, with Content-Language and Vary."""
+def language_of(request: HTTPConnection) -> str:
+    """Return the language that a request or websocket asks for; its answer then says so, with Content-Language and Vary."""
     chosen = request.scope.setdefault(_KEY, {})
     if "language" not in chosen:
         wanted = request.query_params.get("lang")

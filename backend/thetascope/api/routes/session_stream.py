@@ -1,4 +1,4 @@
-"""/api/sessions/{id}/stream: the websocket of a live session. What is said on it is in shared/thetascope_schemas/service/session.py."""
+"""/api/sessions/{id}/stream: the websocket of a live session. Its messages: shared/thetascope_schemas/service/session.py."""
 
 import asyncio
 import secrets
@@ -8,15 +8,16 @@ from urllib.parse import urlsplit
 from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket
 
+from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
 from thetascope_schemas.service.session import CLOSE_FULL, CLOSE_NO_SESSION, CLOSE_ORIGIN, CLOSE_TOKEN
 
 _PATIENCE = 2.0
-"""Seconds that a connection gets to take its close frame."""
+"""Seconds that a connection has to accept its close frame."""
 
 
 class Stream:
-    """The route's ASGI application: frames go straight to the server, without a layer that looks at each of them."""
+    """The route's ASGI application: frames go directly to the server, without a layer that inspects each of them."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one websocket until it closes."""
@@ -24,16 +25,16 @@ class Stream:
 
 
 async def _stream(websocket: WebSocket, send: Send) -> None:
-    """Watch a session, and command it with `?token=`. `?after=` is the number of the last frame that was received."""
+    """Serve one viewer. `?token=` grants control, `?after=` is the last frame received, `?lang=` the viewer's language."""
     services: Services = websocket.app.state.services
-    # Accepted before anything is checked: only then does a browser tell the page the code of a refusal.
+    # Accepted before any check: only then does a browser give the page the close code.
     await websocket.accept()
     if not same_origin(websocket.headers.get("origin"), websocket.headers.get("host", "")):
-        await websocket.close(CLOSE_ORIGIN, "this page comes from elsewhere")
+        await websocket.close(CLOSE_ORIGIN, "the page comes from another origin")
         return
     room = services.live.find(websocket.path_params["id"])
     if room is None:
-        await websocket.close(CLOSE_NO_SESSION, "there is no such session (any more)")
+        await websocket.close(CLOSE_NO_SESSION, "the session does not exist, or has ended")
         return
     token = websocket.query_params.get("token")
     if token is not None and not matches(token, room.token):
@@ -48,7 +49,8 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     async def send_samples(data: bytes) -> None:
         await send({"type": "websocket.send", "bytes": data})
 
-    viewer = Viewer(send_text, send_samples, token is not None, asyncio.get_running_loop())
+    loop, language = asyncio.get_running_loop(), language_of(websocket)
+    viewer = Viewer(send_text, send_samples, token is not None, loop, language)
     await services.live.viewer_slot()
     try:
         room.join(viewer, _number(websocket.query_params.get("after")))
@@ -60,7 +62,7 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     finally:
         room.leave(viewer)
     if viewer.closing is not None:
-        with suppress(Exception):  # it may be lost, or still not take anything
+        with suppress(Exception):  # it may be lost, or still accept nothing
             await asyncio.wait_for(websocket.close(*viewer.closing), _PATIENCE)
 
 
@@ -80,7 +82,7 @@ async def _serve(websocket: WebSocket, room, viewer, services: Services) -> None
 
 
 async def _read(websocket: WebSocket, room, viewer, settings) -> None:
-    """Hand on what the viewer says, no faster than it may speak."""
+    """Handle the viewer's messages, no faster than it may send them."""
     from thetascope.live.wire.messages import Allowance
 
     clock = asyncio.get_running_loop().time
@@ -95,7 +97,7 @@ async def _read(websocket: WebSocket, room, viewer, settings) -> None:
 
 
 def same_origin(origin: str | None, host: str) -> bool:
-    """Whether a page of this service opens the connection. What is no browser sends no origin, and may.
+    """Return whether a page of this service opens the connection. Clients other than browsers send no origin, and may.
 
     The scheme is not compared: behind a proxy that ends TLS the page's is https and the service's http.
     """
@@ -103,15 +105,15 @@ def same_origin(origin: str | None, host: str) -> bool:
         return True
     try:
         return urlsplit(origin).netloc.lower() == host.lower() != ""
-    except ValueError:  # no address at all
+    except ValueError:  # not an address
         return False
 
 
 def matches(given: str, token: str) -> bool:
-    """Compare in a time that does not depend on where they differ."""
+    """Compare in a time that does not depend on where the two differ."""
     return secrets.compare_digest(given.encode(), token.encode())
 
 
 def _number(text: str | None) -> int | None:
-    """The number of a frame; what is none counts as none."""
+    """Return the number of a frame; None for a text that is not one."""
     return int(text) if text is not None and text.isascii() and text.isdigit() and len(text) < 20 else None

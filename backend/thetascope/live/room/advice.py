@@ -1,4 +1,4 @@
-"""What the detector of a session says of it, and what it proposes; both are worked out on a copy of the session."""
+"""The diagnosis of a session, and an input proposed for it; both may be computed on a copy of the session."""
 
 import asyncio
 from typing import TYPE_CHECKING
@@ -12,16 +12,20 @@ if TYPE_CHECKING:
 
 
 def diagnosis_of(session: "Session") -> DiagnosisNow:
-    """What the detector says of all rows so far."""
-    return session.detector.report(session.current.watched, session.detects_outside)
+    """Return the diagnosis of all rows so far."""
+    return session.detector.report(session.current.detection, session.state.detects_outside)
 
 
 async def propose_input_for(room: "RoomParts") -> InputProposal:
-    """An input that would tell the faults apart from here on. Raises Unwatchable where nothing is watched."""
-    copy = await room.run_exclusive(room.session.fork)
+    """Return an input that separates the faults from the present row on.
+
+    Raises:
+        Unwatchable: the session has no detector.
+    """
+    copy: Session = await room.run_exclusive(room.session.fork)
     answer: asyncio.Future[InputProposal] = asyncio.get_running_loop().create_future()
 
-    def then(value: InputProposal | None, error: Exception | None) -> None:
+    def then(value: InputProposal, error: Exception | None) -> None:
         if not answer.cancelled():
             answer.set_result(value) if error is None else answer.set_exception(error)
 

@@ -1,16 +1,20 @@
-"""Commands: play, pause, step and speed act on the clock; all others on the session, at the row that is shown."""
+"""Commands: play, pause, step and speed act on the clock, all others on the session, at the row that is shown."""
 
 import logging
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from pydantic import ValidationError
 
 from thetascope.engine.errors import SpecError
 from thetascope.live.room.prefetch_plan import RowBatch, compute
+from thetascope.live.room.room_state import Transition
 from thetascope.live.wire import messages
 from thetascope.live.wire.viewer import Viewer
+from thetascope.messages import Message
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.service.session import (
     Ack,
     AddObserverNow,
@@ -22,6 +26,7 @@ from thetascope_schemas.service.session import (
     Refused,
     Reset,
     Seek,
+    SessionCommand,
     SetGainNow,
     Spec,
     Speed,
@@ -33,57 +38,58 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
-_INSIDE = "an error inside the program; its log tells more"
-
 _LONG = (AddObserverNow, Reset, Seek)
 """Commands that may take longer than other sessions should wait: they are carried out in a thread."""
 
 
-def _members(command: Command) -> tuple[Command, ...]:
-    """Return the commands of a batch, or the one command."""
-    return command.commands if isinstance(command, Batch) else (command,)
-
-
 @dataclass(frozen=True)
 class CommandResult:
-    """What carrying out a command gave: where the session stands, what happened, and the first rows after it."""
+    """The session after a command: its row, columns and end, the command's events, and the first rows that follow."""
 
     row: int
     columns: tuple[str, ...]
     ended: bool
-    events: list[Event]
+    events: Sequence[Event]
     refusal: Refused | None
-    computed: RowBatch | None
+    batch: RowBatch | None
 
 
 class CommandHandler:
-    """Carries out the commands of one room, those on the session one after the other. Each gets one answer."""
+    """Carries out the commands of one room, those on the session one after another. Each gets one answer."""
 
     def __init__(self, room: "RoomParts") -> None:
         self._room = room
-        self._waiting: deque[tuple[Viewer, Command]] = deque()
+        self._waiting: deque[tuple[Viewer, SessionCommand]] = deque()
         self._busy = False
 
     def receive(self, viewer: Viewer, text: str | None, limit: int) -> None:
-        """Take a message of a viewer; the answer goes into its outbox. None stands for a binary message."""
+        """Handle a message of a viewer; the answer goes into its outbox.
+
+        Args:
+            text: the message; None if it was binary.
+            limit: characters that a message may have.
+        """
         command = messages.read(text, limit)
-        if isinstance(command, Refused) and (viewer.control or command.id is None):
-            viewer.put(command.model_dump_json())
-        elif not viewer.control:
-            self._refuse(viewer, command, "this link only watches", "fork the session to have one of your own")
+        if not viewer.control and command.id is not None:
+            viewer.send(messages.refusal(command.id, Message("session.view-only")))
+        elif isinstance(command, Refused):
+            viewer.send(command)
         elif isinstance(command, Play | Pause | Step | Speed):
-            self._transport(viewer, command)
+            self._move_clock(viewer, command)
         else:
             self._waiting.append((viewer, command))
             self._next()
 
     # ---- the clock -----------------------------------------------------------------------------------------------------
 
-    def _transport(self, viewer: Viewer, command: Command) -> None:
+    def _move_clock(self, viewer: Viewer, command: Play | Pause | Step | Speed) -> None:
         room = self._room
         now = room.services.clock()
-        if isinstance(command, Play | Step) and room.ended:
-            self._refuse(viewer, command, "the session has come to its end", "go back to an earlier time, or reset it")
+        needed = {Play: Transition.PLAY, Step: Transition.STEP}.get(type(command))
+        if room.machine.closed:
+            return
+        if needed is not None and not room.machine.allows(needed):
+            viewer.send(messages.refusal(command.id, Message("session.ended")))
             return
         self._ack(viewer, command)
         match command:
@@ -92,11 +98,11 @@ class CommandHandler:
             case Pause():
                 room.playback.pause()
             case Step(rows=rows):
-                room.playback.step((room.playback.target or room.shown) + rows)
+                room.playback.step(room.shown, rows)
             case Speed(value=value):
                 room.playback.set_speed(value, room.shown, now)
         room.prefetch_plan.disturbed()
-        if room.playback.moving:
+        if room.machine.moving:
             room.clock_started()
             room.prefetch_rows()
         room.send_status()
@@ -105,104 +111,116 @@ class CommandHandler:
     # ---- the session ---------------------------------------------------------------------------------------------------
 
     def _next(self) -> None:
-        if self._busy or not self._waiting or self._room.closed:
+        if self._busy or not self._waiting or self._room.machine.closed:
             return
         self._busy = True
         viewer, command = self._waiting.popleft()
         added = [member for member in _members(command) if isinstance(member, AddObserverNow)]
         if added:
-            # Compiling is not to stop the session: it is done apart, into the cache, where the session then finds it.
+            # Compiling must not stop the session: it is done beside it, into the cache, where the session finds the kernel.
             spec = self._room.session.spec
-            self._room.services.workshop(lambda: _compile(spec, added), lambda *_: self._carry_out(viewer, command))
+            self._room.services.workshop(lambda: _compile(spec, added), lambda *_: self._submit(viewer, command))
         else:
-            self._carry_out(viewer, command)
+            self._submit(viewer, command)
 
-    def _carry_out(self, viewer: Viewer, command: Command) -> None:
+    def _submit(self, viewer: Viewer, command: SessionCommand) -> None:
         room = self._room
+        if room.machine.closed:
+            return
         room.prefetch_plan.disturbed()
         long = any(isinstance(member, _LONG) for member in _members(command))
-        room.frozen = room.frozen or long
-        room.queue.submit(
-            lambda: self._job(command), lambda done, error: self._done(viewer, command, done, error), long, urgent=True
-        )
+        if long:
+            room.machine.fire(Transition.HOLD)
 
-    def _job(self, command: Command) -> CommandResult:
-        """On the session, alone."""
+        def then(result: CommandResult | None, error: Exception | None) -> None:
+            self._done(viewer, command, result, error)
+
+        room.queue.submit(lambda: self._carry_out(command), then, long, urgent=True)
+
+    def _carry_out(self, command: SessionCommand) -> CommandResult:
+        """Carry out a command on the session, alone. If it fails, the session has its earlier state again."""
         session = self._room.session
         session.drop_unseen_rows(self._room.shown)
+        before = session.state
         try:
-            with session.transaction():
-                return self._carried_out(command)
+            return self._result(session.handle(command)[0])
         except SpecError as error:
             refusal = messages.refused(command.id, error)
         except ValidationError as error:
             refusal = messages.refused_spec(command.id, error)
         except Exception:
             log.exception("session %s: %s failed", self._room.id, command.type)
-            refusal = Refused(id=command.id, problem=_INSIDE, remedy="report it")
-        return replace(self._carried_out(None), refusal=refusal)
+            refusal = messages.refusal(command.id, Message("session.internal-error"))
+        session.state = before
+        return replace(self._result([]), refusal=refusal)
 
-    def _carried_out(self, command: Command | None) -> CommandResult:
-        """The command done, and the rows that are shown with its answer."""
+    def _result(self, events: Sequence[Event]) -> CommandResult:
+        """Return the session as it is, and the rows that are shown with the answer."""
         room, session = self._room, self._room.session
-        events = session.handle(command)[0] if command is not None else []
         row, columns, ended = session.row, session.columns, session.ended
-        rows = room.prefetch_plan.soon(room.playback) if room.playback.moving else 0
+        rows = room.prefetch_plan.soon(room.playback) if room.machine.moving else 0
         if row < room.shown or row == 0:
-            rows = max(rows, 1)  # the row at the time that one went back to
-        computed = compute(session, rows, room.services.past()) if rows else None
-        return CommandResult(row, columns, ended, events, None, computed)
+            rows = max(rows, 1)  # the row at the time that the session went back to
+        batch = compute(session, rows, room.services.past()) if rows else None
+        return CommandResult(row, columns, ended, events, None, batch)
 
-    def _done(self, viewer: Viewer, command: Command, done: CommandResult | None, error: Exception | None) -> None:
-        room = self._room
-        if done is None:
+    def _done(
+        self, viewer: Viewer, command: SessionCommand, result: CommandResult | None, error: Exception | None
+    ) -> None:
+        room, self._busy = self._room, False
+        if room.machine.closed:
+            return
+        if result is None:
             log.error("session %s: %s failed", room.id, command.type, exc_info=error)
-            room.broadcast.restart(room.session.columns, room.session.row)  # what was computed ahead is given up
-            self._refuse(viewer, command, _INSIDE, "report it")
+            session = room.session
+            room.broadcast.restart(session.columns, session.row, session.ended)  # the rows computed ahead are void
+            room.update_end()
+            viewer.send(messages.refusal(command.id, Message("session.internal-error")))
         else:
-            self._take_over(viewer, command, done)
-        room.frozen = False
+            self._show(viewer, command, result)
+        if room.machine.held:
+            room.machine.fire(Transition.RELEASE)
         room.facts.changed(urgent=not isinstance(command, SetGainNow))  # a slider that is dragged sends many of these
-        self._busy = False
         room.prefetch_rows()
         self._next()
 
-    def _take_over(self, viewer: Viewer, command: Command, done: CommandResult) -> None:
+    def _show(self, viewer: Viewer, command: SessionCommand, result: CommandResult) -> None:
+        """Answer a command, and send its events and the first rows after it."""
         room, broadcast = self._room, self._room.broadcast
-        back = done.row < broadcast.shown
-        if done.refusal is not None:
-            viewer.put(done.refusal.model_dump_json())
+        back = result.row < broadcast.shown
+        if result.refusal is not None:
+            viewer.send(result.refusal)
         else:
-            self._ack(viewer, command, done.row)
-        broadcast.restart(done.columns, done.row)
-        room.finished = done.ended
-        for event in done.events:
+            self._ack(viewer, command, result.row)
+        broadcast.restart(result.columns, result.row, result.ended)
+        for event in result.events:
             broadcast.send(event)
-        if done.computed is not None:
-            room.accept_rows(done.computed)
+        if result.batch is not None:
+            room.accept_rows(result.batch)
+        room.update_end()
         now = room.services.clock()
-        if back or room.frozen:
+        if back or room.machine.held:
             room.playback.anchor(room.shown, now)
-        if back or room.playback.moving or room.shown == 0:
-            # The first row that shows the command goes out with the answer, at most one row before its time.
+        if back or room.machine.moving or room.shown == 0:
+            # The first row that shows the command is sent with the answer, at most one row before its time.
             due = room.playback.due(now)
-            room.show(max(due, 0 if room.shown > due and room.playback.moving else room.shown + 1), now)
-        if done.refusal is None:  # after the frame: it is long, and nobody waits for it
+            room.show(max(due, 0 if room.shown > due and room.machine.moving else room.shown + 1), now)
+        if result.refusal is None:  # after the frame: it is long, and nobody waits for it
             broadcast.send(Spec(spec=room.session.spec), "spec")
         if back:
             room.send_status()
 
-    # ---- answers -------------------------------------------------------------------------------------------------------
-
     def _ack(self, viewer: Viewer, command: Command, row: int | None = None) -> None:
         row = self._room.shown if row is None else row
-        viewer.put(Ack(id=command.id, row=row, t=row * self._room.session.record).model_dump_json())
-
-    def _refuse(self, viewer: Viewer, command: Any, problem: str, remedy: str) -> None:
-        viewer.put(Refused(id=command.id, problem=problem, remedy=remedy).model_dump_json())
+        viewer.send(Ack(id=command.id, row=row, t=row * self._room.session.record))
 
 
-def _compile(spec: Any, commands: list[AddObserverNow]) -> None:
+def _members(command: SessionCommand) -> Sequence[SessionCommand]:
+    """Return the commands of a batch, or the one command."""
+    return command.commands if isinstance(command, Batch) else (command,)
+
+
+def _compile(spec: ResolvedExperiment, commands: Sequence[AddObserverNow]) -> None:
     """Compile the kernels of observers into the cache. Errors are reported when the command is carried out."""
     from thetascope.assembly import prepare
 

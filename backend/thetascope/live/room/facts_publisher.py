@@ -1,4 +1,4 @@
-"""Tells the viewers of a room the facts whenever they change: by a command, a finding, or a time that passes."""
+"""Sends the viewers of a room the facts whenever they change: by a command, a finding, or time that passes."""
 
 from typing import TYPE_CHECKING
 
@@ -15,7 +15,7 @@ SPACING = 0.1
 
 
 class FactsPublisher:
-    """Of one room. Everything is called on the event loop."""
+    """The facts of one room. All methods are called on the event loop."""
 
     def __init__(self, room: "RoomParts") -> None:
         self._room = room
@@ -64,10 +64,10 @@ class FactsPublisher:
         """Send the facts if they have changed; `urgent`: however soon after the last ones."""
         room = self._room
         reached = (room.shown + 1) * room.session.record > self._next
-        if room.frozen or not (self._due or reached or room.shown < self._row):
+        if room.machine.held or room.machine.closed or not (self._due or reached or room.shown < self._row):
             return
         now = room.services.clock()
-        if not urgent and room.playback.moving and now - self._at < SPACING:
+        if not urgent and room.machine.moving and now - self._at < SPACING:
             self._due = True
             return
         self.facts()

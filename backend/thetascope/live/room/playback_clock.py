@@ -1,90 +1,99 @@
-"""When which row is due: a session's clock as arithmetic. It never sleeps and never looks at a clock itself.
+"""When each row is due: a session's clock as arithmetic. It never sleeps and never reads a clock itself.
 
-A row is due when the session's time has reached it: rows move on by speed / record in a second of real time. A clock that
-cannot be followed (the simulation is slower than asked for) is set back to what there is, so that nothing is ever caught
-up in a rush.
+A row is due when the session's time has reached it: speed / record rows per second of real time. If the simulation is
+slower than the speed that is set, the clock is set back to the rows there are, so that it never rushes to catch up.
 """
 
 from collections.abc import Callable
 from math import ceil, floor, inf
 
+from thetascope.live.room.room_state import RoomMachine, Transition
+
 FRAME = 1 / 30
 """Seconds between frames."""
 
-_SLACK = 1e-6  # of a row, for the rounding of times
+_ROUNDING = 1e-6  # of a row: tolerance for the rounding of times
 
 
 class PlaybackClock:
-    """The clock of one session. `rows` and `due` count rows, so row `due` − 1 is the last that is due. Times in s."""
+    """The clock of one session. Rows are counted: row `due` − 1 is the last one due. Times in s.
 
-    def __init__(self, record: float) -> None:
+    Args:
+        record: time between rows, s.
+        machine: the state of the room, which says whether time runs.
+    """
+
+    def __init__(self, record: float, machine: RoomMachine) -> None:
         self.record = record
         self.speed: float | None = 1.0
-        self.playing = False
-        self._until: int | None = None  # where single steps end
+        self._machine = machine
+        self._target = 0  # the row count at which single steps end
         self._rows = 0.0  # at the time _since
         self._since = 0.0
 
-    @property
-    def moving(self) -> bool:
-        """Whether rows become due: playing, or on the way of a step."""
-        return self.playing or self._until is not None
-
     def play(self, rows: int, now: float) -> None:
-        self.playing, self._until = True, None
+        """Let time run from `rows` rows on."""
+        self._machine.fire(Transition.PLAY)
         self.anchor(rows, now)
 
     def pause(self) -> None:
-        self.playing, self._until = False, None
+        """Stop time."""
+        self._machine.fire(Transition.PAUSE)
 
-    def step(self, rows: int) -> None:
-        """Go on to where there are `rows` rows, as fast as possible, and stay there. Steps add up."""
-        self.playing, self._until = False, rows
+    def step(self, shown: int, rows: int) -> None:
+        """Advance by `rows` rows as fast as possible, then stop; steps add up. `shown`: rows shown so far."""
+        self._target = (self.target or shown) + rows
+        self._machine.fire(Transition.STEP)
 
     @property
     def target(self) -> int | None:
-        """Where single steps end."""
-        return self._until
+        """The row count at which single steps end; None if no step is under way."""
+        return self._target if self._machine.stepping else None
 
     def set_speed(self, speed: float | None, rows: int, now: float) -> None:
-        """Simulated seconds per second from now on; None is as fast as possible."""
-        here = self._position(now) if self.playing and self.speed is not None else float(rows)
-        self.speed, self._rows, self._since = speed, here, now
+        """Set the simulated seconds per second from now on; None is as fast as possible."""
+        position = self._position(now) if self._machine.playing and self.speed is not None else float(rows)
+        self.speed, self._rows, self._since = speed, position, now
 
     def anchor(self, rows: float, now: float) -> None:
-        """Let there be `rows` rows due now."""
+        """Set the clock so that exactly `rows` rows are due now."""
         self._rows, self._since = float(rows), now
 
     def due(self, now: float) -> float:
-        """How many rows are due by now; infinity for as fast as possible."""
-        if self._until is not None:
-            return self._until
-        if not self.playing:
+        """Return how many rows are due by now; infinity if as fast as possible."""
+        target = self.target
+        if target is not None:
+            return target
+        if not self._machine.playing:
             return 0
-        if self.speed is None:
-            return inf
-        return floor(self._position(now) + _SLACK)
+        return inf if self.speed is None else floor(self._position(now) + _ROUNDING)
 
-    def reached(self, rows: int) -> None:
-        """There are so many rows now: a step may have come to its end."""
-        if self._until is not None and rows >= self._until:
-            self._until = None
+    def reached(self, rows: int) -> bool:
+        """Return whether a step ends because `rows` rows are shown."""
+        target = self.target
+        if target is None or rows < target:
+            return False
+        self._machine.fire(Transition.REACH)
+        return True
 
     def next(self, rows: int, before: float, now: float) -> float | None:
-        """When to look again after a frame that was due at `before`, with `rows` rows shown; None: not at all.
+        """Return when to show rows again after a frame that was due at `before`; None if time does not run.
 
-        Frames keep to their beat, whatever the delay of one of them; where rows are rarer, the next row decides.
+        Frames keep their rhythm whatever the delay of one of them; where rows are rarer than frames, the next row decides.
+
+        Args:
+            rows: rows shown so far.
         """
-        if not self.moving:
+        if not self._machine.moving:
             return None
         regular = before + FRAME * (1 + max(0, floor((now - before) / FRAME)))
-        if self._until is not None or self.speed is None:
+        if self._machine.stepping or self.speed is None:
             return regular
-        rare = self._since + (rows + 1 - self._rows) * self.record / self.speed
-        return rare if rare > regular + FRAME else regular
+        next_row = self._since + (rows + 1 - self._rows) * self.record / self.speed
+        return next_row if next_row > regular + FRAME else regular
 
     def rows_in(self, seconds: float) -> int:
-        """Rows that this much real time takes, at least one. Only for a speed that is set."""
+        """Return the rows due in this much real time, at least one. Only for a speed that is set."""
         return max(1, ceil(seconds * (self.speed or 1.0) / self.record))
 
     def _position(self, now: float) -> float:
@@ -92,18 +101,18 @@ class PlaybackClock:
 
 
 class MeasuredSpeed:
-    """Simulated seconds per second, as measured between two looks."""
+    """Simulated seconds per second, measured between two updates."""
 
     def __init__(self) -> None:
         self._rows, self._at = 0, -inf
         self.value: float | None = None
 
     def start(self, rows: int, now: float) -> None:
-        """Measure from here."""
+        """Measure from here on."""
         self._rows, self._at, self.value = rows, now, None
 
-    def look(self, rows: int, now: float, record: float) -> float | None:
-        """The rate since the last look."""
+    def update(self, rows: int, now: float, record: float) -> float | None:
+        """Return the speed since the last update; `record`: time between rows, s."""
         if now > self._at and rows >= self._rows:
             self.value = (rows - self._rows) * record / (now - self._at)
         self._rows, self._at = rows, now
@@ -111,14 +120,14 @@ class MeasuredSpeed:
 
 
 class MinimumInterval:
-    """Lets something happen only so often, seconds apart."""
+    """Allows something at most once per interval of `seconds`."""
 
     def __init__(self, seconds: float, clock: Callable[[], float]) -> None:
         self._seconds, self._clock = seconds, clock
         self._last = -inf
 
     def take(self) -> bool:
-        """Whether it is time again; then it has happened."""
+        """Return whether it is allowed now; if so, the interval starts again."""
         now = self._clock()
         if now - self._last < self._seconds:
             return False
@@ -127,13 +136,13 @@ class MinimumInterval:
 
 
 class RateLimiter:
-    """Lets one after the other through, seconds apart at least: whoever comes alone passes at once, a crowd is spread."""
+    """Spreads arrivals at least `seconds` apart; one that comes alone does not wait."""
 
     def __init__(self, seconds: float) -> None:
         self._seconds, self._next = seconds, -inf
 
     def wait(self, now: float) -> float:
-        """Take the next place; the seconds until it is there."""
+        """Take the next slot; return the seconds until it begins."""
         at = max(now, self._next)
         self._next = at + self._seconds
         return at - now

@@ -1,7 +1,7 @@
-"""A session with its viewers: time goes on, rows become frames, and viewers come and go.
+"""A session with its viewers: time runs, rows become frames, viewers come and go.
 
-Everything here runs on the event loop, except the jobs on the session, which take turns (serial_queue.py). Nothing here waits
-for a viewer. Commands are in command_handler.py.
+Everything here runs on the event loop, except the jobs on the session, which run one at a time (serial_queue.py). Nothing
+here waits for a viewer. Commands are in command_handler.py, the states of a room in room_state.py.
 """
 
 import asyncio
@@ -19,7 +19,8 @@ from thetascope.live.room.playback_clock import MeasuredSpeed, PlaybackClock
 from thetascope.live.room.prefetch import Prefetcher
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
 from thetascope.live.room.room_parts import RoomServices
-from thetascope.live.room.serial_queue import SerialQueue
+from thetascope.live.room.room_state import RoomMachine, Transition
+from thetascope.live.room.serial_queue import Callback, Job, SerialQueue
 from thetascope.live.wire.viewer import Viewer
 from thetascope_schemas import Experiment
 from thetascope_schemas.service.session import Event, Hello, Status
@@ -27,51 +28,55 @@ from thetascope_schemas.service.session import Event, Hello, Status
 if TYPE_CHECKING:
     from thetascope.live.session.session import Session
 
-STATUS = 1.0
-"""Seconds between two messages on how a session stands while it plays."""
-CHECKS = 3.0
+STATUS_INTERVAL = 1.0
+"""Seconds between two status messages while time runs."""
+CHECK_INTERVAL = 3.0
 """Seconds between two checks of the assumptions, at least."""
-ASLEEP = 60.0
-"""Seconds without a viewer after which time stops until one comes."""
+ASLEEP_AFTER = 60.0
+"""Seconds without a viewer after which time stops until one connects."""
 
-_FOUND = {"fault-begins", "fault-ends", "alarm", "alarm-over", "diverged", "substeps"}
-"""Events that come of computing a row; all others come of commands, which act at the row to be shown next."""
+_OF_ROWS = {"fault-begins", "fault-ends", "alarm", "alarm-over", "diverged", "substeps"}
+"""Kinds of events that come from computing a row; all others come from commands, which act at the row to be shown next."""
 
 
 class RoomFull(Exception):
-    """There are as many viewers as there may be."""
+    """The room has as many viewers as it may have."""
 
 
 class Room:
-    """One session. `token` gives the right to command."""
+    """One session with its viewers.
+
+    Args:
+        id: the session's id.
+        token: grants control.
+        session: the session.
+        services: the parts of the service that the room uses.
+        parent: id of the session that this one was forked from.
+    """
 
     def __init__(
         self, id: str, token: str, session: "Session", services: RoomServices, parent: str | None = None
     ) -> None:
         self.id, self.token, self.parent = id, token, parent
         self.session, self.services = session, services
-        self.broadcast = Broadcast(session.columns, session.row, session.record)
-        self.playback, self.measured_speed, self.prefetch_plan = (
-            PlaybackClock(session.record),
-            MeasuredSpeed(),
-            PrefetchPlan(),
-        )
+        self.machine = RoomMachine()
+        self.broadcast = Broadcast(session.columns, session.row, session.record, session.ended)
+        self.playback = PlaybackClock(session.record, self.machine)
+        self.measured_speed, self.prefetch_plan = MeasuredSpeed(), PrefetchPlan()
         self.queue = SerialQueue(services.background)
         self.commands, self.prefetcher = CommandHandler(self), Prefetcher(self)
         self.facts = FactsPublisher(self)
-        self.frozen = False  # while a command that takes long is carried out
-        self.closed = False
         self.empty_since: float | None = services.clock()
-        self._told = services.clock()
+        self._status_sent = services.clock()
         self.checks = BackgroundChecks(self)
-        self.finished = session.ended  # the session has no more rows than those that are computed
-        session.detects_outside = True
-        session.new_events()  # of rows that are shown already: they are in the log
+        session.new_events()  # of rows that count as shown: they are in the log
+        self.update_end()
 
-    # ---- how it stands -------------------------------------------------------------------------------------------------
+    # ---- status --------------------------------------------------------------------------------------------------------
 
     @property
     def shown(self) -> int:
+        """Rows shown so far."""
         return self.broadcast.shown
 
     @property
@@ -79,39 +84,49 @@ class Room:
         """Time of the last row that was shown, s."""
         return max(0, self.shown - 1) * self.session.record
 
-    @property
-    def ended(self) -> bool:
-        """Whether there is nothing more to come."""
-        return self.finished and self.broadcast.left == 0 and not self.broadcast.blocked
-
     def status(self) -> Status:
-        playback = self.playback
+        """Return the status as it is sent to viewers."""
         return Status(
             row=self.shown,
             t=self.t,
-            playing=playback.playing,
-            speed=playback.speed,
-            rate=self.measured_speed.value if playback.moving else None,
+            playing=self.machine.playing,
+            speed=self.playback.speed,
+            rate=self.measured_speed.value if self.machine.moving else None,
             viewers=len(self.broadcast.viewers),
-            ended=self.ended,
+            ended=self.machine.ended,
         )
 
     def send_status(self) -> None:
-        self._told = self.services.clock()
+        """Send the status to all viewers."""
+        self._status_sent = self.services.clock()
         self.broadcast.send(self.status(), "status")
 
     # ---- viewers -------------------------------------------------------------------------------------------------------
 
     def join(self, viewer: Viewer, after: int | None = None) -> None:
-        """Let a viewer watch; `after` is the last frame that it got before. Raises :class:`RoomFull`."""
+        """Add a viewer.
+
+        Args:
+            after: number of the last frame that it received before.
+
+        Raises:
+            RoomFull: there are as many viewers as there may be.
+        """
         if len(self.broadcast.viewers) >= self.services.viewers:
             raise RoomFull
-        now = self.services.clock()
-        if self.empty_since is not None and self.playback.moving and now - self.empty_since > ASLEEP:
-            self.playback.anchor(self.shown, now)
+        if self.machine.asleep:
+            self.playback.anchor(self.shown, self.services.clock())
+            self.machine.fire(Transition.WAKE)
             self.clock_started()
         viewer.outbox.row = self.broadcast.rows_after(after)
-        hello = Hello(
+        viewer.send(self._hello(viewer))
+        self.broadcast.viewers.append(viewer)
+        self.empty_since = None
+        self.send_status()
+        self.checks.check(0.0)
+
+    def _hello(self, viewer: Viewer) -> Hello:
+        return Hello(
             session=self.id,
             role="control" if viewer.control else "view",
             spec=self.session.spec,
@@ -120,24 +135,19 @@ class Room:
             step=self.session.step,
             record=self.session.record,
             row=self.shown,
-            playing=self.playback.playing,
+            playing=self.machine.playing,
             speed=self.playback.speed,
             parent=self.parent,
-            log=tuple(event for event in self.session.log if self._seen(event)),
+            log=tuple(event for event in self.session.log if self._is_shown(event)),
             facts=self.facts.facts(),
         )
-        viewer.put(hello.model_dump_json())
-        self.broadcast.viewers.append(viewer)
-        self.empty_since = None
-        self.send_status()
-        self.checks.check(0.0)
 
-    def _seen(self, event: Event) -> bool:
-        """Whether an event of the log is no longer ahead of what is shown."""
-        return event.row < self.shown or (event.row == self.shown and event.kind not in _FOUND)
+    def _is_shown(self, event: Event) -> bool:
+        """Return whether the row of an event has been shown."""
+        return event.row < self.shown or (event.row == self.shown and event.kind not in _OF_ROWS)
 
     def leave(self, viewer: Viewer) -> None:
-        """A viewer has gone."""
+        """Remove a viewer."""
         if viewer in self.broadcast.viewers:
             self.broadcast.viewers.remove(viewer)
             self.send_status()
@@ -145,7 +155,7 @@ class Room:
             self.empty_since = self.services.clock()
 
     async def samples(self, viewer: Viewer) -> bytes | None:
-        """The next frame of what a viewer has missed; None: it has everything."""
+        """Return the next frame of the rows that a viewer has missed; None if it has all."""
         span = self.broadcast.next_span(viewer, self.services.backlog, self.oldest)
         if span is None or not viewer.outbox.is_idle:
             return None
@@ -154,18 +164,15 @@ class Room:
             epoch, columns = self.broadcast.epoch, self.broadcast.columns
             rows = await self.past_rows(columns, span.first, span.last)
             if self.broadcast.epoch != epoch or not viewer.outbox.is_idle:
-                return None  # a rewind came between
+                return None  # a rewind came in between
             data = self.broadcast.encode(span, rows)
         viewer.outbox.row = span.last
         return data
 
     def close(self, code: int, reason: str) -> None:
-        """End the session and tell all viewers why."""
-        self.closed = True
-        self.playback.pause()
-        self.queue.submit(
-            self.session.release, lambda *_: None
-        )  # its memory, at once: the room itself waits for Python's collector
+        """End the session and close all connections with a code and a reason."""
+        self.machine.fire(Transition.CLOSE)
+        self.queue.submit(self.session.release, lambda *_: None)  # its memory; the room waits for the garbage collector
         for viewer in list(self.broadcast.viewers):
             viewer.close(code, reason)
 
@@ -177,11 +184,11 @@ class Room:
         return self.session.history.start
 
     async def past_rows(self, columns: tuple[str, ...], first: int, last: int) -> np.ndarray:
-        """Rows first … last − 1 of the past in these columns: float32, columns × rows."""
+        """Return rows first … last − 1 in these columns: float32, columns × rows."""
         return await self.run_exclusive(lambda: self.session.history.rows(columns, first, last))
 
     async def run_exclusive(self, job: Callable[[], Any], long: bool = False) -> Any:
-        """What a job on the session gives, when its turn has come."""
+        """Return the value of a job on the session, run when its turn comes; a long one runs in a thread."""
         answer: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
 
         def then(value: Any, error: Exception | None) -> None:
@@ -196,12 +203,12 @@ class Room:
         return await answer
 
     async def fork(self, t: float | None) -> "Session":
-        """A copy of the session at a time up to now."""
+        """Return a copy of the session at a time in s, at most the present one, which is the default."""
         row = self.shown if t is None else min(self.shown, round(t / self.session.record) + 1)
         return await self.run_exclusive(partial(self.session.fork, row), long=True)
 
     def spec(self) -> Experiment:
-        """The experiment with everything done so far, up to now: its run gives the same numbers."""
+        """Return the experiment with everything done so far, up to now: its run gives the same numbers."""
         spec, t = self.session.spec, self.t
         commands = tuple(command for command in spec.commands if command.at <= t)
         return spec.model_copy(update={"horizon": t, "record": self.session.record, "commands": commands})
@@ -209,53 +216,80 @@ class Room:
     # ---- time ----------------------------------------------------------------------------------------------------------
 
     def tick(self, at: float) -> float | None:
-        """Show what is due; `at` is when this was to be called. When to call again (None: when something happens)."""
+        """Show the rows that are due.
+
+        Args:
+            at: the time at which this was to be called, s.
+
+        Returns:
+            when to call again; None: when :meth:`clock_started` asks for it.
+        """
         now = self.services.clock()
-        if self.closed or (self.empty_since is not None and now - self.empty_since > ASLEEP):
+        if self.machine.closed:
             return None
-        if not self.frozen:
+        if self.empty_since is not None and now - self.empty_since > ASLEEP_AFTER:
+            if self.machine.allows(Transition.SLEEP):
+                self.machine.fire(Transition.SLEEP)
+            if self.machine.asleep:
+                return None
+        if not self.machine.held:
             due = self.playback.due(now)
             if due > self.broadcast.end:
                 self.prefetch_rows()
             self.show(due, now)
             if not self.prefetch_plan.enough(self.broadcast.left) and self.prefetcher.wanted() is not None:
-                self.services.request_prefetch(self, False)
-        if now - self._told >= STATUS:
-            self.measured_speed.look(self.shown, now, self.session.record)
+                self.request_prefetch(False)
+        if now - self._status_sent >= STATUS_INTERVAL:
+            self.measured_speed.update(self.shown, now, self.session.record)
             self.send_status()
-            self.checks.check(CHECKS)
-        return self.playback.next(self.broadcast.shown, at, now)
+            self.checks.check(CHECK_INTERVAL)
+        return self.playback.next(self.shown, at, now)
 
     def show(self, due: float, now: float) -> None:
-        """Show the rows that are due, as far as they are there; the clock waits for the others."""
-        broadcast, playback = self.broadcast, self.playback
-        broadcast.show(due)
-        if due > broadcast.shown and playback.playing:
-            playback.anchor(broadcast.shown, now)
-        if playback.target is not None:
-            playback.reached(broadcast.shown)
-            if not playback.moving:
-                self.send_status()
-                self.checks.check(0.0)
-        if self.finished and self.ended and playback.moving:
-            playback.pause()
+        """Show rows up to `due` − 1, as far as they are computed; the clock waits for the others."""
+        self.broadcast.show(due)
+        if due > self.shown and self.machine.playing:
+            self.playback.anchor(self.shown, now)
+        moving = self.machine.moving
+        reached = self.playback.reached(self.shown)
+        self.update_end()
+        if moving and not self.machine.moving:
             self.send_status()
+        if reached:
+            self.checks.check(0.0)
         self.facts.publish()
 
+    def update_end(self) -> None:
+        """Tell the state machine whether rows can follow those that are shown."""
+        if self.broadcast.at_end != self.machine.ended and not self.machine.closed:
+            self.machine.fire(Transition.END if self.broadcast.at_end else Transition.CONTINUE)
+
     def prefetch_rows(self) -> None:
-        """Compute ahead, if there is need to."""
+        """Compute rows ahead if that is needed."""
         self.prefetcher.prefetch_rows()
 
-    def accept_rows(self, computed: RowBatch) -> None:
-        """Take over what was computed; it is shown when it is due."""
-        self.finished = computed.ended
-        if computed.rows.shape[1]:
-            self.broadcast.add(computed)
-            self.services.request_detection(self)
+    def accept_rows(self, batch: RowBatch) -> None:
+        """Add computed rows; they are shown when they are due."""
+        self.broadcast.add(batch)
+        self.update_end()
+        if batch.rows.shape[1]:
+            self.request_detection()
 
     def clock_started(self) -> None:
-        """Time goes on from now on."""
+        """Schedule frames: time runs from now on."""
         now = self.services.clock()
         self.measured_speed.start(self.shown, now)
-        self._told = now
+        self._status_sent = now
         self.services.wake(self, now)
+
+    def request_prefetch(self, first: bool) -> None:
+        """Ask for :meth:`prefetch_rows` when there is time, before all other rooms (`first`) or after them."""
+        self.services.request_prefetch(self, first)
+
+    def detection_job(self) -> tuple[Job, Callback] | None:
+        """Return a job that tests waiting rows for faults, and its callback; None if no rows wait."""
+        return self.checks.detection_job()
+
+    def request_detection(self) -> None:
+        """Ask for waiting rows to be tested for faults when there is time."""
+        self.services.request_detection(self)

@@ -1,4 +1,4 @@
-"""What a room needs of the outside, and what its parts need of the room."""
+"""The interface of a room to its parts, and the interface of the service to a room."""
 
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 from thetascope.live.room.playback_clock import PlaybackClock
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
-from thetascope.live.room.serial_queue import Background, SerialQueue
+from thetascope.live.room.room_state import RoomMachine
+from thetascope.live.room.serial_queue import Background, Callback, Job, SerialQueue
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 
 if TYPE_CHECKING:
@@ -15,65 +16,121 @@ if TYPE_CHECKING:
 
 
 class PublishesFacts(Protocol):
-    """What the parts of a room need of its facts."""
+    """The facts of a room as its other parts see them."""
 
-    def changed(self, urgent: bool = False) -> None: ...
+    def changed(self, urgent: bool = False) -> None:
+        """Publish after a change: now, or with the next rows if facts were sent a moment ago."""
+        ...
 
-    def publish(self, urgent: bool = False) -> None: ...
+    def publish(self, urgent: bool = False) -> None:
+        """Send the facts if they have changed."""
+        ...
 
-    def learn(self, diagnosis: ObserverDiagnosis) -> None: ...
+    def learn(self, diagnosis: ObserverDiagnosis) -> None:
+        """Use the newest report of the detector."""
+        ...
 
 
 class RoomParts(Protocol):
-    """A room as its commands, its look ahead and its checks see it."""
+    """A room as its commands, its prefetcher and its background checks see it."""
 
     id: str
     session: "Session"
     services: "RoomServices"
+    machine: RoomMachine
     broadcast: "Broadcast"
     playback: PlaybackClock
     prefetch_plan: PrefetchPlan
     queue: SerialQueue
-    facts: "PublishesFacts"
-    frozen: bool
-    finished: bool
-    closed: bool
 
     @property
-    def shown(self) -> int: ...
+    def facts(self) -> PublishesFacts:
+        """The facts of the room."""
+        ...
 
     @property
-    def ended(self) -> bool: ...
+    def shown(self) -> int:
+        """Rows shown so far."""
+        ...
 
-    def send_status(self) -> None: ...
+    def send_status(self) -> None:
+        """Send the status to all viewers."""
+        ...
 
-    def show(self, due: float, now: float) -> None: ...
+    def show(self, due: float, now: float) -> None:
+        """Show rows up to `due` − 1, as far as they are computed."""
+        ...
 
-    def prefetch_rows(self) -> None: ...
+    def prefetch_rows(self) -> None:
+        """Compute rows ahead if that is needed."""
+        ...
 
-    def accept_rows(self, computed: RowBatch) -> None: ...
+    def accept_rows(self, batch: RowBatch) -> None:
+        """Add computed rows; they are shown when they are due."""
+        ...
 
-    def clock_started(self) -> None: ...
+    def update_end(self) -> None:
+        """Tell the state machine whether rows can follow."""
+        ...
 
-    def run_exclusive(self, job: Callable[[], Any], long: bool = False) -> Awaitable[Any]: ...
+    def clock_started(self) -> None:
+        """Schedule frames: time runs from now on."""
+        ...
+
+    def request_prefetch(self, first: bool) -> None:
+        """Ask for `prefetch_rows` when there is time, before all other rooms (`first`) or after them."""
+        ...
+
+    def request_detection(self) -> None:
+        """Ask for waiting rows to be tested for faults when there is time."""
+        ...
+
+    def run_exclusive(self, job: Callable[[], Any], long: bool = False) -> Awaitable[Any]:
+        """Return the value of a job on the session."""
+        ...
+
+
+class ScheduledRoom(Protocol):
+    """A room as the scheduler sees it."""
+
+    id: str
+
+    def tick(self, at: float) -> float | None:
+        """Show the rows that are due; return when to call again."""
+        ...
+
+    def prefetch_rows(self) -> None:
+        """Compute rows ahead if that is needed."""
+        ...
+
+    def detection_job(self) -> tuple[Job, Callback] | None:
+        """Return a job that tests waiting rows for faults, and its callback."""
+        ...
 
 
 @dataclass(frozen=True)
 class RoomServices:
-    """What a room needs of the outside.
+    """The parts of the service that a room uses.
 
-    clock: seconds. background: short jobs in a thread; workshop: long ones (compiling). wake(room, at): tick then. feed(room, first):
-    fill when there is time, before all others or after them. watch(room): do what its `inspection` has to watch when there is time, in slices. may_check: whether
-    it is time again for the checks of any session. viewers: how many there may be. backlog: bytes of samples that a viewer
-    may be behind; past: those that a session may keep.
+    Args:
+        clock: returns the time, s.
+        background: runs short jobs in a thread.
+        workshop: runs long jobs (compiling) in a thread.
+        wake: schedules a room's tick at a time.
+        request_prefetch: schedules a room's `prefetch_rows`, before all other rooms (True) or after them.
+        request_detection: schedules testing a room's waiting rows for faults, in slices.
+        may_check: returns whether assumptions of any session may be checked now.
+        viewers: viewers that a room may have.
+        backlog: bytes of samples that a viewer may be behind.
+        past: returns the bytes of samples that a session may keep.
     """
 
     clock: Callable[[], float]
     background: Background
     workshop: Background
-    wake: Callable[[RoomParts, float], None]
-    request_prefetch: Callable[[RoomParts, bool], None]
-    request_detection: Callable[[RoomParts], None]
+    wake: Callable[[ScheduledRoom, float], None]
+    request_prefetch: Callable[[ScheduledRoom, bool], None]
+    request_detection: Callable[[ScheduledRoom], None]
     may_check: Callable[[], bool]
     viewers: int
     backlog: int

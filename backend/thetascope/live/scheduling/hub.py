@@ -1,4 +1,4 @@
-"""All sessions of the service: opened, found, closed, and closed when nobody has watched them for long."""
+"""All sessions of the service: opened, found, closed, and closed when nobody has been connected for long."""
 
 import asyncio
 import gc
@@ -13,45 +13,48 @@ from typing import TYPE_CHECKING
 
 from thetascope.engine.errors import SpecError
 from thetascope.live.room.playback_clock import MinimumInterval, RateLimiter
+from thetascope.live.room.room_state import Transition
 from thetascope.live.room.serial_queue import Background, Callback, Job, outcome
+from thetascope.messages import Message
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.service.session import CLOSE_ENDED
 
 if TYPE_CHECKING:
     from thetascope.live.room.room import Room
+    from thetascope.live.room.room_parts import RoomServices
     from thetascope.live.scheduling.scheduler import Scheduler
     from thetascope.live.session.session import Session
     from thetascope.settings import Settings
 
 log = logging.getLogger(__name__)
 
-_THREADS = 2  # kernels leave Python's lock; what is around them does not
+_THREADS = 2  # kernels release Python's lock; the code around them does not
 _WORKSHOPS = 2
 _CHECKS = 0.2
-"""Seconds between checks of assumptions, of whatever session."""
+"""Seconds between two checks of assumptions, of any sessions."""
 _SWITCH = 0.0002
-"""Seconds after which a thread lets the event loop go on. Every frame that is sent gives Python's lock away, so at Python's
-own 5 ms a single busy thread (a compilation) would leave 200 frames a second for all sessions together."""
+"""Seconds after which a thread releases Python's lock to the event loop. Every frame that is sent releases the lock, so with
+Python's default of 5 ms one busy thread (a compilation) would leave 200 frames per second for all sessions together."""
 _TOGETHER = 32
-"""Sessions that may each keep all the samples of the setting ``past``; if there are more, they share that room."""
+"""Sessions that may each keep `past` bytes of samples (a setting); more sessions share the memory of this many."""
 _TEMPLATES = 16
-"""Sessions that have their first row only, kept to be copied: most are opened on the same few experiments."""
+"""Sessions with only their first row, kept as copies for new ones: most sessions open one of a few experiments."""
 _OPENING, _JOINING = 0.012, 0.006
-"""Seconds between two sessions that are opened, two viewers that come: twice what one takes, so that a crowd leaves the
-sessions that play already the time they need."""
+"""Seconds between two sessions that open and between two viewers that join: twice the time of one, so that a crowd leaves
+playing sessions the time they need."""
 _COLLECT = 900.0
-"""Seconds between two times that all memory is searched for what is no longer needed, if sessions were opened."""
-_ROWS = 4096  # asked for at once on the way to a session's first row
+"""Seconds between two full garbage collections, if sessions were opened."""
+_ROWS = 4096  # computed in one call on the way to a session's opening time
 
 
 class TooManySessions(Exception):
-    """There are as many sessions as there may be."""
+    """The service has as many sessions as it may have."""
 
 
 class Hub:
-    """The rooms by id. Everything is called on the event loop; sessions are made in threads.
+    """The rooms by id. All methods are called on the event loop; sessions are created in threads.
 
-    What is needed to run them (the engine, SymPy) is imported with the first session, so the service starts without.
+    The engine and SymPy are imported with the first session, so that the service starts quickly.
     """
 
     def __init__(self, settings: "Settings") -> None:
@@ -62,37 +65,45 @@ class Hub:
         self._workshop = ThreadPoolExecutor(_WORKSHOPS, thread_name_prefix="workshop")
         self._loop: asyncio.AbstractEventLoop | None = None
         self._scheduler: Scheduler | None = None
+        self._room_services: RoomServices | None = None
         self._sweep: asyncio.TimerHandle | None = None
         self._frozen, self._collected = False, 0.0
         self._templates: OrderedDict[str, Session] = OrderedDict()
-        self._doors, self._seats = RateLimiter(_OPENING), RateLimiter(_JOINING)
+        self._openings, self._joins = RateLimiter(_OPENING), RateLimiter(_JOINING)
 
     def __len__(self) -> int:
         return len(self._rooms)
 
     def find(self, id: str) -> "Room | None":
-        """The session's room."""
+        """Return the room of a session; None if there is none."""
         return self._rooms.get(id)
 
     async def create(
         self, read: Callable[[], ResolvedExperiment], t: float = 0.0, play: bool = True, speed: float | None = 1.0
     ) -> "Room":
-        """Open a session on what `read` gives (a spec with its plant in full), advanced to time `t`.
+        """Open a session and return its room.
 
-        Raises :class:`TooManySessions`, SpecError, and what `read` raises.
+        Args:
+            read: returns the spec; it runs in a thread, and its errors are raised here.
+            t: time in s to advance to.
+            play: whether time runs from the start.
+            speed: simulated seconds per second; None: as fast as possible.
+
+        Raises:
+            TooManySessions, SpecError.
         """
         rows, past = self._settings.session_rows, self._past()
-        return await self._open(lambda: _advanced(self._begun(read(), rows), rows, past, t), play, speed)
+        return await self._open(lambda: _advanced(self._template(read(), rows), rows, past, t), play, speed)
 
     async def viewer_slot(self) -> None:
-        """Return when the next viewer may come."""
-        await asyncio.sleep(self._seats.wait(asyncio.get_running_loop().time()))
+        """Return when the next viewer may join."""
+        await asyncio.sleep(self._joins.wait(asyncio.get_running_loop().time()))
 
     async def fork(self, room: "Room", t: float | None = None) -> "Room":
-        """A second session that begins where this one stands, or at an earlier time. Raises :class:`TooManySessions`."""
+        """Open a second session that continues from this one, at the present or an earlier time. Raises TooManySessions."""
         with self._reserve():
             session = await room.fork(t)
-        return self._add(session, room.playback.playing, room.playback.speed, room.id)
+        return self._add(session, room.machine.playing, room.playback.speed, room.id)
 
     def close(self, room: "Room", reason: str = "the session was ended") -> None:
         """End a session."""
@@ -100,7 +111,7 @@ class Hub:
         room.close(CLOSE_ENDED, reason)
 
     def stop(self) -> None:
-        """End the service: no more frames, no more threads."""
+        """End all sessions: no more frames, no more threads."""
         if self._sweep is not None:
             self._sweep.cancel()
         if self._scheduler is not None:
@@ -114,26 +125,26 @@ class Hub:
     async def _open(self, make: Callable[[], "Session"], play: bool, speed: float | None) -> "Room":
         loop = asyncio.get_running_loop()
         with self._reserve():
-            await asyncio.sleep(self._doors.wait(loop.time()))
+            await asyncio.sleep(self._openings.wait(loop.time()))
             session = await loop.run_in_executor(self._workshop, make)
         return self._add(session, play, speed, None)
 
-    def _begun(self, spec: ResolvedExperiment, limit: int) -> "Session":
-        """A session that has its first row: a copy of one that was opened before, if there was one on the same spec."""
+    def _template(self, spec: ResolvedExperiment, limit: int) -> "Session":
+        """Return a session with its first row, copied from an earlier one on the same spec if there was one."""
         from thetascope.live.session.session import Session
 
         key = spec.model_dump_json()
-        found = self._templates.pop(key, None)
-        if found is None:
-            found = Session(spec, limit)
-            found.advance(1)
-        self._templates[key] = found
+        template = self._templates.pop(key, None)
+        if template is None:
+            template = Session(spec, limit)
+            template.advance(1)
+        self._templates[key] = template
         while len(self._templates) > _TEMPLATES:
             self._templates.popitem(last=False)
-        return found.fork()
+        return template.fork()
 
     def _past(self) -> int:
-        """Bytes of samples that a session may keep now."""
+        """Return the bytes of samples that each session may keep now."""
         return share(self._settings.past, len(self._rooms))
 
     def _reserve(self) -> "_Reservation":
@@ -145,77 +156,78 @@ class Hub:
     def _add(self, session: "Session", play: bool, speed: float | None, parent: str | None) -> "Room":
         from thetascope.live.room.room import Room
 
-        self._start()
+        services = self._start()
         id, token = secrets.token_urlsafe(12), secrets.token_urlsafe(24)
-        room = self._rooms[id] = Room(id, token, session, self._room_services, parent)
-        # What is there by now stays for a while. Without this, Python's collector would go through SymPy and all sessions
-        # now and again, for a tenth of a second in which no frame is sent.
+        room = self._rooms[id] = Room(id, token, session, services, parent)
+        # Everything in memory now stays for a while. Otherwise Python's garbage collector would search SymPy and all
+        # sessions now and then, for a tenth of a second in which no frame is sent.
         gc.freeze()
         self._frozen = True
-        now = room.services.clock()
+        now = services.clock()
         room.playback.set_speed(speed, room.shown, now)
-        if play and not room.ended:
+        if play and room.machine.allows(Transition.PLAY):
             room.playback.play(room.shown, now)
             room.clock_started()
         return room
 
-    def _start(self) -> None:
-        """With the first session."""
-        if self._loop is not None:
-            return
+    def _start(self) -> "RoomServices":
+        """Return the services for rooms; the first call starts them."""
+        if self._room_services is not None:
+            return self._room_services
         from thetascope.live.room.room_parts import RoomServices
         from thetascope.live.scheduling.scheduler import Scheduler
 
-        self._loop = asyncio.get_running_loop()
-        self._scheduler = Scheduler(self._loop)
+        self._loop = loop = asyncio.get_running_loop()
+        self._scheduler = Scheduler(loop)
         self._room_services = RoomServices(
-            clock=self._loop.time,
-            background=self._in(self._threads),
-            workshop=self._in(self._workshop),
+            clock=loop.time,
+            background=_in_pool(self._threads, loop),
+            workshop=_in_pool(self._workshop, loop),
             wake=self._scheduler.wake,
             request_prefetch=self._scheduler.request_prefetch,
             request_detection=self._scheduler.request_detection,
-            may_check=MinimumInterval(_CHECKS, self._loop.time).take,
+            may_check=MinimumInterval(_CHECKS, loop.time).take,
             viewers=self._settings.viewers,
             backlog=self._settings.backlog,
             past=self._past,
         )
         sys.setswitchinterval(_SWITCH)
-        self._collected = self._loop.time()
-        self._swept()
+        self._collected = loop.time()
+        self._sweep_rooms(loop)
+        return self._room_services
 
-    def _in(self, pool: ThreadPoolExecutor) -> Background:
-        """Background work in a pool."""
-        loop = self._loop
-
-        def run(job: Job, then: Callback) -> None:
-            def work() -> None:
-                answer = outcome(job)
-                loop.call_soon_threadsafe(partial(then, *answer))
-
-            pool.submit(work)
-
-        return run
-
-    def _swept(self) -> None:
-        """Close what nobody has watched for long, now and again, and free its memory."""
-        idle, now = self._settings.idle, self._loop.time()
+    def _sweep_rooms(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Close sessions without viewers that are idle for too long, and free their memory; repeated every few seconds."""
+        idle, now = self._settings.idle, loop.time()
         for room in list(self._rooms.values()):
             if room.empty_since is not None and now - room.empty_since > idle:
-                self.close(room, "nobody has watched the session for long")
+                self.close(room, "nobody was connected for too long")
         if self._rooms:
-            gc.freeze()  # what has lived until now: then no collection goes through much
+            gc.freeze()  # objects that have lived until now: collections then have little to search
             self._frozen = True
         if self._frozen and now - self._collected > _COLLECT:
             gc.unfreeze()
             gc.collect()
             gc.freeze()
-            self._frozen, self._collected = False, self._loop.time()
-        self._sweep = self._loop.call_later(min(5.0, max(0.1, idle / 4)), self._swept)
+            self._frozen, self._collected = False, loop.time()
+        self._sweep = loop.call_later(min(5.0, max(0.1, idle / 4)), self._sweep_rooms, loop)
+
+
+def _in_pool(pool: ThreadPoolExecutor, loop: asyncio.AbstractEventLoop) -> Background:
+    """Return the function that runs a job in a pool and its callback on the loop."""
+
+    def run(job: Job, then: Callback) -> None:
+        def work() -> None:
+            answer = outcome(job)
+            loop.call_soon_threadsafe(partial(then, *answer))
+
+        pool.submit(work)
+
+    return run
 
 
 class _Reservation:
-    """A session that is being opened counts as one of those there may be."""
+    """A session that is being opened: it counts towards the limit."""
 
     def __init__(self, hub: Hub) -> None:
         self._hub = hub
@@ -228,22 +240,21 @@ class _Reservation:
 
 
 def share(past: int, sessions: int) -> int:
-    """Bytes of samples for each of so many sessions, where a few may keep ``past`` bytes each."""
+    """Return the bytes of samples for each of `sessions` sessions, where a few may keep `past` bytes each."""
     return past * _TOGETHER // max(_TOGETHER, sessions)
 
 
 def _advanced(session: "Session", limit: int, past: int, t: float) -> "Session":
-    """The session with all rows up to time t."""
+    """Return the session advanced to time `t` in s. Raises SpecError if that is beyond `limit` rows."""
     from thetascope.live.room.prefetch_plan import compute
 
     rows = round(t / session.record) + 1
     if rows > limit:
-        raise SpecError(
-            "t",
-            t,
-            f"a session has at most {limit:,} rows, that is {limit * session.record:g} s",
-            f"give at most {(limit - 1) * session.record:g}, or raise THETASCOPE_SESSION_ROWS",
+        record = session.record
+        problem = Message(
+            "session.open.beyond-limit", limit=limit, duration=limit * record, latest=(limit - 1) * record
         )
+        raise SpecError("t", t, problem)
     while session.row < rows and not session.ended:
         compute(session, min(_ROWS, rows - session.row), past)
     return session

@@ -1,7 +1,7 @@
-"""One clock for all sessions: it calls each room's tick when its next frame is due.
+"""One timer for all sessions: it calls each room's tick when its next frame is due.
 
-A single timer stands for the earliest of them, so 400 sessions are no more than one on the event loop, and no session
-has a sleep of its own to drift. Rooms begin at different moments, so their frames spread over time by themselves.
+The timer is set to the earliest of them, so 400 sessions cost the event loop no more than one, and no session drifts with
+a sleep of its own. Rooms begin at different times, so their frames are spread over time.
 """
 
 import asyncio
@@ -14,49 +14,49 @@ from math import ceil, inf
 from typing import Any
 
 from thetascope.live.room.playback_clock import FRAME
-from thetascope.live.room.room import Room
+from thetascope.live.room.room_parts import ScheduledRoom
 from thetascope.live.scheduling.time_slices import Slices
 
 log = logging.getLogger(__name__)
 
 SHARE = 0.002
-"""Seconds after which the event loop gets its turn, so that commands are read however many frames are due."""
+"""Seconds of frames after which the event loop continues, so that commands are read however many frames are due."""
 FEW, MANY, TOGETHER, SLOTS = 20, 150, 50, 8
-"""Where there are more than a few rooms all are called together, once in a frame's time: waking up for each would cost as much as its
-frame, and what one has brought into the processor's caches serves the next. Where there are many, a frame's time has as many such
-calls as leave about fifty rooms to each, a power of two up to a limit; so every room keeps its beat."""
-_TINY = 1e-6  # s, for the rounding of times
+"""More than a few rooms are called together, once per frame time: waking up for each would cost as much as its frame, and
+data that one has brought into the processor's caches serves the next. Many rooms get several such calls per frame time, a
+power of two up to a limit, with about fifty rooms in each."""
+_TINY = 1e-6  # s, tolerance for the rounding of times
 PAUSE = 0.002
 """Seconds between two rooms that compute ahead."""
 SLICE, REST = 0.0005, 0.001
-"""Seconds of watching for faults at once, and between two such slices: there is time for it when nobody computes ahead."""
+"""Seconds of one slice of testing for faults, and between two slices; only while no room waits to compute ahead."""
 TURNS = 2
-"""Turns of the event loop before a room computes ahead: so many it takes from a socket to the command's being carried out."""
+"""Turns of the event loop before a room computes ahead: as many as from a socket's data to the command's execution."""
 
 
 def slot(rooms: int) -> float:
-    """Seconds between two calls of so many rooms, each of those whose frames have become due meanwhile."""
+    """Return the seconds between two calls for this many rooms, each for the rooms whose frames are due by then."""
     return FRAME / (1 if rooms < MANY else min(SLOTS, 1 << ((rooms // TOGETHER).bit_length() - 1)))
 
 
 class Scheduler:
-    """Ticks rooms. Made and used on the event loop."""
+    """Ticks rooms. It is created and used on the event loop."""
 
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
-        self._due: list[tuple[float, int, Room]] = []
-        self._when: dict[Room, float] = {}
-        self._needs_prefetch: OrderedDict[Room, None] = OrderedDict()
-        self._next_free_work = 0.0  # when the next of them may compute, or be watched
-        self._needs_detection: dict[Room, None] = {}  # in order
+        self._due: list[tuple[float, int, ScheduledRoom]] = []
+        self._when: dict[ScheduledRoom, float] = {}
+        self._needs_prefetch: OrderedDict[ScheduledRoom, None] = OrderedDict()
+        self._next_free_work = 0.0  # when the next room may compute ahead or be tested
+        self._needs_detection: dict[ScheduledRoom, None] = {}  # in order
         self._slices = Slices()
         self._order = count()
         self._timer: asyncio.TimerHandle | None = None
         self._running = False
         self._stopped = False
 
-    def wake(self, room: Room, at: float) -> None:
-        """Tick a room then, if not earlier anyway."""
+    def wake(self, room: ScheduledRoom, at: float) -> None:
+        """Tick a room at a time, or earlier if that is scheduled already."""
         known = self._when.get(room)
         if self._stopped or (known is not None and known <= at):
             return
@@ -65,22 +65,22 @@ class Scheduler:
         if not self._running:
             self._arm()
 
-    def request_prefetch(self, room: Room, first: bool) -> None:
-        """Let a room compute ahead when no frame is due, before all that wait or after them."""
+    def request_prefetch(self, room: ScheduledRoom, first: bool) -> None:
+        """Let a room compute ahead when no frame is due, before all waiting rooms (`first`) or after them."""
         self._needs_prefetch[room] = None
         if first:
             self._needs_prefetch.move_to_end(room, last=False)
         if not self._running:
             self._arm()
 
-    def request_detection(self, room: Room) -> None:
-        """Let what a room shows be watched when nothing else is to be done."""
+    def request_detection(self, room: ScheduledRoom) -> None:
+        """Let a room's waiting rows be tested for faults when there is nothing else to do."""
         self._needs_detection[room] = None
         if not self._running:
             self._arm()
 
     def stop(self) -> None:
-        """Tick no more."""
+        """Stop ticking."""
         self._stopped = True
         self._due.clear()
         self._when.clear()
@@ -91,7 +91,7 @@ class Scheduler:
 
     @property
     def _left(self) -> bool:
-        """Whether there is something to be done in free moments."""
+        """Whether there is work for free moments."""
         return bool(self._needs_prefetch or self._needs_detection or self._slices.busy)
 
     def _arm(self) -> None:
@@ -128,7 +128,7 @@ class Scheduler:
             self._arm()
 
     def _give_way(self, turns: int) -> None:
-        """Let commands that have come, or are on their way through the event loop, be carried out before a room computes."""
+        """Let commands that are on their way through the event loop be carried out before a room computes ahead."""
         if turns > 0:
             self._loop.call_soon(self._give_way, turns - 1)
             return
@@ -143,20 +143,20 @@ class Scheduler:
             self._arm()
 
     def _slice(self) -> None:
-        """Watch a little."""
+        """Test waiting rows for one slice of time."""
         while not self._slices.busy and self._needs_detection:
             room = next(iter(self._needs_detection))
             del self._needs_detection[room]
-            left = self._guarded(room, room.checks.detection_job)
+            left = self._guarded(room, room.detection_job)
             if left is not None:
                 self._slices.begin(*left)
         if self._slices.busy and not self._stopped:
             self._slices.go_on(SLICE)
 
-    def _guarded(self, room: Room, work: Callable[..., Any], *given: float) -> Any:
-        """Do something with a room; if it fails the others go on."""
+    def _guarded(self, room: ScheduledRoom, work: Callable[..., Any], *args: float) -> Any:
+        """Return the value of work for a room; if it fails the others continue."""
         try:
-            return work(*given)
+            return work(*args)
         except Exception:
             log.exception("session %s", room.id)
             return None

@@ -1,9 +1,9 @@
-"""Commands of a live session → the spec that they leave behind."""
+"""Commands of a live session → the spec after them."""
 
 from thetascope.assembly.build.timed_commands import after_commands, changed
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
-from thetascope_schemas import Experiment
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.commands import (
     MAX_COMMANDS,
     AddObserver,
@@ -24,52 +24,54 @@ from thetascope_schemas.service.session import (
     SetSignalNow,
 )
 
+TimedNow = SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow
+"""The live commands that have a timed form."""
 
-def timed_command_of(command: object, at: float) -> TimedCommand | None:
-    """The timed command that a live one becomes at time ``at``; None for those that change faults."""
-    fields = command.model_dump(exclude={"id", "type"}) | {"at": at}
-    kinds = {
-        SetGainNow: SetGain,
-        SetSignalNow: SetSignal,
-        SetNoiseNow: SetNoise,
-        AddObserverNow: AddObserver,
-        RemoveObserverNow: RemoveObserver,
-    }
-    kind = kinds.get(type(command))
-    return None if kind is None else kind.model_validate(fields)
+_TIMED: dict[type[TimedNow], type[TimedCommand]] = {
+    SetGainNow: SetGain,
+    SetSignalNow: SetSignal,
+    SetNoiseNow: SetNoise,
+    AddObserverNow: AddObserver,
+    RemoveObserverNow: RemoveObserver,
+}
 
 
-def with_fault(spec: Experiment, command: Inject, at: float) -> Experiment:
-    """The spec with a fault whose onset (and end) were counted from ``at``. Raises SpecError for unknown names."""
+def timed_command_of(command: TimedNow, at: float) -> TimedCommand:
+    """Return the timed form of a live command, at time `at` in s."""
+    return _TIMED[type(command)].model_validate(command.model_dump(exclude={"id", "type"}) | {"at": at})
+
+
+def with_fault(spec: ResolvedExperiment, command: Inject, at: float) -> ResolvedExperiment:
+    """Return the spec with the command's fault, its onset and end counted from `at` in s.
+
+    Raises:
+        SpecError: the plant has no channel or output of that name.
+    """
     fault = command.fault
     end = None if fault.end is None else at + fault.end
     fault = fault.model_copy(update={"onset": at + fault.onset, "end": end})
-    where, name = fault.site
-    _known(spec, where, f"fault.{where}", name)
+    _check_name(spec, fault.site.kind, f"fault.{fault.site.kind}", fault.site.name)
     return spec.model_copy(update={"faults": (*spec.faults, fault)})
 
 
-def _known(spec: Experiment, where: str, field: str, name: str) -> None:
-    """Refuse the name of a channel or an output that the plant does not have."""
-    known = spec.plant.names(f"{where}s")
-    if name not in known:
-        raise SpecError(
-            field,
-            name,
-            f"the plant has no {where} of that name",
-            f"choose from {', '.join(known) or 'none: it has none'}",
-        )
+def _check_name(spec: ResolvedExperiment, kind: str, field: str, name: str) -> None:
+    """Refuse the name of a channel or an output that the plant does not have; kind: `channel` or `output`."""
+    names = spec.plant.names(f"{kind}s")
+    if name not in names:
+        remedy = Message("session.name.choose", names=names) if names else Message(f"session.{kind}.none")
+        raise SpecError(field, name, Message(f"session.{kind}.unknown", name=name), remedy)
 
 
-def with_faults_ended(spec: Experiment, command: Clear, at: float) -> Experiment:
-    """The spec in which the named faults (all, if none is named) end at ``at``; those still to come are taken out.
+def with_faults_ended(spec: ResolvedExperiment, command: Clear, at: float) -> ResolvedExperiment:
+    """Return the spec in which the named faults (all, if none is named) end at `at` in s; planned ones are removed.
 
-    Raises SpecError for unknown names.
+    Raises:
+        SpecError: the plant has no channel or output of that name.
     """
-    sites = [(where, name) for where in ("channel", "output") if (name := getattr(command, where)) is not None]
-    for where, name in sites:
-        _known(spec, where, where, name)
-    kept = []
+    sites = [(kind, name) for kind in ("channel", "output") if (name := getattr(command, kind)) is not None]
+    for kind, name in sites:
+        _check_name(spec, kind, kind, name)
+    kept: list[Fault] = []
     for fault in spec.faults:
         if (sites and fault.site != sites[0]) or (fault.end is not None and fault.end <= at):
             kept.append(fault)
@@ -78,48 +80,65 @@ def with_faults_ended(spec: Experiment, command: Clear, at: float) -> Experiment
     return spec.model_copy(update={"faults": tuple(kept)})
 
 
-def with_command(spec: Experiment, command: object, at: float, here: Experiment) -> tuple[Experiment, Experiment]:
-    """The spec with a timed command noted at its end, and the experiment as it is from ``at`` on; ``here``: as it was."""
-    note = timed_command_of(command, at)
-    if (too_often := spec.too_often(getattr(note, "signal", note))) is not None:
+def with_command(
+    spec: ResolvedExperiment, command: TimedNow, at: float, here: ResolvedExperiment
+) -> tuple[ResolvedExperiment, ResolvedExperiment]:
+    """Return the spec with a timed command added, and the experiment from `at` (s) on.
+
+    Args:
+        here: the experiment before the command, without timed commands.
+
+    Raises:
+        SpecError: the command does not fit the experiment.
+    """
+    timed = timed_command_of(command, at)
+    if (too_often := spec.too_often(getattr(timed, "signal", timed))) is not None:
         field, interval, code, args = too_often
         raise SpecError(field, interval, Message(code, **args))
-    after = changed(here, note)
-    rest = [c for c in spec.commands if c.at <= at]
-    if isinstance(note, SetGain):  # a slider that is dragged: within one row the last value counts
-        rest = [
-            c
-            for c in rest
-            if not (isinstance(c, SetGain) and c.at == at and (c.observer, c.gain) == (note.observer, note.gain))
-        ]
+    after = changed(here, timed)
+    earlier = [c for c in spec.commands if c.at <= at]
+    if isinstance(timed, SetGain):  # of a slider that is dragged, the last value within one row counts
+        earlier = [c for c in earlier if not _same_gain(c, timed)]
     later = [c for c in spec.commands if c.at > at]
-    return spec.model_copy(update={"commands": (*rest, note, *later)}), after
+    return spec.model_copy(update={"commands": (*earlier, timed, *later)}), after
 
 
-def checked(spec: Experiment, before: Experiment) -> Experiment:
-    """A spec whose faults or commands differ from those ``before``; figures are not looked at, which they do not concern.
+def _same_gain(command: TimedCommand, other: SetGain) -> bool:
+    """Whether a command sets the same gain at the same time as another."""
+    return isinstance(command, SetGain) and (command.at, command.observer, command.gain) == (
+        other.at,
+        other.observer,
+        other.gain,
+    )
 
-    Raises SpecError, or pydantic.ValidationError.
+
+def checked(spec: ResolvedExperiment, before: ResolvedExperiment) -> ResolvedExperiment:
+    """Return a spec that differs from `before` in faults or commands, after checking it; its figures are not checked.
+
+    Raises:
+        SpecError, pydantic.ValidationError: the spec is refused.
     """
     if spec.faults is before.faults:  # commands are checked where they are carried out; their order is right
         if len(spec.commands) > MAX_COMMANDS:
-            raise SpecError(
-                "commands",
-                len(spec.commands),
-                f"an experiment has at most {MAX_COMMANDS} timed commands",
-                "save the session, and go on in another",
-            )
+            raise SpecError("commands", len(spec.commands), Message("session.commands.many", limit=MAX_COMMANDS))
         return spec
     complete = spec.model_copy(update={"figures": ()}).with_plant(spec.plant)
     return complete.model_copy(update={"figures": spec.figures})
 
 
-def truncated_at(spec: Experiment, start: Experiment, faults: tuple[Fault, ...], t: float) -> Experiment:
-    """The spec without what was done at ``t`` or later: its ``faults`` as they were then, and the commands before."""
+def truncated_at(
+    spec: ResolvedExperiment, start: ResolvedExperiment, faults: tuple[Fault, ...], t: float
+) -> ResolvedExperiment:
+    """Return the spec without anything commanded at `t` (s) or later.
+
+    Args:
+        start: the spec at the start, whose own commands stay.
+        faults: the faults as they were before `t`.
+    """
     commands = tuple(c for c in spec.commands if c.at < t or c in start.commands)
     return spec.model_copy(update={"faults": faults, "commands": commands})
 
 
-def without_commands(spec: Experiment, t: float) -> Experiment:
-    """Return the experiment as its timed commands have left it at ``t``, and without them."""
+def without_commands(spec: ResolvedExperiment, t: float) -> ResolvedExperiment:
+    """Return the experiment as its timed commands have left it at `t` (s), without any of them."""
     return after_commands(spec, t)

@@ -1,4 +1,4 @@
-"""Gains that are moved while time goes on: which of them can be, and how fine the steps must then be."""
+"""Gains that are moved while time runs: which ones can be, and how many substeps they need."""
 
 import numpy as np
 
@@ -7,29 +7,29 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.execution.run_experiment import allowed, needed_substeps
 from thetascope.engine.simulation.experiment import Experiment, Rows, State
 from thetascope.engine.simulation.simulation import Simulation
+from thetascope.messages import Message
 from thetascope_schemas.service.session import SetGainNow
 
 
 def check_moves(experiment: Experiment, command: SetGainNow) -> None:
-    """Raises SpecError for a gain that no equation of the observer moves by."""
+    """Raise SpecError if the gain enters no equation that the observer integrates."""
     for estimator in experiment.estimators:
         if estimator.label == command.observer:
             program = estimator.program
             moving = {n.split(".")[1] for n in variables(program.graph, program.update) if n.startswith("g.")}
-            known = {g.name for g in estimator.kind.gains}
-            if command.gain in known and command.gain not in moving:
-                raise SpecError(
-                    "gain",
-                    command.gain,
-                    "this gain acts at the start, or on what is shown, only",
-                    "remove the observer and add it with the gain you want",
-                )
+            gains = {g.name for g in estimator.kind.gains}
+            if command.gain in gains and command.gain not in moving:
+                raise SpecError("gain", command.gain, Message("session.gain.fixed", gain=command.gain))
 
 
 def substeps_at(experiment: Experiment, substeps: int, state: State, y: np.ndarray | None) -> int:
-    """How many substeps a step from this state needs; ``y``: what was measured last, if anything was.
+    """Return how many substeps a step from this state needs, at least `substeps`.
 
-    Raises SpecError where no allowed number of them would do.
+    Args:
+        y: the last measurement, shape (outputs,); None if there is none.
+
+    Raises:
+        SpecError: no allowed number of substeps is enough.
     """
     if y is None:
         _, rows = Simulation(experiment, substeps).advance(state, 1)

@@ -1,10 +1,11 @@
-"""From what the engine records to what is shown: columns of the newest rows, with a tail of older ones for windows.
+"""From the engine's recorded rows to the columns that are shown, with a tail of older rows for windows.
 
-The columns are made by the very functions that a run uses, on the tail and the new rows together, so they are the run's.
+The columns come from the functions that a run uses, applied to the tail and the new rows together, so they are the run's.
 """
 
 from dataclasses import dataclass, field, replace
 from functools import lru_cache
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -15,23 +16,31 @@ from thetascope.engine.model.result import Diverged
 from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.simulation.experiment import Estimator, Rows
 from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.messages import Message
+from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.service.run import AssumptionCheck
 from thetascope_schemas.service.session import Assumptions, Event
 
-_LEAST = 200  # rows
+_SHORTEST_TAIL = 200  # rows
 Parts = tuple[tuple[Engine, Rows], ...]
 
 
 @dataclass(frozen=True)
 class ColumnBatch:
-    """Of the newest rows: their columns (columns × rows), S of each observer at them and after, and t, signals, parameters."""
+    """The newest rows.
+
+    Args:
+        data: their columns, columns × rows.
+        tables: S of each observer at each row, and after the last.
+        values: t, signals and parameters by name, along the rows.
+    """
 
     data: np.ndarray
     tables: Spreads
     values: dict
 
-    def until(self, count: int) -> "ColumnBatch":
-        """Of the first rows only."""
+    def head(self, count: int) -> "ColumnBatch":
+        """Return the first rows only."""
         return ColumnBatch(
             self.data[:, :count],
             {k: v[: count + 1] for k, v in self.tables.items()},
@@ -41,41 +50,49 @@ class ColumnBatch:
 
 @dataclass(frozen=True)
 class LiveColumns:
-    """``parts`` hold the rows from ``first`` on; ``lost`` the observers that have diverged, when and why; ``plant_lost``: the same of
-    the plant."""
+    """The columns of a session at a row, and the rows before it that windows need.
+
+    Args:
+        columns: their names.
+        first: number of the first row in `parts`.
+        parts: the engine's rows, each part with the experiment that recorded it.
+        lost: when and why observers have diverged, by label.
+        plant_lost: when and why the plant's state has diverged.
+        spreads: S of each observer after the newest row.
+    """
 
     columns: tuple[str, ...]
     first: int
     parts: Parts = ()
-    lost: dict[str, Diverged] | None = None
+    lost: dict[str, Diverged] = field(default_factory=dict)
     plant_lost: Diverged | None = None
-    spreads: Spreads = field(default_factory=dict)  # after the newest row
+    spreads: Spreads = field(default_factory=dict)
 
     @classmethod
     def opening(cls, experiment: Engine, row: int) -> "LiveColumns":
-        """A view with no rows yet."""
-        return cls(columns_of(experiment), row, (), {})
+        """Return the columns of an experiment, with no rows yet."""
+        return cls(columns_of(experiment), row)
 
     @classmethod
     def resumable(cls, experiment: Engine, row: int, until: int, spreads: Spreads) -> "LiveColumns | None":
-        """A view that begins at ``row`` and is right from ``until`` on; None if the windows need rows before that."""
+        """Return columns that begin at `row` and are right from `until` on; None if windows need rows before `row`."""
         if row > _tail_start(experiment, until):
             return None
         return replace(cls.opening(experiment, row), spreads=spreads)
 
     def carried(self, experiment: Engine, row: int) -> "LiveColumns":
-        """The view when another experiment goes on from a row."""
+        """Return the columns where another experiment continues from a row."""
         present = {e.label for e in experiment.estimators if e.since // experiment.every < row}
-        lost = {label: why for label, why in (self.lost or {}).items() if label in present}
+        lost = {label: diverged for label, diverged in self.lost.items() if label in present}
         return replace(self, columns=columns_of(experiment), lost=lost)
 
     @property
     def last_measured(self) -> np.ndarray | None:
-        """y in the newest row, if there is one."""
+        """y in the newest row, shape (outputs,); None if there is no row."""
         return self.parts[-1][1].y[-1] if self.parts and len(self.parts[-1][1].y) else None
 
-    def extended(self, experiment: Engine, rows: Rows) -> tuple["LiveColumns", "ColumnBatch"]:
-        """The view with the newest rows, and what was made of them."""
+    def extended(self, experiment: Engine, rows: Rows) -> tuple["LiveColumns", ColumnBatch]:
+        """Return the columns after new rows, and the new rows' values."""
         rows = self._without_lost(experiment, rows)
         parts = _with(self.parts, experiment, rows)
         plant = np.concatenate([r.plant for _, r in parts])
@@ -85,7 +102,7 @@ class LiveColumns:
         values = plant_values(parts, plant)
         count = len(rows.index)
         columns = {n: c[-count:] for n, c in plant_columns(experiment, values, plant, y).items()}
-        lost = dict(self.lost or {})
+        lost = dict(self.lost)
         for life in _present(parts, experiment.estimators):
             more, report = observer_columns(
                 life, values, y, ended, check=False, first_row=self.first, wanted=len(plant) - count
@@ -93,33 +110,33 @@ class LiveColumns:
             columns |= {f"{life.label}.{n}": c[-count:] for n, c in more.items()}
             if report.diverged is not None and life.label not in lost:
                 lost[life.label] = report.diverged
-        newest = {n: v[-count:] if np.ndim(v) else v for n, v in values.items()}
-        sure, tables = sigma_columns(experiment, rows, newest, self.spreads)
+        newest = {n: v[-count:] if _is_column(v) else v for n, v in values.items()}
+        sigmas, tables = sigma_columns(experiment, rows, newest, self.spreads)
         columns |= {
-            n: np.where(np.isfinite(columns[n.replace(".sigma.", ".theta.", 1)]), c, np.nan) for n, c in sure.items()
+            n: np.where(np.isfinite(columns[n.replace(".sigma.", ".theta.", 1)]), c, np.nan) for n, c in sigmas.items()
         }
         data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
         plant_lost = self.plant_lost
         if plant_lost is None and ended < len(plant):
-            plant_lost = Diverged(float(values["t"][ended]), "the plant's own state escapes to infinity")
+            plant_lost = Diverged(float(np.asarray(values["t"])[ended]), "the plant's own state escapes to infinity")
         after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=latest(tables))
         return after._trimmed(experiment), ColumnBatch(data, tables, newest)
 
     def continued(self, experiment: Engine, rows: Rows, spreads: Spreads) -> "LiveColumns":
-        """The view with rows whose columns are known, and in which nothing is lost; ``spreads``: after them."""
+        """Return the columns after rows whose values are known and in which nothing diverges; spreads: S after them."""
         rows = self._without_lost(experiment, rows)
         return replace(self, parts=_with(self.parts, experiment, rows), spreads=spreads)._trimmed(experiment)
 
     def _without_lost(self, experiment: Engine, rows: Rows) -> Rows:
-        """Rows of a diverged observer are void, whatever its numbers do later."""
+        """Return the rows with NaN for diverged observers, whatever their numbers do later."""
         states = tuple(
-            np.full_like(s, np.nan) if e.label in (self.lost or {}) else s
+            np.full_like(s, np.nan) if e.label in self.lost else s
             for e, s in zip(experiment.estimators, rows.observers, strict=True)
         )
         return replace(rows, observers=states)
 
     def _trimmed(self, experiment: Engine) -> "LiveColumns":
-        """Without the rows that no window needs any more."""
+        """Return the columns without the rows that no window needs any more."""
         end = self.first + sum(len(r.index) for _, r in self.parts)
         start = _tail_start(experiment, end)
         parts, first = list(self.parts), self.first
@@ -130,44 +147,53 @@ class LiveColumns:
             first = start
         return replace(self, parts=tuple(parts), first=first)
 
-    # ---- what is said about it ---------------------------------------------------------------------------------------
+    # ---- reports -------------------------------------------------------------------------------------------------------
 
     def lost_since(self, before: "LiveColumns", record: float) -> list[Event]:
-        """Events for what has diverged in the newest rows, each at the first row that is none."""
-        new = {k: v for k, v in (self.lost or {}).items() if k not in (before.lost or {})}
+        """Return an event for everything that has diverged since `before`, at the first row that is not finite."""
+        new = {label: diverged for label, diverged in self.lost.items() if label not in before.lost}
         if self.plant_lost and not before.plant_lost:
             new[""] = self.plant_lost
         return [
             Event(
-                row=round(d.time / record),
-                t=d.time,
+                row=round(diverged.time / record),
+                t=diverged.time,
                 kind="diverged",
-                subject=name,
-                text=f"{name} diverged: {d.cause}" if name else d.cause,
+                subject=label,
+                message=Text.of(
+                    Message("event.diverged", observer=label, cause=diverged.cause)
+                    if label
+                    else Message("event.plant-diverged")
+                ),
             )
-            for name, d in new.items()
+            for label, diverged in new.items()
         ]
 
     def assumptions(self, experiment: Engine) -> list[Assumptions]:
-        """The checks of each observer over the rows of the tail; not of one that has none yet."""
+        """Return the checks of each observer over the rows of the tail; observers without a row yet are left out."""
         if not self.parts:
             return []
         end = self.first + sum(len(r.index) for _, r in self.parts)
-        begun = tuple(e for e in experiment.estimators if e.since // experiment.every < end)
+        started = tuple(e for e in experiment.estimators if e.since // experiment.every < end)
         plant = np.concatenate([r.plant for _, r in self.parts])
         y = np.concatenate([r.y for _, r in self.parts])
         values, ended = plant_values(self.parts, plant), finite_rows(plant)
-        found = []
-        for life in _present(self.parts, begun):
-            if life.label in (self.lost or {}):
+        reports = []
+        for life in _present(self.parts, started):
+            if life.label in self.lost:
                 continue
             _, report = observer_columns(life, values, y, ended, first_row=self.first)
             checks = tuple(
                 AssumptionCheck(**{**vars(c), "value": _plain(c.value), "threshold": _plain(c.threshold)})
                 for c in report.checks
             )
-            found.append(Assumptions(observer=life.label, checks=checks))
-        return found
+            reports.append(Assumptions(observer=life.label, checks=checks))
+        return reports
+
+
+def _is_column(value: np.ndarray | float) -> TypeGuard[np.ndarray]:
+    """Return whether a value is given along the rows."""
+    return np.ndim(value) > 0
 
 
 def _plain(value: float | None) -> float | None:
@@ -175,11 +201,11 @@ def _plain(value: float | None) -> float | None:
 
 
 def _tail_start(experiment: Engine, row: int) -> int:
-    """The row from which on rows must be kept for the rows from ``row`` on to be right: two whole windows before.
+    """Return the first row that must be kept for the rows from `row` on to be right: two whole windows before.
 
-    A few are kept in any case, for the checks of assumptions.
+    A few rows are kept in any case, for the checks of assumptions.
     """
-    start = row - _LEAST
+    start = row - _SHORTEST_TAIL
     for e in experiment.estimators:
         window = e.parameters.get("g.window")
         if window is not None:
@@ -189,7 +215,7 @@ def _tail_start(experiment: Engine, row: int) -> int:
 
 
 def columns_of(experiment: Engine) -> tuple[str, ...]:
-    """The columns of an experiment's rows, in the order of every export."""
+    """Return the names of an experiment's columns, in the order of every export."""
     names = ["t"]
     for prefix in ("u.", "signal."):
         names += [n for n in experiment.signals if n.startswith(prefix)]
@@ -201,31 +227,31 @@ def columns_of(experiment: Engine) -> tuple[str, ...]:
 
 
 def _own_columns(e: Estimator) -> tuple[str, ...]:
-    sure = tuple(f"sigma.{c}" for c in e.channels) if has_spread(e) else ()
-    return _named(_Kept(e)) + sure
+    sigmas = tuple(f"sigma.{c}" for c in e.channels) if has_spread(e) else ()
+    return _names(_NameKey(e)) + sigmas
 
 
-class _Kept:
-    """An estimator as a key: what decides the names of its columns."""
+class _NameKey:
+    """An estimator as a dictionary key: two are equal if their columns have the same names."""
 
-    def __init__(self, e: Estimator):
-        self.e = e
+    def __init__(self, e: Estimator) -> None:
+        self.estimator = e
         self.key = (e.program.digest, e.kind.id, e.channels, tuple(std > 0 for std in e.context.noise_std))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Kept) and self.key == other.key
+        return isinstance(other, _NameKey) and self.key == other.key
 
     def __hash__(self) -> int:
         return hash(self.key)
 
 
 @lru_cache(maxsize=256)
-def _named(kept: _Kept) -> tuple[str, ...]:
-    """Names of x̂, θ̂, ŷ and the diagnostics, found by asking for the diagnostics of a few rows of nothing."""
-    e = kept.e
+def _names(key: _NameKey) -> tuple[str, ...]:
+    """Return the names of x̂, θ̂, ŷ and the diagnostics, found by computing the diagnostics of a few rows of zeros."""
+    e = key.estimator
     rows = 4
     outputs = [n for n in e.program.outputs if not n.startswith("init.")]
-    values = {n: np.zeros(rows) for n in (*e.program.states, *e.program.inputs, *outputs)}
+    values: dict[str, Any] = {n: np.zeros(rows) for n in (*e.program.states, *e.program.inputs, *outputs)}
     values |= {"t": np.arange(rows) * 1.0} | dict(e.parameters)
     measured = [n for n in e.program.inputs if n.startswith("y.")]
     values |= {f"intensity.{n}": 0.0 for n in measured}
@@ -236,16 +262,17 @@ def _named(kept: _Kept) -> tuple[str, ...]:
 
 
 def _present(parts: Parts, estimators: tuple[Estimator, ...]) -> list[Life]:
-    """The lives of the observers that watch now, in their order."""
+    """Return the lives of the present observers, in their order."""
     newest = {life.label: life for life in lives(parts)}
     return [newest[e.label] for e in estimators]
 
 
 def _with(parts: Parts, experiment: Engine, rows: Rows) -> Parts:
-    """The parts with newer rows; what the same experiment gave is one part, since every part costs time to look at."""
+    """Return the parts with newer rows; consecutive rows of one experiment are one part, since every part costs time."""
     if not parts or parts[-1][0] is not experiment:
         return (*parts, (experiment, rows))
     last = parts[-1][1]
     observers = tuple(np.concatenate(pair) for pair in zip(last.observers, rows.observers, strict=True))
-    joined = Rows(*(np.concatenate([getattr(last, n), getattr(rows, n)]) for n in ("index", "plant", "y")), observers)
+    index, plant, y = (np.concatenate([getattr(last, n), getattr(rows, n)]) for n in ("index", "plant", "y"))
+    joined = Rows(index, plant, y, observers)
     return (*parts[:-1], (experiment, joined))

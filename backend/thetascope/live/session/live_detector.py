@@ -1,4 +1,4 @@
-"""The detector in a live session: the one that runs are diagnosed with, over rows as they come."""
+"""The detector in a live session: the one that diagnoses runs, over rows as they come."""
 
 from collections import OrderedDict
 from collections.abc import Iterator
@@ -13,24 +13,32 @@ from thetascope.diagnosis.monitor.monitor import MonitorState
 from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis, advance_over_rows, with_noise_of
 from thetascope.diagnosis.outcome.findings import WINDOW, alarm, of_detector
 from thetascope.engine.errors import Unwatchable
+from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.experiment import Rows, State
-from thetascope_schemas import Experiment
+from thetascope.messages import Message
+from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.diagnosis import Alarm, DiagnosisSettings, InputProposal, ObserverDiagnosis
-from thetascope_schemas.service.session import DiagnosisNow, Event
+from thetascope_schemas.service.session import DiagnosisNow, Event, EventKind
 
-_MOST_WAITING = 8  # pieces of rows that wait to be watched in passing
-_MOST_PIECES, _MOST_ROWS = 256, 20_000  # that may wait for somebody else to watch them
-_KEPT = 16  # detectors, shared by the sessions on the same experiment
-_made: OrderedDict[str, Detector] = OrderedDict()
+_BATCHES_INSIDE = 8  # small batches of rows that wait until a larger one comes
+_BATCHES_OUTSIDE, _ROWS_OUTSIDE = 256, 20_000  # that may wait for somebody else to test them
+_SHARED = 16  # detectors kept for sessions on the same experiment
+_detectors: OrderedDict[str, Detector] = OrderedDict()
 _lock = Lock()
 
 
 @dataclass(frozen=True)
 class DetectorProgress:
-    """What was watched, and rows that wait to be: (experiment, rows, values along them)."""
+    """How far a session's rows have been tested.
 
-    watched: MonitorState
+    Args:
+        monitor: the detector's state after the last tested row.
+        waiting: batches of rows still to be tested: (experiment, rows, values along them).
+    """
+
+    monitor: MonitorState
     waiting: tuple[tuple[Engine, Rows, dict], ...] = ()
 
     @property
@@ -38,19 +46,28 @@ class DetectorProgress:
         """How many rows wait."""
         return sum(len(rows.index) for _, rows, _ in self.waiting)
 
-    def follows(self, earlier: "DetectorProgress") -> bool:
-        """Whether this is an earlier value with more rows waiting."""
-        same = zip(self.waiting, earlier.waiting, strict=False)
+    def continues(self, earlier: "DetectorProgress") -> bool:
+        """Return whether this is `earlier` with more rows waiting."""
+        pairs = zip(self.waiting, earlier.waiting, strict=False)
         return (
-            self.watched is earlier.watched
+            self.monitor is earlier.monitor
             and len(self.waiting) >= len(earlier.waiting)
-            and all(a is b for a, b in same)
+            and all(a is b for a, b in pairs)
         )
 
 
 @dataclass(frozen=True)
 class LiveDetector:
-    """What watches a session: the detector, or why there is none."""
+    """The detector of one session.
+
+    Args:
+        detector: the detector, shared by sessions on the same experiment; None if there is none.
+        detector_settings: its settings.
+        settings: the diagnosis settings of the spec.
+        horizon: time that thresholds were simulated over, s.
+        record: time between rows, s.
+        note: why there is no detector.
+    """
 
     detector: Detector | None
     detector_settings: DetectorSettings
@@ -60,173 +77,201 @@ class LiveDetector:
     note: str = ""
 
     @classmethod
-    def create(cls, spec: Experiment, experiment: Engine, record: float) -> "LiveDetector":
-        """For a session on a spec (with its plant in full) that begins as ``experiment``."""
+    def create(cls, spec: ResolvedExperiment, experiment: Engine, record: float) -> "LiveDetector":
+        """Return the detector for a session on a spec that begins as `experiment`."""
         settings, wanted = spec.diagnosis, detector_settings(spec)
-        note = (
-            "none is asked for"
-            if not settings.enabled
-            else unwatchable(replace(experiment, steps=round(span(spec) / spec.step)), experiment.context)
-        )
-        made = None
+        whole = replace(experiment, steps=round(span(spec) / spec.step))
+        note = unwatchable(whole, _context(experiment)) if settings.enabled else "none is asked for"
+        detector = None
         if not note:
             try:
-                made = _shared(spec, experiment, wanted)
+                detector = _shared(spec, whole, wanted)
             except Unwatchable as error:
                 note = str(error)
-        return cls(made, wanted, settings, span(spec), record, note)
+        return cls(detector, wanted, settings, span(spec), record, note)
 
-    def begin(self) -> "DetectorProgress | None":
-        """Before the first row."""
+    def begin(self) -> DetectorProgress | None:
+        """Return the progress before the first row; None without a detector."""
         return DetectorProgress(self.detector.begin()) if self.detector else None
 
     def observe(
         self,
-        seen: "DetectorProgress | None",
+        progress: DetectorProgress | None,
         experiment: Engine,
         rows: Rows,
         values: dict,
-        now: bool,
-        left: bool = False,
-    ) -> tuple["DetectorProgress | None", list[Event]]:
-        """The newest rows taken in, and what was found; unless ``now``, they wait: a command is not to be kept waiting.
+        large: bool,
+        outside: bool = False,
+    ) -> tuple[DetectorProgress | None, list[Event]]:
+        """Return the progress after new rows, and the alarms in them.
 
-        ``left``: somebody else is to watch them (`catch_up`).
+        Args:
+            large: the batch is large, so no command waits for it and it is tested now; small ones wait.
+            outside: rows are left to somebody else, who calls `catch_up`.
         """
-        if seen is None:
+        if progress is None:
             return None, []
-        seen = DetectorProgress(seen.watched, (*seen.waiting, (experiment, rows, values)))
-        if left:
-            later = len(seen.waiting) <= _MOST_PIECES and seen.rows <= _MOST_ROWS
+        progress = DetectorProgress(progress.monitor, (*progress.waiting, (experiment, rows, values)))
+        if outside:
+            later = len(progress.waiting) <= _BATCHES_OUTSIDE and progress.rows <= _ROWS_OUTSIDE
         else:
-            later = not now and len(seen.waiting) < _MOST_WAITING
+            later = not large and len(progress.waiting) < _BATCHES_INSIDE
         if later:
-            return seen, []
-        after = self.catch_up(seen)
-        return DetectorProgress(after), self.events(seen, after)
+            return progress, []
+        after = self.catch_up(progress)
+        return DetectorProgress(after), self.events(progress, after)
 
-    def events(self, seen: "DetectorProgress", after: MonitorState) -> list[Event]:
-        """What was found in rows that waited."""
-        return list(self._events(seen.watched.decisions.findings, after.decisions))
+    def catch_up(self, progress: DetectorProgress) -> MonitorState:
+        """Return the detector's state after the rows that wait."""
+        monitor = progress.monitor
+        for experiment, rows, values in progress.waiting:
+            monitor = advance_over_rows(self._with_noise_of(experiment), monitor, experiment, rows, values)
+        return monitor
 
-    def catch_up(self, seen: "DetectorProgress") -> MonitorState:
-        """With the rows that waited."""
-        watched = seen.watched
-        for experiment, rows, values in seen.waiting:
-            watched = advance_over_rows(
-                with_noise_of(self.detector, experiment, self.detector_settings.doubt),
-                watched,
-                experiment,
-                rows,
-                values,
-            )
-        return watched
+    def events(self, progress: DetectorProgress, after: MonitorState) -> list[Event]:
+        """Return the alarms in rows that waited; `after`: the detector's state after them."""
+        return list(self._events(progress.monitor.decisions.findings, after.decisions))
 
-    def _events(self, before: tuple[Finding, ...], now: DecisionState) -> Iterator[Event]:
-        for i, found in enumerate(now.findings):
+    def _events(self, before: tuple[Finding, ...], after: DecisionState) -> Iterator[Event]:
+        for i, finding in enumerate(after.findings):
             old = before[i] if i < len(before) else None
             if old is None:
-                yield self._event(_as_named(replace(found, cleared=None)), i, found.raised_at, "alarm")
-            elif found.channel != old.channel or (old.cleared is not None and found.cleared is None):
-                yield self._event(
-                    _as_named(found), i, now.at, "alarm"
-                )  # it has got another name, or was not over after all
-            if found.cleared is not None and (old is None or old.cleared is None):
-                yield self._event(found, i, found.cleared, "alarm-over")
+                yield self._event(_as_raised(replace(finding, cleared=None)), i, finding.raised_at, "alarm")
+            elif finding.channel != old.channel or (old.cleared is not None and finding.cleared is None):
+                yield self._event(_as_raised(finding), i, after.at, "alarm")  # another fault, or active after all
+            if finding.cleared is not None and (old is None or old.cleared is None):
+                yield self._event(finding, i, finding.cleared, "alarm-over")
 
-    def _event(self, found: Finding, place: int, decision: int, kind: str) -> Event:
-        told = alarm(found, self.detector, self.settings.confidence, place)
-        row = decision * self.detector.stride
-        told["estimate"] = told["size"]
-        told["sigma"] = None if found.channel is None else found.deviation
-        subject = told["channel"] or told["output"].removeprefix("y.")
-        text = told["text"] if kind == "alarm" else f"alarm over: {subject}"
-        value = {k: list(v) if isinstance(v, tuple) else v for k, v in told.items() if k != "text"}
+    def _event(self, finding: Finding, place: int, decision: int, kind: EventKind) -> Event:
+        detector = self._required()
+        data = alarm(finding, detector, self.settings.confidence, place)
+        row = decision * detector.stride
+        data["estimate"] = data["size"]
+        data["sigma"] = None if finding.channel is None else finding.deviation
+        subject = data["channel"] or data["output"].removeprefix("y.")
+        message = data["text"] if kind == "alarm" else Message("event.alarm-over", fault=subject)
         return Event(
-            row=row, t=row * self.record, kind=kind, subject=subject, observer="detector", value=value, text=text
+            row=row,
+            t=row * self.record,
+            kind=kind,
+            subject=subject,
+            observer="detector",
+            value={name: list(v) if isinstance(v, tuple) else v for name, v in data.items() if name != "text"},
+            message=message if isinstance(message, Text) else _text(message),
         )
 
     def alarms(
-        self, seen: "DetectorProgress | None", until: float, known: dict[int, tuple[Finding, Alarm]]
+        self, progress: DetectorProgress | None, until: float, known: dict[int, tuple[Finding, Alarm]]
     ) -> tuple[Alarm, ...]:
-        """Return the alarms raised up to a time in s, in order of time, as they were on at that time.
+        """Return the alarms raised up to a time in s, in order of time, as they were at that time.
 
-        known: alarms by place, with the findings that they were made of; a cache that the caller keeps.
+        Args:
+            known: alarms by place, with the findings that they were made from; a cache that the caller keeps.
         """
-        if seen is None or self.detector is None:
+        if progress is None or self.detector is None:
             return ()
         last = (until + 1e-9) / self.detector.interval
-        answer = []
-        for place, finding in enumerate(seen.watched.decisions.findings):
+        alarms = []
+        for place, finding in enumerate(progress.monitor.decisions.findings):
             if finding.raised_at > last:
                 continue
             if finding.cleared is not None and finding.cleared > last:
                 finding = replace(finding, cleared=None)
             if place not in known or known[place][0] != finding:
-                told = alarm(finding, self.detector, self.settings.confidence, place)
-                known[place] = finding, Alarm.model_validate(told)
-            answer.append(known[place][1])
-        return tuple(sorted(answer, key=lambda one: one.t))
+                data = alarm(finding, self.detector, self.settings.confidence, place)
+                known[place] = finding, Alarm.model_validate(data)
+            alarms.append(known[place][1])
+        return tuple(sorted(alarms, key=lambda one: one.t))
 
     def propose_input(self, experiment: Engine, state: State) -> InputProposal:
-        """An input that tells the faults of the observers apart, from here on. Raises Unwatchable."""
+        """Return an input that separates the observers' faults, from a state on.
+
+        Raises:
+            Unwatchable: there is no detector.
+        """
         if self.detector is None:
             raise Unwatchable(self.note)
-        made = with_noise_of(self.detector, experiment, self.detector_settings.doubt)
         among = tuple(dict.fromkeys(c for e in experiment.estimators for c in e.channels)) or None
-        window = WINDOW * self.horizon
-        found = propose(made.filter, experiment, state.plant, state.k, window, self.settings.accuracy, among)
-        return InputProposal.model_validate(vars(found))
+        window, filter_ = WINDOW * self.horizon, self._with_noise_of(experiment).filter
+        proposal = propose(filter_, experiment, state.plant, state.k, window, self.settings.accuracy, among)
+        return InputProposal.model_validate(vars(proposal))
 
-    def report(self, seen: "DetectorProgress | None", left: bool) -> DiagnosisNow:
-        """The diagnosis as it stands; rows that are ``left`` to somebody else are not waited for."""
-        watched = (seen.watched if left else self.catch_up(seen)) if seen else None
-        found = RunDiagnosis(self.detector, watched, (), self.detector.interval if self.detector else 0.0, self.note)
-        told = of_detector(found, self.settings.confidence, self.settings.accuracy, self.horizon)
-        return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(told))
+    def report(self, progress: DetectorProgress | None, outside: bool) -> DiagnosisNow:
+        """Return the diagnosis of all rows so far; rows that are left to somebody else (`outside`) are not waited for."""
+        monitor = None
+        if progress is not None:
+            monitor = progress.monitor if outside else self.catch_up(progress)
+        interval = self.detector.interval if self.detector else 0.0
+        diagnosis = RunDiagnosis(self.detector, monitor, (), interval, self.note)
+        data = of_detector(diagnosis, self.settings.confidence, self.settings.accuracy, self.horizon)
+        return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(data))
+
+    def _with_noise_of(self, experiment: Engine) -> Detector:
+        """Return the detector with the filter for an experiment whose noise may have been changed."""
+        return with_noise_of(self._required(), experiment, self.detector_settings.doubt)
+
+    def _required(self) -> Detector:
+        if self.detector is None:
+            raise TypeError("the session has no detector")
+        return self.detector
 
 
-def _as_named(found: Finding) -> Finding:
-    """With the size that it was named with, whatever was found out since: an event does not depend on how rows come in."""
-    size, deviation = found.initial or (found.size, found.deviation)
-    return replace(found, size=size, deviation=deviation)
+def _text(message: Message | str) -> Text:
+    return (
+        Text.of(message)
+        if isinstance(message, Message)
+        else Text(code="event.alarm", args={"text": message}, text=message)
+    )
 
 
-def pinned(spec: Experiment) -> DiagnosisSettings:
-    """What is asked of the diagnosis, with the span that it has now: a run of a part of the session is judged alike."""
+def _as_raised(finding: Finding) -> Finding:
+    """Return a finding with the size it was first reported with: an event must not depend on how rows are grouped."""
+    size, deviation = finding.initial or (finding.size, finding.deviation)
+    return replace(finding, size=size, deviation=deviation)
+
+
+def with_fixed_span(spec: ResolvedExperiment) -> DiagnosisSettings:
+    """Return the diagnosis settings with the present span, so that a run of a part of the session is judged alike."""
     return spec.diagnosis.model_copy(update={"span": span(spec)})
 
 
-def bare(seen: DetectorProgress | None) -> DetectorProgress | None:
-    """What is kept for going far back: where the filter and the decisions stand. Windows then begin anew."""
-    if seen is None:
+def without_windows(progress: DetectorProgress | None) -> DetectorProgress | None:
+    """Return a progress for seeking far back: filter and decisions only. Windows of tests begin again there."""
+    if progress is None:
         return None
-    watched = seen.watched
-    rest = len(watched.t) - (watched.sums.last - watched.sums.first) * watched.stride
-    now = watched.decisions
-    left = MonitorState(
-        replace(now, start=max(now.start, watched.sums.last), detected=None, tentative=None),
-        watched.sums.recent(1),
-        watched.states[-1:].copy(),
-        watched.table[len(watched.t) - rest :].copy(),
-        watched.t[len(watched.t) - rest :].copy(),
-        watched.stride,
+    monitor = progress.monitor
+    rest = len(monitor.t) - (monitor.sums.last - monitor.sums.first) * monitor.stride
+    decisions = monitor.decisions
+    bare = MonitorState(
+        replace(decisions, start=max(decisions.start, monitor.sums.last), detected=None, tentative=None),
+        monitor.sums.recent(1),
+        monitor.states[-1:].copy(),
+        monitor.table[len(monitor.t) - rest :].copy(),
+        monitor.t[len(monitor.t) - rest :].copy(),
+        monitor.stride,
     )
-    return DetectorProgress(left, seen.waiting)
+    return DetectorProgress(bare, progress.waiting)
 
 
-def _shared(spec: Experiment, experiment: Engine, wanted: DetectorSettings) -> Detector:
+def _shared(spec: ResolvedExperiment, whole: Engine, settings: DetectorSettings) -> Detector:
+    """Return the detector for a spec, from those that are kept or a new one; `whole`: the experiment over its span."""
     key = calibration_key(spec)
     with _lock:
-        found = _made.get(key)
-        if found is not None:
-            _made.move_to_end(key)
-            return found
-    whole = replace(experiment, steps=round(span(spec) / spec.step))
-    found = prepare_detector(whole, whole.context, wanted, key)
-    found.prepare()
+        detector = _detectors.get(key)
+        if detector is not None:
+            _detectors.move_to_end(key)
+            return detector
+    detector = prepare_detector(whole, _context(whole), settings, key)
+    detector.prepare()
     with _lock:
-        _made[key] = found
-        while len(_made) > _KEPT:
-            _made.popitem(last=False)
-    return found
+        _detectors[key] = detector
+        while len(_detectors) > _SHARED:
+            _detectors.popitem(last=False)
+    return detector
+
+
+def _context(experiment: Engine) -> Context:
+    """Return the context of the plant. A built experiment always has it."""
+    if experiment.context is None:
+        raise TypeError("the experiment has no context of its plant")
+    return experiment.context

@@ -1,9 +1,14 @@
-"""What the log of a live session tells: commands, faults and what was found, as events."""
+"""Events for the log of a live session: commands, and faults and timed commands that take effect."""
 
 import math
+from collections.abc import Iterator, Sequence
+
+from pydantic import JsonValue
 
 from thetascope.diagnosis.evaluation.verdicts import fault_ids
-from thetascope_schemas import Experiment
+from thetascope.messages import Argument, Message
+from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.commands import (
     AddObserver,
     RemoveObserver,
@@ -11,92 +16,107 @@ from thetascope_schemas.experiment.commands import (
     SetNoise,
     SetSignal,
     SetSubsteps,
+    TimedCommand,
 )
+from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.service.session import (
     AddObserverNow,
     Clear,
     Event,
+    EventKind,
     Inject,
     RemoveObserverNow,
     SetGainNow,
     SetNoiseNow,
     SetSignalNow,
+    SpecCommand,
 )
 
-_LATELY = 100  # events
+_RECENT = 100  # events
 
 
-def due_events(spec: Experiment, log: list[Event], first: int, last: int, record: float) -> list[Event]:
-    """Faults that begin or end, and timed commands that act, by themselves in rows first … last − 1; not those the log tells already."""
-    told: dict[tuple[str, str, int], list[object]] = {}  # values
-    for e in _since(log, first):
-        told.setdefault((e.kind, e.subject, e.row), []).append(e.value)
-    found = []
+def due_events(spec: ResolvedExperiment, log: Sequence[Event], first: int, last: int, record: float) -> list[Event]:
+    """Return events of what the spec has planned for rows first … last − 1, without those that are in the log already.
+
+    Faults that begin or end, and timed commands; `record`: time between rows, s.
+    """
+    logged: dict[tuple[str, str, int], list[JsonValue]] = {}
+    for event in _since(log, first):
+        logged.setdefault((event.kind, event.subject, event.row), []).append(event.value)
+    events = []
     for command in spec.commands:
         row = math.ceil(command.at / record - 1e-9)
         if first <= row < last and not isinstance(command, SetSubsteps):
-            made = command_event(command, row, row * record)
-            if made.value not in told.get((made.kind, made.subject, row), []):
-                found.append(made)
+            event = command_event(command, row, row * record)
+            if event.value not in logged.get((event.kind, event.subject, row), []):
+                events.append(event)
     for id, fault in zip(fault_ids(spec.faults), spec.faults, strict=True):
         name = fault.site.name
-        for kind, when, by_hand in (("fault-begins", fault.onset, ("inject",)), ("fault-ends", fault.end, ("clear",))):
-            row = None if when is None else math.ceil(when / record - 1e-9)
-            if row is None or not first <= row < last:
-                continue
-            if not any((hand, subject, row) in told for hand in by_hand for subject in (name, "")):
-                word = "begins" if kind == "fault-begins" else "ends"
-                text = f"the fault {name} {word}"
-                found.append(Event(row=row, t=row * record, kind=kind, subject=name, fault=id, text=text))
-    return found
+        for kind, by_hand, row in _edges(fault, record):
+            if first <= row < last and not any((by_hand, subject, row) in logged for subject in (name, "")):
+                message = Text.of(Message(f"event.{kind}", fault=name))
+                events.append(Event(row=row, t=row * record, kind=kind, subject=name, fault=id, message=message))
+    return events
 
 
-def _since(log: list[Event], row: int) -> list[Event]:
-    """Events of the log from a row on. What was found of late stands behind events of later rows."""
-    begin = max(0, len(log) - _LATELY)
+def _edges(fault: Fault, record: float) -> Iterator[tuple[EventKind, EventKind, int]]:
+    """Yield for the onset and the end of a fault: the event's kind, the kind of the command that does the same, the row."""
+    yield "fault-begins", "inject", math.ceil(fault.onset / record - 1e-9)
+    if fault.end is not None:
+        yield "fault-ends", "clear", math.ceil(fault.end / record - 1e-9)
+
+
+def _since(log: Sequence[Event], row: int) -> list[Event]:
+    """Return the events of the log from a row on. Alarms that were found late come after events of later rows."""
+    begin = max(0, len(log) - _RECENT)
     while begin > 0 and log[begin - 1].row >= row:
         begin -= 1
-    return [e for e in log[begin:] if e.row >= row]
+    return [event for event in log[begin:] if event.row >= row]
 
 
-def command_event(command: object, row: int, t: float, given_up: int = 0) -> Event:
-    """What the log says of a command; ``given_up``: faults that were planned and do not come any more."""
-    kind, subject, value, text = _told(command)
-    if given_up > 0:
-        value, text = {"planned": given_up}, f"{text}, and what was planned"
-    return Event(row=row, t=t, kind=kind, subject=subject, value=value, text=text)
+def command_event(command: SpecCommand | TimedCommand, row: int, t: float, dropped: int = 0) -> Event:
+    """Return the event of a command at a row, t in s; `dropped`: planned faults that a Clear has removed."""
+    kind, subject, value, message = _described(command)
+    if dropped > 0:
+        planned = Text.of(Message("event.cleared-planned", cleared=message))
+        return Event(row=row, t=t, kind=kind, subject=subject, value={"planned": dropped}, message=planned)
+    return Event(row=row, t=t, kind=kind, subject=subject, value=value, message=Text.of(message))
 
 
-def _told(command: object) -> tuple[str, str, object, str]:
+def _described(command: SpecCommand | TimedCommand) -> tuple[EventKind, str, JsonValue, Message]:
+    """Return kind, subject, value and message of a command's event."""
     match command:
         case Inject(fault=fault):
-            name = fault.site.name
-            size = getattr(fault, "size", None)
-            amount = "" if size is None else f" = {size:g}"
-            return "inject", name, fault.model_dump(mode="json"), f"you injected {name}{amount}, {fault.shape}"
+            return "inject", fault.site.name, fault.model_dump(mode="json"), _injected(fault)
         case Clear():
             name = command.channel or command.output or ""
-            return "clear", name, None, f"you cleared {name or 'all faults'}"
+            return "clear", name, None, Message("event.cleared", fault=name) if name else Message("event.cleared-all")
         case SetGainNow() | SetGain():
-            value = list(command.value) if isinstance(command.value, tuple) else command.value
-            return (
-                "gain",
-                command.observer,
-                {"gain": command.gain, "value": value},
-                (f"{command.observer}: {command.gain} = {value}"),
-            )
+            gain: dict[str, JsonValue] = command.model_dump(mode="json", include={"gain", "value"})
+            message = Message("event.gain", observer=command.observer, gain=command.gain, value=command.value)
+            return "gain", command.observer, gain, message
         case SetSignalNow() | SetSignal():
-            return "signal", command.name, command.signal.model_dump(mode="json"), f"{command.name} changed"
+            signal = command.signal.model_dump(mode="json")
+            return "signal", command.name, signal, Message("event.signal", signal=command.name)
         case SetNoiseNow() | SetNoise():
-            return "noise", command.output, command.std, f"noise of {command.output}: σ = {command.std:g}"
+            message = Message("event.noise", output=command.output, std=command.std)
+            return "noise", command.output, command.std, message
         case AddObserverNow() | AddObserver():
-            return "observer-added", command.observer.label, command.observer.kind, f"{command.observer.label} added"
+            label = command.observer.label
+            return "observer-added", label, command.observer.kind, Message("event.observer-added", observer=label)
         case RemoveObserverNow() | RemoveObserver():
-            return "observer-removed", command.label, None, f"{command.label} removed"
+            message = Message("event.observer-removed", observer=command.label)
+            return "observer-removed", command.label, None, message
     raise TypeError(type(command).__name__)
 
 
-def unseen(found: list[Event], log: list[Event]) -> list[Event]:
-    """Of what was found those events that are not told yet: rows that waited are looked at again after going back."""
-    told = {(e.kind, e.row, e.subject) for e in log[-_LATELY:]}
-    return [e for e in found if (e.kind, e.row, e.subject) not in told]
+def _injected(fault: Fault) -> Message:
+    args: dict[str, Argument] = {"fault": fault.site.name, "shape": Message(f"fault.shape.{fault.shape}")}
+    size = getattr(fault, "size", None)
+    return Message("event.injected", **args) if size is None else Message("event.injected-size", **args, size=size)
+
+
+def unseen(alarms: Sequence[Event], log: Sequence[Event]) -> list[Event]:
+    """Return the alarms that are not in the log yet: after going back, waiting rows are tested again."""
+    logged = {(event.kind, event.row, event.subject) for event in log[-_RECENT:]}
+    return [event for event in alarms if (event.kind, event.row, event.subject) not in logged]

@@ -1,4 +1,4 @@
-"""How a session goes back to an earlier row: to the newest moment that it remembers before it, and on from there."""
+"""Going back to an earlier row: from the newest snapshot before it, the rows up to it are simulated again."""
 
 from dataclasses import replace
 
@@ -6,83 +6,90 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.estimation.covariance import latest
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope.live.session import edits
+from thetascope.live.session.advance import advance
+from thetascope.live.session.changes import adopt, note
 from thetascope.live.session.live_columns import LiveColumns
-from thetascope.live.session.snapshots import Block, Snapshot
+from thetascope.live.session.session_state import SessionState
+from thetascope.live.session.snapshots import LightSnapshot, RecordedBatch, Snapshot
+from thetascope.messages import Message
+from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.service.session import Event, Seek
 
-_COMMANDED = ("inject", "clear", "gain", "signal", "noise", "observer-added", "observer-removed", "rewound", "reset")
+_OF_COMMANDS = ("inject", "clear", "gain", "signal", "noise", "observer-added", "observer-removed", "rewound", "reset")
+"""Kinds of events that belong to commands, which act before the row that they name."""
 
 
-class Rewinding:
-    """What a session (session.py, whose state it is) does to stand at an earlier row."""
+def row_of(state: SessionState, command: Seek) -> int:
+    """Return the row to go back to. Raises SpecError where it has not been reached yet."""
+    record = state.setup.record
+    if command.t > state.t + 0.5 * record:
+        raise SpecError("t", command.t, Message("session.seek.ahead", t=state.t))
+    return min(state.row, round(command.t / record))
 
-    def drop_unseen_rows(self, row: int) -> None:
-        """Give up rows from ``row`` on that were computed ahead and shown to nobody: no new epoch."""
-        if row < self.row:
-            self._return_to(row)
 
-    def _row_before(self, command: Seek) -> int:
-        """The row to go back to. Raises SpecError where it lies ahead."""
-        if command.t > self.t + 0.5 * self.record:
-            raise SpecError(
-                "t", command.t, f"the session stands at {self.t:g} s", f"give at most {self.t:g}, or let time run"
-            )
-        return min(self.row, round(command.t / self.record))
+def seek(state: SessionState, row: int) -> tuple[SessionState, Event]:
+    """Return the state at an earlier row, without anything commanded from that row on, and the event for the log."""
+    t = row * state.setup.record
+    faults = state.faults[:1] + tuple(known for known in state.faults[1:] if known[0] < row)
+    spec = edits.truncated_at(state.spec, state.setup.spec, faults[-1][1], t)
+    if row < state.row:
+        state = return_to(state, row)
+    log = tuple(event for event in state.log if event.row < row)
+    stages = tuple(s for s in state.stages if s.k < row * state.setup.every) or state.stages[:1]
+    current = replace(state.current, stage=min(state.current.stage, len(stages) - 1))
+    state = replace(state, faults=faults, unreported=(), stages=stages, current=current).with_log(log)
+    state = adopt(state, spec, edits.without_commands(spec, state.t), None)
+    message = Text.of(Message("event.rewound", t=t))
+    return note(replace(state, epoch=state.epoch + 1), Event(row=row, t=t, kind="rewound", message=message))
 
-    def _seek(self, row: int) -> list[Event]:
-        """Back to a row; what was done from it on is given up."""
-        t = row * self.record
-        self._faults = self._faults[:1] + tuple(known for known in self._faults[1:] if known[0] < row)
-        spec = edits.truncated_at(self.spec, self._start, self._faults[-1][1], t)
-        if row < self.row:
-            self._return_to(row)
-        self.log = [e for e in self.log if e.row < row]
-        self._new = []
-        kept = [s for s in self._stages if s.k < row * self._every] or self._stages[:1]
-        self._stages = kept
-        self.current = replace(self.current, stage=min(self.current.stage, len(kept) - 1), told=len(self.log))
-        self._adopt(spec, edits.without_commands(spec, self.t), None)
-        self.epoch += 1
-        return [self._noted(Event(row=row, t=t, kind="rewound", text=f"back to {t:g} s"))]
 
-    def _return_to(self, row: int) -> None:
-        """Stand at an earlier row with the stages as they are."""
-        base = self._snapshots.whole(row) or self._found(row)
-        spec, stages = self.spec, self._stages
-        log = [e for e in self.log if e.row < row or (e.row == row and e.kind in _COMMANDED)]
-        new = [e for e in self._new if e.row < row]
-        past, known = self.history.cut(row), self._snapshots.known(base.row, row)
-        self.current, self.ended = base, False
-        self._snapshots.cut(row)
-        self.history, self.log = self.history.cut(base.row), self.log[: base.told]
-        self.columns = base.view.columns
-        if known is not None:
-            self._recall(known, row)
-        self._again = True
-        while self.row < row:
-            self.advance(row - self.row)
-        self._again = False
-        self.history, self.log = past, log
-        self._new = new  # what the rows between have been found to hold is told already
-        self.spec, self._stages = spec, stages
-        self.current = replace(self.current, told=len(log))
+def return_to(state: SessionState, row: int) -> SessionState:
+    """Return the state at an earlier row, with spec, stages and log as they were: rows that nobody has seen are dropped."""
+    base = state.snapshots.latest_full(row) or _restored(state, row)
+    batch = state.snapshots.batch(base.row, row)
+    again = replace(
+        state,
+        current=base,
+        ended=False,
+        columns=base.live_columns.columns,
+        log=state.log[: base.log_length],
+        history=state.history.before(base.row),
+        snapshots=state.snapshots.before(row),
+    )
+    if batch is not None:
+        again = _recall(again, batch, row)
+    while again.row < row:
+        again, _ = advance(again, row - again.row, replaying=True)
+    # The rows in between have been reported before: their events are in the log already.
+    log = tuple(e for e in state.log if e.row < row or (e.row == row and e.kind in _OF_COMMANDS))
+    return replace(
+        again,
+        history=state.history.before(row),
+        unreported=tuple(event for event in state.unreported if event.row < row),
+        spec=state.spec,
+        stages=state.stages,
+    ).with_log(log)
 
-    def _recall(self, known: Block, row: int) -> None:
-        """Advance to a row over rows that are known."""
-        now, experiment, block = self.current, self.experiment, known.until(row)
-        simulation = Simulation(experiment, self._substeps, remember=True)
-        view = now.view.continued(experiment, block.recorded, latest(block.made.tables))
-        watched, _ = self.detector.observe(
-            now.watched, experiment, block.recorded, block.made.values, False, self.detects_outside
-        )
-        self.current = Snapshot(row, known.state_at(row, now.state, simulation), now.stage, view, watched, now.told)
 
-    def _found(self, row: int) -> Snapshot:
-        """A whole moment at or before a row, from the bare ones: views need some rows before they are right again."""
-        start = Snapshot(0, Simulation(self._stages[0].experiment).initial(), 0, None, self.detector.begin(), 0)
-        for moment in (*self._snapshots.bare(row), start):
-            experiment = self._stages[moment.stage].experiment
-            begin = LiveColumns.resumable(experiment, moment.row, row, moment.spreads)
-            if begin is not None:
-                return replace(moment, view=begin)
-        return replace(start, view=LiveColumns.opening(self._stages[0].experiment, 0))
+def _recall(state: SessionState, batch: RecordedBatch, row: int) -> SessionState:
+    """Return the state at a row of a batch that is kept, without simulating it again."""
+    current, experiment, known = state.current, state.experiment, batch.before(row)
+    simulation = Simulation(experiment, state.substeps, remember=True)
+    columns = current.live_columns.continued(experiment, known.recorded, latest(known.columns.tables))
+    detection, _ = state.setup.detector.observe(
+        current.detection, experiment, known.recorded, known.columns.values, False, state.detects_outside
+    )
+    reached = known.state_at(row, current.state, simulation)
+    return replace(state, current=Snapshot(row, reached, current.stage, columns, detection, current.log_length))
+
+
+def _restored(state: SessionState, row: int) -> Snapshot:
+    """Return a full snapshot before a row, made from a light one: columns need some rows before they are right again."""
+    first = state.stages[0].experiment
+    start = LightSnapshot(0, Simulation(first).initial(), 0, state.setup.detector.begin(), 0, {})
+    for snapshot in (*state.snapshots.light_before(row), start):
+        experiment = state.stages[snapshot.stage].experiment
+        columns = LiveColumns.resumable(experiment, snapshot.row, row, snapshot.spreads)
+        if columns is not None:
+            return snapshot.with_columns(columns)
+    return start.with_columns(LiveColumns.opening(first, 0))

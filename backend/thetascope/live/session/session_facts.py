@@ -37,7 +37,7 @@ def detector_state(
     live = session.detector
     if live.detector is None:
         return DetectorState(note=live.note)
-    alarms = live.alarms(session.current.watched, t, memory.alarms)
+    alarms = live.alarms(session.current.detection, t, memory.alarms)
     settled = max(float(live.detector.thresholds.begin * live.detector.interval), 0.0)
     return DetectorState(alarms, _judged(session, alarms, at, memory, settled), diagnosis, settled)
 
@@ -55,7 +55,7 @@ def losses(session: "Session", row: int) -> Losses:
     """Return which observers have diverged in the rows before `row`, and whether the plant has."""
     lost = [event for event in session.log if event.kind == "diverged" and event.row < row]
     plant = next((event.t for event in lost if event.subject == ""), None)
-    return Losses({event.subject: (event.t, event.text) for event in lost if event.subject}, plant)
+    return Losses({event.subject: (event.t, event.message.text) for event in lost if event.subject}, plant)
 
 
 class FactsMemory:

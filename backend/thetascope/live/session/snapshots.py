@@ -1,37 +1,56 @@
-"""Snapshots of a session to which it can go back."""
+"""Snapshots of a session, and the ones that are kept so that it can go back to an earlier row."""
 
-from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from thetascope.engine.estimation.covariance import Spreads
 from thetascope.engine.simulation.experiment import Rows, State
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope.live.session.live_columns import ColumnBatch, LiveColumns
-from thetascope.live.session.live_detector import DetectorProgress, bare
+from thetascope.live.session.live_detector import DetectorProgress, without_windows
 
-_RECENT = 6  # whole moments kept, for going back over rows that nobody has seen
-_BLOCKS = 2  # of them, with the columns of the rows that follow
-_WAITING = 256  # rows that may still have to be watched in a bare moment, which keeps them
-_KEPT = 400  # bare moments kept, for rewinding; when there are more, every second one goes
+_FULL = 6  # full snapshots kept, for dropping rows that nobody has seen
+_BATCHES = 2  # of the newest full snapshots, with the columns of the rows after them
+_LIGHT = 400  # light snapshots kept, for seeking; when there are more, every second one is dropped
+_UNTESTED_ROWS = 256  # rows not yet seen by the detector that a light snapshot may hold
 
 
 @dataclass(frozen=True)
-class Snapshot:
-    """Where everything stands at a row: a value, so that going back is taking an older one."""
+class LightSnapshot:
+    """Where everything is at a row, without the rows that windows need: those are recomputed from an earlier row."""
 
     row: int
     state: State
     stage: int
-    view: LiveColumns | None  # None in a bare moment: a view is found again by advancing from an earlier row
-    watched: DetectorProgress | None
-    told: int  # events in the log
-    spreads: Spreads = field(default_factory=dict)  # of a bare moment; else the view has them
+    detection: DetectorProgress | None  # None: no detector
+    log_length: int  # events in the log
+    spreads: Spreads  # S of each observer before the row
+
+    def with_columns(self, columns: LiveColumns) -> "Snapshot":
+        """Return the full snapshot."""
+        return Snapshot(self.row, self.state, self.stage, columns, self.detection, self.log_length)
+
+
+@dataclass(frozen=True)
+class Snapshot:
+    """Where everything is at a row: a value, so that going back is taking an earlier one."""
+
+    row: int
+    state: State
+    stage: int
+    live_columns: LiveColumns
+    detection: DetectorProgress | None  # None: no detector
+    log_length: int  # events in the log
+
+    def light(self) -> LightSnapshot:
+        """Return the snapshot without the rows that windows need."""
+        detection = without_windows(self.detection)
+        return LightSnapshot(self.row, self.state, self.stage, detection, self.log_length, self.live_columns.spreads)
 
 
 @dataclass(frozen=True)
 class SimulatedRows:
-    """Rows simulated from a moment on, with the state after them; what is shown of them is still to be made."""
+    """`count` rows simulated from a snapshot on, and the state after them. Their columns are not made yet."""
 
     since: Snapshot
     count: int
@@ -40,67 +59,64 @@ class SimulatedRows:
 
 
 @dataclass(frozen=True)
-class Block:
-    """The rows from ``first`` on, where a moment is: what was recorded, and what was made of it."""
+class RecordedBatch:
+    """The rows from `first` on, where a snapshot is: what was recorded, and the columns made of it."""
 
     first: int
     recorded: Rows
-    made: ColumnBatch
+    columns: ColumnBatch
 
-    def until(self, row: int) -> "Block":
-        """The rows before a row."""
+    def before(self, row: int) -> "RecordedBatch":
+        """Return the rows before a row."""
         count = row - self.first
-        return Block(self.first, self.recorded.part(0, count), self.made.until(count))
+        return RecordedBatch(self.first, self.recorded.part(0, count), self.columns.head(count))
 
     def state_at(self, row: int, start: State, simulation: Simulation) -> State:
-        """The state at a row in the block, or just after it; ``start``: at its beginning."""
+        """Return the state at a row of the batch, or just after it; `start`: the state at its first row."""
         count = row - self.first
         known = simulation.state_at(start, self.recorded, count) if count < len(self.recorded.index) else None
         return known or simulation.advance(start, count * simulation.experiment.every)[0]
 
 
+@dataclass(frozen=True)
 class Snapshots:
-    """The newest moments whole, older ones bare and thinned out: memory does not grow with the session."""
+    """The newest snapshots in full, older ones light and thinned out: memory does not grow with the session."""
 
-    def __init__(
-        self, recent: Iterator[Snapshot] = (), bare: list[Snapshot] | None = None, blocks: Iterator[Block] = ()
-    ):
-        self._recent = deque(recent, maxlen=_RECENT)
-        self._blocks = deque(blocks, maxlen=_BLOCKS)
-        self._bare = list(bare or [])
+    full: tuple[Snapshot, ...] = ()
+    light: tuple[LightSnapshot, ...] = ()
+    batches: tuple[RecordedBatch, ...] = ()
 
-    def remember(self, moment: Snapshot) -> None:
-        self._recent.append(moment)
-        light = moment.watched is None or moment.watched.rows <= _WAITING
-        if not self._bare or (light and moment.row > self._bare[-1].row):
-            spreads = moment.view.spreads if moment.view else moment.spreads
-            self._bare.append(replace(moment, view=None, spreads=spreads, watched=bare(moment.watched)))
-            if len(self._bare) > _KEPT:
-                self._bare = self._bare[:1] + self._bare[1::2]
+    def add(self, snapshot: Snapshot) -> "Snapshots":
+        """Return these snapshots and one more."""
+        light = self.light
+        few = snapshot.detection is None or snapshot.detection.rows <= _UNTESTED_ROWS
+        if not light or (few and snapshot.row > light[-1].row):
+            light = (*light, snapshot.light())
+            if len(light) > _LIGHT:
+                light = light[:1] + light[1::2]
+        return Snapshots((*self.full, snapshot)[-_FULL:], light, self.batches)
 
-    def keep(self, block: Block) -> None:
-        """Keep the rows that came after a whole moment."""
-        self._blocks.append(block)
+    def add_batch(self, batch: RecordedBatch) -> "Snapshots":
+        """Return these snapshots with the rows after a full one."""
+        return replace(self, batches=(*self.batches, batch)[-_BATCHES:])
 
-    def known(self, first: int, row: int) -> Block | None:
-        """The block that begins at row ``first``, if it is kept and reaches to ``row``."""
-        block = next((b for b in reversed(self._blocks) if b.first == first), None)
-        return block if block is not None and first < row <= first + len(block.recorded.index) else None
+    def batch(self, first: int, row: int) -> RecordedBatch | None:
+        """Return the batch that begins at row `first`, if it is kept and reaches to `row`."""
+        batch = next((b for b in reversed(self.batches) if b.first == first), None)
+        return batch if batch is not None and first < row <= first + len(batch.recorded.index) else None
 
-    def whole(self, row: int) -> Snapshot | None:
-        """The latest whole moment at or before a row."""
-        return next((m for m in reversed(self._recent) if m.row <= row), None)
+    def latest_full(self, row: int) -> Snapshot | None:
+        """Return the latest full snapshot at or before a row."""
+        return next((s for s in reversed(self.full) if s.row <= row), None)
 
-    def bare(self, row: int) -> Iterator[Snapshot]:
-        """Bare moments at or before a row, the latest first."""
-        return (m for m in reversed(self._bare) if m.row <= row)
+    def light_before(self, row: int) -> Iterator[LightSnapshot]:
+        """Return the light snapshots at or before a row, the latest first."""
+        return (s for s in reversed(self.light) if s.row <= row)
 
-    def cut(self, row: int) -> None:
-        """Forget what came at or after a row."""
-        self._recent = deque((m for m in self._recent if m.row < row), maxlen=_RECENT)
-        self._bare = [m for m in self._bare if m.row <= row]
-        kept = (b.until(row) for b in self._blocks if b.first < row)
-        self._blocks = deque(kept, maxlen=_BLOCKS)
-
-    def copy(self) -> "Snapshots":
-        return Snapshots(self._recent, self._bare, self._blocks)
+    def before(self, row: int) -> "Snapshots":
+        """Return these snapshots without those at or after a row (a light one may be at it)."""
+        return Snapshots(
+            tuple(s for s in self.full if s.row < row),
+            tuple(s for s in self.light if s.row <= row),
+            tuple(b.before(row) for b in self.batches if b.first < row),
+        )

@@ -1,4 +1,4 @@
-"""Binary frames: samples as the wire has them, the rows that are computed ahead of them, and the numbers of frames."""
+"""Binary frames: encoding, the buffer of rows to be sent, and the numbers of frames."""
 
 from array import array
 from bisect import bisect_right
@@ -12,13 +12,13 @@ _HEADER = Struct(HEADER)
 
 
 def encode_frame(sequence: int, epoch: int, first: int, samples: np.ndarray) -> bytes:
-    """A frame of float32 samples, columns × rows."""
+    """Return a frame of float32 samples, columns × rows."""
     columns, rows = samples.shape
     return _HEADER.pack(sequence & 0xFFFFFFFF, epoch, first, rows, columns) + samples.tobytes()
 
 
 def as_float32(rows: np.ndarray) -> np.ndarray:
-    """Rows as little-endian float32; beyond its range they are infinite."""
+    """Return rows as little-endian float32; values beyond its range become infinite."""
     if rows.dtype == np.dtype("<f4"):
         return rows
     with np.errstate(over="ignore", invalid="ignore"):
@@ -26,53 +26,57 @@ def as_float32(rows: np.ndarray) -> np.ndarray:
 
 
 class FrameBuffer:
-    """Rows first … end − 1 as float32: those computed ahead, and a few that were shown just now.
+    """Rows first … end − 1 as float32: those computed ahead, and a few that were shown recently.
 
-    Kept row after row, so that a frame's few rows lie side by side in memory: many sessions do not fit into the cache.
+    They are stored row by row, so that the few rows of a frame are adjacent in memory: many sessions do not fit into the
+    processor's cache.
     """
 
     def __init__(self, row: int, columns: int) -> None:
         self.clear(row, columns)
 
     def clear(self, row: int, columns: int) -> None:
-        """Nothing is known; row `row` comes next."""
+        """Forget all rows; row `row` comes next."""
         self.first = self.end = row
         self._rows = np.empty((0, columns), "<f4")
 
     @property
     def columns(self) -> int:
+        """Number of columns."""
         return self._rows.shape[1]
 
     def append(self, rows: np.ndarray, keep: int) -> None:
-        """Add computed rows; what is before row `keep` is forgotten."""
+        """Add computed rows, columns × rows; rows before row `keep` are dropped."""
         drop = max(0, min(keep, self.end) - self.first)
         self._rows = np.concatenate([self._rows[drop:], np.ascontiguousarray(as_float32(rows).T)])
         self.first += drop
         self.end = self.first + len(self._rows)
 
     def take(self, first: int, last: int) -> np.ndarray | None:
-        """Columns × rows first … last − 1, or None where they are not all here."""
-        if first < self.first or last > self.end:
-            return None
+        """Return rows first … last − 1, columns × rows; None if some are missing."""
+        return None if first < self.first or last > self.end else self.rows(first, last)
+
+    def rows(self, first: int, last: int) -> np.ndarray:
+        """Return rows first … last − 1, columns × rows, which must be here."""
         return self._rows[first - self.first : last - self.first].T
 
 
 class FrameNumbers:
-    """The numbers of a session's frames: which rows a viewer has that names the last one it got.
+    """The numbers of a session's frames, to find the rows that a viewer has from the last frame it received.
 
-    Frames count from 1. Kept are the ends of the last frames of the present epoch; whoever names an older one is sent the
-    whole past again.
+    Frames count from 1. The ends of the last frames of the present epoch are kept; a viewer that names an older one is sent
+    all rows again.
     """
 
     KEPT = 4096
 
     def __init__(self) -> None:
         self.last = 0
-        self._before = 0  # the last number that is no longer known
+        self._before = 0  # the last number whose end is not kept
         self._ends = array("Q")
 
     def add(self, end: int) -> int:
-        """The number of a frame that brings the rows to `end`."""
+        """Return the number of the next frame, after which a viewer has `end` rows."""
         self.last += 1
         self._ends.append(end)
         if len(self._ends) >= 2 * self.KEPT:
@@ -81,15 +85,15 @@ class FrameNumbers:
         return self.last
 
     def new_epoch(self) -> None:
-        """What was sent so far does not continue."""
+        """Forget all ends: rows sent so far do not continue."""
         self._before, self._ends = self.last, array("Q")
 
     def rows_after(self, number: int) -> int | None:
-        """How many rows whoever got frame `number` has; None: unknown."""
+        """Return how many rows a viewer has after frame `number`; None if unknown."""
         place = number - self._before - 1
         return self._ends[place] if 0 <= place < len(self._ends) else None
 
     def number_at(self, rows: int) -> int:
-        """The last frame that brings no more than `rows` rows; 0: none that is known."""
+        """Return the last frame after which a viewer has at most `rows` rows; 0 if none is known."""
         place = bisect_right(self._ends, rows)
         return self._before + place if place else 0

@@ -1,4 +1,4 @@
-"""Text messages of a live session: reading commands, and the refusal of what is none."""
+"""Text messages of a live session: reading commands, and refusing anything else."""
 
 import json
 from typing import Any
@@ -6,65 +6,73 @@ from typing import Any
 from pydantic import TypeAdapter, ValidationError
 
 from thetascope.engine.errors import SpecError
-from thetascope.messages import words
+from thetascope.messages import Message, words
+from thetascope.runs.specs.refusals import invalid
 from thetascope_schemas.experiment.field_error import FieldError, field_errors
-from thetascope_schemas.service.session import ClientMessage, Command, Refused
+from thetascope_schemas.service.session import ClientMessage, Refused
 
-_COMMANDS: TypeAdapter[Command] = TypeAdapter(ClientMessage)
-_DEEPEST = 40
+_COMMANDS: TypeAdapter[ClientMessage] = TypeAdapter(ClientMessage)
+_DEEPEST = 40  # levels of nested lists and objects
+_SHOWN = 60  # characters of a message that a refusal quotes
 
 
-def read(text: str | None, limit: int) -> Command | Refused:
-    """The command of a text frame (None: it was a binary one), or why it is none."""
+def read(text: str | None, limit: int) -> ClientMessage | Refused:
+    """Return the command in a text frame, or its refusal.
+
+    Args:
+        text: the frame; None if it was binary.
+        limit: characters that it may have.
+    """
     if text is None:
-        return Refused(id=None, problem="the message is binary", remedy="send commands as JSON in text frames")
+        return refusal(None, Message("session.message.binary"))
     if len(text) > limit:
-        problem = f"the message has {len(text):,} characters, and {limit:,} are allowed"
-        return Refused(id=None, problem=problem, remedy="send less, or raise THETASCOPE_MAX_MESSAGE")
+        return refusal(None, Message("session.message.too-long", characters=len(text), limit=limit))
     try:
-        data = json.loads(text, parse_constant=_no_number)
+        data = json.loads(text, parse_constant=_refuse_constant)
     except RecursionError:
-        return Refused(id=None, value=text[:60], problem="the message is nested too deeply", remedy="flatten it")
+        return refusal(None, Message("session.message.too-deep"), text[:_SHOWN])
     except ValueError as error:
-        return Refused(
-            id=None, value=text[:60], problem=f"no valid JSON: {error}", remedy="send one JSON object with type and id"
-        )
+        return refusal(None, Message("session.message.json", detail=str(error)), text[:_SHOWN])
     if _depth(data) > _DEEPEST:
-        return Refused(id=_id(data), problem="the message is nested too deeply", remedy="flatten it")
+        return refusal(_id(data), Message("session.message.too-deep"))
     if not _encodable(data):
-        problem = "a text of the message holds half a character (a lone surrogate)"
-        return Refused(id=_id(data), problem=problem, remedy="send whole characters")
+        return refusal(_id(data), Message("session.message.surrogate"))
     try:
         return _COMMANDS.validate_python(data)
     except ValidationError as error:
-        return refused(_id(data), field_errors(error.errors(include_url=False), data, words())[0])
+        return _refused_field(_id(data), field_errors(error.errors(include_url=False), data, words())[0])
 
 
-def refused(id: int | None, error: FieldError | SpecError) -> Refused:
-    """The refusal of a command for one field of it."""
-    value = error.value
-    if value is not None and not (isinstance(value, bool | int | float) and abs(value) < 2**53):
-        text = value if isinstance(value, str) else repr(value)
-        value = text if len(text) <= 80 else text[:79] + "…"
-    return Refused(id=id, field=error.field, value=value, problem=str(error.problem), remedy=str(error.remedy))
+def refusal(id: int | None, problem: Message, value: str | None = None) -> Refused:
+    """Return the refusal of a message as a whole; its remedy is the problem's own."""
+    return _refused_field(id, invalid("", value, problem).errors[0])
+
+
+def refused(id: int | None, error: SpecError) -> Refused:
+    """Return the refusal of a command for one field of it."""
+    return _refused_field(id, invalid(error.field, error.value, error.problem, error.remedy).errors[0])
 
 
 def refused_spec(id: int | None, error: ValidationError) -> Refused:
-    """The refusal of a command that leads to a spec that is none."""
-    return refused(id, field_errors(error.errors(include_url=False), None, words())[0])
+    """Return the refusal of a command after which the spec would not be valid."""
+    return _refused_field(id, field_errors(error.errors(include_url=False), None, words())[0])
+
+
+def _refused_field(id: int | None, error: FieldError) -> Refused:
+    return Refused(id=id, **error.model_dump())
 
 
 def _id(data: Any) -> int | None:
-    """The number that the client gave its message, where it gave one."""
+    """Return the number that the client gave its message, if it gave one."""
     number = data.get("id") if isinstance(data, dict) else None
     return number if isinstance(number, int) and not isinstance(number, bool) and 0 <= number < 2**53 else None
 
 
 def _depth(data: Any) -> int:
-    """How deep lists and objects are nested, up to just beyond what is allowed."""
+    """Return how deep lists and objects are nested, counted up to one more than is allowed."""
     level, depth = [data], 0
     while depth <= _DEEPEST:
-        level = [item for one in level for item in _items(one)]
+        level = [item for value in level for item in _items(value)]
         if not level:
             return depth
         depth += 1
@@ -72,7 +80,7 @@ def _depth(data: Any) -> int:
 
 
 def _encodable(data: Any) -> bool:
-    """Whether the texts in it can be sent back, and stored."""
+    """Return whether all texts can be sent back and stored."""
     try:
         json.dumps(data, ensure_ascii=False).encode()
     except UnicodeEncodeError:
@@ -86,14 +94,14 @@ def _items(data: Any) -> list[Any]:
     return data if isinstance(data, list) else []
 
 
-def _no_number(name: str) -> None:
-    raise ValueError(f"{name} is no number of JSON")
+def _refuse_constant(name: str) -> None:
+    raise ValueError(f"{name} is not a JSON number")
 
 
 class Allowance:
-    """How many messages a viewer may send: `rate` a second, and a burst of as many as in two seconds.
+    """How many messages a viewer may send: `rate` per second, and a burst of as many as in two seconds.
 
-    Whoever sends more is read more slowly, so nothing is lost and nothing piles up here.
+    A viewer that sends more is read more slowly, so nothing is lost and nothing accumulates here.
     """
 
     def __init__(self, rate: float, now: float) -> None:
@@ -101,7 +109,7 @@ class Allowance:
         self._left, self._at = self._most, now
 
     def wait(self, now: float) -> float:
-        """Take one message; the seconds to wait before it is read."""
+        """Count one message; return the seconds to wait before it is read."""
         self._left = min(self._most, self._left + (now - self._at) * self._rate) - 1
         self._at = now
         return max(0.0, -self._left / self._rate)

@@ -1,9 +1,8 @@
 """What one viewer is still to be sent, in bounded memory however slow it is.
 
-Texts go out in order. One with a key (status, spec) takes the place of an unsent one with the same key; the others are
-never dropped, and a viewer that lets too many of them pile up is given up. Samples are not stored at all: the outbox
-knows how far the viewer has got, so whatever it has missed becomes one frame as soon as it can take one. One that is too
-far behind jumps.
+Texts go out in order. One with a key (status, spec) replaces an unsent one with the same key; the others are never dropped,
+and a viewer with too many of them is disconnected. Samples are not stored: the outbox knows which rows the viewer has, so
+all rows that it missed become one frame as soon as it can take one. A viewer that is too far behind jumps.
 """
 
 from collections.abc import Hashable
@@ -11,7 +10,7 @@ from typing import NamedTuple
 
 MAX_TEXTS = 2000
 MAX_CHARACTERS = 8 * 1024**2
-"""Texts that may wait for a viewer. A connection that takes none of them for so long is closed."""
+"""Texts and characters that may wait for a viewer; a connection with more is closed."""
 
 
 class Span(NamedTuple):
@@ -22,7 +21,7 @@ class Span(NamedTuple):
 
 
 class Overflow(Exception):
-    """A viewer lets texts pile up."""
+    """Too many texts wait for a viewer."""
 
 
 class Outbox:
@@ -47,7 +46,7 @@ class Outbox:
             raise Overflow
 
     def text(self) -> str | None:
-        """The next text; it counts as sent."""
+        """Return the next text, which counts as sent; None if none waits."""
         if not self._texts:
             return None
         key = next(iter(self._texts))
@@ -61,12 +60,20 @@ class Outbox:
         return not self._texts
 
     def rewind_to(self, row: int) -> None:
-        """Rows from this one on are void."""
+        """Forget that the viewer has rows from this one on: they are void."""
         self.row = min(self.row, row)
 
     def jump(self, rows: int, backlog: int, oldest: int = 0) -> Span | None:
-        """Let a viewer that is more than `backlog` rows behind the `rows` there are, or behind the oldest row that is
-        kept, miss some: which. It keeps half the backlog, so that it does not jump again at once."""
+        """Return the rows that a viewer skips; None if it can follow.
+
+        A viewer skips rows if it is more than `backlog` rows behind, or behind the oldest row that is kept. Half the backlog
+        remains, so that it does not jump again immediately.
+
+        Args:
+            rows: rows shown so far.
+            backlog: rows that it may be behind.
+            oldest: the first row that is kept.
+        """
         first = self.row
         to = max(first, oldest)
         if rows - first > backlog:
@@ -75,7 +82,7 @@ class Outbox:
         return Span(first, to) if to > first else None
 
     def span(self, rows: int, most: int) -> Span | None:
-        """What is to be sent of the `rows` rows there are, at most `most` of them; None: nothing."""
+        """Return the next rows to send, at most `most` of the `rows` shown so far; None if the viewer has all."""
         if self.row >= rows:
             return None
         return Span(self.row, min(rows, self.row + most))
