@@ -6,16 +6,23 @@ import {test} from 'node:test';
 
 import {Catalogue, formatted} from '../../frontend/i18n/render.js';
 
+/** @param {string} path */
 const read = (path) => readFileSync(new URL(`../../${path}`, import.meta.url), 'utf8');
 const {rows} = JSON.parse(read('tests/messages/rendering.json'));
+/** @type {{[language: string]: string[]}} */
 const PLURAL = {en: ['one', 'other'], zh: ['other']};
 
-/** The entries of a gettext file whose strings take one line each. */
+/**
+ * The entries of a gettext file whose strings take one line each.
+ * @param {string} path
+ */
 function entries(path) {
+  /** @param {string} text @returns {string} */
   const unquoted = (text) => JSON.parse(`"${text}"`);
+  /** @type {{[code: string]: string | string[]}} */
   const found = {};
   for (const entry of read(path).split('\n\n').slice(1)) {
-    const code = /^msgid "(.*)"$/m.exec(entry)[1];
+    const [, code = ''] = /^msgid "(.*)"$/m.exec(entry) ?? [];
     const words = [...entry.matchAll(/^msgstr(?:\[\d\])? "(.*)"$/gm)].map((match) => unquoted(match[1]));
     found[code] = entry.includes('msgid_plural') ? words : words[0];
   }
