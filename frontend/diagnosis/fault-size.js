@@ -6,7 +6,8 @@ import {raised} from '../widgets/number-format.js';
 /** @import {Alarm, Diagnosis} from '../live/types.js' */
 
 /**
- * A size with its interval: +0.0200 ± 0.0004, with as many decimals as the interval justifies, and one power of ten for both.
+ * A size with its interval: +0.0200 ± 0.0004, with as many decimals as the interval justifies, and one power of ten
+ * for both.
  * @param {{size: number | null, half: number | null}} alarm
  * @param {{typical?: number | null}} [channel]
  */
@@ -41,7 +42,8 @@ export const small = (value, digits = 2) =>
     : number(value, digits);
 
 /**
- * Channels of which not even a typical fault can be distinguished now; none before the diagnosis judges anything. A channel that an alarm
+ * Channels of which not even a typical fault can be distinguished now; none before the diagnosis judges anything. A
+ * channel that an alarm
  * names alone is left out, whatever the input of the last window shows.
  * @param {{diagnosis: Diagnosis | null, t: number, alarms: Pick<Alarm, 'over' | 'subjects'>[]}} state
  * @returns {Diagnosis['resolution']}

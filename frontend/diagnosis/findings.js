@@ -1,4 +1,5 @@
-// Findings: one an alarm, and one a fault that no alarm names. The server judges (diagnosis/evaluation/verdicts.py); this only puts its verdicts in order. Pure.
+// Findings: one for each alarm, and one for each fault that no alarm names. The server judges
+// (diagnosis/evaluation/verdicts.py); this only puts its verdicts in order. Pure.
 
 import {alarmFrom} from './alarms.js';
 
@@ -9,7 +10,8 @@ import {alarmFrom} from './alarms.js';
 /**
  * @typedef {object} Finding
  * @property {'found'|'blamed'|'false'|'over'|'unseen'|'past'} verdict   an alarm on a fault that acts; while another acts than those named; while none
- *                                 has acted; on a fault that has ended; a fault without an alarm; an alarm that is cleared
+ *                                 has acted; on a fault that has ended; a fault without an alarm; an alarm that is
+ * cleared
  * @property {string} subject
  * @property {string[]} subjects   chips: the channel and its alternatives, or the one subject
  * @property {boolean} onChannel
@@ -32,7 +34,7 @@ const VERDICTS = {
 };
 
 /**
- * What the facts of the server mean for the page's state: faults and alarms in its form, noise, and when the plant diverged.
+ * The facts of the server for the page's state: faults and alarms in its form, noise, and when the plant diverged.
  * @param {service.Facts} facts
  */
 export const stateOf = (facts) => ({
@@ -44,7 +46,8 @@ export const stateOf = (facts) => ({
 });
 
 /**
- * Findings at the time of the facts: alarms that are on, faults that no alarm names, alarms that are cleared, the newest first.
+ * Findings at the time of the facts: alarms that are on, faults that no alarm names, alarms that are cleared, the
+ * newest first.
  * @param {{facts: service.Facts, faults: FaultState[], alarms: Alarm[]}} state
  * @returns {Finding[]}
  */

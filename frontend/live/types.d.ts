@@ -25,10 +25,14 @@ export type Jump = service.Jump;
 export type Channel = Plant['channels'][number];
 export type Output = Plant['outputs'][number];
 export type Gain = number | number[] | number[][];
-export type ServerMessage = service.ServerMessage;
 
 /** An experiment with its plant in full, as sessions have it. */
 export type Experiment = Omit<service.Experiment, 'plant'> & {plant: Plant};
+
+type WithPlant<T> = T extends {spec: service.Experiment} ? Omit<T, 'spec'> & {spec: Experiment} : T;
+
+/** A message of a session, whose experiment has its plant in full. */
+export type ServerMessage = WithPlant<service.ServerMessage>;
 
 type WithoutId<T> = T extends unknown ? Omit<T, 'id'> : never;
 
@@ -43,40 +47,18 @@ export type Language = 'en' | 'zh';
 export type Theme = 'light' | 'dark';
 export type Connection = 'starting' | 'live' | 'reconnecting' | 'ended' | 'full' | 'failed';
 
-/** A running observer. */
-export interface ObserverState {
-  label: string;
-  /** Id of its kind in the catalogue. */
-  kind: string;
+/** A running observer with its colour. */
+export interface ObserverState extends service.ObserverNow {
   /** `var(--o0)` …, the same until the observer is removed. */
   colour: string;
   /** Number of the colour. */
   place: number;
-  /** Present values of the gains that were set; the catalogue has the defaults. */
-  gains: service.ObserverConfig['gains'];
-  options: service.ObserverConfig['options'];
-  /** The configuration it was added with. */
-  config: service.ObserverConfig;
-  /** Time in s at which it was added. */
-  since: number;
-  diverged: {t: number; text: string} | null;
 }
 
-/** A fault of the spec, on a channel or on a measurement. */
-export interface FaultState {
-  /** The same as long as the session runs, also when the fault is cleared. */
-  id: string;
-  /** Channel or output. */
-  subject: string;
+/** A fault of the spec. */
+export interface FaultState extends service.FaultNow {
+  /** On a channel, not on a measurement. */
   onChannel: boolean;
-  shape: string;
-  /** The spec's own entry, in the session's time. */
-  fault: Fault;
-  onset: number;
-  end: number | null;
-  /** Whether it acts on the next row: a fault that is injected while time is paused is active immediately. */
-  active: boolean;
-  ended: boolean;
 }
 
 /** What is known of the session that this one was forked from. */

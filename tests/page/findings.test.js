@@ -1,4 +1,5 @@
-// diagnosis/findings.js: the server's verdicts as findings; live/state/reduce.js: the server's facts in the page's state.
+// diagnosis/findings.js: the server's verdicts as findings; live/state/reduce.js: the server's facts in the page's
+// state.
 
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
@@ -32,7 +33,12 @@ const alarm = (id, t, more) => ({
   ...more,
 });
 
-/** @param {string} id @param {AlarmState} state @param {Partial<service.AlarmOutcome>} [more] @returns {service.AlarmOutcome} */
+/**
+ * @param {string} id
+ * @param {AlarmState} state
+ * @param {Partial<service.AlarmOutcome>} [more]
+ * @returns {service.AlarmOutcome}
+ */
 const verdict = (id, state, more) => ({
   id,
   verdict: 'correct',
@@ -124,7 +130,7 @@ test('facts replace observers, faults, noise and alarms of the state; an observe
     kind: 'joint-ekf',
     gains: {},
     options: {},
-    config: /** @type {any} */ ({label, kind: 'joint-ekf'}),
+    config: /** @type {service.ObserverConfig} */ (/** @type {unknown} */ ({label, kind: 'joint-ekf'})),
     since: 0,
     diverged: null,
   });

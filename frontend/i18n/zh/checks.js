@@ -27,6 +27,7 @@ export const checkNames = {
   'observable with an operator active': '有算子活动时可观',
 };
 
+/** @type {import('./translator.js').Rule[]} */
 export const checkRules = [
   rule('Gamma positive definite', 'Γ 正定'),
   rule('(.+) positive definite', '$1 正定'),

@@ -5,8 +5,10 @@ const NUMBER = '(-?[\\d.]+(?:e[-+]?\\d+)?)';
 const rule = (text, made) => [new RegExp(`^${text.replaceAll('#', NUMBER)}$`), made];
 
 /** Names one after another: θ₁, θ₂ and θ₃. */
+/** @type {import('./translator.js').Rule[]} */
 const lists = [[/^([^ ,]+(?:, [^ ,]+)*) and ([^ ,]+)$/, '$1 和 $2']];
 
+/** @type {import('./translator.js').Rule[]} */
 export const diagnosisRules = [
   rule(
     '(.+) (?:is|are) not excited at all: (?:its|their) faults? would not show in any output now',

@@ -3,6 +3,7 @@
 /** @param {string} text @param {string} made @returns {[RegExp, string]} */
 const rule = (text, made) => [new RegExp(`^${text}$`, 's'), made];
 
+/** @type {import('./translator.js').Rule[]} */
 export const refusalRules = [
   // observers
   rule('an observer of that label is watching already', '已有使用该标签的观测器'),

@@ -11,7 +11,6 @@ import {refusalRules} from './refusals.js';
 /** @type {{[words: string]: string}} */
 const known = {...prose, ...catalogue, ...names};
 
-/** What the library calls things; what is not of the library stays as it is. */
 /** @param {string | null | undefined} words */
 export const named = (words) => (words ? (known[words] ?? words) : words);
 

@@ -1,4 +1,5 @@
-// The diagnosis: a sentence first, then one line a finding: how big, how sure, since when, found how fast; and what can be seen at all.
+// The diagnosis: the summary, then a line for each finding: its size, interval, onset and delay; and what is
+// detectable.
 
 import {childrenOf, fill, h} from '../../common/dom.js';
 import {called, capital, spoken} from '../../common/names.js';
@@ -13,6 +14,7 @@ import {asSentence, t} from '../../i18n/words.js';
 
 /** @import {App, State} from '../types.js' */
 
+/** @type {{[name: string]: () => string}} */
 const TITLES = {
   detectability: () => t('page.diagnosis.detectability'),
   certainty: () => t('page.diagnosis.certainty'),
@@ -25,6 +27,7 @@ export function mount(element, app) {
   const folds = {detectability: createSeen(app), certainty: createSure(app)};
   const more = wholeLines(list, () => childrenOf(list), app);
   const tag = asOfNow(app);
+  /** @type {{[name: string]: HTMLButtonElement}} */
   let links = {};
   const build = () => {
     links = Object.fromEntries(
@@ -59,16 +62,16 @@ export function mount(element, app) {
     place();
   };
   const place = () => {
-    const column = element.parentElement.getBoundingClientRect();
+    const column = (element.parentElement ?? element).getBoundingClientRect();
     element.style.setProperty('--below', `${verdict.offsetTop + verdict.offsetHeight}px`);
     element.style.setProperty('--room', `${column.bottom - verdict.getBoundingClientRect().bottom - 8}px`);
   };
   element.addEventListener('keydown', (event) => {
     if (event.key !== 'Escape' || !element.classList.contains('unfolded')) return;
     event.preventDefault();
-    const [name] = Object.entries(folds).find(([, fold]) => !fold.element.hidden);
+    const [name] = Object.entries(folds).find(([, fold]) => !fold.element.hidden) ?? [];
     open(null);
-    links[name].focus();
+    if (name) links[name].focus();
   });
   addEventListener('resize', place);
   const update = () => {
@@ -92,7 +95,10 @@ export function mount(element, app) {
             h(
               'span',
               {},
-              t('page.diagnosis.observer-diverged', {label: one.label, t: seconds(one.diverged.t, state.spec.horizon)}),
+              t('page.diagnosis.observer-diverged', {
+                label: one.label,
+                t: seconds(one.diverged?.t ?? 0, state.spec?.horizon),
+              }),
             ),
           ),
         ),
@@ -137,10 +143,10 @@ export function mount(element, app) {
  */
 function weakness(state) {
   const lost = untold(state);
-  const {excitation} = state.diagnosis ?? {};
+  const {excitation, resolution = []} = state.diagnosis ?? {};
   if (!excitation || lost.length === 0) return '';
   if (lost.every((one) => one.smallest !== null))
     return capital(t('page.diagnosis.unresolved', {names: lost.map((one) => called(one.channel, state.plant))}));
-  const whole = lost.length === state.diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable).length;
+  const whole = lost.length === resolution.filter((one) => !one.identifiable && !one.resolvable).length;
   return (whole ? [excitation] : lost).map((one) => asSentence(spoken(one.text, state.plant))).join(' ');
 }

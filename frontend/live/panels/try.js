@@ -1,4 +1,4 @@
-// Try this: questions about the experiment at hand, each with what carries it out.
+// Try this: questions about the experiment, each with a button that carries it out.
 
 import {get} from '../../common/api.js';
 import {childrenOf, fill, h, hatted} from '../../common/dom.js';
@@ -8,14 +8,16 @@ import {heading, seconds} from '../../widgets/controls.js';
 import {icon} from '../../widgets/svg.js';
 import {t} from '../../i18n/words.js';
 
-/** @import {App, Command, Language} from '../types.js' */
+/** @import {App, BatchCommand, Command, FaultInput, Language} from '../types.js' */
 /** @import * as service from '../../types/service.js' */
 
 const SYMBOL = /λmin|(?<![A-Za-z])([θφρλxyuKHLR]\u0302?)(\d*)(?![A-Za-z\u0302])/g;
 
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
+  /** @type {Map<string, Promise<service.LessonPlan>>} */
   const lessons = new Map();
+  /** @type {service.LessonQuestion[]} */
   let shown = [];
   const list = h('ol', {class: 'try scroll', tabindex: 0});
   const more = wholeLines(list, () => childrenOf(list), app);
@@ -23,13 +25,10 @@ export function mount(element, app) {
     const {experiment, language} = app.state;
     element.hidden = experiment === null;
     if (!experiment) return;
-    if (!lessons.has(experiment)) {
-      lessons.set(
-        experiment,
-        get(`/api/lessons/${encodeURIComponent(experiment)}`).catch(() => ({questions: []})),
-      );
-    }
-    const {questions} = await lessons.get(experiment);
+    /** @type {Promise<service.LessonPlan>} */
+    const lesson = lessons.get(experiment) ?? get(`/api/lessons/${encodeURIComponent(experiment)}`);
+    lessons.set(experiment, lesson);
+    const {questions} = await lesson.catch(() => ({questions: []}));
     if (experiment !== app.state.experiment) return;
     element.hidden = questions.length === 0;
     shown = questions;
@@ -54,13 +53,13 @@ export function mount(element, app) {
             class: 'plain go control-only',
             title: t('page.try.do'),
             'aria-label': t('page.try.do-question', {question: words[language] ?? words.en}),
-            onclick: () => carryOut(commands),
+            onclick: () => carryOut(commandsOf(commands)),
           },
           icon('go', 13),
         ),
       h('p', {class: 'coming', role: 'status'}),
     );
-  /** @param {Command[]} commands */
+  /** @param {BatchCommand[]} commands */
   const carryOut = async (commands) => {
     try {
       await app.act.together(commands);
@@ -69,11 +68,16 @@ export function mount(element, app) {
       app.act.refused(error);
     }
   };
-  /** What a question waits for: a fault that it has injected to begin later. It stands in the log, so it is there again after going back or loading. */
+  /**
+   * Show the fault that a question has injected for later. It is in the log, so that it is shown again after a rewind
+   * or a reload.
+   */
   const wait = () => {
     const {faults, log, plant, spec} = app.state;
     for (const [place, {do: commands}] of shown.entries()) {
-      const later = commands.filter(({fault}) => fault?.onset > 0);
+      const later = commandsOf(commands).flatMap((one) =>
+        one.type === 'inject' && one.fault.onset > 0 ? one.fault : [],
+      );
       const coming =
         later.length === 0
           ? null
@@ -81,13 +85,13 @@ export function mount(element, app) {
               ({id, subject, shape, active, ended}) =>
                 !active &&
                 !ended &&
-                later.some(({fault}) => (fault.channel ?? fault.output) === subject && fault.shape === shape) &&
+                later.some((fault) => siteOf(fault) === subject && fault.shape === shape) &&
                 log.some((event) => event.kind === 'inject' && event.fault === id),
             );
       const line = element.querySelectorAll('.coming')[place];
       if (line)
         line.textContent = coming
-          ? t('page.try.waiting', {name: called(coming.subject, plant), t: seconds(coming.onset, spec.horizon)})
+          ? t('page.try.waiting', {name: called(coming.subject, plant), t: seconds(coming.onset, spec?.horizon)})
           : '';
     }
   };
@@ -97,6 +101,18 @@ export function mount(element, app) {
   );
   app.subscribe((state) => [state.faults, state.log.length], wait);
 }
+
+/**
+ * The commands of a question; the service has checked them.
+ * @param {service.LessonQuestion['do']} commands
+ */
+const commandsOf = (commands) => /** @type {BatchCommand[]} */ (/** @type {unknown} */ (commands));
+
+/**
+ * The channel or output that a fault acts on.
+ * @param {FaultInput} fault
+ */
+const siteOf = (fault) => ('channel' in fault ? fault.channel : fault.output);
 
 /**
  * Words with their symbols in italics.

@@ -1,15 +1,26 @@
-// How events change the state of the live page. Pure: (state, event) → state. Events are the server's messages, as they come, and the page's own.
+// How events change the state of the live page. Pure: (state, event) → state. Events are the messages of the server
+// and the
+// page's own.
 
 import {stateOf} from '../../diagnosis/findings.js';
 
-/** @import {ObserverState, State} from '../types.js' */
+/** @import {Ack, Experiment, Jump, ObserverState, OwnEvent, ServerMessage, State, StateEvent} from '../types.js' */
 /** @import * as service from '../../types/service.js' */
+
+/** @typedef {service.Refused} Refused */
+
+/**
+ * A function for each type of event.
+ * @template {{type: string}} E
+ * @typedef {{[K in E['type']]: (state: State, event: Extract<E, {type: K}>) => State}} Changes
+ */
 
 const COLOURS = 6; // --o0 … --o5
 const MOST_EVENTS = 5000;
 
 /**
- * The observers that run, with the colours they had. `places`: those of observers that were removed, too, so that one that is started again
+ * The observers that run, with the colours they had. `places`: those of observers that were removed, too, so that one
+ * that is started again
  * gets its own back.
  * @param {service.ObserverNow[]} running
  * @param {ObserverState[]} before
@@ -26,6 +37,11 @@ export function coloured(running, before = [], places = {}) {
   });
 }
 
+/**
+ * The first free number, an observer's own one if it is free.
+ * @param {Set<number>} taken
+ * @param {number | undefined} own
+ */
 function free(taken, own) {
   if (own !== undefined && !taken.has(own)) return own;
   let place = 0;
@@ -33,8 +49,14 @@ function free(taken, own) {
   return place;
 }
 
-/** Keep the old array where nothing in it has changed, so that nobody is told for nothing. */
-const steady = (before, now) => (JSON.stringify(before) === JSON.stringify(now) ? before : now);
+/**
+ * The old value if the new one is equal, so that subscribers are called for changes only.
+ * @template T
+ * @param {T | undefined} before
+ * @param {T} now
+ * @returns {T}
+ */
+const steady = (before, now) => (before !== undefined && JSON.stringify(before) === JSON.stringify(now) ? before : now);
 
 /**
  * The state with newer facts of the server.
@@ -60,16 +82,22 @@ function withFacts(state, newer) {
   };
 }
 
-/** Windows of about a tenth, a third and all of the horizon: 10, 30 and 100 s for a horizon of 100 s. A fork keeps the one that was chosen. */
+/**
+ * Windows of about a tenth, a third and all of the horizon: 10, 30 and 100 s for a horizon of 100 s. A fork keeps the
+ * chosen one.
+ * @param {Pick<Experiment, 'horizon'>} spec
+ * @param {State} state
+ */
 function windowsFor(spec, state) {
   const power = 10 ** Math.floor(Math.log10(spec.horizon) + 1e-9);
   const most = spec.horizon / power >= 2.5 ? 3 * power : power;
   const windows = [most / 10, most === power ? 0.3 * power : power, most].map((length) =>
     Number(length.toPrecision(3)),
   );
-  return {windows, window: state.parent && windows.includes(state.window) ? state.window : windows[1]};
+  return {windows, window: state.parent && windows.includes(Number(state.window)) ? state.window : windows[1]};
 }
 
+/** @type {Changes<Exclude<ServerMessage, Ack | Jump | Refused>>} */
 const messages = {
   hello: (state, hello) =>
     withFacts(
@@ -123,6 +151,7 @@ const messages = {
   }),
 };
 
+/** @type {Changes<OwnEvent>} */
 const own = {
   connection: (state, {now}) => ({
     ...state,
@@ -166,9 +195,13 @@ const own = {
   strip: (state, {name, shown}) => ({...state, strips: {...state.strips, [name]: shown}}),
 };
 
-/** @type {(state: import('./store.js').State, event: object) => import('./store.js').State} */
+/**
+ * The state after an event.
+ * @param {State} state
+ * @param {StateEvent} event
+ * @returns {State}
+ */
 export function reduce(state, event) {
-  const change = messages[event.type] ?? own[event.type];
-  if (!change) return state; // a newer server may say more
-  return change(state, event);
+  const changes = /** @type {{[type: string]: (state: State, event: StateEvent) => State}} */ ({...messages, ...own});
+  return changes[event.type]?.(state, event) ?? state; // a newer server may send more
 }

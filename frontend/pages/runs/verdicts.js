@@ -1,4 +1,5 @@
-// Between the experiment and its figures: what the detector found, and who found what how fast; with the numbers behind it folded away.
+// Between the experiment and its figures: what the detector found, and who found what how fast; with the numbers
+// behind it folded away.
 
 import {fill, h, number} from '../../common/dom.js';
 import {alarmFrom} from '../../diagnosis/alarms.js';
@@ -14,24 +15,27 @@ import {asSentence, say, t} from '../../i18n/words.js';
 
 /** @import {Child} from '../../types/dom.js' */
 /** @import {Comparison, ComparisonRow, Diagnosis, ObserverDiagnosis, Plant, Run, RunState, RunStore} from '../types.js' */
+/** @import * as service from '../../types/service.js' */
 
-/** @param {number} place */
 /** @typedef {'found' | 'missed' | 'false_alarms' | 'isolation_errors' | 'delay' | 'cost'} Measure */
 
+/** @param {number} place */
 const chip = (place) => h('span', {class: 'chip', style: `--c:var(--o${place % 6})`});
 
 /** @param {HTMLElement} root @param {RunStore} store */
 export function mountVerdicts(root, store) {
   store.subscribe((state, before) => {
     if (state.run === before.run && state.plant === before.plant) return;
-    const {diagnosis, comparison} = state.run?.summary ?? {};
+    const {run, plant} = state;
+    const {diagnosis, comparison, facts} = run?.summary ?? {};
     root.hidden = !diagnosis && !comparison;
-    if (root.hidden || !state.plant) return fill(root);
+    if (root.hidden || !run || !plant) return fill(root);
     return fill(
       root,
-      diagnosis && state.run.summary.facts && card(t('page.diagnosis.title'), detector(state, diagnosis)),
-      comparison?.observers.length > 0 &&
-        card(t('page.runs.who-found'), compared(state.run, diagnosis, comparison, state.plant)),
+      diagnosis && facts && card(t('page.diagnosis.title'), detector(run, plant, facts, diagnosis)),
+      comparison &&
+        comparison.observers.length > 0 &&
+        card(t('page.runs.who-found'), compared(run, diagnosis, comparison, plant)),
     );
   });
 }
@@ -42,13 +46,14 @@ const card = (title, ...body) => h('section', {class: 'card'}, h('h2', {}, title
 const fold = (title, ...body) => h('details', {class: 'more'}, h('summary', {}, title), ...body);
 
 /**
- * The sentence, the findings, and what can be seen at all: the words of the live page, at the end of the run.
- * @param {RunState} state
+ * The summary, the findings, and what is detectable: as on the live page, at the end of the run.
+ * @param {Run} run
+ * @param {Plant} plant
+ * @param {service.Facts} facts
  * @param {Diagnosis} diagnosis
  */
-function detector({run, plant}, {detector: told}) {
-  const {spec} = run;
-  const state = {...stateOf(run.summary.facts), plant, spec, diagnosis: told, t: spec.horizon};
+function detector({spec}, plant, facts, {detector: told}) {
+  const state = {...stateOf(facts), plant, spec, diagnosis: told, t: spec.horizon};
   const app = {state};
   const found = findings(state);
   return [
@@ -71,7 +76,10 @@ function detector({run, plant}, {detector: told}) {
   ];
 }
 
+/** @type {Measure[]} */
 const COUNTS = ['found', 'missed', 'false_alarms', 'isolation_errors'];
+/** @type {Measure[]} */
+const MEASURES = [...COUNTS, 'delay', 'cost'];
 
 /**
  * Who found what: the detector and each observer's own estimates; what these say, and how far they were off.
@@ -81,7 +89,7 @@ const COUNTS = ['found', 'missed', 'false_alarms', 'isolation_errors'];
  * @param {Plant} plant
  */
 function compared(run, diagnosis, {windows, observers: rows}, plant) {
-  const {observers} = run.summary;
+  const observers = run.summary?.observers ?? [];
   /** @param {string} label */
   const place = (label) => observers.findIndex((one) => one.label === label);
   const judged = rows.filter((row) => row.found !== null);
@@ -89,7 +97,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
     'tr',
     {},
     h('td'),
-    [...COUNTS, 'delay', 'cost'].map((name) =>
+    MEASURES.map((name) =>
       h('th', {scope: 'col', title: t(`page.runs.measure.${name}.hint`)}, t(`page.runs.measure.${name}`)),
     ),
   );
@@ -98,10 +106,10 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
     h(
       'td',
       {
-        class: name !== 'found' && COUNTS.includes(name) && row[name] > 0 ? 'alarm' : null,
+        class: name !== 'found' && COUNTS.includes(name) && Number(row[name]) > 0 ? 'alarm' : null,
         title: name === 'found' && row.faults ? told(row.faults, plant) : null,
       },
-      row[name] === null ? '–' : name === 'delay' ? took(row[name]) : number(row[name], 3),
+      name === 'delay' && row.delay !== null ? took(row.delay) : number(row[name], 3),
     );
   /** @param {ComparisonRow} row */
   const name = (row) =>
@@ -121,7 +129,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
           'tr',
           {},
           h('th', {scope: 'row'}, name(row)),
-          [...COUNTS, 'delay', 'cost'].map((one) => cell(row, one)),
+          MEASURES.map((one) => cell(row, one)),
         ),
       ),
     ),
@@ -129,7 +137,8 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
   return [
     judged.length > 0 ? h('p', {class: 'soft'}, t('page.runs.who-found.hint')) : null,
     h('div', {class: 'wide', tabindex: 0}, table),
-    diagnosis?.observers.length > 0 &&
+    diagnosis &&
+      diagnosis.observers.length > 0 &&
       fold(
         t('page.runs.own-estimates'),
         h(
@@ -145,7 +154,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
 }
 
 /**
- * What became of each fault, one a line.
+ * The outcome for each fault, one per line.
  * @param {NonNullable<ComparisonRow['faults']>} faults
  * @param {Plant} plant
  */
@@ -162,7 +171,7 @@ const told = (faults, plant) =>
     .join('\n');
 
 /**
- * What the tests on one observer's own estimates say: what is on at the end, else the last that were.
+ * The results of the tests on an observer's own estimates: the alarms that are on at the end, else the last ones.
  * @param {ObserverDiagnosis} diagnosis
  * @param {number} place
  * @param {Plant} plant

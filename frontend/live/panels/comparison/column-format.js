@@ -2,7 +2,10 @@
 
 import {power} from '../../../widgets/number-format.js';
 
-/** One form for all numbers of a column, so that they can be compared and none changes its width: once it has had to be finer it stays so. */
+/**
+ * One form for all numbers of a column, so that they can be compared and none changes its width: once it has had to
+ * be finer it stays so.
+ */
 export class Form {
   constructor() {
     this.places = 0;

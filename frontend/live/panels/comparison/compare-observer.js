@@ -1,4 +1,5 @@
-// The comparison's figures of one session, as the server gives them (GET /api/sessions/{id}/comparison), in the words of the table. Pure.
+// The comparison's figures of one session, as the server gives them (GET /api/sessions/{id}/comparison), in the words
+// of the table. Pure.
 
 import {took} from '../../../widgets/controls.js';
 import {t} from '../../../i18n/words.js';

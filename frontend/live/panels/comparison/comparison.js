@@ -1,4 +1,5 @@
-// The table that compares the observers over the window that the scope shows; in a fork with those of the session that it came from.
+// The table that compares the observers over the window that the scope shows; in a fork with those of the session that
+// it came from.
 
 import {childrenOf, fill, h, hatted, symbol} from '../../../common/dom.js';
 import {badges, called, plain, split, symbolic, titleOf} from '../../../common/names.js';
