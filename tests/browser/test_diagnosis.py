@@ -121,9 +121,9 @@ def test_what_can_be_seen_and_how_sure(page):
 
 
 def test_rank_and_condition_along_the_run(page):
-    """Behind "What can be detected?": full rank of states and faults by the equations, and in every window of the run with its condition."""
+    """Behind Detectability: full rank of states and faults by the equations, and in every window of the run with its condition."""
     live = started(page)
-    live.click("#panel-diagnosis button:text-is('What can be detected?')")
+    live.click("#panel-diagnosis button:text-is('Detectability')")
     live.click(".trajectory button")
     live.wait_for_selector(".trajectory tbody tr:nth-child(4)", timeout=30_000)
     rows = live.locator(".trajectory tbody tr").all_inner_texts()

@@ -94,7 +94,7 @@ def test_what_opens_moves_nothing_else(page):
     live.keyboard.press("Escape")
     assert (
         live.locator("#panel-diagnosis .fold-out:visible").count() == 0
-        and live.evaluate("document.activeElement.textContent") == "How certain?"
+        and live.evaluate("document.activeElement.textContent") == "Certainty"
     )
     live.click("#panel-observers .lights")
     listed = live.locator("#panel-observers .checks li")
@@ -131,7 +131,7 @@ def test_notices_cover_nothing(page, width, language):
     live.evaluate(f"thetascope.act.language('{language}')")
     for font in FONTS:
         live.evaluate(SET_FONT, font)
-        live.evaluate("thetascope.store.dispatch({type: 'connection', now: 'connected'})")
+        live.evaluate("thetascope.store.dispatch({type: 'connection', now: 'live'})")
         live.evaluate("thetascope.act.tell('A word that is said for some seconds, and long enough to need its room.')")
         live.wait_for_timeout(100)
         assert live.is_visible("#notice") and live.evaluate(OVERLAPS) == [], font
