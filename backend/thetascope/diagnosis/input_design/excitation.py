@@ -1,9 +1,8 @@
-"""What the input of a window tells about the faults, and in words what it does not.
+"""Excitation: how well the input of a window separates the faults, and in a sentence what it does not show.
 
-J (p × p) is the information of a window about all faults of the plant: J⁻¹ is the covariance of their estimate. In units
-of typical faults, T J T with T = diag(typical), its eigenvalues say how far combinations of faults stand out from the
-noise, squared: the windowed Gramian of Zhao, Li & Li 2012, (36), weighted by the noise. An accuracy of a tenth of a
-typical fault asks for 100.
+J (p, p) is the information of a window about all faults of the plant: J⁻¹ is the covariance of their estimate. In units of typical
+faults, T J T with T = diag(typical), its eigenvalues are the squared signal-to-noise ratios of combinations of faults: the windowed
+Gramian of Zhao, Li & Li 2012, (36), weighted by the noise. A standard deviation of a tenth of a typical fault requires 100.
 """
 
 from collections.abc import Sequence
@@ -11,20 +10,28 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from thetascope.diagnosis.sentences import joined
+from thetascope.messages import Message
+
 MENTIONED = 0.1  # of a unit vector: smaller components are left out
-_BLIND = 0.3  # standard deviations by which a typical fault stands out: less is not seen at all
-_UNSEEN = 1.0
-_JOINED = 0.1  # correlation in the space of what is not seen, from which channels belong together
+_BLIND = 0.3  # signal-to-noise ratio of a typical fault below which it is not excited at all
+_UNSEEN = 1.0  # signal-to-noise ratio below which a combination is not seen
+_JOINED = 0.1  # correlation in the space of what is not seen, from which channels belong to one group
 _EPS = 1e-14
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """``level``: smallest eigenvalue in (typical fault/its standard deviation)², None where nothing was seen yet.
+    """The excitation of the faults in one window.
 
-    ``deviations``: standard deviation of each fault, the others unknown, in its own unit, ∞ where there is none;
-    ``identifiable``: whether that is at most what was asked; ``direction``: the combination that is seen least, a unit
-    vector in typical faults; ``groups``: channels that are not told apart, or not seen.
+    Attributes:
+        level: smallest eigenvalue, in (typical fault / its standard deviation)²; None without data.
+        needed: the level that the required accuracy needs.
+        deviations: standard deviation of each fault, the others being unknown, in its own unit; ∞ if it is not seen.
+        identifiable: whether that is at most the required one.
+        direction: the combination that is seen least, a unit vector in typical faults; small components are left out.
+        groups: channels that are not separated from each other, or not seen.
+        text: the same in a sentence.
     """
 
     level: float | None
@@ -33,16 +40,25 @@ class Excitation:
     identifiable: dict[str, bool]
     direction: dict[str, float]
     groups: tuple[tuple[str, ...], ...]
-    text: str
+    text: Message
 
 
-def excitation(J: np.ndarray, names: Sequence[str], typical: Sequence[float], accuracy: float) -> Excitation:
-    """From J over a window. ``accuracy``: standard deviation asked for, as a share of a typical fault."""
+def excitation(
+    J: np.ndarray, names: Sequence[str], typical: Sequence[float] | np.ndarray, accuracy: float
+) -> Excitation:
+    """Return the excitation of a window.
+
+    Args:
+        J: (p, p), the window's information.
+        names: (p,), the channels.
+        typical: (p,), typical sizes of faults.
+        accuracy: required standard deviation, as a share of a typical fault.
+    """
     J, T, needed = np.asarray(J, dtype=float), np.asarray(typical, dtype=float), 1.0 / accuracy**2
     if not len(names) or not np.isfinite(J).all():
-        none = dict.fromkeys(names, np.inf)
-        text = "the plant has no fault channels" if not len(names) else "nothing is known of this window"
-        return Excitation(None, needed, none, dict.fromkeys(names, False), {}, (), text)
+        unseen = dict.fromkeys(names, np.inf)
+        text = Message("diagnosis.excitation.unknown" if len(names) else "diagnosis.none.no-channels")
+        return Excitation(None, needed, unseen, dict.fromkeys(names, False), {}, (), text)
     N = J * np.outer(T, T)
     values, vectors = np.linalg.eigh((N + N.T) / 2)
     values = np.where(values <= _EPS * max(float(values[-1]), 1e-300), 0.0, values)
@@ -51,7 +67,7 @@ def excitation(J: np.ndarray, names: Sequence[str], typical: Sequence[float], ac
     weak = values < needed * (1 - 1e-9)
     unsure = [[i for i in g if spread[i] > accuracy] for g in _groups(vectors[:, weak])]
     groups = [g for g in unsure if g]
-    texts = [_words(g, N, values[weak], vectors[:, weak], names, T, needed) for g in groups]
+    texts = [_group_text(g, N, values[weak], vectors[:, weak], names, T, needed) for g in groups]
     return Excitation(
         level,
         needed,
@@ -59,14 +75,14 @@ def excitation(J: np.ndarray, names: Sequence[str], typical: Sequence[float], ac
         {n: bool(s <= accuracy * (1 + 1e-9)) for n, s in zip(names, spread, strict=True)},
         _direction(values, vectors, names),
         tuple(tuple(names[i] for i in g) for g in groups),
-        _sentence(texts, level, len(names)),
+        _text(texts, level, len(names)),
     )
 
 
-def band(J: np.ndarray, prior: Sequence[float]) -> np.ndarray:
-    """What a window can tell at all: √ of the diagonal of (J + diag(1/prior²))⁻¹. J may be a stack (…, p, p).
+def band(J: np.ndarray, prior: Sequence[float] | np.ndarray) -> np.ndarray:
+    """Return the standard deviation (…, p) that a window can reach: √ of the diagonal of (J + diag(1/prior²))⁻¹, J being (…, p, p).
 
-    ``prior`` (p): standard deviation of a fault of which nothing has been seen, usually its typical size.
+    `prior` (p,): standard deviation of a fault before any data, usually its typical size.
     """
     T = np.asarray(prior, dtype=float)
     N = np.asarray(J, dtype=float) * np.outer(T, T) + np.eye(len(T))
@@ -74,7 +90,7 @@ def band(J: np.ndarray, prior: Sequence[float]) -> np.ndarray:
 
 
 def _spread(values: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-    """√ of the diagonal of the inverse, ∞ for what lies in the null space."""
+    """Return √ of the diagonal of the inverse (p,), ∞ for channels with a component in the null space."""
     lost = values == 0.0
     blind = (vectors[:, lost] ** 2).sum(axis=1) > 1e-8
     variance = (vectors[:, ~lost] ** 2 / values[~lost]).sum(axis=1)
@@ -82,7 +98,7 @@ def _spread(values: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def _direction(values: np.ndarray, vectors: np.ndarray, names: Sequence[str]) -> dict[str, float]:
-    """The combination that is seen least. Of several that are not seen at all: that of the first channel among them."""
+    """Return the combination that is seen least; of several that are not seen at all, that of the first channel in them."""
     least = vectors[:, values <= values[0]]
     P = least @ least.T
     vector = P[:, int(np.argmax(np.diag(P) > MENTIONED**2 / len(P)))]
@@ -91,28 +107,26 @@ def _direction(values: np.ndarray, vectors: np.ndarray, names: Sequence[str]) ->
 
 
 def _groups(weak: np.ndarray) -> list[list[int]]:
-    """Channels that the weakly seen combinations join; the same however a basis of these is chosen."""
+    """Return the groups of channels that weakly seen combinations (p, combinations) join, whatever the basis of their space."""
     P = weak @ weak.T
     size = np.sqrt(np.maximum(np.diag(P), 0.0))
-    left, groups = [i for i in range(len(P)) if size[i] >= MENTIONED], []
-    while left:
-        group, reached = [], [left[0]]
+    rest, groups = [i for i in range(len(P)) if size[i] >= MENTIONED], []
+    while rest:
+        group, reached = [], [rest[0]]
         while reached:
             i = reached.pop()
-            left.remove(i)
+            rest.remove(i)
             group.append(i)
-            near = [j for j in left if abs(P[i, j]) >= _JOINED * size[i] * size[j]]
+            near = [j for j in rest if abs(P[i, j]) >= _JOINED * size[i] * size[j]]
             reached += [j for j in near if j not in reached]
         groups.append(sorted(group))
     return sorted(groups)
 
 
-# ---- words -------------------------------------------------------------------------------------------------------------------
-
-Text = tuple[str, str]  # what it is about, and what is said of it, with {} for it
+# ---- sentences ---------------------------------------------------------------------------------------------------------
 
 
-def _words(
+def _group_text(
     group: list[int],
     N: np.ndarray,
     values: np.ndarray,
@@ -120,41 +134,42 @@ def _words(
     names: Sequence[str],
     T: np.ndarray,
     needed: float,
-) -> Text:
-    """One group: the channel or channels, and what the window does not tell of them."""
-    them, asked = _listed([names[i] for i in group]), f"{needed**0.5:.3g} times are asked for"
+) -> Message:
+    """Return what a window does not show of one group of channels."""
     part = weak[group]
     share = (part**2).sum(axis=0)
     hidden = max(1, round(float(share.sum())))
     least = float(np.sqrt(values[share > 0.5 * share.max()].min()))
+    channels, required = [names[i] for i in group], needed**0.5
     if len(group) == 1:
-        seen = float(np.sqrt(max(N[group[0], group[0]], 0.0)))
-        if seen < _BLIND:
-            return them, "{} is not excited at all: its fault would not show in any output now"
-        if seen < _UNSEEN or seen < needed**0.5:
-            return (
-                them,
-                f"{{}} shows too little now: a typical fault stands out {_times(seen)} times above the noise, " + asked,
-            )
-        return them, f"{{}} is told from the others too little now: it stands out {_times(least)} times, {asked}"
-    how = "cannot be told apart with this input" if least < _UNSEEN else "can hardly be told apart with this input"
+        ratio = float(np.sqrt(max(N[group[0], group[0]], 0.0)))
+        if ratio < _BLIND:
+            return Message("diagnosis.excitation.blind", channels=channels, n=1)
+        weak_alone = ratio < _UNSEEN or ratio < required
+        code = "diagnosis.excitation.weak" if weak_alone else "diagnosis.excitation.confused"
+        return Message(code, channel=channels[0], times=_floored(ratio if weak_alone else least), required=required)
     if hidden >= len(group):
-        return them, f"{{}} show too little now: the least {_times(least)} times above the noise, {asked}"
+        return Message(
+            "diagnosis.excitation.weak-group", channels=channels, times=_floored(least), required=required
+        )
     if least >= _UNSEEN:
-        return them, f"{{}} {how}: what tells them apart stands out {_times(least)} times above the noise, {asked}"
+        return Message(
+            "diagnosis.excitation.hardly-separable", channels=channels, times=_floored(least), required=required
+        )
     if len(group) - hidden == 1:
-        return them, f"{{}} {how}: only their combination {_combination(group, part, names, T)} shows"
-    return them, f"{{}} {how}: only {len(group) - hidden} combinations of them show"
+        combination = _combination(group, part, names, T)
+        return Message("diagnosis.excitation.one-combination", channels=channels, combination=combination)
+    return Message("diagnosis.excitation.combinations", channels=channels, n=len(group) - hidden)
 
 
-def _times(value: float) -> str:
-    """Rounded down, so that what is too little never reads as enough."""
+def _floored(value: float) -> float:
+    """Return a value rounded down to two digits, so that a ratio that is too small never reads as large enough."""
     digits = 10.0 ** (1 - int(np.floor(np.log10(value)))) if value > 0 else 1.0
-    return f"{np.floor(value * digits) / digits:.2g}"
+    return float(np.floor(value * digits) / digits)
 
 
 def _combination(group: list[int], part: np.ndarray, names: Sequence[str], T: np.ndarray) -> str:
-    """What is seen of a group: the direction that the weak ones leave, in the faults' own units, the first counted once."""
+    """Return the one combination of a group that is seen, in the faults' own units, the first with factor one."""
     rest = np.eye(len(group)) - part @ part.T
     w = np.linalg.eigh(rest)[1][:, -1]  # a unit vector in typical faults
     shown = [i for i, v in enumerate(w) if abs(v) >= MENTIONED]
@@ -167,19 +182,13 @@ def _combination(group: list[int], part: np.ndarray, names: Sequence[str], T: np
     return text
 
 
-def _sentence(texts: list[Text], level: float, channels: int) -> str:
-    if not texts and channels == 1:
-        return f"the fault can be seen: a typical one stands out {level**0.5:.3g} times above the noise"
-    if not texts:  # the least visible one may stand out less than is asked of each fault by itself
-        return f"all faults can be told apart: the least visible combination stands out {level**0.5:.3g} times above the noise"
-    blind = [them for them, words in texts if "not excited at all" in words]
-    said = [words.replace("{}", them) for them, words in texts if "not excited at all" not in words]
-    if len(blind) > 1:
-        said.append(f"{_listed(blind)} are not excited at all: their faults would not show in any output now")
-    elif blind:
-        said.append(f"{blind[0]} is not excited at all: its fault would not show in any output now")
-    return "; ".join(said)
-
-
-def _listed(names: Sequence[str]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+def _text(texts: list[Message], level: float, channels: int) -> Message:
+    """Return the excitation in a sentence; channels that are not excited at all come last, together."""
+    if not texts:  # the least visible combination may stand out less than is required of each fault by itself
+        code = "diagnosis.excitation.visible" if channels == 1 else "diagnosis.excitation.separable"
+        return Message(code, times=level**0.5)
+    blind = [text.args["channels"][0] for text in texts if text.code == "diagnosis.excitation.blind"]
+    others = [text for text in texts if text.code != "diagnosis.excitation.blind"]
+    if blind:
+        others.append(Message("diagnosis.excitation.blind", channels=blind, n=len(blind)))
+    return joined(others)

@@ -1,9 +1,8 @@
-"""An input that would restore excitation: found by trying some on the plant without faults.
+"""An input that restores excitation, found by trying some on the plant without faults.
 
-Square waves, sines, random binary sequences and steps to other levels, within the declared bounds and around what the
-input is now, at periods around the plant's time constant. Each is simulated from the present state, and the filter's Ω
-along it gives J, as it would be seen. The one with the largest smallest eigenvalue (in typical faults) is proposed, in
-the smallest swing that is enough.
+Square waves, sines, random binary sequences and steps to other levels are tried, within the declared bounds and around the present value
+of the input, at periods around the plant's time constant. Each is simulated from the present state, and the filter's Ω along it gives J
+as it would be observed. The one with the largest smallest eigenvalue (in typical faults) is proposed, at the smallest swing that suffices.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -13,27 +12,33 @@ import numpy as np
 
 from thetascope.diagnosis.input_design.excitation import excitation
 from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
+from thetascope.diagnosis.sentences import joined
 from thetascope.engine.inputs.signals import constant, signal
 from thetascope.engine.observability.identifiability import Structure, structure
 from thetascope.engine.observers.support.kalman_defaults import state_scales
 from thetascope.engine.observers.support.time_constant import pace
 from thetascope.engine.simulation.experiment import Experiment, State
 from thetascope.engine.simulation.simulation import Simulation, row_values
+from thetascope.messages import Message
 
-SWINGS = (0.25, 0.1, 0.04)  # of the input's range, to each side
-WIDE = 0.5  # where that is not enough
-PERIODS = (0.6, 2.0, 6.0, 20.0)  # of the plant's time constant
+SWINGS = (0.25, 0.1, 0.04)  # to each side, as shares of the input's range
+WIDE = 0.5  # the swing that is tried where these do not suffice
+PERIODS = (0.6, 2.0, 6.0, 20.0)  # in time constants of the plant
 _LEAST_ROWS = 6  # in a period
-_BUDGET = 400_000  # base steps simulated in all, about
-_HELPS = 2.0  # times the level that there is now: less is no help
+_BUDGET = 400_000  # base steps of all simulations, about
+_HELPS = 2.0  # factor by which an input has to raise the level
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """``input`` and its ``signal`` (plain data of a Signal) from now on; None where nothing that was tried helps.
+    """A proposed input.
 
-    ``level``: smallest eigenvalue that it reaches (the best that was reached), ``before``: that of the present input,
-    ``needed``: that for the accuracy asked; all over one window, in (typical fault/its standard deviation)².
+    Attributes:
+        input, signal: the input and its course from now on (plain data of a Signal); None if nothing that was tried helps.
+        level: smallest eigenvalue that it reaches, over one window, in (typical fault / its standard deviation)².
+        before: the same for the present input.
+        needed: the level that the required accuracy needs.
+        text: the proposal, or why there is none.
     """
 
     input: str | None
@@ -41,7 +46,7 @@ class Proposal:
     level: float
     before: float
     needed: float
-    text: str
+    text: Message
 
 
 def propose(
@@ -53,42 +58,50 @@ def propose(
     accuracy: float,
     among: Sequence[str] | None = None,
 ) -> Proposal:
-    """Look for an input for ``experiment`` (as it is now) from state ``x`` at base step ``k`` on.
+    """Return an input that separates the faults.
 
-    window: length in s over which faults are to be told apart; accuracy: standard deviation asked for, as a share of a
-    typical fault; among: the channels that matter (None: all); the others are taken to be sound.
+    Args:
+        filter_: the detector's filter.
+        experiment: the experiment as it is now.
+        x: (n,), the present state of the plant.
+        k: the present base step.
+        window: time within which faults have to be separated, s.
+        accuracy: required standard deviation, as a share of a typical fault.
+        among: the channels to be separated, the others being healthy; None: all.
     """
     trial = _Trial(filter_, experiment, x, k, window, accuracy, among)
     before = trial.level(None, None)
     needed = 1.0 / accuracy**2
     if before >= needed:
-        text = "the input as it is tells the faults apart as far as any does: none is proposed"
-        return Proposal(None, None, before, before, needed, trial.and_structure(text))
+        text = trial.with_structure([Message("diagnosis.proposal.not-needed")])
+        return Proposal(None, None, before, before, needed, text)
     if not trial.inputs:
-        return Proposal(None, None, before, before, needed, "the plant has no input that could excite it")
+        return Proposal(None, None, before, before, needed, Message("diagnosis.proposal.no-input"))
     best, level = trial.best(SWINGS[0], before)
     if level < needed:
         wider, reached = trial.best(WIDE, before)
         best, level = (wider, reached) if reached > level else (best, level)
     if best is None or level < _HELPS * before or level < 1.0:
-        return Proposal(None, None, level, before, needed, trial.nothing())
+        return Proposal(None, None, level, before, needed, trial.no_proposal())
     for swing in SWINGS[1:] if level >= needed else ():
         smaller = next(m for n, m in trial.candidates(swing) if n == best[0] and _alike(m, best[1]))
         reached = trial.level(best[0], smaller)
         if reached < needed:
             break
         best, level = (best[0], smaller), reached
-    return Proposal(*best, level, before, needed, trial.sentence(*best, level, before, needed))
+    return Proposal(*best, level, before, needed, trial.text(*best, level, before, needed))
 
 
 def _alike(a: Mapping, b: Mapping) -> bool:
-    """The same but for the swing."""
+    """Return whether two signals differ in their swing only."""
     size = ("low", "high", "amplitude", "offset", "values")
-    same = {n: v for n, v in a.items() if n not in size} == {n: v for n, v in b.items() if n not in size}
-    return same and (a["kind"] != "steps" or (a["values"][1] > a["values"][0]) == (b["values"][1] > b["values"][0]))
+    equal = {n: v for n, v in a.items() if n not in size} == {n: v for n, v in b.items() if n not in size}
+    return equal and (a["kind"] != "steps" or (a["values"][1] > a["values"][0]) == (b["values"][1] > b["values"][0]))
 
 
 class _Trial:
+    """Simulations of one plant under other inputs, from its present state."""
+
     def __init__(
         self,
         filter_: InnovationFilter,
@@ -101,35 +114,35 @@ class _Trial:
     ):
         self.filter, self.x, self.k, self.accuracy = filter_, np.asarray(x, dtype=float), k, accuracy
         names = [c.removeprefix("theta.") for c in filter_.channels]
-        self.picked = [i for i, n in enumerate(names) if among is None or n in among]
-        self.names = [names[i] for i in self.picked]
+        self.chosen = [i for i, n in enumerate(names) if among is None or n in among]
+        self.names = [names[i] for i in self.chosen]
         model = filter_.context.model
         typical = {c["name"]: float(c.get("typical", 1.0)) for c in model["channels"]}
         self.typical = np.array([typical[n] for n in self.names])
         self.structure: Structure = structure(model, tuple(self.names))
         self.inputs = [u for u in model["inputs"] if f"u.{u['name']}" in experiment.signals]
-        sound = {n: constant(0.0) for n in experiment.signals if n.startswith("theta.")}
+        healthy = {n: constant(0.0) for n in experiment.signals if n.startswith("theta.")}
         measurement = experiment.measurement
         quiet = replace(measurement, faults=(), std=(0.0,) * len(measurement.std))
-        self.experiment = replace(experiment, estimators=(), measurement=quiet, signals=experiment.signals | sound)
-        self.now = k * experiment.step
-        tried = 4 + len(self.inputs) * (3 * len(PERIODS) + 2)
-        steps = min(window / experiment.step, max(_BUDGET / tried / 2, 50 * experiment.every))
+        self.experiment = replace(experiment, estimators=(), measurement=quiet, signals=experiment.signals | healthy)
+        self.t = k * experiment.step
+        trials = 4 + len(self.inputs) * (3 * len(PERIODS) + 2)
+        steps = min(window / experiment.step, max(_BUDGET / trials / 2, 50 * experiment.every))
         rows = max(4, int(steps / experiment.every))
         self.half, self.factor = rows, window / (rows * filter_.interval)  # J grows with time
 
     def best(self, swing: float, before: float) -> tuple[tuple[str, dict] | None, float]:
-        """The best candidate, the first of equals, and its level; None and ``before`` where none is better than that."""
+        """Return (candidate, level) of the best candidate, the first of equals; (None, `before`) if none is better."""
         best, level = None, before
-        for name, made in self.candidates(swing):
-            reached = self.level(name, made)
+        for name, course in self.candidates(swing):
+            reached = self.level(name, course)
             if reached > level * (1 + 1e-6):
-                best, level = (name, made), reached
+                best, level = (name, course), reached
         return best, level
 
-    def level(self, name: str | None, made: Mapping | None) -> float:
-        """The smallest eigenvalue that can be had (apart from what no input brings to light); 0 where the plant escapes."""
-        J = self.information(name, made)
+    def level(self, name: str | None, course: Mapping | None) -> float:
+        """Return the smallest eigenvalue, apart from combinations that no input shows; 0 if the plant leaves its domain."""
+        J = self.information(name, course)
         if J is None:
             return 0.0
         values = np.linalg.eigvalsh(J * np.outer(self.typical, self.typical))
@@ -137,10 +150,11 @@ class _Trial:
         level = float(max(values[hidden], 0.0)) if hidden < len(values) else 0.0
         return level if level > 1e-13 * values[-1] else 0.0
 
-    def information(self, name: str | None, made: Mapping | None) -> np.ndarray | None:
-        """J over the second half of two windows: by then the outputs answer to faults that have long been there."""
+    def information(self, name: str | None, course: Mapping | None) -> np.ndarray | None:
+        """Return J (p, p) over the second of two windows, when the response to faults has settled; None if the plant leaves its domain."""
         e = self.experiment
-        e = e if name is None else replace(e, signals=e.signals | {f"u.{name}": signal(made)})
+        if name is not None and course is not None:
+            e = replace(e, signals=e.signals | {f"u.{name}": signal(course)})
         count = 2 * self.half * e.every
         state = State(self.k, self.x.copy(), (), e.measurement.start())
         parts = [rows for _, rows in Simulation(e, e.substeps or 1).spans(count, state)]
@@ -152,11 +166,11 @@ class _Trial:
         first = self.filter.start()
         first[: self.filter.n] = self.x
         omega = self.filter.run(first, np.zeros(self.filter.p), table, index * e.step).omega[-self.half :]
-        omega = omega.reshape(-1, self.filter.p)[:, self.picked]
+        omega = omega.reshape(-1, self.filter.p)[:, self.chosen]
         return omega.T @ omega * self.factor if np.isfinite(omega).all() else None
 
     def _inside(self, plant: np.ndarray) -> bool:
-        """Whether the plant stays where it may be."""
+        """Return whether the plant's states (rows, n) are finite and stay in their domains."""
         if not np.isfinite(plant).all():
             return False
         context = self.filter.context
@@ -172,7 +186,7 @@ class _Trial:
     # ---- candidates ----------------------------------------------------------------------------------------------------
 
     def candidates(self, swing: float) -> Iterator[tuple[str, dict]]:
-        """Names of inputs and signals for them."""
+        """Yield (input, signal) of all candidates with a swing."""
         for u in self.inputs:
             low, high, middle, present = self._range(u, swing)
             for period in self._periods():
@@ -184,7 +198,7 @@ class _Trial:
                         "high": high,
                         "period": period,
                         "width": _short(period / 2),
-                        "start": self.now,
+                        "start": self.t,
                     },
                 )
                 yield (
@@ -199,12 +213,12 @@ class _Trial:
                 )
                 yield u["name"], {"kind": "prbs", "low": low, "high": high, "hold": _short(period / 2), "seed": 1}
             for value in (high, low):
-                yield u["name"], {"kind": "steps", "times": [self.now], "values": [present, value]}
+                yield u["name"], {"kind": "steps", "times": [self.t], "values": [present, value]}
 
     def _range(self, u: Mapping, swing: float) -> tuple[float, float, float, float]:
-        """Lower and upper value, their middle, and the value now."""
-        here = np.array([self.now])
-        present = float(self.experiment.signals[f"u.{u['name']}"](here, here + 1e-4 * self.experiment.step)[0])
+        """Return (lower value, upper value, their middle, present value) of an input."""
+        time = np.array([self.t])
+        present = float(self.experiment.signals[f"u.{u['name']}"](time, time + 1e-4 * self.experiment.step)[0])
         low, high = u.get("bounds") or (None, None)
         reach = 2 * max(abs(present), abs(float(u.get("default", 0.0))), 1e-300) or 1.0
         if abs(present) < 1e-300 and not u.get("default"):
@@ -219,60 +233,59 @@ class _Trial:
         constant_ = 1 / pace(self.filter.context.model)
         return sorted({_short(float(np.clip(p * constant_, least, max(least, most)))) for p in PERIODS})
 
-    # ---- words ---------------------------------------------------------------------------------------------------------
+    # ---- sentences ---------------------------------------------------------------------------------------------------
 
-    def sentence(self, name: str, made: dict, level: float, before: float, needed: float) -> str:
+    def text(self, name: str, course: dict, level: float, before: float, needed: float) -> Message:
+        """Return a proposal in a sentence."""
         unit = next((u.get("unit") or "" for u in self.inputs if u["name"] == name), "")
-        text = f"{_described(name, made, unit)} would "
-        reached = f"stand out {level**0.5:.3g} times above the noise instead of {before**0.5:.2g}"
-        if level >= needed and len(self.names) == 1:
-            text += f"show the fault: a typical one would {reached}"
-        elif level >= needed:
-            text += f"tell the faults apart: the least visible combination would {reached}"
-        else:
-            text += f"help: the least visible combination would {reached}; {needed**0.5:.3g} times are asked for"
-            J = self.information(name, made)
-            left = "" if J is None else excitation(J, self.names, self.typical, self.accuracy).text
-            return text + (f"; still {left}" if left else "")
-        return self.and_structure(text)
+        values = {"input": _course_text(name, course, unit), "level": level**0.5, "before": before**0.5}
+        if level >= needed:
+            one = len(self.names) == 1
+            return self.with_structure([Message("diagnosis.proposal.shows" if one else "diagnosis.proposal.separates", **values)])
+        texts = [Message("diagnosis.proposal.helps", required=needed**0.5, **values)]
+        J = self.information(name, course)
+        if J is not None:
+            texts.append(Message("diagnosis.proposal.still", rest=self._excitation(J)))
+        return joined(texts)
 
-    def and_structure(self, text: str) -> str:
-        """With what no input can tell apart."""
-        return text + (f"; {self.structure.confounded}" if self.structure.hidden else "")
+    def _excitation(self, J: np.ndarray) -> Message:
+        return excitation(J, self.names, self.typical, self.accuracy).text
 
-    def nothing(self) -> str:
-        """Why none is proposed."""
+    def with_structure(self, texts: list[Message]) -> Message:
+        """Return sentences, followed by the faults that no input separates."""
+        if self.structure.hidden:
+            texts = [*texts, Message("diagnosis.proposal.confounded", confounded=self.structure.confounded)]
+        return joined(texts)
+
+    def no_proposal(self) -> Message:
+        """Return why no input is proposed."""
         J = self.information(None, None)
-        now = "" if J is None else excitation(J, self.names, self.typical, self.accuracy).text
+        present = Message("diagnosis.excitation.unknown") if J is None else self._excitation(J)
         if self.structure.decided and self.structure.hidden:
-            return f"no course of an input that was tried helps, and {self.structure.confounded}: {now}"
-        listed = ", ".join(u["name"] for u in self.inputs)
+            confounded = self.structure.confounded
+            return Message("diagnosis.proposal.none-confounded", confounded=confounded, present=present)
+        inputs = [u["name"] for u in self.inputs]
         signals = [s["name"] for s in self.filter.context.model["signals"]]
-        fixed = f" with the known signals ({', '.join(signals)}) as they are" if signals else ""
-        return f"no course of {listed} that was tried helps{fixed}: {now}"
+        if signals:
+            return Message("diagnosis.proposal.none-signals", inputs=inputs, signals=signals, present=present)
+        return Message("diagnosis.proposal.none", inputs=inputs, present=present)
 
 
-def _described(name: str, made: Mapping, unit: str) -> str:
-    unit = f" {unit}" if unit else ""
-    match made["kind"]:
+def _course_text(name: str, course: Mapping, unit: str) -> Message:
+    """Return the course of an input in words; the numbers that it needs are arguments."""
+    values = {"input": name, "unit": f" {unit}" if unit else ""}
+    match course["kind"]:
         case "pulse":
-            return (
-                f"a square wave of {name} between {made['low']:g} and {made['high']:g}{unit} with a period of "
-                f"{made['period']:g} s"
-            )
+            values |= {n: course[n] for n in ("low", "high", "period")}
         case "sine":
-            return (
-                f"a sine of {name} about {made['offset']:g}{unit} with amplitude {made['amplitude']:g}{unit} and "
-                f"{made['frequency']:g} Hz"
-            )
+            values |= {n: course[n] for n in ("offset", "amplitude", "frequency")}
         case "prbs":
-            return (
-                f"{name} jumping at random between {made['low']:g} and {made['high']:g}{unit}, drawn anew every "
-                f"{made['hold']:g} s,"
-            )
-    return f"a step of {name} to {made['values'][1]:g}{unit}"
+            values |= {n: course[n] for n in ("low", "high", "hold")}
+        case _:
+            values |= {"value": course["values"][1]}
+    return Message(f"diagnosis.input.{course['kind']}", **values)
 
 
 def _short(value: float) -> float:
-    """Three digits are enough for a proposal."""
+    """Return a value rounded to three digits."""
     return float(f"{value:.3g}")

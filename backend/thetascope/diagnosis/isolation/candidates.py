@@ -1,10 +1,11 @@
-"""What could explain the data since some decision: one change of θ, two at once, or an output that cannot be trusted.
+"""Hypotheses for an unexplained change: one fault, two at the same time, or a faulty output.
 
-What is worth it (first_order.py) is held against the data in full (likelihood_fit.py). An output that cannot be trusted (stuck, delayed,
-noisy, …) is tried by not heeding it: its prediction by the others is then compared with what it shows, as noise of a variance
-to be estimated: N (1 + log(q/N)) in place of q, for N numbers.
+The first-order scan (first_order.py) selects faults, which are then fitted in full (likelihood_fit.py). A faulty output (stuck, delayed,
+noisy, …) is tested by ignoring it: its prediction from the other outputs is compared with its readings, taken as noise of an unknown
+variance, so that N (1 + log(q/N)) replaces the energy q of N numbers.
 """
 
+from collections import defaultdict
 from dataclasses import replace
 from itertools import combinations
 
@@ -15,128 +16,158 @@ from thetascope.diagnosis.isolation.first_order import FirstOrderScan
 from thetascope.diagnosis.isolation.likelihood_fit import (
     CLEAR,
     Explanation,
+    FitBatch,
     fit_sizes,
     pseudo_inverse,
     refine_onsets,
     residual_score,
 )
 from thetascope.diagnosis.isolation.replay import ReplayWindow
+from thetascope.diagnosis.yield_points import Steps
 
-AMBIGUOUS = 6.0  # an explanation within this is as good: odds below 20 to 1
-ROUGHLY = 0.1  # of the energy explained: what first-order answers may be wrong by
-_HELD = 4.0  # what a new fault has to explain more than a change of one that is on
-_TRIED = 4  # explanations that are held against the data in full
-_VAGUE = 3  # changes of θ that a distrusted output counts for
+AMBIGUOUS = 6.0  # lead in twice the log-likelihood below which two hypotheses explain the data equally well: odds of 20 to 1
+FIRST_ORDER_ERROR = 0.1  # relative error of the energy in the first-order scan
+_HELD = 4.0  # lead that a new fault needs over a change of one that is on
+_TRIED = 4  # hypotheses that are fitted in full
+_OUTPUT_EVENTS = 3  # events that a faulty output counts as in the penalty
 _BACK = 100  # decisions over which an output is compared with the others
 
 
-def faulty_outputs(window: ReplayWindow) -> list[Explanation]:
-    """For each output what not heeding it explains, from where it parts from what the filter makes of the others."""
-    answers = []
+def faulty_outputs(window: ReplayWindow) -> Steps[list[Explanation]]:
+    """Return for each trusted output the hypothesis that it is faulty, from where it departs from its prediction by the others."""
+    explanations = []
     for k in np.flatnonzero(window.trusted_outputs):
-        trusted_outputs = window.trusted_outputs.copy()
-        trusted_outputs[k] = 0.0
+        trusted = window.trusted_outputs.copy()
+        trusted[k] = 0.0
         begin = max(window.begin, window.end - _BACK)
-        one = window.expected_energy(window.end - begin, np.eye(len(trusted_outputs))[k])[0] / (
-            window.end - begin
-        )  # in a decision
-        shown = window.replay_trusting(begin, trusted_outputs).q[:, k]
-        left = (window.end - begin) - np.arange(window.end - begin)
-        after = shown[-1] - shown[:-1]
-        onset = begin + int(np.argmin(shown[:-1] + _vague(after, one * left)))
-        seen = window.replay_trusting(onset, trusted_outputs)
-        energy = (float(window.energy[onset - window.begin]) + float(seen.energy[-1])) / window.noise_unit
-        energy += float(_vague(seen.q[-1, k], one * (window.end - onset))) / window.noise_unit
-        found = residual_score(window, onset, float(seen.energy[-1]), trusted_outputs)
-        answers.append(Explanation((), int(k), onset, energy, energy + CLEAR * _VAGUE, *found, np.zeros((0, 0))))
-    return answers
+        length = window.end - begin
+        per_decision = window.expected_energy(length, np.eye(len(trusted))[k])[0] / length
+        yield
+        q = window.replay_trusting(begin, trusted).q[:, k]
+        after = q[-1] - q[:-1]
+        onset = begin + int(np.argmin(q[:-1] + _unknown_variance(after, per_decision * (length - np.arange(length)))))
+        yield
+        replay = window.replay_trusting(onset, trusted)
+        left, expected = float(replay.energy[-1]), per_decision * (window.end - onset)
+        energy = (float(window.energy[onset - window.begin]) + left) / window.noise_unit
+        energy += float(_unknown_variance(replay.q[-1, k], expected)) / window.noise_unit
+        score, share = residual_score(window, onset, left, trusted)
+        cost, none = energy + CLEAR * _OUTPUT_EVENTS, np.zeros((0, 0))
+        explanations.append(
+            Explanation((), int(k), onset, energy, cost, score, share, none, 0.0, np.zeros(0), none)
+        )
+    return explanations
 
 
-def _vague(q: np.ndarray, expected: np.ndarray | float) -> np.ndarray:
-    """Energy of numbers whose variance is estimated, at least one: instead of q, ``expected_energy`` being its mean."""
+def _unknown_variance(q: np.ndarray, expected: np.ndarray | float) -> np.ndarray:
+    """Return the energy that replaces q for numbers of an unknown variance of at least one; `expected`: the mean of q."""
     return np.minimum(q, expected) + expected * np.log(np.maximum(q / expected, 1.0))
 
 
 def single_faults(
     window: ReplayWindow,
-    seen: FirstOrderScan,
+    scan: FirstOrderScan,
     memory: float,
     held: set[int],
     options: tuple[Event, ...] = (),
     least_length: int = 0,
-) -> tuple[list[Explanation], bool]:
-    """One change of one channel: those that may be it, held against the data in full, the best first; and whether onsets were moved
-    to where they fit best. They are not where the best began less than ``least_length`` decisions ago, or has an equal, so that
-    nothing would be said anyway.
+) -> Steps[tuple[list[Explanation], bool]]:
+    """Return the best explanation of each channel by one fault, best first, and whether onsets were refined.
 
-    ``options`` are tried whatever the first order says of them.
+    Args:
+        window: the data.
+        scan: its first-order scan.
+        memory: decisions that θ₀ was estimated from: the statistic is reduced for longer windows.
+        held: channels with a fault that is on; a change of one of these is likelier than a new fault.
+        options: events to be tried in any case.
+        least_length: onsets are not refined where the best one is less than this many decisions ago or has a rival, because nothing
+            would be decided yet; 0: they always are.
     """
     noise = window.evidence.thresholds.noise
-    best = seen.energy.max(axis=0)
-    order = np.argsort(-best)[:_TRIED]
-    least = best[order[0]] * (1 - ROUGHLY) - AMBIGUOUS - CLEAR
-    tried = [o for o in options if o.onset_decision >= window.begin]
-    for place, c in enumerate(order):
-        for entry in seen.best_by_shape(int(c)):
-            if place > 1 and seen.energy[entry, c] < least:
-                continue
-            onset, rise = int(seen.onsets[entry]), float(seen.rise_times[entry])
-            size = float(seen.s[entry, c]) / max(float(seen.D[entry, c]), 1e-300)
-            tried.append(Event(int(c), onset, rise, size, bool(seen.exponential[entry])))
-    fits = fit_sizes(window, [(event,) for event in tried])
+    hypotheses = [o for o in options if o.onset_decision >= window.begin] + _scanned_events(scan)
+    fits = yield from fit_sizes(window, [(event,) for event in hypotheses])
     order = np.argsort(fits.cost, kind="stable")
-    rivals = [fits.cost[i] for i in order if tried[i].channel != tried[order[0]].channel]
-    hasty = window.end - fits.onset[order[0]] < least_length - 1 or (
-        rivals and rivals[0] < fits.cost[order[0]] + AMBIGUOUS / 2
+    best_cost = fits.cost[order[0]]
+    rivals = [fits.cost[i] for i in order if hypotheses[i].channel != hypotheses[order[0]].channel]
+    undecided = window.end - fits.onset[order[0]] < least_length - 1 or (
+        rivals and rivals[0] < best_cost + AMBIGUOUS / 2
     )
-    near = [int(i) for k, i in enumerate(order) if k < 2 or fits.cost[i] < fits.cost[order[0]] + 2 * CLEAR]
-    own = {}  # of each channel the best, and those that may yet be as good
-    for i in near:
-        own.setdefault(tried[i].channel, []).append(i)
-    near = [i for mine in own.values() for i in mine if fits.cost[i] < fits.cost[mine[0]] + AMBIGUOUS]
-    near = [] if least_length and hasty else near
-    answers = []
-    for fit in [*refine_onsets(fits, near), *(fits.explained(int(i)) for i in order if i not in near)]:
-        c, since = fit.events[0].channel, window.end - fit.onset
-        taken = float(window.energy[-1]) / window.noise_unit - fit.energy
-        statistic = taken / float(noise.largest_v[int(noise.nearest(since)), c]) / (1.0 + since / memory)
-        bonus = _HELD if c in held else 0.0  # a fault that changes is likelier than a new one
-        answers.append(replace(fit, cost=fit.cost - bonus, statistic=statistic))
-    answers.sort(key=lambda e: e.cost)
-    return [
-        e for i, e in enumerate(answers) if e.events[0].channel not in {o.events[0].channel for o in answers[:i]}
-    ], bool(near)
+    near = [] if least_length and undecided else _near_best(fits, order, hypotheses)
+    refined = yield from refine_onsets(fits, near)
+    explanations = []
+    for fit in [*refined, *(fits.explanation(int(i)) for i in order if i not in near)]:
+        c, length = fit.events[0].channel, window.end - fit.onset
+        gained = float(window.energy[-1]) / window.noise_unit - fit.energy
+        statistic = gained / float(noise.largest_v[int(noise.nearest(length)), c]) / (1.0 + length / memory)
+        bonus = _HELD if c in held else 0.0
+        explanations.append(replace(fit, cost=fit.cost - bonus, statistic=statistic))
+    explanations.sort(key=lambda e: e.cost)
+    best_of_channel: dict[int, Explanation] = {}
+    for e in explanations:
+        best_of_channel.setdefault(e.events[0].channel, e)
+    return list(best_of_channel.values()), bool(near)
 
 
-def double_faults(window: ReplayWindow, seen: FirstOrderScan, memory: float) -> list[Explanation]:
-    """Two changes at one instant, of those that explain most to first order; the best first."""
-    p, tried = seen.energy.shape[1], []
+def _scanned_events(scan: FirstOrderScan) -> list[Event]:
+    """Return the events of the leading channels, one for each shape; of channels after the second only those close to the best."""
+    best = scan.energy.max(axis=0)
+    order = np.argsort(-best)[:_TRIED]
+    least = best[order[0]] * (1 - FIRST_ORDER_ERROR) - AMBIGUOUS - CLEAR
+    events = []
+    for rank, c in enumerate(order):
+        for entry in scan.best_by_shape(int(c)):
+            if rank > 1 and scan.energy[entry, c] < least:
+                continue
+            size = float(scan.s[entry, c]) / max(float(scan.D[entry, c]), 1e-300)
+            onset, rise_time = int(scan.onsets[entry]), float(scan.rise_times[entry])
+            events.append(Event(int(c), onset, rise_time, size, bool(scan.exponential[entry])))
+    return events
+
+
+def _near_best(fits: FitBatch, order: np.ndarray, hypotheses: list[Event]) -> list[int]:
+    """Return the fits worth refining: in each channel near the best fit, the best one and those that may turn out equally good."""
+    best_cost = fits.cost[order[0]]
+    by_channel: dict[int, list[int]] = defaultdict(list)
+    for rank, i in enumerate(order):
+        if rank < 2 or fits.cost[i] < best_cost + 2 * CLEAR:
+            by_channel[hypotheses[i].channel].append(int(i))
+    return [i for own in by_channel.values() for i in own if fits.cost[i] < fits.cost[own[0]] + AMBIGUOUS]
+
+
+def double_faults(window: ReplayWindow, scan: FirstOrderScan, memory: float) -> Steps[list[Explanation]]:
+    """Return explanations by two simultaneous steps, of the pairs that explain most to first order; best first."""
+    p = scan.energy.shape[1]
     if p < 2:
         return []
-    steps = np.arange(len(seen.J))
-    for i, j in combinations(range(p), 2):
-        J, s = seen.J[:, [i, j]][:, :, [i, j]], seen.s[steps][:, [i, j]]
-        D = np.maximum(np.einsum("dii->di", J), 1e-300)
-        det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] ** 2
-        apart = det > 1e-6 * D[:, 0] * D[:, 1]
-        energy = np.where(
-            apart,
-            (J[:, 1, 1] * s[:, 0] ** 2 - 2 * J[:, 0, 1] * s[:, 0] * s[:, 1] + J[:, 0, 0] * s[:, 1] ** 2)
-            / np.where(apart, det, 1.0),
-            0.0,
-        )
-        k = int(energy.argmax())
-        tried.append((float(energy[k]), k, (i, j)))
-    tried = sorted(tried, reverse=True)[:_TRIED]
-    tries = []
-    for _, entry, (i, j) in tried:
-        size = pseudo_inverse(seen.J[entry][np.ix_([i, j], [i, j])]) @ seen.s[entry, [i, j]]
-        onset = int(seen.onsets[entry])
-        tries.append((Event(i, onset, 0.0, float(size[0])), Event(j, onset, 0.0, float(size[1]))))
-    fits = fit_sizes(window, tries)
-    found = [*refine_onsets(fits, [0]), *(fits.explained(k) for k in range(1, len(tries)))]
-    answers = [
+    best = sorted((_best_pair_onset(scan, i, j) for i, j in combinations(range(p), 2)), reverse=True)[:_TRIED]
+    hypotheses = []
+    for _, entry, (i, j) in best:
+        size = pseudo_inverse(scan.J[entry][np.ix_([i, j], [i, j])]) @ scan.s[entry, [i, j]]
+        onset = int(scan.onsets[entry])
+        hypotheses.append((Event(i, onset, 0.0, float(size[0])), Event(j, onset, 0.0, float(size[1]))))
+    fits = yield from fit_sizes(window, hypotheses)
+    refined = yield from refine_onsets(fits, [0])
+    explanations = [
         replace(fit, statistic=energy / (1.0 + (window.end - fit.onset) / memory))
-        for fit, (energy, *_) in zip(found, tried, strict=True)
+        for fit, (energy, *_) in zip(
+            [*refined, *(fits.explanation(k) for k in range(1, len(hypotheses)))], best, strict=True
+        )
     ]
-    return sorted(answers, key=lambda e: e.cost)
+    return sorted(explanations, key=lambda e: e.cost)
+
+
+def _best_pair_onset(scan: FirstOrderScan, i: int, j: int) -> tuple[float, int, tuple[int, int]]:
+    """Return (energy, entry, channels) of the onset at which steps in two channels explain most: sᵀ J⁻¹ s of the pair."""
+    steps = np.arange(len(scan.J))
+    J, s = scan.J[:, [i, j]][:, :, [i, j]], scan.s[steps][:, [i, j]]
+    D = np.maximum(np.einsum("dii->di", J), 1e-300)
+    det = J[:, 0, 0] * J[:, 1, 1] - J[:, 0, 1] ** 2
+    separable = det > 1e-6 * D[:, 0] * D[:, 1]
+    energy = np.where(
+        separable,
+        (J[:, 1, 1] * s[:, 0] ** 2 - 2 * J[:, 0, 1] * s[:, 0] * s[:, 1] + J[:, 0, 0] * s[:, 1] ** 2)
+        / np.where(separable, det, 1.0),
+        0.0,
+    )
+    k = int(energy.argmax())
+    return float(energy[k]), k, (i, j)

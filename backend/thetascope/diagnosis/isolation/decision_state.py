@@ -1,4 +1,8 @@
-"""What decisions are about, and where they stand: plain values."""
+"""The values that decisions are made of: findings, fault events, known faults, and the state after a decision.
+
+Everything here is immutable. Times are in decisions (blocks of rows, counted from t = 0) unless stated otherwise; p is the number
+of fault channels, m the number of outputs.
+"""
 
 import math
 from collections.abc import Callable
@@ -12,15 +16,24 @@ from thetascope.diagnosis.residuals.backward_pass import BackwardPass
 from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.diagnosis.residuals.segment import Segment
 
-NEVER = 1 << 62  # a decision that does not come
+NEVER = 1 << 62  # a decision that is never reached
 
 
 @dataclass(frozen=True)
 class Finding:
-    """One finding; times are decisions, sizes in the channels' units. ``channel`` None: not explained by the model.
+    """A fault that was detected, as the data so far describe it. Times are decisions, sizes in the channel's unit.
 
-    ``settled``: size and deviation when nothing had happened for a while: what it was, once it is over. ``initial``: those that it was
-    named with.
+    Attributes:
+        raised_at: decision at which the alarm was raised.
+        channel: index of the fault channel; None if no fault of the model explains the data.
+        alternatives: other channels that explain the data equally well.
+        onset, onset_from, onset_to: estimated onset and its 95 % interval.
+        size, deviation: estimated size and its standard deviation.
+        statistic: value of the test statistic when the alarm was raised.
+        output: index of the faulty output if `channel` is None.
+        cleared: decision at which the fault was over; None while it is on.
+        settled: (size, deviation) at the last time without a recent change; it is reported once the fault is over.
+        initial: (size, deviation) when the fault was first isolated.
     """
 
     raised_at: int
@@ -32,7 +45,7 @@ class Finding:
     size: float
     deviation: float
     statistic: float
-    output: int | None = None  # where it is not explained: the output that is at fault
+    output: int | None = None
     cleared: int | None = None
     settled: tuple[float, float] | None = None
     initial: tuple[float, float] | None = None
@@ -40,40 +53,49 @@ class Finding:
 
 @dataclass(frozen=True)
 class Event:
-    """One change of one channel's θ from decision ``onset`` on: by ``size`` within ``rise_time`` decisions (0: a step).
+    """A change of θ in one channel. Its course u(d) for size 1, d decisions after the onset, is
 
-    A rise that has no end (inf) goes up by ``size`` in every decision; one that is ``exponential`` goes as 1 − exp(−time/rise).
+    - a step: 1 (`rise_time` = 0),
+    - a ramp: min(d / rise_time, 1) (0 < `rise_time` < ∞),
+    - a drift: d, without end (`rise_time` = ∞; `size` is then the slope per decision),
+    - an exponential: 1 − exp(−d / rise_time) (`exponential`).
+
+    Attributes:
+        channel: index of the fault channel.
+        onset: decision of the onset; at a row, which may lie between two decisions.
+        rise_time: see above, in decisions.
+        size: factor of the course, in the channel's unit.
     """
 
     channel: int
-    onset: float  # at a row, which may be between two decisions
+    onset: float
     rise_time: float = 0.0
     size: float = 0.0
     exponential: bool = False
 
     @property
     def onset_decision(self) -> int:
-        """The decision after which its rows come."""
+        """The last decision at or before the onset."""
         return int(self.onset)
 
     @property
     def is_drift(self) -> bool:
+        """Whether it rises without end."""
         return self.rise_time == np.inf
 
     @property
-    def shape_key(self) -> tuple[int, float, float, bool]:
-        """What tells it from other events, whatever its size: two may begin in one channel at one time."""
-        return self.channel, self.onset, self.rise_time, self.exponential
-
-    @property
     def is_ramp(self) -> bool:
-        """Whether it goes up evenly to an end."""
+        """Whether it rises at a constant rate to an end."""
         return 0 < self.rise_time < np.inf and not self.exponential
 
     @property
+    def shape_key(self) -> tuple[int, float, float, bool]:
+        """Everything but the size. Two events of one channel may have the same onset."""
+        return self.channel, self.onset, self.rise_time, self.exponential
+
+    @property
     def course_parameters(self) -> tuple[float, float, float, float, float]:
-        """Its course for size 1: where it starts, by how much it goes up in a decision, where it ends, whether it bends (1), and how
-        quickly."""
+        """(start, rate, top, bend, decay) of u(d) = min(start + rate·d, top) + bend·(1 − exp(−decay·d)), d in decisions."""
         if self.exponential:
             return 0.0, 0.0, np.inf, 1.0, 1.0 / self.rise_time
         if self.is_drift:
@@ -81,69 +103,75 @@ class Event:
         return (0.0, 1.0 / self.rise_time, 1.0, 0.0, 0.0) if self.rise_time else (1.0, 0.0, np.inf, 0.0, 0.0)
 
     def course(self, d: np.ndarray) -> np.ndarray:
-        """What it is at each time ``d`` (in decisions), for size 1."""
-        start, rate, top, bend, decay_rate = self.course_parameters
+        """Return the course for size 1 at times `d` (any shape, in decisions)."""
+        start, rate, top, bend, decay = self.course_parameters
         since = np.asarray(d - self.onset)
-        return np.where(
-            since >= 0,
-            np.minimum(start + rate * since, top) - bend * np.expm1(-decay_rate * np.maximum(since, 0.0)),
-            0.0,
-        )
+        rising = np.minimum(start + rate * since, top) - bend * np.expm1(-decay * np.maximum(since, 0.0))
+        return np.where(since >= 0, rising, 0.0)
 
     def is_over(self, decision: int) -> bool:
-        """Whether from a decision on it goes on as `KnownTheta` can say."""
+        """Return whether `KnownTheta` can represent the course from a decision on: no ramp is still rising."""
         return self.onset + (self.rise_time if self.is_ramp else 0.0) <= decision
 
     def unit_value(self, decision: float) -> float:
-        """How far it has come at a decision, for size 1."""
-        start, rate, top, bend, decay_rate = self.course_parameters
+        """Return the course for size 1 at one decision."""
+        start, rate, top, bend, decay = self.course_parameters
         since = decision - self.onset
-        return min(start + rate * since, top) - bend * math.expm1(-decay_rate * since) if since >= 0 else 0.0
+        return min(start + rate * since, top) - bend * math.expm1(-decay * since) if since >= 0 else 0.0
 
     def at(self, decision: float) -> float:
-        """By how much θ has changed at a decision."""
+        """Return the change of θ at one decision."""
         return self.size * self.unit_value(decision)
 
 
 @dataclass(frozen=True)
 class KnownTheta:
-    """θ₀, what is known of θ: ``level`` (p) at decision ``since``, going up by ``slope`` (p) in every decision, and by ``asymptote`` (p) in
-    the end, at ``decay_rate`` (p)."""
+    """θ₀, the faults that are taken as known, as a function of time:
+
+    θ₀(d) = level + slope (d − since) + asymptote (1 − exp(−decay_rate (d − since))).
+
+    Attributes:
+        level, slope, asymptote, decay_rate: (p,), per decision where they are rates.
+        since: the decision to which `level` belongs.
+    """
 
     level: np.ndarray
     slope: np.ndarray
     asymptote: np.ndarray
     decay_rate: np.ndarray
-    since: int
+    since: float
 
     @classmethod
-    def zero(cls, channels: int, since: int) -> "KnownTheta":
-        return cls(*np.zeros((4, channels)), since)
+    def zero(cls, channels: int, since: float) -> "KnownTheta":
+        """Return θ₀ = 0."""
+        level, slope, asymptote, decay_rate = np.zeros((4, channels))
+        return cls(level, slope, asymptote, decay_rate, since)
 
     def course(self, d: np.ndarray) -> np.ndarray:
-        """θ₀ at times ``d`` (in decisions): times × p."""
+        """Return θ₀ (times, p) at times `d` (times,) in decisions."""
         after = (d - self.since)[:, None]
         value = self.level + self.slope * after
         return value - self.asymptote * np.expm1(-self.decay_rate * after) if self.asymptote.any() else value
 
-    def at(self, decision: int) -> np.ndarray:
+    def at(self, decision: float) -> np.ndarray:
+        """Return θ₀ (p,) at one decision."""
         return self.course(np.array([decision]))[0]
 
     def within_bounds(self, bounds: ThetaBounds) -> "KnownTheta":
-        """Within bounds, where it does not move on."""
+        """Return θ₀ clipped to bounds; a channel that would leave them stops moving."""
         level = np.clip(self.level, bounds.low, bounds.high)
-        goes = self.slope + self.asymptote * self.decay_rate
-        moves = (level == self.level) & ~((level <= bounds.low) & (goes < 0)) & ~((level >= bounds.high) & (goes > 0))
+        rate = self.slope + self.asymptote * self.decay_rate
+        moves = (level == self.level) & ~((level <= bounds.low) & (rate < 0)) & ~((level >= bounds.high) & (rate > 0))
         return replace(self, level=level, slope=self.slope * moves, asymptote=self.asymptote * moves)
 
     def without(self, channels: list[int]) -> "KnownTheta":
-        """With nothing known of these channels."""
+        """Return θ₀ with zero in some channels."""
         level, slope, asymptote = self.level.copy(), self.slope.copy(), self.asymptote.copy()
         level[channels] = slope[channels] = asymptote[channels] = 0.0
         return replace(self, level=level, slope=slope, asymptote=asymptote)
 
-    def plus(self, events: tuple[Event, ...], decision: int) -> "KnownTheta":
-        """With events that began before ``decision``, from there on."""
+    def plus(self, events: tuple[Event, ...], decision: float) -> "KnownTheta":
+        """Return θ₀ from a decision on, with events added that began before it and satisfy `Event.is_over`."""
         level, slope, decay_rate = self.at(decision), self.slope.copy(), self.decay_rate.copy()
         asymptote = self.asymptote * np.exp(-self.decay_rate * (decision - self.since))
         for e in events:
@@ -157,9 +185,13 @@ class KnownTheta:
 
 @dataclass(frozen=True)
 class TentativeEvent:
-    """An event that may still be seen otherwise. ``finding``: its finding (a new one, or that of the fault it changes).
+    """An event that may still be revised.
 
-    ``options``: it, and what else would explain the data as well; ``own``: the finding was raised for it.
+    Attributes:
+        event: its current estimate.
+        finding: index of the finding that it belongs to: a new one, or that of the fault it changes.
+        own: whether that finding was raised for this event.
+        options: `event` and the events that explain the data equally well.
     """
 
     event: Event
@@ -169,12 +201,21 @@ class TentativeEvent:
 
     @property
     def channels(self) -> set[int]:
+        """The channels of its options."""
         return {o.channel for o in self.options}
 
 
 @dataclass(frozen=True)
 class TentativeEvents:
-    """Events since decision ``begin``, before which ``base`` was known; looked at again at decision ``review_at``, unless ``settled``."""
+    """The latest events, which may still be revised, oldest first.
+
+    Attributes:
+        begin: decision from which on they are estimated.
+        base: θ₀ before that decision.
+        entries: the events.
+        review_at: decision of their next review.
+        settled: whether they are old enough to be left alone.
+    """
 
     begin: int
     base: KnownTheta
@@ -184,52 +225,78 @@ class TentativeEvents:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        return tuple(y.event for y in self.entries)
+        """The events alone."""
+        return tuple(entry.event for entry in self.entries)
 
 
 @dataclass(frozen=True)
 class DecisionState:
-    """Where decisions stand after decision ``at``."""
+    """The state of detection and isolation after decision `at`.
+
+    Attributes:
+        at: number of the latest decision.
+        start: unexplained changes began at this decision or later.
+        known: θ₀ that the filter takes as known.
+        trusted_outputs: (m,), 1 for outputs that the filter uses, 0 for those it ignores.
+        memory: number of decisions that `known` was estimated from.
+        passed: windows under test begin at this decision or later, because an earlier change vanished again.
+        detected: decision at which the change that is being isolated was detected; None: nothing is being isolated.
+        next_attempt: decision of the next attempt at isolation.
+        active: indices into `findings` of those that are on.
+        findings: all findings, in the order in which they were raised.
+        tentative: the latest events, while they may be revised.
+        restart: how the filter has to be changed before it continues; None: it continues as it is.
+    """
 
     at: int
-    start: int  # what is to be explained began here or later
+    start: int
     known: KnownTheta
-    trusted_outputs: np.ndarray  # m: outputs that the filter follows
-    memory: float = np.inf  # decisions that ``known`` was estimated from
-    passed: int = 0  # windows that are tested begin here or later, too: what was noticed before went away again
-    detected: int | None = None  # the decision at which what is being named was noticed
-    next_attempt: int = 0  # the decision at which naming is tried next
-    active: tuple[int, ...] = ()  # indices into ``findings``
+    trusted_outputs: np.ndarray
+    memory: float = np.inf
+    passed: int = 0
+    detected: int | None = None
+    next_attempt: int = 0
+    active: tuple[int, ...] = ()
     findings: tuple[Finding, ...] = field(default=())
     tentative: TentativeEvents | None = None
-    restart: "FilterRestart | None" = None  # to be told to the filter before it goes on
+    restart: "FilterRestart | None" = None
 
     @classmethod
     def initial(cls, thresholds: Thresholds, channels: int, outputs: int) -> "DecisionState":
+        """Return the state before the first decision: no fault known, all outputs trusted."""
         return cls(thresholds.begin, thresholds.begin, KnownTheta.zero(channels, thresholds.begin), np.ones(outputs))
 
 
 @dataclass(frozen=True)
 class FilterRestart:
-    """The filter is to go on otherwise: ``states`` are its states at the decisions up to this one as they ought to have been, None: as
-    they are."""
+    """The filter continues with another θ₀ or other trusted outputs.
+
+    Attributes:
+        states: corrected filter states at the latest decisions, up to the present one (decisions, filter states); None: they stay.
+    """
 
     states: np.ndarray | None = None
 
 
 @dataclass(frozen=True)
 class Evidence:
-    """What decisions are made from.
+    """Everything that decisions are based on.
 
-    ``segment(begin, at, known)`` gives the rows between two decisions to run the filter over again (`Segment`), what is known of θ being
-    a function of time in decisions. ``filter_state(decision)`` is the filter's as it was.
+    Attributes:
+        sums: sums of evidence at decisions.
+        thresholds: thresholds and the statistics of noise.
+        segment: (begin, end, θ₀ as a function of times in decisions) → the rows between two decisions, for running the filter again.
+        filter_state: decision → the filter's state there.
+        filter, backward_pass: the innovation filter and its backward pass.
+        oldest: the earliest decision for which `segment` and `filter_state` have data.
+        rows_per_decision: number of rows in one decision.
     """
 
     sums: WindowSums
     thresholds: Thresholds
-    segment: Callable[..., Segment]
+    segment: Callable[[int, int, Callable[[np.ndarray], np.ndarray]], Segment]
     filter_state: Callable[[int], np.ndarray]
     filter: InnovationFilter
     backward_pass: BackwardPass
-    oldest: int  # the earliest onset for which that can be done
-    rows_per_decision: int  # rows of evidence in one decision
+    oldest: int
+    rows_per_decision: int

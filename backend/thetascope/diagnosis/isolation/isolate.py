@@ -1,4 +1,4 @@
-"""What was noticed gets a name, a new one or another for what was named last."""
+"""Isolation: find the fault behind a detected change, either a new event or a revision of the latest ones."""
 
 from dataclasses import dataclass, replace
 
@@ -28,284 +28,294 @@ from thetascope.diagnosis.isolation.known_faults import (
 )
 from thetascope.diagnosis.isolation.likelihood_fit import CLEAR, Explanation, event_penalty
 from thetascope.diagnosis.isolation.replay import ReplayWindow
+from thetascope.diagnosis.yield_points import Steps
 
 SHARE = 0.7  # of the energy above the noise that a fault of the model has to explain
-PATIENCE = 8  # settling times, after which an answer is given as it stands,
-MOST_PATIENCE = 100  # decisions, if that is less
-YOUNG = LONGEST // 2  # decisions after which a finding is left as it is, lest it take up what comes after
-ACCEPTED_RESIDUAL = 4.0  # standard deviations of the noise's energy: what a true explanation may leave
-DOUBTFUL_RESIDUAL = 3.0  # the same, from which on it is asked what else it may be
-MOST_TENTATIVE = 3  # events that may still be seen otherwise
+PATIENCE = 8  # settling times after which the best explanation is accepted as it is,
+MOST_PATIENCE = 100  # or this number of decisions, if that is less
+REVISABLE = LONGEST // 2  # decisions after which an event is no longer revised, so that it does not absorb later changes
+ACCEPTED_RESIDUAL = 4.0  # standard deviations of the noise's energy that a true explanation may leave
+DOUBTFUL_RESIDUAL = 3.0  # the same, above which other hypotheses are tried too
+MOST_TENTATIVE = 3  # events that may be revised at one time
 
 
 @dataclass(frozen=True)
 class RankedExplanations:
-    """Explanations of the same data, the best first; ``revised``: the events that are pending whose place they take."""
+    """Explanations of one window of data, best first.
+
+    Attributes:
+        window: the data.
+        ranked: the explanations by cost.
+        revised: the tentative events that they replace.
+    """
 
     window: ReplayWindow
-    answers: list[Explanation]
+    ranked: list[Explanation]
     revised: tuple[TentativeEvent, ...] = ()
 
     @property
     def leader(self) -> Explanation:
-        return self.answers[0]
+        """The best explanation."""
+        return self.ranked[0]
 
 
-def isolate_fault(state: DecisionState, evidence: Evidence) -> DecisionState:
-    """One decision further with something noticed: name it, give it up, or wait for more."""
-    cal, at = evidence.thresholds, state.at + 1
-    state = drop_stale(replace(state, at=at), evidence)
+def isolate_fault(state: DecisionState, evidence: Evidence) -> Steps[DecisionState]:
+    """Return the state one decision later: the detected change is isolated, dismissed, or left for more data."""
+    assert state.detected is not None
+    thresholds, at = evidence.thresholds, state.at + 1
     waited = at - state.detected
+    state = drop_stale(replace(state, at=at), evidence)
     if at < state.next_attempt:
         return state
-    choice = _new_events(state, evidence, LEAST if waited < 2 * LEAST else 0)
+    choice = yield from _new_events(state, evidence, LEAST if waited < 2 * LEAST else 0)
     last = _last_review(state)
-    if last is not None and (_review_due(waited) or at == last or _ready(choice, state, evidence, waited)):
-        choice = _or_revision(state, evidence, choice)
+    if last is not None and (_review_due(waited) or at == last or _is_ready(choice, state, evidence, waited)):
+        choice = yield from _or_revision(state, evidence, choice)
     leader = choice.leader
-    if (
-        max(e.statistic for e in choice.answers) < 0.5 * cal.glr
-        and leader.output is None
-        and leader.left < 0.5 * cal.residual
-        and waited > cal.settle
-    ):
-        return replace(state, detected=None, passed=at - cal.settle)  # it went away again
-    if not _ready(choice, state, evidence, waited):
-        again = at + max(1, waited // 2)
-        return replace(state, next_attempt=last if last is not None and at < last < again else again)
-    if (
-        leader.output is None
-        and leader.statistic > 0.5 * cal.glr
-        and (leader.left < ACCEPTED_RESIDUAL or leader.share >= SHARE)
-    ):
-        return accept_leader(state, evidence, choice)
-    return _unexplained(state, evidence, choice)
+    vanished = max(e.statistic for e in choice.ranked) < 0.5 * thresholds.glr and leader.output is None
+    if vanished and leader.left < 0.5 * thresholds.residual and waited > thresholds.settle:
+        return replace(state, detected=None, passed=at - thresholds.settle)
+    if not _is_ready(choice, state, evidence, waited):
+        attempt = at + max(1, waited // 2)
+        return replace(state, next_attempt=last if last is not None and at < last < attempt else attempt)
+    explained = leader.left < ACCEPTED_RESIDUAL or leader.share >= SHARE
+    if leader.output is None and leader.statistic > 0.5 * thresholds.glr and explained:
+        return (yield from accept_leader(state, evidence, choice))
+    return (yield from _raise_unexplained(state, evidence, choice))
 
 
 def _review_due(waited: int) -> bool:
-    """When what was named last is looked at again though nothing is to be said yet: it takes long."""
+    """Return whether to review the latest events although no decision is due: after 4, 8, 16 … decisions of waiting."""
     return waited >= LEAST and waited & (waited - 1) == 0
 
 
 def _last_review(state: DecisionState) -> int | None:
-    """The last decision at which what was named last can be looked at with all its data; None: nothing is to be looked at."""
+    """Return the last decision at which the latest event can be reviewed with all its data; None: nothing to review."""
     tentative = state.tentative
-    return None if tentative is None or tentative.settled else _kept_until(tentative.entries[-1].event.onset_decision)
+    if tentative is None or tentative.settled:
+        return None
+    return _data_until(tentative.entries[-1].event.onset_decision)
 
 
-def _kept_until(onset: int) -> int:
-    """The last decision at which all data since an onset are there."""
+def _data_until(onset: int) -> int:
+    """Return the last decision at which all data since an onset are available."""
     return onset + LONGEST - 1
 
 
 def next_review(state: DecisionState, onset: int) -> int:
-    """When what began at an onset is looked at again: when there is twice as much data, and once more before these are forgotten."""
-    following, last = state.at + max(2, state.at - onset), _kept_until(onset)
+    """Return when to review an event: when there are twice as many data, and once more before they are dropped."""
+    following, last = state.at + max(2, state.at - onset), _data_until(onset)
     return last if state.at < last < following else following
 
 
-def _ready(choice: RankedExplanations, state: DecisionState, evidence: Evidence, waited: int) -> bool:
-    """Whether an answer is given: it is sure and has taken its form, or it has been waited for long enough."""
+def _is_ready(choice: RankedExplanations, state: DecisionState, evidence: Evidence, waited: int) -> bool:
+    """Return whether to decide: the leader is clear and has enough data, or patience has run out."""
     leader = choice.leader
-    formed = state.at - leader.onset >= (LEAST if len(leader.events) == 1 else 2 * LEAST)
-    formed &= leader.output is not None or leader.statistic > evidence.thresholds.glr
-    formed &= waited >= 2 * LEAST or not any(
-        e.rise_time for e in leader.events
-    )  # a slow fault does not show from its onset on
-    return (_sure(choice, state) and formed and leader.left < ACCEPTED_RESIDUAL) or waited >= _patience(
-        choice, state, evidence
-    )
+    enough = state.at - leader.onset >= (LEAST if len(leader.events) == 1 else 2 * LEAST)
+    enough &= leader.output is not None or leader.statistic > evidence.thresholds.glr
+    enough &= waited >= 2 * LEAST or not any(e.rise_time for e in leader.events)  # a slow fault shows late
+    clear = _is_clear(choice) and enough and leader.left < ACCEPTED_RESIDUAL
+    return clear or waited >= _patience(choice, state, evidence)
 
 
 def _patience(choice: RankedExplanations, state: DecisionState, evidence: Evidence) -> int:
-    """Decisions after which an answer is given as it stands: more, if it is open whether a fault is new at all."""
-    held = {state.findings[i].channel for i in state.active}
-    near = [e for e in choice.answers if e.cost - choice.leader.cost < CLEAR and e.output is None]
+    """Return after how many decisions the leader is accepted as it is: later if it is open whether the fault is new."""
+    held = _held_channels(state)
+    near = [e for e in choice.ranked if e.cost - choice.leader.cost < CLEAR and e.output is None]
     if len({bool({v.channel for v in e.events} & held) for e in near}) > 1:
         return MOST_PATIENCE
     return min(PATIENCE * max(evidence.thresholds.settle, LEAST), MOST_PATIENCE)
 
 
-def _sure(choice: RankedExplanations, state: DecisionState) -> bool:
-    """Whether the leader has no rival, or what it could be is known already."""
+def _held_channels(state: DecisionState) -> set[int]:
+    """Return the channels with a finding that is on."""
+    return {channel for i in state.active if (channel := state.findings[i].channel) is not None}
+
+
+def _is_clear(choice: RankedExplanations) -> bool:
+    """Return whether the leader has no rival, or is among the options that it was known to have."""
     leader = choice.leader
     if choice.revised and leader.output is None and {e.channel for e in leader.events} <= _channels(choice.revised):
         return True
-    rivals = [e for e in choice.answers[1:] if e.output is None or leader.output is None]
+    rivals = [e for e in choice.ranked[1:] if e.output is None or leader.output is None]
     return not rivals or rivals[0].cost - leader.cost > CLEAR
 
 
-def _new_events(state: DecisionState, evidence: Evidence, least_length: int) -> RankedExplanations:
-    """What new events may explain the data; ``least_length``: see `single_faults`."""
-    held = {state.findings[i].channel for i in state.active} - {None}
-    tentative = state.tentative
+# ---- hypotheses --------------------------------------------------------------------------------------------------------
+
+
+def _new_events(state: DecisionState, evidence: Evidence, least_length: int) -> Steps[RankedExplanations]:
+    """Return the explanations by new events; `least_length`: see `single_faults`."""
+    tentative, held = state.tentative, _held_channels(state)
+    yield
     if tentative is None:
+        begin = max(state.start, earliest_replay(state, evidence))
+        window = ReplayWindow.of(evidence, state.known, (), begin, state.at, state.trusted_outputs)
+        memory = state.memory
+    else:
         window = ReplayWindow.of(
-            evidence,
-            state.known,
-            (),
-            max(state.start, earliest_replay(state, evidence)),
-            state.at,
-            state.trusted_outputs,
+            evidence, tentative.base, tentative.events, tentative.begin, state.at, state.trusted_outputs
         )
-        return RankedExplanations(window, _explanations(window, state.memory, held, least_length=least_length))
-    window = ReplayWindow.of(
-        evidence, tentative.base, tentative.events, tentative.begin, state.at, state.trusted_outputs
-    )
-    return RankedExplanations(
-        window, _explanations(window, state.memory if tentative.settled else np.inf, held, least_length=least_length)
-    )
+        memory = state.memory if tentative.settled else np.inf
+    ranked = yield from _explanations(window, memory, held, least_length=least_length)
+    return RankedExplanations(window, ranked)
 
 
-def _or_revision(state: DecisionState, evidence: Evidence, new: RankedExplanations) -> RankedExplanations:
-    """What was named last named otherwise, if that explains the data better than new events do."""
+def _or_revision(state: DecisionState, evidence: Evidence, new: RankedExplanations) -> Steps[RankedExplanations]:
+    """Return the best revision of the latest events if it explains the data better than new events, else `new`."""
     tentative = state.tentative
+    assert tentative is not None
     groups = dict.fromkeys(
         group
         for entry in (*latest_open(tentative), tentative.entries[-1])
         for group in ((entry,), coupled_events(tentative, entry))
     )
-    instead = min(
-        (alternatives_of(state, evidence, group) for group in groups),
-        key=lambda c: c.leader.cost - penalty_of(c.revised),
-    )
-    # a fault named a moment ago was named wrongly, rather than that it has changed by now
-    group = instead.revised
-    changed = any(entry.own for entry in group) and {e.channel for e in new.leader.events} == {group[-1].event.channel}
-    more = CLEAR if changed and state.at - state.findings[group[-1].finding].raised_at < SOON else 0.0
-    return instead if instead.leader.cost < new.leader.cost + penalty_of(group) + more else new
+    revisions = []
+    for group in groups:
+        revisions.append((yield from alternatives_of(state, evidence, group)))
+    revision = min(revisions, key=lambda r: r.leader.cost - penalty_of(r.revised))
+    group = revision.revised
+    # a fault isolated a moment ago was isolated wrongly, rather than that it has changed already
+    repeated = any(entry.own for entry in group) and {e.channel for e in new.leader.events} == {group[-1].event.channel}
+    bonus = CLEAR if repeated and state.at - state.findings[group[-1].finding].raised_at < SOON else 0.0
+    return revision if revision.leader.cost < new.leader.cost + penalty_of(group) + bonus else new
 
 
 def latest_open(tentative: TentativeEvents) -> list[TentativeEvent]:
-    """The latest event that could be something else."""
+    """Return the latest event that has alternatives, if there is one."""
     return [entry for entry in tentative.entries if len(entry.options) > 1][-1:]
 
 
 def coupled_events(tentative: TentativeEvents, member: TentativeEvent) -> tuple[TentativeEvent, ...]:
-    """The events that are seen as one fault with another: if that is wrong, so are they."""
+    """Return the events that belong to the same fault as `member`: if one is wrong, so are the others."""
     return tuple(entry for entry in tentative.entries if entry.finding == member.finding)
 
 
 def penalty_of(entries: tuple[TentativeEvent, ...]) -> float:
-    """What events cost themselves, in twice the log of a likelihood."""
+    """Return the sum of the penalties of events, in twice the log-likelihood."""
     return sum(event_penalty(entry.event) for entry in entries)
 
 
 def _channels(entries: tuple[TentativeEvent, ...]) -> set[int]:
-    return set().union(*(entry.channels for entry in entries))
+    """Return the channels that events may belong to."""
+    return {channel for entry in entries for channel in entry.channels}
 
 
-def alternatives_of(state: DecisionState, evidence: Evidence, group: tuple[TentativeEvent, ...]) -> RankedExplanations:
-    """What else events that are pending may have been: one of another shape, or another fault."""
+def alternatives_of(
+    state: DecisionState, evidence: Evidence, group: tuple[TentativeEvent, ...]
+) -> Steps[RankedExplanations]:
+    """Return what may replace tentative events: an event of another shape, or another fault."""
     tentative, own = state.tentative, any(entry.own for entry in group)
+    assert tentative is not None
     others = tuple(entry.event for entry in tentative.entries if entry not in group)
+    yield
     window = ReplayWindow.of(evidence, tentative.base, others, tentative.begin, state.at, state.trusted_outputs)
-    held = {state.findings[i].channel for i in state.active} - {None, group[-1].event.channel if own else None}
+    held = _held_channels(state) - ({group[-1].event.channel} if own else set())
     options = tuple(dict.fromkeys(o for entry in group for o in entry.options))
-    return RankedExplanations(
-        window, _keep_channel(_explanations(window, np.inf, held, options), group[-1].event.channel), group
-    )
+    explanations = yield from _explanations(window, np.inf, held, options)
+    return RankedExplanations(window, _prefer_channel(explanations, group[-1].event.channel), group)
 
 
-def _keep_channel(answers: list[Explanation], channel: int) -> list[Explanation]:
-    """The name that was given comes first as long as it explains the data as well."""
-    same = [e for e in answers if [v.channel for v in e.events] == [channel]]
-    if same and same[0].cost < answers[0].cost + AMBIGUOUS:
-        return [same[0], *(e for e in answers if e is not same[0])]
-    return answers
+def _prefer_channel(ranked: list[Explanation], channel: int) -> list[Explanation]:
+    """Return explanations with that of a channel first if it is as good as the best."""
+    same = [e for e in ranked if [v.channel for v in e.events] == [channel]]
+    if same and same[0].cost < ranked[0].cost + AMBIGUOUS:
+        return [same[0], *(e for e in ranked if e is not same[0])]
+    return ranked
 
 
 def _explanations(
     window: ReplayWindow, memory: float, held: set[int], options: tuple[Event, ...] = (), least_length: int = 0
-) -> list[Explanation]:
-    seen = first_order_scan(window, bool(options))
-    answers, exact = single_faults(window, seen, memory, held, options, least_length)
-    if answers[0].left > DOUBTFUL_RESIDUAL and exact:
-        glr = window.evidence.thresholds.glr
-        if not any(
-            e.left < ACCEPTED_RESIDUAL and e.statistic > glr and window.end - e.onset >= 2 * LEAST for e in answers
-        ):
-            answers += faulty_outputs(window)
-        answers += double_faults(window, seen, memory)
-    return sorted(answers, key=lambda e: e.cost)
+) -> Steps[list[Explanation]]:
+    """Return explanations by cost: one fault, and if that leaves too much, a faulty output or two faults; see `single_faults`."""
+    scan = yield from first_order_scan(window, bool(options))
+    explanations, refined = yield from single_faults(window, scan, memory, held, options, least_length)
+    if explanations[0].left > DOUBTFUL_RESIDUAL and refined:
+        if not any(_is_acceptable(window, e) for e in explanations):
+            explanations += yield from faulty_outputs(window)
+        explanations += yield from double_faults(window, scan, memory)
+    return sorted(explanations, key=lambda e: e.cost)
 
 
-# ---- findings ------------------------------------------------------------------------------------------------------------
+def _is_acceptable(window: ReplayWindow, explanation: Explanation) -> bool:
+    long_enough = window.end - explanation.onset >= 2 * LEAST
+    significant = explanation.statistic > window.evidence.thresholds.glr
+    return explanation.left < ACCEPTED_RESIDUAL and significant and long_enough
 
 
-def accept_leader(state: DecisionState, evidence: Evidence, choice: RankedExplanations) -> DecisionState:
-    """The leading explanation is it. The filter is to be told."""
+# ---- decisions ---------------------------------------------------------------------------------------------------------
+
+
+def accept_leader(state: DecisionState, evidence: Evidence, choice: RankedExplanations) -> Steps[DecisionState]:
+    """Accept the best explanation, raise or revise its findings, and restart the filter."""
     leader, window, tentative = choice.leader, choice.window, state.tentative
-    old: tuple[TentativeEvent, ...] = () if tentative is None else tentative.entries
     named = {e.channel for e in leader.events}
-    again, *others = sorted(
-        (entry for entry in choice.revised if entry.own), key=lambda entry: entry.event.channel not in named
-    ) or [None]
-    old = tuple(entry for entry in old if entry not in choice.revised)
-    for other in others:  # two findings turn out to be one
-        state = withdraw(state, other) if other.finding != again.finding else state
-    if again is not None and not named & _channels(choice.revised):
-        state, again = withdraw(state, again), None
-    entries = []
+    old = tuple(e for e in (() if tentative is None else tentative.entries) if e not in choice.revised)
+    own = sorted((e for e in choice.revised if e.own), key=lambda e: e.event.channel not in named)
+    reused = own[0] if own else None
+    for other in own[1:]:  # two findings turn out to be one
+        state = withdraw(state, other) if other.finding != own[0].finding else state
+    if reused is not None and not named & _channels(choice.revised):
+        state, reused = withdraw(state, reused), None
+    new = []
     for event in leader.events:
         options = (event, *_other_options(choice, event))
-        mine = again is not None and event.channel in _channels(choice.revised)
-        state, i, own = assign_finding(state, window, leader.statistic, event, options, again.finding if mine else None)
-        again = None if mine else again
-        entries.append(TentativeEvent(event, i, own, options))
-    begin, base, review = window.begin, window.base, next_review(state, leader.onset)
-    if tentative is None or len(old) + len(entries) > MOST_TENTATIVE or state.at - begin > YOUNG:
-        begin = max(begin, _window_begin(state, old, entries))
-        over = tuple(
-            entry for entry in old if entry.event.onset_decision < begin and entry.event.is_over(begin)
-        )  # left as they are
-        base, old = (
-            base.plus(tuple(entry.event for entry in over), begin),
-            tuple(entry for entry in old if entry not in over),
-        )
-    state = replace(state, detected=None, tentative=TentativeEvents(begin, base, (*old, *entries), review))
-    return commit_fit(state, evidence, leader)
+        reuse = reused if reused is not None and event.channel in _channels(choice.revised) else None
+        finding = None if reuse is None else reuse.finding
+        state, i, is_own = yield from assign_finding(state, window, leader.statistic, event, options, finding)
+        reused = None if reuse is not None else reused
+        new.append(TentativeEvent(event, i, is_own, options))
+    begin, base, review_at = window.begin, window.base, next_review(state, leader.onset)
+    if tentative is None or len(old) + len(new) > MOST_TENTATIVE or state.at - begin > REVISABLE:
+        begin = max(begin, _window_begin(state, old, new))
+        over = tuple(e for e in old if e.event.onset_decision < begin and e.event.is_over(begin))  # no longer revised
+        base, old = base.plus(tuple(e.event for e in over), begin), tuple(e for e in old if e not in over)
+    state = replace(state, detected=None, tentative=TentativeEvents(begin, base, (*old, *new), review_at))
+    return (yield from commit_fit(state, evidence, leader))
 
 
-def _window_begin(state: DecisionState, old: tuple[TentativeEvent, ...], entries: list[TentativeEvent]) -> int:
-    """The decision from which on data are needed: before what is new, and what belongs to it; no rise is cut in two."""
-    new = min(entry.event.onset_decision for entry in entries)
-    faults = {entry.finding for entry in entries}
-    first = min(
-        [new, *(entry.event.onset_decision for entry in old if entry.event.is_drift or entry.finding in faults)]
-    ) - (state.at - new)
+def _window_begin(state: DecisionState, old: tuple[TentativeEvent, ...], new: list[TentativeEvent]) -> int:
+    """Return the decision from which data are needed: as long before the new events as after them, without cutting a rise in two."""
+    onset = min(entry.event.onset_decision for entry in new)
+    faults = {entry.finding for entry in new}
+    related = (e.event.onset_decision for e in old if e.event.is_drift or e.finding in faults)
+    first = min([onset, *related]) - (state.at - onset)
     for event in sorted((entry.event for entry in old), key=lambda e: -e.onset):
         first = first if event.is_over(first) else min(first, event.onset_decision)
     return first
 
 
 def _other_options(choice: RankedExplanations, event: Event) -> list[Event]:
-    """What else an event could be: of explanations that are as good and differ in it alone."""
+    """Return the events that could replace one of the leader's: those of equally good explanations that differ in it alone."""
     leader = choice.leader
     rest = {e.channel for e in leader.events} - {event.channel}
-    found = []
-    for other in choice.answers[1:]:
-        mine = [e for e in other.events if e.channel not in rest]
-        if other.cost - leader.cost < AMBIGUOUS and len(other.events) == len(leader.events) and len(mine) == 1:
-            found.append(mine[0])
-    return found
+    options = []
+    for other in choice.ranked[1:]:
+        differing = [e for e in other.events if e.channel not in rest]
+        equally_good = other.cost - leader.cost < AMBIGUOUS and len(other.events) == len(leader.events)
+        if equally_good and len(differing) == 1:
+            options.append(differing[0])
+    return options
 
 
-def _unexplained(state: DecisionState, evidence: Evidence, choice: RankedExplanations) -> DecisionState:
-    """No channel explains it: an output is not to be trusted, or something is on that is not in the model."""
-    outputs = [e for e in choice.answers if e.output is not None]
+def _raise_unexplained(
+    state: DecisionState, evidence: Evidence, choice: RankedExplanations
+) -> Steps[DecisionState]:
+    """Return the state with a finding that no channel explains: one output is faulty, or the model lacks the fault."""
+    outputs = [e for e in choice.ranked if e.output is not None]
     if not outputs:
-        outputs = faulty_outputs(choice.window)
+        outputs = yield from faulty_outputs(choice.window)
     best = min(outputs, key=lambda e: e.cost)
-    left = min((e.left for e in choice.answers if e.output is None), default=best.left)
-    if best.left < evidence.thresholds.residual or best.share >= SHARE:
-        return exclude_output(state, evidence, best.output, best.onset, left)
-    found = Finding(state.at, None, (), best.onset, best.onset, best.onset, np.nan, np.nan, left, best.output)
+    left = min((e.left for e in choice.ranked if e.output is None), default=best.left)
+    if best.output is not None and (best.left < evidence.thresholds.residual or best.share >= SHARE):
+        return (yield from exclude_output(state, evidence, best.output, best.onset, left))
+    onset = best.onset
+    finding = Finding(state.at, None, (), onset, onset, onset, np.nan, np.nan, left, best.output)
     return replace(
         state,
         detected=None,
         start=state.at,
-        findings=(*state.findings, found),
+        findings=(*state.findings, finding),
         active=(*state.active, len(state.findings)),
         restart=FilterRestart(),
         tentative=None,

@@ -1,4 +1,4 @@
-"""What was found is taken as known: findings get their sizes and their ends, and the filter is told."""
+"""Accept events as known: findings get their sizes and ends, and the filter is restarted with the new θ₀."""
 
 from dataclasses import replace
 
@@ -19,165 +19,214 @@ from thetascope.diagnosis.isolation.first_order import onset_interval
 from thetascope.diagnosis.isolation.likelihood_fit import Explanation
 from thetascope.diagnosis.isolation.ramp_uncertainty import shape_variance
 from thetascope.diagnosis.isolation.replay import ReplayWindow
+from thetascope.diagnosis.yield_points import Steps
 
-VAGUEST = 3.0  # times as uncertain as if its shape were known is a rise that is still going on
-GONE = 0.2  # of its size: a fault whose estimate falls below is over
-LEAST = 4  # decisions that an answer takes: a single outlier looks like anything over one
-SOON = 20  # decisions after which a fault may have changed since it was named
-RECENT = 100  # decisions within which an output that fails again has not been well
+LARGEST_INFLATION = 3.0  # of the deviation of a rise that is still going on, against one of known shape
+GONE = 0.2  # of its size: a fault whose estimate falls below this is over
+LEAST = 4  # decisions that isolation takes at least: over one, a single outlier resembles any fault
+SOON = 20  # decisions after a fault was isolated during which it is not taken to have changed
+RECENT = 100  # decisions: an output that fails again within this time was faulty throughout
 
 
-def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> DecisionState:
-    """Take what is pending as known, with the sizes of a fit; findings are told them."""
+def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> Steps[DecisionState]:
+    """Return the state with the tentative events, sized by a fit of them, taken as known.
+
+    Findings get their sizes; those whose fault has vanished are cleared. The filter has to be restarted.
+    """
+    assert state.tentative is not None
     tentative = _merge_ramp(state.tentative, fit)
-    sizes = {e.shape_key: e for e in fit.events}
-    entries = tuple(replace(entry, event=sizes.get(entry.event.shape_key, entry.event)) for entry in tentative.entries)
-    events = tuple(entry.event for entry in entries)
-    known = tentative.base.plus(events, state.at).within_bounds(evidence.thresholds.bounds)
-    length = state.at - fit.onset
-    memory = float(length) / (4 if any(e.is_drift for e in fit.events) else 1)
+    fitted = {e.shape_key: e for e in fit.events}
+    entries = tuple(replace(entry, event=fitted.get(entry.event.shape_key, entry.event)) for entry in tentative.entries)
+    tentative = replace(tentative, entries=entries)
+    known = tentative.base.plus(tentative.events, state.at).within_bounds(evidence.thresholds.bounds)
+    memory = float(state.at - fit.onset) / (4 if any(e.is_drift for e in fit.events) else 1)
     before = {i: state.findings[i] for i in state.active}
-    state = replace(state, known=known, tentative=replace(tentative, entries=entries), memory=memory, start=state.at)
-    window = ReplayWindow.of(evidence, tentative.base, events, tentative.begin, state.at, state.trusted_outputs)
+    state = replace(state, known=known, tentative=tentative, memory=memory, start=state.at)
+    yield
+    window = ReplayWindow.of(
+        evidence, tentative.base, tentative.events, tentative.begin, state.at, state.trusted_outputs
+    )
     state = replace(state, restart=FilterRestart(window.replay.states[1:]))
-    for i in state.active:  # an event that is seen otherwise now may have been a change of an older fault
-        if state.findings[i].channel is not None:
-            state = with_finding(
-                state, i, replace(state.findings[i], size=float(known.level[state.findings[i].channel]))
-            )
-    known_before = [f for f in before.values() if f.channel is not None]
+    for i in state.active:  # a revised event may have been a change of an older fault
+        channel = state.findings[i].channel
+        if channel is not None:
+            state = with_finding(state, i, replace(state.findings[i], size=float(known.level[channel])))
     over = []
     for k, event in enumerate(fit.events):
         i = next((entry.finding for entry in entries if entry.event == event), None)
-        if i is None:  # it is part of another event now, which will be estimated anew
+        if i is None:  # merged into another event, which will be estimated again
             continue
-        deviation, v = _size_deviation(state, evidence, fit, k, known_before)
-        if 0 < event.rise_time < np.inf:
-            shape = _shape_deviation(state, evidence, events, fit, k)
-            deviation = (
-                float(np.hypot(deviation, shape))
-                if shape
-                else max(state.findings[i].deviation, deviation * _shape_inflation(window, event, deviation, v))
-            )
-        if (
-            tentative.base.slope[event.channel] or tentative.base.asymptote[event.channel]
-        ):  # it went on from a level that is not known better
-            deviation = float(np.hypot(deviation, before[i].deviation))
-        size = float(known.level[event.channel])
-        had = float(tentative.base.plus(tuple(e for e in events if e != event), event.onset).level[event.channel])
-        least = max(GONE * abs(had or before[i].size), 3.0 * deviation)
-        settled = state.at - state.findings[i].raised_at >= SOON or any(
-            entry.finding == i and not entry.own for entry in entries
-        )  # not a moment after
-        coming = max(abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.asymptote[event.channel]))
-        if settled and abs(size) < least and coming < least:
+        deviation = yield from _deviation(state, evidence, window, fit, k, i, before)
+        vanished_size = _size_if_vanished(state, event, i, deviation, before.get(i, state.findings[i]), state.at - fit.onset)
+        if vanished_size is not None:
             over.append(i)
-            state = with_finding(state, i, with_settled_size(replace(before[i], size=had or before[i].size)))
+            state = with_finding(state, i, with_settled_size(replace(before.get(i, state.findings[i]), size=vanished_size)))
         else:
-            first = state.findings[i].initial or (size, deviation)
-            state = with_finding(state, i, replace(state.findings[i], size=size, deviation=deviation, initial=first))
+            size = float(known.level[event.channel])
+            initial = state.findings[i].initial or (size, deviation)
+            finding = replace(state.findings[i], size=size, deviation=deviation, initial=initial)
+            state = with_finding(state, i, finding)
     return clear_findings(state, over) if over else _remember_settled(state, entries)
 
 
-def with_settled_size(found: Finding) -> Finding:
-    """With the size that it had when nothing had happened for a while, if there was such a time."""
-    return found if found.settled is None else replace(found, size=found.settled[0], deviation=found.settled[1])
+def _size_if_vanished(
+    state: DecisionState, event: Event, i: int, deviation: float, before: Finding, length: int
+) -> float | None:
+    """Return the size that a fault had before an event that ended it; None if the fault is still on."""
+    assert state.tentative is not None
+    known, entries = state.known, state.tentative.entries
+    others = tuple(e for e in state.tentative.events if e != event)
+    size = float(known.level[event.channel])
+    previous = float(state.tentative.base.plus(others, event.onset).level[event.channel])
+    least = max(GONE * abs(previous or before.size), 3.0 * deviation)
+    # a fault that was isolated a moment ago is not over yet, unless another event changed it
+    settled = state.at - state.findings[i].raised_at >= SOON or any(
+        entry.finding == i and not entry.own for entry in entries
+    )
+    to_come = max(
+        abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.asymptote[event.channel])
+    )
+    return previous or before.size if settled and abs(size) < least and to_come < least else None
+
+
+def with_settled_size(finding: Finding) -> Finding:
+    """Return a finding with the size that it had at the last time without a recent change, if there was one."""
+    if finding.settled is None:
+        return finding
+    return replace(finding, size=finding.settled[0], deviation=finding.settled[1])
 
 
 def _remember_settled(state: DecisionState, entries: tuple[TentativeEvent, ...]) -> DecisionState:
-    """With the sizes remembered of faults to which nothing has happened for a while."""
+    """Return the state with the present sizes stored as settled, for faults without a recent change."""
     if state.at - max(entry.event.onset for entry in entries) < SOON:
         return state
-    changed = {
-        entry.finding for entry in entries if not entry.own and state.at - entry.event.onset < RECENT
-    }  # perhaps: it may turn out to be its end
-    for i in set(state.active) - changed:
-        state = with_finding(
-            state, i, replace(state.findings[i], settled=(state.findings[i].size, state.findings[i].deviation))
-        )
+    # an event in a fault that was known before may turn out to be its end
+    changing = {entry.finding for entry in entries if not entry.own and state.at - entry.event.onset < RECENT}
+    for i in set(state.active) - changing:
+        finding = state.findings[i]
+        state = with_finding(state, i, replace(finding, settled=(finding.size, finding.deviation)))
     return state
+
+
+# ---- standard deviations -----------------------------------------------------------------------------------------------
+
+
+def _deviation(
+    state: DecisionState,
+    evidence: Evidence,
+    window: ReplayWindow,
+    fit: Explanation,
+    k: int,
+    i: int,
+    before: dict[int, Finding],
+) -> Steps[float]:
+    """Return the standard deviation of the present size of event `k` of a fit, which belongs to finding `i`."""
+    assert state.tentative is not None
+    event, base = fit.events[k], state.tentative.base
+    known_before = [f for f in before.values() if f.channel is not None]
+    deviation, v = _size_deviation(state, evidence, fit, k, known_before)
+    if 0 < event.rise_time < np.inf:
+        shape = yield from _shape_deviation(state, evidence, fit, k)
+        if shape:
+            deviation = float(np.hypot(deviation, shape))
+        else:
+            inflated = deviation * _shape_inflation(window, event, deviation, v)
+            deviation = max(state.findings[i].deviation, inflated)
+    if base.slope[event.channel] or base.asymptote[event.channel]:  # the level that it started from is uncertain too
+        deviation = float(np.hypot(deviation, before.get(i, state.findings[i]).deviation))
+    return deviation
 
 
 def _size_deviation(
     state: DecisionState, evidence: Evidence, fit: Explanation, k: int, known: list[Finding]
 ) -> tuple[float, float]:
-    """Standard deviation of what event ``k`` of a fit has reached, if its shape is so, and the v that it rests on (`WindowNoise`); ``known``: the
-    faults that were known before."""
+    """Return (deviation, v): the standard deviation of the value reached by event `k` for a known shape, and the noise's v.
+
+    v (`WindowNoise`) is taken between that of the settling time and that of the whole length, by where the information comes from.
+    `known`: the faults known before, whose errors pass on to this one.
+    """
     event, noise = fit.events[k], evidence.thresholds.noise
     settling, long = (
-        float(noise.v[noise.nearest(n), event.channel]) for n in (2 * evidence.thresholds.settle, state.at - fit.onset)
+        float(noise.v[noise.nearest(n), event.channel])
+        for n in (2 * evidence.thresholds.settle, state.at - fit.onset)
     )
     v = long + float(fit.early[k]) * max(settling - long, 0.0)
     others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known if f.channel != event.channel)
     variance = max(v * fit.covariance[k, k], 0.0)
-    # errors of old standing are partly taken up by x
+    # older errors are partly compensated by the state estimate, hence the limit
     return float(np.sqrt(variance + min(others, variance)) * abs(event.unit_value(state.at))), v
 
 
-def _shape_deviation(
-    state: DecisionState, evidence: Evidence, events: tuple[Event, ...], fit: Explanation, k: int
-) -> float:
-    """Standard deviation of what an event has reached by now since its shape is estimated as well; 0 if that cannot be told.
+def _shape_deviation(state: DecisionState, evidence: Evidence, fit: Explanation, k: int) -> Steps[float]:
+    """Return the standard deviation of the value reached by event `k` due to its estimated shape; 0 where it is not determined.
 
-    What decides a shape are its ends, and there noise is white, unlike over the whole.
+    The shape is determined at its ends, where noise is white, unlike over the whole rise.
     """
-    others = tuple(e for e in events if e not in fit.events)
-    return (
-        shape_variance(
-            ReplayWindow.of(
-                evidence, state.tentative.base, others, state.tentative.begin, state.at, state.trusted_outputs
-            ),
-            fit.events,
-            k,
-        )
-        ** 0.5
-    )
+    assert state.tentative is not None
+    tentative = state.tentative
+    others = tuple(e for e in tentative.events if e not in fit.events)
+    yield
+    window = ReplayWindow.of(evidence, tentative.base, others, tentative.begin, state.at, state.trusted_outputs)
+    variance = yield from shape_variance(window, fit.events, k)
+    return variance**0.5
 
 
 def _shape_inflation(window: ReplayWindow, event: Event, deviation: float, v: float) -> float:
-    """By how much less is known of the size of a rise since its shape is estimated as well: it is known by what came after it."""
-    if not 0 < event.rise_time < np.inf:
-        return 1.0
+    """Return the factor by which the deviation of a rise grows because its shape is estimated: its size shows only after its end."""
     end = min(int(event.onset + event.rise_time * (2 if event.exponential else 1)), window.end - 1)
     J = float(window.future.ww[max(end - window.begin, 0), event.channel, event.channel])
-    return float(np.clip((v / max(J, 1e-300)) ** 0.5 / max(deviation, 1e-300), 1.0, VAGUEST))
+    return float(np.clip((v / max(J, 1e-300)) ** 0.5 / max(deviation, 1e-300), 1.0, LARGEST_INFLATION))
 
 
 def _merge_ramp(tentative: TentativeEvents, fit: Explanation) -> TentativeEvents:
-    """A rise that a later event of its channel brings to an end is one event: a rise with an end."""
+    """Return the events with a drift and a later drift that cancels its slope replaced by one ramp."""
     last = tentative.entries[-1]
-    sizes = {e.shape_key: (e, fit.covariance[k, k]) for k, e in enumerate(fit.events)}
+    fitted = {e.shape_key: (e, fit.covariance[k, k]) for k, e in enumerate(fit.events)}
+    second, variance = fitted.get(last.event.shape_key, (last.event, 0.0))
     for k, entry in enumerate(tentative.entries[:-1]):
-        one = entry.event
-        two, variance = sizes.get(last.event.shape_key, (last.event, 0.0))
-        rising = one.is_drift and two.is_drift and one.channel == two.channel and two.onset > one.onset
-        if rising and abs(one.size + two.size) < max(3.0 * variance**0.5, GONE * abs(one.size)):
-            rise = float(two.onset - one.onset)
-            event = Event(one.channel, one.onset, rise, one.size * rise)
-            rest = (
-                *tentative.entries[:k],
-                replace(entry, event=event, options=(event,)),
-                *tentative.entries[k + 1 : -1],
+        first = entry.event
+        drifts = first.is_drift and second.is_drift and first.channel == second.channel
+        if not drifts or second.onset <= first.onset:
+            continue
+        if abs(first.size + second.size) < max(3.0 * variance**0.5, GONE * abs(first.size)):
+            rise_time = float(second.onset - first.onset)
+            ramp = Event(first.channel, first.onset, rise_time, first.size * rise_time)
+            merged = replace(entry, event=ramp, options=(ramp,))
+            return replace(
+                tentative, entries=(*tentative.entries[:k], merged, *tentative.entries[k + 1 : -1])
             )
-            return replace(tentative, entries=rest)
     return tentative
 
 
+# ---- findings ----------------------------------------------------------------------------------------------------------
+
+
 def clear_findings(state: DecisionState, which: list[int]) -> DecisionState:
-    """Findings that are over; what the filter took as known of them becomes zero."""
-    known = state.known.plus((), state.at).without(
-        [state.findings[i].channel for i in which if state.findings[i].channel is not None]
-    )
+    """Return the state with findings cleared and their channels no longer known. The filter has to be restarted."""
+    channels = [c for i in which if (c := state.findings[i].channel) is not None]
+    known = state.known.plus((), state.at).without(channels)
     for i in which:
         state = with_finding(state, i, replace(state.findings[i], cleared=state.at))
     active = tuple(k for k in state.active if k not in which)
-    memory = state.memory if any(state.findings[k].channel is not None for k in active) else np.inf
-    change = FilterRestart() if state.restart is None else state.restart
-    return replace(state, known=known, active=active, memory=memory, restart=change, start=state.at, tentative=None)
+    return replace(
+        state,
+        known=known,
+        active=active,
+        memory=state.memory if any(state.findings[k].channel is not None for k in active) else np.inf,
+        restart=FilterRestart() if state.restart is None else state.restart,
+        start=state.at,
+        tentative=None,
+    )
 
 
-def with_finding(state: DecisionState, i: int, found: Finding) -> DecisionState:
-    return replace(state, findings=(*state.findings[:i], found, *state.findings[i + 1 :]))
+def with_finding(state: DecisionState, i: int, finding: Finding) -> DecisionState:
+    """Return the state with finding `i` replaced."""
+    return replace(state, findings=(*state.findings[:i], finding, *state.findings[i + 1 :]))
+
+
+def _with_new_finding(state: DecisionState, finding: Finding) -> DecisionState:
+    """Return the state with one more finding, which is on."""
+    return replace(state, findings=(*state.findings, finding), active=(*state.active, len(state.findings)))
 
 
 def assign_finding(
@@ -187,58 +236,63 @@ def assign_finding(
     event: Event,
     options: tuple[Event, ...],
     own: int | None,
-):
-    """The finding that an event belongs to: its ``own`` under a better name, that of its channel, or a new one."""
+) -> Steps[tuple[DecisionState, int, bool]]:
+    """Return (state, index, own) of the finding that an event belongs to.
+
+    It is the one that is on in its channel; otherwise `own`, renamed, if the event replaces one that had raised it; otherwise a new one.
+    The returned `own` says whether the finding was raised for this event.
+    """
     others = tuple(dict.fromkeys(o.channel for o in options if o.channel != event.channel))
     held = [i for i in state.active if state.findings[i].channel == event.channel and i != own]
     if held:
         return (state if own is None else clear_findings(state, [own])), held[0], False
-    span = onset_interval(window, event)
-    if own is not None:
-        found = state.findings[own]
-        if found.channel != event.channel:  # what it was as another fault says nothing of this one
-            found = replace(found, size=0.0, settled=None, initial=None)
-        found = replace(
-            found, channel=event.channel, alternatives=others, onset=event.onset, onset_from=span[0], onset_to=span[1]
+    yield
+    onset_from, onset_to = onset_interval(window, event)
+    if own is None:
+        finding = Finding(
+            state.at, event.channel, others, event.onset, onset_from, onset_to, 0.0, 0.0, statistic
         )
-        return with_finding(state, own, found), own, True
-    found = Finding(state.at, event.channel, others, event.onset, *span, 0.0, 0.0, statistic)
-    state = replace(state, findings=(*state.findings, found), active=(*state.active, len(state.findings)))
-    return state, len(state.findings) - 1, True
+        return _with_new_finding(state, finding), len(state.findings), True
+    finding = state.findings[own]
+    if finding.channel != event.channel:  # its sizes were those of another fault
+        finding = replace(finding, size=0.0, settled=None, initial=None)
+    finding = replace(
+        finding,
+        channel=event.channel,
+        alternatives=others,
+        onset=event.onset,
+        onset_from=onset_from,
+        onset_to=onset_to,
+    )
+    return with_finding(state, own, finding), own, True
 
 
 def withdraw(state: DecisionState, entry: TentativeEvent) -> DecisionState:
-    """What was named last turns out to be something else altogether: its own finding is over."""
+    """Return the state without the finding that a rejected event had raised."""
     return clear_findings(state, [entry.finding]) if entry.own and entry.finding in state.active else state
 
 
 def exclude_output(
     state: DecisionState, evidence: Evidence, output: int, onset: int, statistic: float
-) -> DecisionState:
-    """An output is not followed from an onset on. What was named since, or just before, was named because of it."""
+) -> Steps[DecisionState]:
+    """Return the state in which the filter ignores an output from an onset on, with a finding for it.
+
+    Events since then, or isolated just before, are withdrawn: the faulty output caused them.
+    """
     state = drop_stale(state, evidence)
     onset = max(onset, earliest_replay(state, evidence), evidence.thresholds.begin)
-    tentative, entries = state.tentative, () if state.tentative is None else state.tentative.entries
-    mistaken = tuple(
-        entry
-        for entry in entries
-        if entry.event.onset_decision >= onset - LEAST
-        or (entry.own and state.at - state.findings[entry.finding].raised_at < SOON)
-    )
+    tentative, known = state.tentative, state.known
+    mistaken = () if tentative is None else _caused_since(state, tentative, onset)
     own = [entry.finding for entry in mistaken if entry.own and entry.finding in state.active]
-    if mistaken:
+    if tentative is not None and mistaken:
         onset = max(min(onset, *(entry.event.onset_decision for entry in mistaken)), tentative.begin)
         rest = tuple(entry.event for entry in tentative.entries if entry not in mistaken)
         known = tentative.base.plus(rest, onset)
-    else:
-        known = state.known
     trusted_outputs = state.trusted_outputs.copy()
     trusted_outputs[output] = 0.0
-    states = (
-        evidence.segment(onset, state.at, known.course)
-        .replay(evidence.filter_state(onset), onset, trusted_outputs, False)
-        .states
-    )
+    yield
+    segment = evidence.segment(onset, state.at, known.course)
+    states = segment.replay(evidence.filter_state(onset), onset, trusted_outputs, False).states
     state = clear_findings(state, own[1:]) if own[1:] else state
     state = replace(
         state,
@@ -249,39 +303,47 @@ def exclude_output(
         trusted_outputs=trusted_outputs,
         restart=FilterRestart(states),
     )
-    found = Finding(state.at, None, (), onset, onset, onset, np.nan, np.nan, statistic, output)
-    again = [
+    finding = Finding(state.at, None, (), onset, onset, onset, np.nan, np.nan, statistic, output)
+    if own:
+        return with_finding(state, own[0], replace(finding, raised_at=state.findings[own[0]].raised_at))
+    recent = [
         i
         for i, f in enumerate(state.findings)
         if f.output == output and f.cleared is not None and state.at - f.cleared < RECENT
     ]
-    if own:
-        return with_finding(state, own[0], replace(found, raised_at=state.findings[own[0]].raised_at))
-    if again:
-        return replace(
-            with_finding(state, again[-1], replace(state.findings[again[-1]], cleared=None)),
-            active=(*state.active, again[-1]),
-        )
-    return replace(state, findings=(*state.findings, found), active=(*state.active, len(state.findings)))
+    if recent:
+        reopened = with_finding(state, recent[-1], replace(state.findings[recent[-1]], cleared=None))
+        return replace(reopened, active=(*state.active, recent[-1]))
+    return _with_new_finding(state, finding)
+
+
+def _caused_since(state: DecisionState, tentative: TentativeEvents, onset: int) -> tuple[TentativeEvent, ...]:
+    """Return the events that began after an onset, or whose fault was isolated just now."""
+    return tuple(
+        entry
+        for entry in tentative.entries
+        if entry.event.onset_decision >= onset - LEAST
+        or (entry.own and state.at - state.findings[entry.finding].raised_at < SOON)
+    )
+
+
+# ---- memory ------------------------------------------------------------------------------------------------------------
 
 
 def earliest_replay(state: DecisionState, evidence: Evidence) -> int:
-    """The earliest decision from which the filter can be run again, however the rows came in."""
+    """Return the earliest decision from which the filter may be run again; it does not depend on how rows arrived."""
     return max(evidence.oldest, state.at - LONGEST)
 
 
 def drop_stale(state: DecisionState, evidence: Evidence) -> DecisionState:
-    """With what is pending since longer ago than the filter can be run again from left as it is, or without what was before it."""
+    """Return the state with tentative events left as they are if data from their beginning are no longer available."""
     tentative, begin = state.tentative, earliest_replay(state, evidence)
     if tentative is None or tentative.begin >= begin:
         return state
     if all(entry.event.onset_decision > begin for entry in tentative.entries):
-        return replace(state, tentative=replace(tentative, begin=begin, base=tentative.base.plus((), begin)))
+        base = tentative.base.plus((), begin)
+        return replace(state, tentative=replace(tentative, begin=begin, base=base))
     over = tuple(entry for entry in tentative.entries if entry.event.is_over(begin))
     entries = tuple(entry for entry in tentative.entries if entry not in over)
-    return replace(
-        state,
-        tentative=TentativeEvents(
-            begin, tentative.base.plus(tuple(entry.event for entry in over), begin), entries, NEVER, settled=True
-        ),
-    )
+    base = tentative.base.plus(tuple(entry.event for entry in over), begin)
+    return replace(state, tentative=TentativeEvents(begin, base, entries, NEVER, settled=True))

@@ -1,4 +1,4 @@
-"""What was named last is looked at again as data come in: its size, what else it may have been, and whether all of it is needed."""
+"""Revise the latest events as data come in: their sizes, what else they may be, and whether all of them are needed."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -6,9 +6,15 @@ from itertools import pairwise
 import numpy as np
 
 from thetascope.diagnosis.detection.window_tests import LONGEST
-from thetascope.diagnosis.isolation.decision_state import NEVER, DecisionState, Evidence, TentativeEvent
+from thetascope.diagnosis.isolation.decision_state import (
+    NEVER,
+    DecisionState,
+    Evidence,
+    TentativeEvent,
+    TentativeEvents,
+)
 from thetascope.diagnosis.isolation.isolate import (
-    YOUNG,
+    REVISABLE,
     accept_leader,
     alternatives_of,
     coupled_events,
@@ -19,84 +25,87 @@ from thetascope.diagnosis.isolation.isolate import (
 from thetascope.diagnosis.isolation.known_faults import commit_fit, drop_stale, withdraw
 from thetascope.diagnosis.isolation.likelihood_fit import Explanation, event_penalty, fit_sizes
 from thetascope.diagnosis.isolation.replay import ReplayWindow
+from thetascope.diagnosis.yield_points import Steps
 
-SLOW = (
-    LONGEST - 50
-)  # decisions after which a rise is left as it is: it takes longer than a step (YOUNG) to show how large it becomes
-_APART = 8  # times as long ago as they were apart: events that began at about the same time
+REVISABLE_RISE = LONGEST - 50  # decisions after which a rise is no longer revised: its size shows later than a step's (REVISABLE)
+_CLOSE = 8  # events are close if their distance is this many times shorter than the time since then
 
 
-def revise_tentative(state: DecisionState, evidence: Evidence) -> DecisionState:
-    """What is pending, with the data that came since: what else it may have been, and how large it is."""
+def revise_tentative(state: DecisionState, evidence: Evidence) -> Steps[DecisionState]:
+    """Return the state with its tentative events reviewed on the data that came since."""
     state = drop_stale(state, evidence)
     if state.tentative is None or state.tentative.settled:
         return state
-    state, fit = _pruned(state, evidence)
-    tentative, last = state.tentative, state.tentative.entries[-1]
-    for group in dict.fromkeys(
-        (
-            *(group for entry in latest_open(tentative) for group in (coupled_events(tentative, entry), (entry,))),
-            *_close_pairs(state),
-        )
-    ):
-        choice = alternatives_of(state, evidence, group)
-        better = len(group) == 1 or choice.leader.cost < _current_residual(state, evidence) + penalty_of(group)
+    state, tentative, fit = yield from _pruned(state, state.tentative, evidence)
+    candidates = (group for entry in latest_open(tentative) for group in (coupled_events(tentative, entry), (entry,)))
+    for group in dict.fromkeys((*candidates, *_close_pairs(state, tentative))):
+        choice = yield from alternatives_of(state, evidence, group)
+        better = len(group) == 1
+        if not better:
+            present = yield from _present_energy(state, tentative, evidence)
+            better = choice.leader.cost < present + penalty_of(group)
         if choice.leader.output is None and len(choice.leader.events) == 1 and better:
-            return _settled(accept_leader(state, evidence, choice))
-    state = replace(state, tentative=replace(state.tentative, review_at=next_review(state, last.event.onset_decision)))
-    return _settled(commit_fit(state, evidence, fit))
+            return _settle_old((yield from accept_leader(state, evidence, choice)))
+    review_at = next_review(state, tentative.entries[-1].event.onset_decision)
+    state = replace(state, tentative=replace(tentative, review_at=review_at))
+    return _settle_old((yield from commit_fit(state, evidence, fit)))
 
 
-def _pruned(state: DecisionState, evidence: Evidence) -> tuple[DecisionState, Explanation]:
-    """Without events that are not needed: the others explain as much, but for what it costs. And the sizes of these."""
-    fit = _refit(state, evidence, state.tentative.entries)
-    while len(entries := state.tentative.entries) > 1:
-        rest = [tuple(entry for entry in entries if entry is not without) for without in entries]
-        fits = [_refit(state, evidence, others) for others in rest]
-        more = [f.energy - fit.energy - event_penalty(entry.event) for f, entry in zip(fits, entries, strict=True)]
-        k = int(np.argmin(more))
-        if more[k] >= 0:
+def _pruned(
+    state: DecisionState, tentative: TentativeEvents, evidence: Evidence
+) -> Steps[tuple[DecisionState, TentativeEvents, Explanation]]:
+    """Return the state without events whose removal costs less than their penalty, the events that remain, and their fit."""
+    fit = yield from _refit(state, tentative, evidence)
+    while len(tentative.entries) > 1:
+        entries = tentative.entries
+        reduced = [replace(tentative, entries=tuple(e for e in entries if e is not removed)) for removed in entries]
+        fits = []
+        for others in reduced:
+            fits.append((yield from _refit(state, others, evidence)))
+        loss = [f.energy - fit.energy - event_penalty(e.event) for f, e in zip(fits, entries, strict=True)]
+        k = int(np.argmin(loss))
+        if loss[k] >= 0:
             break
-        tentative = replace(state.tentative, entries=rest[k])
-        alone = all(entry.finding != entries[k].finding for entry in rest[k])
-        state, fit = replace(withdraw(state, entries[k]) if alone else state, tentative=tentative), fits[k]
-    return state, fit
+        removed, tentative, fit = entries[k], reduced[k], fits[k]
+        alone = all(entry.finding != removed.finding for entry in tentative.entries)
+        state = replace(withdraw(state, removed) if alone else state, tentative=tentative)
+    return state, tentative, fit
 
 
-def _refit(state: DecisionState, evidence: Evidence, entries: tuple[TentativeEvent, ...]) -> Explanation:
-    """Each channel's latest event estimated anew; what came before it in the same channel stays."""
-    latest = {entry.event.channel: entry.event for entry in entries}
-    fixed = tuple(entry.event for entry in entries if entry.event not in latest.values())
-    window = ReplayWindow.of(
-        evidence, state.tentative.base, fixed, state.tentative.begin, state.at, state.trusted_outputs
-    )
-    return fit_sizes(window, [tuple(latest.values())]).explained(0)
+def _refit(state: DecisionState, tentative: TentativeEvents, evidence: Evidence) -> Steps[Explanation]:
+    """Return a fit of each channel's latest event; earlier events of the same channel stay as they are."""
+    latest = {entry.event.channel: entry.event for entry in tentative.entries}
+    fixed = tuple(event for event in tentative.events if event not in latest.values())
+    yield
+    window = ReplayWindow.of(evidence, tentative.base, fixed, tentative.begin, state.at, state.trusted_outputs)
+    fits = yield from fit_sizes(window, [tuple(latest.values())])
+    return fits.explanation(0)
 
 
-def _current_residual(state: DecisionState, evidence: Evidence) -> float:
-    """What is left by what is pending, in twice the log of a likelihood."""
-    tentative = state.tentative
+def _present_energy(state: DecisionState, tentative: TentativeEvents, evidence: Evidence) -> Steps[float]:
+    """Return the energy that the tentative events leave, in units of noise."""
+    yield
     window = ReplayWindow.of(
         evidence, tentative.base, tentative.events, tentative.begin, state.at, state.trusted_outputs
     )
     return float(window.energy[-1]) / window.noise_unit
 
 
-def _settled(state: DecisionState) -> DecisionState:
-    """With what is pending left as it is, if that is no longer entries: what comes may have begun before."""
-    last = None if state.tentative is None else state.tentative.entries[-1].event
-    if last is None or state.at - last.onset_decision <= (SLOW if last.rise_time else YOUNG):
+def _settle_old(state: DecisionState) -> DecisionState:
+    """Return the state with tentative events settled if they are too old to be revised."""
+    if state.tentative is None:
+        return state
+    last = state.tentative.entries[-1].event
+    if state.at - last.onset_decision <= (REVISABLE_RISE if last.rise_time else REVISABLE):
         return state
     return replace(state, tentative=replace(state.tentative, settled=True, review_at=NEVER))
 
 
-def _close_pairs(state: DecisionState) -> list[tuple[TentativeEvent, ...]]:
-    """Events of two findings that began at about the same time: one may have been made up to mend the other."""
-    entries = state.tentative.entries
-    return [
-        (a, b)
-        for a, b in pairwise(entries)
-        if a.finding != b.finding
-        and abs(a.event.onset_decision - b.event.onset_decision) * _APART
-        < state.at - max(a.event.onset_decision, b.event.onset_decision)
-    ]
+def _close_pairs(state: DecisionState, tentative: TentativeEvents) -> list[tuple[TentativeEvent, TentativeEvent]]:
+    """Return pairs of events of two findings that began at about the same time: one may compensate an error in the other."""
+    pairs = []
+    for a, b in pairwise(tentative.entries):
+        first, second = a.event.onset_decision, b.event.onset_decision
+        if a.finding != b.finding and abs(first - second) * _CLOSE < state.at - max(first, second):
+            pairs.append((a, b))
+    return pairs

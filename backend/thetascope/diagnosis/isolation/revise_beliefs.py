@@ -1,76 +1,80 @@
-"""Second thoughts about what is not explained: it may be the belief in other faults that is wrong.
+"""Readmit ignored outputs: not the output, but the known faults may be wrong.
 
-While an output is not heeded its readings are compared with what the filter makes of the others and of the faults it knows. If one of these
-ended meanwhile, or was never there, the two never agree again. So now and then the last stretch is looked at with all outputs heeded,
-with the known faults and without some: where one of these leaves noise alone it is believed.
+The readings of an ignored output are compared with their prediction from the other outputs and the known faults. If one of these faults
+has ended meanwhile, or never existed, the two never agree again. Therefore the latest data are tested from time to time with all outputs
+trusted, with the known faults and without some of them: the first combination that leaves noise alone is accepted.
 """
 
 from dataclasses import replace
 from itertools import combinations
 
 from thetascope.diagnosis.isolation.decision_state import DecisionState, Evidence, FilterRestart, Finding
-from thetascope.diagnosis.isolation.known_faults import clear_findings, earliest_replay, with_finding, with_settled_size
+from thetascope.diagnosis.isolation.known_faults import (
+    clear_findings,
+    earliest_replay,
+    with_finding,
+    with_settled_size,
+)
 from thetascope.diagnosis.residuals.segment import ReplayResult
+from thetascope.diagnosis.yield_points import Steps
 
-FIRST = 64  # decisions after which an output gets another chance; then twice as long each time
-_QUIET = 3.0  # standard deviations of the noise's energy that are left at most
-_MOST = 3  # faults of which every combination is tried
+FIRST = 64  # decisions after which an output is tried for the first time; then twice as long each time
+_QUIET = 3.0  # standard deviations of the noise's energy that may be left
+_MOST = 3  # number of faults up to which every combination is tried
 
 
 def next_readmission(state: DecisionState, decision: int) -> int | None:
-    """The next decision from ``decision`` on at which something unexplained is looked at once more; None: nothing is unexplained."""
-    return min((_next(state.findings[i], decision) for i in _unexplained(state)), default=None)
+    """Return the next decision from `decision` on at which an ignored output is tried; None: no output is ignored."""
+    return min((_next_trial(state.findings[i], decision) for i in _unexplained(state)), default=None)
 
 
-def _next(found: Finding, decision: int) -> int:
-    """The first of its times from a decision on."""
+def _next_trial(finding: Finding, decision: int) -> int:
     after = FIRST
-    while found.raised_at + after < decision:
+    while finding.raised_at + after < decision:
         after *= 2
-    return found.raised_at + after
+    return finding.raised_at + after
 
 
 def _unexplained(state: DecisionState) -> list[int]:
+    """Return the indices of active findings that no channel explains."""
     return [i for i in state.active if state.findings[i].channel is None]
 
 
-def readmit_outputs(state: DecisionState, evidence: Evidence) -> DecisionState:
-    """With outputs heeded again for which that is due and what they show can be explained; one that stands still cannot."""
-    still = evidence.sums.repeats[state.at - evidence.sums.first] > evidence.filter.stuck_after
+def readmit_outputs(state: DecisionState, evidence: Evidence) -> Steps[DecisionState]:
+    """Return the state with outputs trusted again that are due for a trial and pass it; a stuck output is not tried."""
+    stuck = evidence.sums.repeats[state.at - evidence.sums.first] > evidence.filter.stuck_after
     for i in _unexplained(state):
-        if i in state.active and _next(state.findings[i], state.at) == state.at and not still[state.findings[i].output]:
-            state = _tried(state, evidence, i)
+        if i in state.active and _next_trial(state.findings[i], state.at) == state.at:
+            output = state.findings[i].output
+            if output is None or not stuck[output]:
+                state = yield from _try_output(state, evidence, i)
     return state
 
 
-def _tried(state: DecisionState, evidence: Evidence, i: int) -> DecisionState:
-    begin = max(
-        earliest_replay(state, evidence),
-        state.at - max(FIRST, (state.at - state.findings[i].raised_at) // 2),
-        evidence.thresholds.begin,
-    )
+def _try_output(state: DecisionState, evidence: Evidence, i: int) -> Steps[DecisionState]:
+    """Return the state with the output of finding `i` trusted if its readings are explained without some known faults."""
+    length = max(FIRST, (state.at - state.findings[i].raised_at) // 2)
+    begin = max(earliest_replay(state, evidence), state.at - length, evidence.thresholds.begin)
     trusted_outputs = state.trusted_outputs.copy()
     trusted_outputs[state.findings[i].output] = 1.0
     faults = [k for k in state.active if state.findings[k].channel is not None]
     counts = range(len(faults) + 1) if len(faults) <= _MOST else sorted({0, 1, len(faults)})
-    for over in (some for count in counts for some in combinations(faults, count)):  # as few as will do
-        known = state.known.without([state.findings[k].channel for k in over])
-        replay = evidence.segment(begin, state.at, known.course).replay(
-            evidence.filter_state(begin), begin, trusted_outputs, False
-        )
-        if _left(evidence, replay, state.at - begin) < _QUIET:
-            for k in over:
+    for ended in (group for count in counts for group in combinations(faults, count)):  # as few as possible
+        channels = [channel for k in ended if (channel := state.findings[k].channel) is not None]
+        known = state.known.without(channels)
+        yield
+        segment = evidence.segment(begin, state.at, known.course)
+        replay = segment.replay(evidence.filter_state(begin), begin, trusted_outputs, False)
+        if _excess(evidence, replay, state.at - begin) < _QUIET:
+            for k in ended:
                 state = with_finding(state, k, with_settled_size(state.findings[k]))
-            return replace(
-                clear_findings(state, [i, *over]),
-                trusted_outputs=trusted_outputs,
-                restart=FilterRestart(replay.states[1:]),
-                detected=None,
-            )
+            state = clear_findings(state, [i, *ended])
+            restart = FilterRestart(replay.states[1:])
+            return replace(state, trusted_outputs=trusted_outputs, restart=restart, detected=None)
     return state
 
 
-def _left(evidence: Evidence, replay: ReplayResult, length: int) -> float:
-    """Energy in the second half of a stretch of so many decisions, in standard deviations of the noise's."""
+def _excess(evidence: Evidence, replay: ReplayResult, length: int) -> float:
+    """Return the energy in the second half of a window of `length` decisions above its mean, in standard deviations of noise."""
     mean, deviation = evidence.thresholds.noise.expected_energy(length // 2, replay.trusted_outputs)
     return (float(replay.energy[-1] - replay.energy[-1 - length // 2]) - mean) / deviation

@@ -1,7 +1,8 @@
-"""Evidence and decisions along rows, a stretch at a time: the value `MonitorState` goes in and comes out.
+"""Run filter, tests and isolation over rows, block by block; the state is the value `MonitorState`.
 
-Rows become decisions every ``stride`` rows, counted from t = 0, so what is decided does not depend on how a run is cut.
-When something is found the filter is told, from that decision on; rows after it that it had already seen are taken again.
+`stride` rows, counted from t = 0, make a decision, so the result does not depend on how rows are grouped when they arrive. When a
+decision changes θ₀ or the trusted outputs, the filter is restarted there, and later rows that it had already processed are processed
+again.
 """
 
 from collections.abc import Callable
@@ -18,16 +19,21 @@ from thetascope.diagnosis.residuals.backward_pass import BackwardPass
 from thetascope.diagnosis.residuals.filter_bank import FilterBank
 from thetascope.diagnosis.residuals.innovation_filter import LARGEST, InnovationFilter, Innovations
 from thetascope.diagnosis.residuals.segment import Segment
+from thetascope.diagnosis.yield_points import Steps
 
-_BLOCK = 256  # decisions looked at at once
+_BLOCK = 256  # decisions that are processed together
 
 
 @dataclass(frozen=True)
 class MonitorState:
-    """Where watching stands: decisions made, the filter after them, and what may be needed again.
+    """The decisions so far, the filter after them, and the data that may be needed again.
 
-    ``table`` and ``t``: what went into the filter since decision ``sums.first``, rows of a decision that is not yet
-    complete included; ``states``: the filter at each decision from ``sums.first`` on.
+    Attributes:
+        decisions: detection and isolation after the last decision.
+        sums: sums of evidence at the latest decisions.
+        states: (decisions, filter states), the filter at each decision from `sums.first` on.
+        table, t: (rows, filter inputs) and (rows,), the rows since decision `sums.first`, including those of an incomplete decision.
+        stride: rows in one decision.
     """
 
     decisions: DecisionState
@@ -39,100 +45,94 @@ class MonitorState:
 
 
 class Monitor:
-    """Watches one observer's rows with one filter and one calibration."""
+    """Monitors rows with one filter and one set of thresholds."""
 
     def __init__(self, filter_: InnovationFilter, thresholds: Thresholds, stride: int):
         self.filter, self.thresholds, self.stride = filter_, thresholds, stride
         self.bank, self.backward_pass = FilterBank(filter_), BackwardPass(filter_)
 
     def prepare(self) -> None:
-        """Have at hand what naming needs: compiling takes up to a second."""
+        """Compile the kernels of isolation in advance: this takes up to a second."""
         self.bank.prepare()
         self.backward_pass.prepare()
 
     def begin(self) -> MonitorState:
-        """Before the first row."""
-        p, names = self.filter.p, max(1, len(self.filter.names))
-        decisions = DecisionState.initial(self.thresholds, p, self.filter.m)
+        """Return the state before the first row."""
+        p, m, names = self.filter.p, self.filter.m, max(1, len(self.filter.names))
+        decisions = DecisionState.initial(self.thresholds, p, m)
+        first = self.filter.start()[None, :]
         return MonitorState(
-            decisions,
-            WindowSums.empty(p, self.filter.m),
-            self.filter.start()[None, :],
-            np.empty((0, names)),
-            np.empty(0),
-            self.stride,
+            decisions, WindowSums.empty(p, m), first, np.empty((0, names)), np.empty(0), self.stride
         )
 
-    def advance(self, state: MonitorState, table: np.ndarray, t: np.ndarray) -> MonitorState:
-        """Take in more rows (`Filter.table`) and decide as far as they reach."""
+    def advance(self, state: MonitorState, table: np.ndarray, t: np.ndarray) -> Steps[MonitorState]:
+        """Return the state after more rows, with all decisions that they complete.
+
+        Args:
+            state: the state so far.
+            table: (rows, filter inputs), see `InnovationFilter.table`.
+            t: (rows,), times in s.
+        """
         state = replace(state, table=np.concatenate([state.table, table]), t=np.concatenate([state.t, t]))
         while True:
-            done = state.sums.last
-            ready = state.sums.first + len(state.t) // self.stride
-            if done >= ready:
-                return self._trimmed(state)
-            state = self._block(state, done, min(ready, done + _BLOCK))
+            first = state.sums.last
+            complete = state.sums.first + len(state.t) // self.stride
+            if first >= complete:
+                return self._without_old_data(state)
+            yield
+            state = yield from self._advance_block(state, first, min(complete, first + _BLOCK))
 
-    def _block(self, state: MonitorState, first: int, last: int) -> MonitorState:
-        """Decisions ``first`` + 1 … ``last``, or up to one after which the filter must be told something."""
+    def _advance_block(self, state: MonitorState, first: int, last: int) -> Steps[MonitorState]:
+        """Return the state after decisions `first` + 1 … `last`, or after the first of these that restarts the filter."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
         decisions = state.decisions
-        innovations = self._segment(state, first, last, decisions.known.course).innovations(
-            state.states[-1], decisions.trusted_outputs
-        )
-        count, begin = _finite(innovations, stride), (first - state.sums.first) * stride
+        segment = self._segment(state, first, last, decisions.known.course)
+        run = segment.innovations(state.states[-1], decisions.trusted_outputs)
+        count, begin = _finite_decisions(run, stride), (first - state.sums.first) * stride
         if count == 0:
-            return self._restarted(state)
-        innovations = Innovations(
-            *(v[: count * stride] for v in (innovations.omega, innovations.nu, innovations.states))
-        )
-        y = self.filter.measured(state.table[max(begin - 1, 0) : begin + count * stride])
+            return self._after_divergence(state)
+        rows = count * stride
+        y = self.filter.measured(state.table[max(begin - 1, 0) : begin + rows])
         y = y if begin else np.concatenate([y[:1] * np.nan, y])
-        sums = state.sums.extended(
-            innovations.omega.reshape(count, stride, m, p),
-            innovations.nu.reshape(count, stride, m),
-            decisions.trusted_outputs,
-            y,
-        )
-        state = replace(
-            state, sums=sums, states=np.concatenate([state.states, innovations.states[stride - 1 :: stride]])
-        )
-        decisions = advance_decisions(decisions, self._evidence(state))
+        omega, nu = run.omega[:rows].reshape(count, stride, m, p), run.nu[:rows].reshape(count, stride, m)
+        sums = state.sums.extended(omega, nu, decisions.trusted_outputs, y)
+        states = np.concatenate([state.states, run.states[stride - 1 : rows : stride]])
+        state = replace(state, sums=sums, states=states)
+        decisions = yield from advance_decisions(decisions, self._evidence(state))
         if decisions.restart is None:
             return replace(state, decisions=decisions)
-        at = decisions.at
-        states = state.states[: at - sums.first + 1].copy()
-        if decisions.restart.states is not None:  # those before as well: what is looked at later may begin there
+        states = states[: decisions.at - sums.first + 1].copy()
+        if decisions.restart.states is not None:  # earlier states too: a later replay may begin there
             states[-len(decisions.restart.states) :] = decisions.restart.states
-        return replace(state, decisions=replace(decisions, restart=None), sums=sums.until(at), states=states)
+        decisions = replace(decisions, restart=None)
+        return replace(state, decisions=decisions, sums=sums.until(decisions.at), states=states)
 
-    def _restarted(self, state: MonitorState) -> MonitorState:
-        """Past a decision at which the filter has left what numbers hold (an outlier may do that): begun anew after it."""
+    def _after_divergence(self, state: MonitorState) -> MonitorState:
+        """Return the state one decision later with the filter started again, because it diverged there (after an outlier)."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
         sums = state.sums.extended(np.zeros((1, stride, m, p)), np.zeros((1, stride, m)))
         at = sums.last + self.thresholds.begin
         decisions = replace(state.decisions, at=at, start=at, next_attempt=at, detected=None, tentative=None)
-        return replace(
-            state, sums=sums, states=np.concatenate([state.states, self.filter.start()[None, :]]), decisions=decisions
-        )
+        states = np.concatenate([state.states, self.filter.start()[None, :]])
+        return replace(state, sums=sums, states=states, decisions=decisions)
 
     def _evidence(self, state: MonitorState) -> Evidence:
         first = state.sums.first
         return Evidence(
-            state.sums,
-            self.thresholds,
-            partial(self._segment, state),
-            lambda d: state.states[d - first],
-            self.filter,
-            self.backward_pass,
-            first,
-            self.stride,
+            sums=state.sums,
+            thresholds=self.thresholds,
+            segment=partial(self._segment, state),
+            filter_state=lambda decision: state.states[decision - first],
+            filter=self.filter,
+            backward_pass=self.backward_pass,
+            oldest=first,
+            rows_per_decision=self.stride,
         )
 
     def _segment(
         self, state: MonitorState, first: int, last: int, known: Callable[[np.ndarray], np.ndarray]
     ) -> Segment:
-        """The rows between decisions; what is known of θ is a function of time in decisions."""
+        """Return the rows between two decisions; `known`: θ₀ (times, p) as a function of times in decisions."""
         rows = slice((first - state.sums.first) * self.stride, (last - state.sums.first) * self.stride)
         return Segment(
             self.filter,
@@ -146,23 +146,16 @@ class Monitor:
             known,
         )
 
-    def _trimmed(self, state: MonitorState) -> MonitorState:
+    def _without_old_data(self, state: MonitorState) -> MonitorState:
+        """Return the state without data older than the longest window."""
         sums = state.sums.recent(LONGEST + 1)
         cut = sums.first - state.sums.first
-        return replace(
-            state,
-            sums=sums,
-            states=state.states[cut:],
-            table=state.table[cut * self.stride :],
-            t=state.t[cut * self.stride :],
-        )
+        rows = cut * self.stride
+        return replace(state, sums=sums, states=state.states[cut:], table=state.table[rows:], t=state.t[rows:])
 
 
-def _finite(innovations: Innovations, stride: int) -> int:
-    """Decisions before the first with numbers that are none."""
-    good = (
-        ((np.abs(innovations.nu) < LARGEST).all(axis=1) & np.isfinite(innovations.states).all(axis=1))
-        .reshape(-1, stride)
-        .all(axis=1)
-    )
+def _finite_decisions(run: Innovations, stride: int) -> int:
+    """Return the number of decisions before the first with innovations or states that are not finite or far too large."""
+    good_rows = (np.abs(run.nu) < LARGEST).all(axis=1) & np.isfinite(run.states).all(axis=1)
+    good = np.asarray(good_rows).reshape(-1, stride).all(axis=1)
     return len(good) if good.all() else int(np.argmin(good))
