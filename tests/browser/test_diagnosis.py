@@ -160,7 +160,7 @@ def test_the_diagnosis_is_said_in_chinese(page):
         [[1, 1, 1], [1, 1, 1], [1, 1, 1]],
         [[20, 0, 0], [0, 20, 0], [0, 0, 20]],
     ]
-    texts = [excitation(J, names, typical, 0.1).text for J in cases]
+    texts = [str(excitation(J, names, typical, 0.1).text) for J in cases]
     texts += [
         "a step of voltage to 24 V would tell the faults apart: the least visible combination would stand out 20.5 times above the noise instead of 0.54",
         "theta1: faults from 0.0006 on are found and told from the others",

@@ -9,6 +9,7 @@ from tests.diagnosis.watching import names, step, watching
 from tests.runs.samples import spec_data
 from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.diagnosis.yield_points import run_to_end
 from thetascope_schemas import Experiment
 
 
@@ -178,9 +179,10 @@ def test_cutting_rows_changes_no_decision(pieces, kind):
     }[kind]
     made = watching("zhao-2012", faults).made
     table, t = watching("zhao-2012", faults).rows(3)
-    whole, cut, at, k = made.advance(made.begin(), table, t), made.begin(), 0, 0
+    whole, cut, at, k = run_to_end(made.advance(made.begin(), table, t)), made.begin(), 0, 0
     while at < len(t):
-        cut = made.advance(cut, table[at : at + pieces[k % len(pieces)]], t[at : at + pieces[k % len(pieces)]])
+        rows = slice(at, at + pieces[k % len(pieces)])
+        cut = run_to_end(made.advance(cut, table[rows], t[rows]))
         at, k = at + pieces[k % len(pieces)], k + 1
     assert repr(cut.decisions.findings) == repr(whole.decisions.findings)
     np.testing.assert_array_equal(cut.states[-1], whole.states[-1])
@@ -208,7 +210,5 @@ def test_inputs_that_rows_do_not_show_are_refused_with_the_remedy(frequency, rec
         horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[]
     )
     told = prepare(library.resolve(Experiment.model_validate(data))).run().diagnosis["detector"]
-    remedy = (
-        f"u changes too much between two rows, {record:g} s apart, of which only the first is seen: record more often"
-    )
+    remedy = f"u changes too much between two rows, {record:g} s apart, of which only the first value is used: record more often"
     assert told["note"] == (remedy if refused else "")

@@ -8,6 +8,7 @@ import pytest
 from tests.diagnosis.watching import watching
 from thetascope.diagnosis.isolation.decision_state import Finding
 from thetascope.diagnosis.isolation.revise_beliefs import FIRST, next_readmission
+from thetascope.diagnosis.yield_points import run_to_end
 
 AT = 500  # the decision at which something wrong is believed
 
@@ -22,7 +23,7 @@ def sound():
 def believing(made, table, t, size: float):
     """Watched up to AT, and then theta1 is taken to be on and y is not heeded, both wrongly."""
     rows = AT * made.stride
-    watched = made.advance(made.begin(), table[:rows], t[:rows])
+    watched = run_to_end(made.advance(made.begin(), table[:rows], t[:rows]))
     now = watched.decisions
     assert now.at == AT and not now.findings
     level = now.known.level.copy()
@@ -45,7 +46,7 @@ def test_an_output_is_heeded_again_where_a_fault_is_not_believed_any_more(sound)
     made, table, t = sound
     watched = believing(made, table, t, 0.02)
     rows = slice(AT * made.stride, (AT + 300) * made.stride)
-    now = made.advance(watched, table[rows], t[rows]).decisions
+    now = run_to_end(made.advance(watched, table[rows], t[rows])).decisions
     fault, silent = now.findings
     assert fault.cleared == silent.cleared == AT + FIRST and now.active == () and now.trusted_outputs.tolist() == [1.0]
     assert (fault.size, fault.deviation) == (0.02, 0.0002) and not now.known.level.any()
@@ -60,7 +61,7 @@ def test_an_output_that_is_wrong_stays_unheeded(sound):
         0.05 * np.random.default_rng(1).standard_normal(len(t) - AT * made.stride)
     )
     rows = slice(AT * made.stride, (AT + 300) * made.stride)
-    now = made.advance(watched, wild[rows], t[rows]).decisions
+    now = run_to_end(made.advance(watched, wild[rows], t[rows])).decisions
     assert now.trusted_outputs.tolist() == [0.0] and 1 in now.active
 
 

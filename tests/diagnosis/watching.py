@@ -11,6 +11,7 @@ from thetascope.assembly.build.diagnosis_settings import calibration_key, detect
 from thetascope.diagnosis.monitor.detector import Detector, healthy, prepare_detector
 from thetascope.diagnosis.outcome.diagnose_run import advance_over_rows
 from thetascope.diagnosis.outcome.findings import alarm
+from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.engine.execution.run_experiment import spans_of
 from thetascope.engine.simulation.batch import with_seed
 from thetascope.engine.simulation.experiment import Experiment as Engine
@@ -26,8 +27,8 @@ class Watching:
         prepared = prepare(library.resolve(Experiment.model_validate(spec)))
         self.spec = prepared.spec
         self.engine: Engine = prepared.stages[0].experiment
-        self.made: Detector = prepare_detector(
-            self.engine, self.engine.context, detector_settings(self.spec), calibration_key(self.spec)
+        self.made: Detector = run_to_end(
+            prepare_detector(self.engine, self.engine.context, detector_settings(self.spec), calibration_key(self.spec))
         )
 
     def watched(self, seed: int = 1, faults: bool = True):
@@ -35,7 +36,7 @@ class Watching:
         experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
         watched = self.made.begin()
         for now, rows in spans_of(experiment, 1):
-            watched = advance_over_rows(self.made, watched, now, rows)
+            watched = run_to_end(advance_over_rows(self.made, watched, now, rows))
         return watched
 
     def alarms(self, seed: int = 1, faults: bool = True) -> list[dict]:

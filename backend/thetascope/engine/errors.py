@@ -81,4 +81,8 @@ def _short(value: object) -> str:
 
 
 class Unwatchable(Exception):
-    """The detector cannot watch an experiment; the message says why."""
+    """The detector cannot be used with an experiment; `reason` says why."""
+
+    def __init__(self, reason: Message) -> None:
+        super().__init__(reason)
+        self.reason = reason

@@ -56,7 +56,7 @@ export const diagnosisRules = [
     '所有故障都可区分：最不可见的组合高出噪声 $1 倍',
   ),
   rule('the plant has no fault channels', '该对象没有故障通道'),
-  rule('nothing is known of this window', '该窗口内尚无信息'),
+  rule('there are no data for this window', '该窗口内尚无信息'),
 
   rule('(.+) cannot be seen with this input', '$1 在当前输入下不可见'),
   rule('(.+): faults from # on are found and told from the others', '$1：大小自 $2 起的故障可被发现并与其他故障区分'),
@@ -103,7 +103,7 @@ export const diagnosisRules = [
     '$1 以 $2$3 为中心、幅值 $4$5、频率 $6 Hz 的正弦',
   ),
   rule(
-    '(.+?) jumping at random between # and #( \\S+)?, drawn anew every # s,',
+    '(.+?) jumping at random between # and #( \\S+)?, with a new value every # s,',
     '$1 在 $2 与 $3$4 之间每 $5 s 随机跳变一次',
   ),
   rule('a step of (.+?) to #( \\S+)?', '$1 阶跃到 $2$3'),
@@ -114,15 +114,15 @@ export const diagnosisRules = [
   ),
   rule('no course of (.+?) that was tried helps: (.+)', '试过的 $1 的变化都没有帮助：$2'),
 
-  rule('the plant has # states, and at most # are looked at', '该对象有 $1 个状态，最多只处理 $2 个'),
-  rule('the run has fewer than a hundred rows', '运行不足一百行'),
+  rule('the plant has # states; the diagnosis handles at most #', '该对象有 $1 个状态，最多只处理 $2 个'),
+  rule('the run has fewer than # rows', '运行不足 $1 行'),
   rule(
-    '(.+) changes too much between two rows, # s apart, of which only the first is seen: record more often',
+    '(.+) changes too much between two rows, # s apart, of which only the first value is used: record more often',
     '$1 在相隔 $2 s 的两行之间变化过大，只能看到前一行的值：请提高记录频率',
   ),
   rule("the filter does not stay finite along this plant's runs", '滤波器沿该对象的运行不能保持有限'),
-  rule('none is asked for', '未要求诊断'),
-  rule('it estimates no fault', '它不估计故障'),
+  rule("the experiment's diagnosis is switched off", '未要求诊断'),
+  rule('the observer estimates no fault', '它不估计故障'),
   rule(
     '(.+) cannot be told apart by any input, nor from the states? (.+)',
     '任何输入都无法区分 $1，也无法与状态 $2 区分',

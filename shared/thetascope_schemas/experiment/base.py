@@ -3,7 +3,7 @@
 import keyword
 import math
 from collections.abc import Mapping, Sequence
-from typing import Annotated, Any, ClassVar, Protocol
+from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
 
@@ -168,6 +168,7 @@ Bounds = Annotated[tuple[Number | None, Number | None], AfterValidator(ordered)]
 UNBOUNDED: tuple[None, None] = (None, None)
 
 
+@runtime_checkable
 class Worded(Protocol):
     """A message that can be rendered: `thetascope.messages.Message`, without importing it."""
 

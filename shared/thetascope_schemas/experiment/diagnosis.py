@@ -1,13 +1,23 @@
 """Diagnosis: what is asked of it, and what it says. Which fault, since when, how large, how sure; and what cannot be seen."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
-from thetascope_schemas.experiment.base import Number, Positive, Reference, Strict, example
+from thetascope_schemas.experiment.base import Number, Positive, Reference, Strict, Worded, example
 from thetascope_schemas.experiment.signals import Signal
 
 Test = Literal["glr", "cusum", "threshold"]
+
+
+def _sentence(value: Any) -> Any:
+    """Return a message in English, no message as an empty text, and any other value as it is."""
+    if isinstance(value, Worded):
+        return value.text()
+    return "" if value is None else value
+
+
+Sentence = Annotated[str, BeforeValidator(_sentence)]
 
 _ALARM = {
     "id": "adaptive-1",
@@ -114,7 +124,7 @@ class Alarm(Strict):
     cleared: Number | None = Field(
         default=None, description="Time in s at which the alarm was over; null: it is still on."
     )
-    text: str = Field(description="The finding in a sentence.")
+    text: Sentence = Field(description="The finding in a sentence.")
 
 
 class Resolution(Strict):
@@ -128,7 +138,7 @@ class Resolution(Strict):
     smallest: Number | None = Field(description="Smallest step that is found within the longest window, null: none.")
     resolvable: bool = Field(description="Whether a typical fault can be found at all.")
     identifiable: bool = Field(description="Whether the input of the last window excites it enough.")
-    text: str = Field(default="", description="In words: from what size on, or why not.")
+    text: Sentence = Field(default="", description="In words: from what size on, or why not.")
 
 
 class Observability(Strict):
@@ -149,7 +159,7 @@ class Observability(Strict):
         description="Generic rank of the observability matrix of states and faults (Lie derivatives); null: not decided."
     )
     size: int = Field(description="States and faults.")
-    text: str = Field(description="What no input could tell apart, in words.")
+    text: Sentence = Field(description="What no input could tell apart, in words.")
     window: Number = Field(description="Length in s of the windows along the run.")
     t: list[Number] = Field(description="When they begin, in s.")
     ranks: list[int | None] = Field(
@@ -170,7 +180,7 @@ class Excitation(Strict):
     level: Number | None = Field(description="Smallest eigenvalue, in (typical fault / its standard deviation)².")
     needed: Number = Field(description="Level that the accuracy asked for needs.")
     direction: dict[Reference, Number] = Field(description="The combination of faults that is seen least, per channel.")
-    text: str = Field(default="", description="In words: what cannot be told apart.")
+    text: Sentence = Field(default="", description="In words: what cannot be told apart.")
     proposal: str | None = Field(default=None, description="An input that would help.")
 
 
@@ -184,7 +194,7 @@ class InputProposal(Strict):
     level: Number = Field(description="Smallest eigenvalue that it would reach, in (typical fault / its deviation)².")
     before: Number = Field(description="The same with the input as it is.")
     needed: Number = Field(description="Level that the accuracy asked for needs.")
-    text: str = Field(description="The proposal in a sentence, or why there is none.")
+    text: Sentence = Field(description="The proposal in a sentence, or why there is none.")
 
 
 class Calibration(Strict):
@@ -197,7 +207,7 @@ class Calibration(Strict):
     seeds: int = Field(description="Runs without faults that were simulated.")
     hours: Number = Field(description="Time simulated in all, in hours.")
     from_time: Number = Field(description="Time in s before which nothing is judged: the observer is still settling.")
-    note: str = Field(default="", description="What limits the calibration, where something does.")
+    note: Sentence = Field(default="", description="What limits the calibration, where something does.")
 
 
 class NoiseLevel(Strict):
@@ -234,8 +244,8 @@ class ObserverDiagnosis(Strict):
     )
     calibration: Calibration | None = Field(default=None, description="Where the thresholds come from.")
     noise: tuple[NoiseLevel, ...] = Field(default=(), description="Noise of each output.")
-    sentence: str = Field(default="", description="The diagnosis in a sentence.")
-    note: str = Field(default="", description="Why there is no diagnosis, where there is none.")
+    sentence: Sentence = Field(default="", description="The diagnosis in a sentence.")
+    note: Sentence = Field(default="", description="Why there is no diagnosis, where there is none.")
 
 
 class Diagnosis(Strict):

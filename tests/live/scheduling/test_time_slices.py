@@ -1,90 +1,91 @@
-"""Work in slices: it is done while the loop waits for it, and at no other time."""
+"""Computations in slices: they advance while `run_for` runs, and at no other time."""
 
-import threading
+from collections.abc import Generator
 from time import sleep
+from typing import Any
 
-from thetascope.diagnosis.yield_points import once, pause
-from thetascope.live.scheduling.time_slices import Slices
+import pytest
+
+from thetascope.diagnosis.yield_points import run_to_end
+from thetascope.live.scheduling.time_slices import TimeSlices
 
 
-def finished(slices: Slices, seconds: float) -> int:
-    """Slices until the job is done."""
+def slices_until_done(slices: TimeSlices, seconds: float) -> int:
+    """Return the number of slices until the computation is done."""
     count = 0
     while slices.busy and count < 10_000:
-        slices.go_on(seconds)
+        slices.run_for(seconds)
         count += 1
     return count
 
 
+def counting(steps: list[int], count: int) -> Generator[None, None, int]:
+    """Append 0, 1, … with a pause before each, and return 7."""
+    for k in range(count):
+        yield
+        steps.append(k)
+    return 7
+
+
 def test_a_job_is_done_piece_by_piece():
-    """A job with a hundred pauses: at slices of no length each goes from one pause to the next, and its value arrives."""
-    slices, steps, answers = Slices(), [], []
-
-    def job() -> int:
-        for k in range(100):
-            pause()
-            steps.append(k)
-        return 7
-
-    slices.begin(job, lambda *answer: answers.append(answer))
+    """A job with a hundred pauses: slices of no length go from one pause to the next each, and its value arrives."""
+    slices, steps, answers = TimeSlices(), [], []
+    slices.begin(counting(steps, 100), lambda *answer: answers.append(answer))
     assert slices.busy and steps == []
-    slices.go_on(0.0)
-    slices.go_on(0.0)
+    slices.run_for(0.0)
+    slices.run_for(0.0)
     assert steps == [0]
-    assert finished(slices, 0.0) == 99 and answers == [(7, None)] and steps == list(range(100))
-    slices.begin(job, lambda *answer: answers.append(answer))
-    assert finished(slices, 60.0) == 1 and len(answers) == 2
+    assert slices_until_done(slices, 0.0) == 99 and answers == [(7, None)] and steps == list(range(100))
+    slices.begin(counting(steps, 100), lambda *answer: answers.append(answer))
+    assert slices_until_done(slices, 60.0) == 1 and len(answers) == 2
 
 
-def test_nothing_goes_on_between_slices():
-    """While the loop does something else the job stands still."""
-    slices, steps = Slices(), []
-
-    def job() -> None:
-        for k in range(1000):
-            pause()
-            steps.append(k)
-
-    slices.begin(job, lambda *_: None)
-    slices.go_on(0.0)
-    slices.go_on(0.0)
-    before = len(steps)
+def test_nothing_runs_between_slices():
+    """Between two slices no step is done."""
+    slices, steps = TimeSlices(), []
+    slices.begin(counting(steps, 1000), lambda *_: None)
+    slices.run_for(0.0)
+    slices.run_for(0.0)
     sleep(0.05)
-    assert len(steps) == before == 1
-    finished(slices, 1.0)
+    assert steps == [0]
+    assert slices_until_done(slices, 1.0) == 1 and len(steps) == 1000
+
+
+def failing() -> Generator[None, None, Any]:
+    """Fail after a pause."""
+    yield
+    raise ZeroDivisionError
 
 
 def test_a_failing_job_gives_its_error():
-    """What a job raises is handed over, and the next one is done."""
-    slices, answers = Slices(), []
-    slices.begin(lambda: 1 / 0, lambda *answer: answers.append(answer))
-    finished(slices, 1.0)
-    slices.begin(lambda: "well", lambda *answer: answers.append(answer))
-    finished(slices, 1.0)
-    assert isinstance(answers[0][1], ZeroDivisionError) and answers[1] == ("well", None)
+    """An error is handed to the callback, and the next job is done."""
+    slices, answers = TimeSlices(), []
+    slices.begin(failing(), lambda *answer: answers.append(answer))
+    slices_until_done(slices, 1.0)
+    slices.begin(counting([], 3), lambda *answer: answers.append(answer))
+    slices_until_done(slices, 1.0)
+    assert isinstance(answers[0][1], ZeroDivisionError) and answers[1] == (7, None)
 
 
-def test_a_property_found_once_locks_nobody_out():
-    """While one object's property waits in a slice another object's is found."""
+def test_a_job_may_begin_the_next_one_from_its_callback():
+    """The callback of a job begins another, which is then done too."""
+    slices, steps, answers = TimeSlices(), [], []
+    slices.begin(counting([], 2), lambda *_: slices.begin(counting(steps, 2), lambda *answer: answers.append(answer)))
+    slices.run_for(1.0)
+    assert slices.busy and steps == []
+    slices.run_for(1.0)
+    assert answers == [(7, None)] and steps == [0, 1] and not slices.busy
 
-    class Thing:
-        def __init__(self, waits: bool) -> None:
-            self.waits, self.count = waits, 0
 
-        @once
-        def value(self) -> int:
-            self.count += 1
-            if self.waits:
-                pause()
-            return 3
+def test_a_whole_computation_can_be_ended_between_steps():
+    """`run_to_end` returns the value, and asks between steps whether to go on."""
+    steps = []
+    assert run_to_end(counting(steps, 5)) == 7 and steps == [0, 1, 2, 3, 4]
 
-    slices, slow, quick = Slices(), Thing(True), Thing(False)
-    slices.begin(lambda: slow.value, lambda *_: None)
-    slices.go_on(0.0)
-    assert slices.busy
-    thread = threading.Thread(target=lambda: quick.value, daemon=True)
-    thread.start()
-    thread.join(5)
-    assert not thread.is_alive() and quick.value == 3 and quick.count == 1
-    finished(slices, 1.0)
-    assert slow.value == 3 and slow.count == 1
+    def stop_after_two() -> None:
+        if len(steps) == 7:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        run_to_end(counting(steps, 5), stop_after_two)
+    assert len(steps) == 7

@@ -23,6 +23,7 @@ from thetascope.diagnosis.monitor.monitor import MonitorState
 from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis
 from thetascope.diagnosis.outcome.findings import of_detector
 from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
+from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.engine.errors import SpecError, Unwatchable
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.simulation import row_values
@@ -134,7 +135,9 @@ def diagnose_recording(
     measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
     spec = ResolvedExperiment.model_validate(spec.model_dump() | {"noise": measured})
     try:
-        made = prepare_detector(experiment, experiment.context, detector_settings(spec), calibration_key(spec))
+        made = run_to_end(
+            prepare_detector(experiment, experiment.context, detector_settings(spec), calibration_key(spec))
+        )
     except Unwatchable as error:
         raise SpecError("plant", plant.id, Message("record.not-calibrated", reason=error.args[0])) from None
     state = _monitor_record(made, experiment, record, learn)
@@ -221,14 +224,14 @@ def _monitor_record(made: Detector, experiment: Engine, record: Recording, learn
     made.filter.learn_repeats(record.y)
     first = _learnt_until(made, record, learn)
     if first <= made.thresholds.begin:
-        return made.advance(made.begin(), table, t)
+        return run_to_end(made.advance(made.begin(), table, t))
     rows = first * made.stride
     state, base = _learnt(made, table[:rows], t[:rows])
     made.filter.base = base
     initial = DecisionState.initial(replace(made.thresholds, begin=first), made.filter.p, made.filter.m)
     none = WindowSums.empty(made.filter.p, made.filter.m)
     state = MonitorState(initial, replace(none, first=first), state[None, :], table[:0], t[:0], made.stride)
-    return made.advance(state, table[rows:], t[rows:])
+    return run_to_end(made.advance(state, table[rows:], t[rows:]))
 
 
 def _learnt_until(made: Detector, record: Recording, learn: float) -> int:

@@ -7,7 +7,7 @@ from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
 from thetascope.diagnosis.monitor.detector import DetectorSettings
 from thetascope.diagnosis.outcome.diagnose_run import DiagnosisRequest, diagnose
 from thetascope.diagnosis.outcome.findings import of_detector, of_observer
-from thetascope.diagnosis.yield_points import pausing
+from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.engine.errors import Cancelled
 from thetascope.engine.execution.run_experiment import Parts
 from thetascope.engine.model.result import Result
@@ -55,8 +55,7 @@ def inspector(
             round(span(spec) / spec.step),
         )
         columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
-        with pausing(check):
-            found = diagnose(parts, columns, result.substeps, request)
+        found = run_to_end(diagnose(parts, columns, result.substeps, request), check)
         confidence = spec.diagnosis.confidence
         told = {
             "detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),

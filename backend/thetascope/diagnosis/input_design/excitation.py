@@ -149,9 +149,7 @@ def _group_text(
         code = "diagnosis.excitation.weak" if weak_alone else "diagnosis.excitation.confused"
         return Message(code, channel=channels[0], times=_floored(ratio if weak_alone else least), required=required)
     if hidden >= len(group):
-        return Message(
-            "diagnosis.excitation.weak-group", channels=channels, times=_floored(least), required=required
-        )
+        return Message("diagnosis.excitation.weak-group", channels=channels, times=_floored(least), required=required)
     if least >= _UNSEEN:
         return Message(
             "diagnosis.excitation.hardly-separable", channels=channels, times=_floored(least), required=required

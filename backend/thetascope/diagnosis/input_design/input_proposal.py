@@ -241,7 +241,9 @@ class _Trial:
         values = {"input": _course_text(name, course, unit), "level": level**0.5, "before": before**0.5}
         if level >= needed:
             one = len(self.names) == 1
-            return self.with_structure([Message("diagnosis.proposal.shows" if one else "diagnosis.proposal.separates", **values)])
+            return self.with_structure(
+                [Message("diagnosis.proposal.shows" if one else "diagnosis.proposal.separates", **values)]
+            )
         texts = [Message("diagnosis.proposal.helps", required=needed**0.5, **values)]
         J = self.information(name, course)
         if J is not None:

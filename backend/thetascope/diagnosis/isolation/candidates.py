@@ -25,7 +25,9 @@ from thetascope.diagnosis.isolation.likelihood_fit import (
 from thetascope.diagnosis.isolation.replay import ReplayWindow
 from thetascope.diagnosis.yield_points import Steps
 
-AMBIGUOUS = 6.0  # lead in twice the log-likelihood below which two hypotheses explain the data equally well: odds of 20 to 1
+AMBIGUOUS = (
+    6.0  # lead in twice the log-likelihood below which two hypotheses explain the data equally well: odds of 20 to 1
+)
 FIRST_ORDER_ERROR = 0.1  # relative error of the energy in the first-order scan
 _HELD = 4.0  # lead that a new fault needs over a change of one that is on
 _TRIED = 4  # hypotheses that are fitted in full
@@ -53,9 +55,7 @@ def faulty_outputs(window: ReplayWindow) -> Steps[list[Explanation]]:
         energy += float(_unknown_variance(replay.q[-1, k], expected)) / window.noise_unit
         score, share = residual_score(window, onset, left, trusted)
         cost, none = energy + CLEAR * _OUTPUT_EVENTS, np.zeros((0, 0))
-        explanations.append(
-            Explanation((), int(k), onset, energy, cost, score, share, none, 0.0, np.zeros(0), none)
-        )
+        explanations.append(Explanation((), int(k), onset, energy, cost, score, share, none, 0.0, np.zeros(0), none))
     return explanations
 
 

@@ -23,7 +23,9 @@ from thetascope.diagnosis.isolation.revise import revise_tentative
 from thetascope.diagnosis.isolation.revise_beliefs import next_readmission, readmit_outputs
 from thetascope.diagnosis.yield_points import Steps
 
-LEAST_QUIET = 20  # decisions: an output has to agree for an eighth of the time it was faulty, but at least for this long,
+LEAST_QUIET = (
+    20  # decisions: an output has to agree for an eighth of the time it was faulty, but at least for this long,
+)
 MOST_QUIET = 100  # and at most for this long; outliers come one at a time
 QUIET_ENERGY = 2.0  # standard deviations of the noise's energy: a residual below the mean plus this is noise
 
@@ -67,9 +69,7 @@ def _next_alarm(state: DecisionState, evidence: Evidence) -> Steps[DecisionState
     last = last if readmission is None else min(last, readmission)
     ends = np.arange(state.at + 1, last + 1)
     bounds = thresholds.bounds.relative_to(state.known.level)
-    glr, residual = scan(
-        evidence.sums, ends, max(state.start, state.passed), state.memory, thresholds.noise, bounds
-    )
+    glr, residual = scan(evidence.sums, ends, max(state.start, state.passed), state.memory, thresholds.noise, bounds)
     exceeded = np.flatnonzero((glr > thresholds.glr) | (residual > thresholds.residual))
     if len(exceeded) and not _is_blocked(state):
         at = int(ends[exceeded[0]])
@@ -116,9 +116,7 @@ def _first_quiet_decision(state: DecisionState, evidence: Evidence, last: int) -
     ends = np.arange(state.at + 1, last + 1)
     for i in _unexplained(state):
         finding = state.findings[i]
-        k = noise.nearest(
-            np.clip((ends - finding.raised_at) // 8, max(LEAST_QUIET, settle), max(MOST_QUIET, settle))
-        )
+        k = noise.nearest(np.clip((ends - finding.raised_at) // 8, max(LEAST_QUIET, settle), max(MOST_QUIET, settle)))
         begins = ends - noise.lengths[k]
         a, b = np.maximum(begins, first) - first, ends - first
         if state.trusted_outputs.all():

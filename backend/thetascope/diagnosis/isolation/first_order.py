@@ -15,7 +15,9 @@ from thetascope.diagnosis.isolation.decision_state import Event
 from thetascope.diagnosis.isolation.replay import ReplayWindow
 from thetascope.diagnosis.yield_points import Steps
 
-ONSET_DROP = -2 * float(np.log(1 - 0.95**0.5))  # drop of the energy that bounds the 95 % interval of an onset, see `onset_interval`
+ONSET_DROP = -2 * float(
+    np.log(1 - 0.95**0.5)
+)  # drop of the energy that bounds the 95 % interval of an onset, see `onset_interval`
 RISE_PENALTY = 3.0  # energy that a drift has to explain beyond a step; ramps and exponentials, half as much again
 _LEADERS = 4  # channels whose ramps are scanned finely
 _FINE = 9  # decisions that replace three in the fine scan
@@ -119,9 +121,7 @@ def _fine_spans(ramps: FirstOrderScan, grid: np.ndarray) -> list[tuple[int, int]
     for channel in np.argsort(-ramps.energy.max(axis=0))[:_LEADERS]:
         entry = ramps.best(int(channel))
         onset = ramps.onsets[entry]
-        begins, ends = (
-            _around(grid, int(np.searchsorted(grid, d))) for d in (onset, onset + ramps.rise_times[entry])
-        )
+        begins, ends = (_around(grid, int(np.searchsorted(grid, d))) for d in (onset, onset + ramps.rise_times[entry]))
         spans |= {(a, b) for a in begins for b in ends if b > a}
     return sorted(spans)
 

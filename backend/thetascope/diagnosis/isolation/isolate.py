@@ -33,7 +33,9 @@ from thetascope.diagnosis.yield_points import Steps
 SHARE = 0.7  # of the energy above the noise that a fault of the model has to explain
 PATIENCE = 8  # settling times after which the best explanation is accepted as it is,
 MOST_PATIENCE = 100  # or this number of decisions, if that is less
-REVISABLE = LONGEST // 2  # decisions after which an event is no longer revised, so that it does not absorb later changes
+REVISABLE = (
+    LONGEST // 2
+)  # decisions after which an event is no longer revised, so that it does not absorb later changes
 ACCEPTED_RESIDUAL = 4.0  # standard deviations of the noise's energy that a true explanation may leave
 DOUBTFUL_RESIDUAL = 3.0  # the same, above which other hypotheses are tried too
 MOST_TENTATIVE = 3  # events that may be revised at one time
@@ -298,9 +300,7 @@ def _other_options(choice: RankedExplanations, event: Event) -> list[Event]:
     return options
 
 
-def _raise_unexplained(
-    state: DecisionState, evidence: Evidence, choice: RankedExplanations
-) -> Steps[DecisionState]:
+def _raise_unexplained(state: DecisionState, evidence: Evidence, choice: RankedExplanations) -> Steps[DecisionState]:
     """Return the state with a finding that no channel explains: one output is faulty, or the model lacks the fault."""
     outputs = [e for e in choice.ranked if e.output is not None]
     if not outputs:

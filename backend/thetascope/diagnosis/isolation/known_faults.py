@@ -57,10 +57,14 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
         if i is None:  # merged into another event, which will be estimated again
             continue
         deviation = yield from _deviation(state, evidence, window, fit, k, i, before)
-        vanished_size = _size_if_vanished(state, event, i, deviation, before.get(i, state.findings[i]), state.at - fit.onset)
+        vanished_size = _size_if_vanished(
+            state, event, i, deviation, before.get(i, state.findings[i]), state.at - fit.onset
+        )
         if vanished_size is not None:
             over.append(i)
-            state = with_finding(state, i, with_settled_size(replace(before.get(i, state.findings[i]), size=vanished_size)))
+            state = with_finding(
+                state, i, with_settled_size(replace(before.get(i, state.findings[i]), size=vanished_size))
+            )
         else:
             size = float(known.level[event.channel])
             initial = state.findings[i].initial or (size, deviation)
@@ -83,9 +87,7 @@ def _size_if_vanished(
     settled = state.at - state.findings[i].raised_at >= SOON or any(
         entry.finding == i and not entry.own for entry in entries
     )
-    to_come = max(
-        abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.asymptote[event.channel])
-    )
+    to_come = max(abs(known.slope[event.channel]) * max(length, LEAST), abs(size + known.asymptote[event.channel]))
     return previous or before.size if settled and abs(size) < least and to_come < least else None
 
 
@@ -147,8 +149,7 @@ def _size_deviation(
     """
     event, noise = fit.events[k], evidence.thresholds.noise
     settling, long = (
-        float(noise.v[noise.nearest(n), event.channel])
-        for n in (2 * evidence.thresholds.settle, state.at - fit.onset)
+        float(noise.v[noise.nearest(n), event.channel]) for n in (2 * evidence.thresholds.settle, state.at - fit.onset)
     )
     v = long + float(fit.early[k]) * max(settling - long, 0.0)
     others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known if f.channel != event.channel)
@@ -192,9 +193,7 @@ def _merge_ramp(tentative: TentativeEvents, fit: Explanation) -> TentativeEvents
             rise_time = float(second.onset - first.onset)
             ramp = Event(first.channel, first.onset, rise_time, first.size * rise_time)
             merged = replace(entry, event=ramp, options=(ramp,))
-            return replace(
-                tentative, entries=(*tentative.entries[:k], merged, *tentative.entries[k + 1 : -1])
-            )
+            return replace(tentative, entries=(*tentative.entries[:k], merged, *tentative.entries[k + 1 : -1]))
     return tentative
 
 
@@ -249,9 +248,7 @@ def assign_finding(
     yield
     onset_from, onset_to = onset_interval(window, event)
     if own is None:
-        finding = Finding(
-            state.at, event.channel, others, event.onset, onset_from, onset_to, 0.0, 0.0, statistic
-        )
+        finding = Finding(state.at, event.channel, others, event.onset, onset_from, onset_to, 0.0, 0.0, statistic)
         return _with_new_finding(state, finding), len(state.findings), True
     finding = state.findings[own]
     if finding.channel != event.channel:  # its sizes were those of another fault

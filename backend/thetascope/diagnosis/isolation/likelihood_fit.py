@@ -101,9 +101,7 @@ class FitBatch:
         )
 
 
-def residual_score(
-    window: ReplayWindow, onset: int, left: float, trusted_outputs: np.ndarray
-) -> tuple[float, float]:
+def residual_score(window: ReplayWindow, onset: int, left: float, trusted_outputs: np.ndarray) -> tuple[float, float]:
     """Return (score, share) of the energy `left` by a hypothesis since its onset.
 
     The score is that energy less the mean of noise, in standard deviations of noise; the share is the part of the excess energy that

@@ -35,9 +35,7 @@ def shape_variance(window: ReplayWindow, events: tuple[Event, ...], k: int) -> S
 def _variance(window: ReplayWindow, fits: FitBatch, k: int) -> float:
     """Return the variance from the energies at the points of the stencil."""
     E = fits.energy
-    values = np.array(
-        [s * h[k].unit_value(window.end) for s, h in zip(fits.size[:, k], fits.hypotheses, strict=True)]
-    )
+    values = np.array([s * h[k].unit_value(window.end) for s, h in zip(fits.size[:, k], fits.hypotheses, strict=True)])
     slopes = np.array([values[1] - values[2], values[3] - values[4]]) / 2
     mixed = (E[5] + E[6] - E[1:5].sum() + 2 * E[0]) / 2
     H = np.array([[E[1] + E[2] - 2 * E[0], mixed], [mixed, E[3] + E[4] - 2 * E[0]]])
@@ -48,9 +46,7 @@ def _variance(window: ReplayWindow, fits: FitBatch, k: int) -> float:
 
 def _stencil(events: tuple[Event, ...], k: int, part: int) -> list[tuple[Event, ...]]:
     """Return the events with the onset and the end of event `k` shifted by `part` decisions times the stencil."""
-    return [
-        tuple(_shifted(e, part * a, part * b) if i == k else e for i, e in enumerate(events)) for a, b in _STENCIL
-    ]
+    return [tuple(_shifted(e, part * a, part * b) if i == k else e for i, e in enumerate(events)) for a, b in _STENCIL]
 
 
 def _shifted(event: Event, begin: int, end: int) -> Event:

@@ -27,7 +27,9 @@ from thetascope.diagnosis.isolation.likelihood_fit import Explanation, event_pen
 from thetascope.diagnosis.isolation.replay import ReplayWindow
 from thetascope.diagnosis.yield_points import Steps
 
-REVISABLE_RISE = LONGEST - 50  # decisions after which a rise is no longer revised: its size shows later than a step's (REVISABLE)
+REVISABLE_RISE = (
+    LONGEST - 50
+)  # decisions after which a rise is no longer revised: its size shows later than a step's (REVISABLE)
 _CLOSE = 8  # events are close if their distance is this many times shorter than the time since then
 
 

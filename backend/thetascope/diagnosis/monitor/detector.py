@@ -86,9 +86,7 @@ def _undersampled_signal(experiment: Experiment) -> str:
     return ""
 
 
-def prepare_detector(
-    experiment: Experiment, context: Context, settings: DetectorSettings, key: str
-) -> Steps[Detector]:
+def prepare_detector(experiment: Experiment, context: Context, settings: DetectorSettings, key: str) -> Steps[Detector]:
     """Return the detector for an experiment; its thresholds come from the cache or from simulations.
 
     Args:

@@ -61,9 +61,7 @@ class Monitor:
         p, m, names = self.filter.p, self.filter.m, max(1, len(self.filter.names))
         decisions = DecisionState.initial(self.thresholds, p, m)
         first = self.filter.start()[None, :]
-        return MonitorState(
-            decisions, WindowSums.empty(p, m), first, np.empty((0, names)), np.empty(0), self.stride
-        )
+        return MonitorState(decisions, WindowSums.empty(p, m), first, np.empty((0, names)), np.empty(0), self.stride)
 
     def advance(self, state: MonitorState, table: np.ndarray, t: np.ndarray) -> Steps[MonitorState]:
         """Return the state after more rows, with all decisions that they complete.

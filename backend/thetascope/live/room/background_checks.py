@@ -4,8 +4,9 @@ import logging
 from functools import partial
 from typing import TYPE_CHECKING
 
+from thetascope.diagnosis.yield_points import Steps
 from thetascope.live.room.advice import diagnosis_of
-from thetascope.live.room.serial_queue import Callback, Job
+from thetascope.live.room.serial_queue import Callback
 from thetascope.live.session.live_detector import DetectorProgress
 from thetascope_schemas.service.session import Assumptions, DiagnosisNow, Event
 
@@ -27,15 +28,15 @@ class BackgroundChecks:
 
     # ---- faults --------------------------------------------------------------------------------------------------------
 
-    def detection_job(self) -> tuple[Job, Callback] | None:
-        """Return a job that tests the waiting rows for faults, and its callback; None if no rows wait.
+    def detection_job(self) -> tuple[Steps["MonitorState"], Callback] | None:
+        """Return the steps that test the waiting rows for faults, and their callback; None if no rows wait.
 
-        The job does not touch the session.
+        The steps do not touch the session.
         """
         progress = None if self._room.machine.closed else self._room.session.pending_detection()
         if progress is None:
             return None
-        return partial(self._room.session.detector.catch_up, progress), partial(self._tested, progress)
+        return self._room.session.detector.catch_up(progress), partial(self._tested, progress)
 
     def _tested(self, progress: DetectorProgress, after: "MonitorState", error: Exception | None) -> None:
         room = self._room

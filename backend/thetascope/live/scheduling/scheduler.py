@@ -15,7 +15,7 @@ from typing import Any
 
 from thetascope.live.room.playback_clock import FRAME
 from thetascope.live.room.room_parts import ScheduledRoom
-from thetascope.live.scheduling.time_slices import Slices
+from thetascope.live.scheduling.time_slices import TimeSlices
 
 log = logging.getLogger(__name__)
 
@@ -49,7 +49,7 @@ class Scheduler:
         self._needs_prefetch: OrderedDict[ScheduledRoom, None] = OrderedDict()
         self._next_free_work = 0.0  # when the next room may compute ahead or be tested
         self._needs_detection: dict[ScheduledRoom, None] = {}  # in order
-        self._slices = Slices()
+        self._slices = TimeSlices()
         self._order = count()
         self._timer: asyncio.TimerHandle | None = None
         self._running = False
@@ -151,7 +151,7 @@ class Scheduler:
             if left is not None:
                 self._slices.begin(*left)
         if self._slices.busy and not self._stopped:
-            self._slices.go_on(SLICE)
+            self._slices.run_for(SLICE)
 
     def _guarded(self, room: ScheduledRoom, work: Callable[..., Any], *args: float) -> Any:
         """Return the value of work for a room; if it fails the others continue."""

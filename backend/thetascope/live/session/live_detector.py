@@ -12,6 +12,7 @@ from thetascope.diagnosis.monitor.detector import Detector, DetectorSettings, pr
 from thetascope.diagnosis.monitor.monitor import MonitorState
 from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis, advance_over_rows, with_noise_of
 from thetascope.diagnosis.outcome.findings import WINDOW, alarm, of_detector
+from thetascope.diagnosis.yield_points import Steps, run_to_end
 from thetascope.engine.errors import Unwatchable
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.simulation.experiment import Experiment as Engine
@@ -74,20 +75,20 @@ class LiveDetector:
     settings: DiagnosisSettings
     horizon: float
     record: float
-    note: str = ""
+    note: Message | None = None
 
     @classmethod
     def create(cls, spec: ResolvedExperiment, experiment: Engine, record: float) -> "LiveDetector":
         """Return the detector for a session on a spec that begins as `experiment`."""
         settings, wanted = spec.diagnosis, detector_settings(spec)
         whole = replace(experiment, steps=round(span(spec) / spec.step))
-        note = unwatchable(whole, _context(experiment)) if settings.enabled else "none is asked for"
+        note = unwatchable(whole, _context(experiment)) if settings.enabled else Message("diagnosis.none.disabled")
         detector = None
-        if not note:
+        if note is None:
             try:
                 detector = _shared(spec, whole, wanted)
             except Unwatchable as error:
-                note = str(error)
+                note = error.reason
         return cls(detector, wanted, settings, span(spec), record, note)
 
     def begin(self) -> DetectorProgress | None:
@@ -118,14 +119,14 @@ class LiveDetector:
             later = not large and len(progress.waiting) < _BATCHES_INSIDE
         if later:
             return progress, []
-        after = self.catch_up(progress)
+        after = run_to_end(self.catch_up(progress))
         return DetectorProgress(after), self.events(progress, after)
 
-    def catch_up(self, progress: DetectorProgress) -> MonitorState:
+    def catch_up(self, progress: DetectorProgress) -> Steps[MonitorState]:
         """Return the detector's state after the rows that wait."""
         monitor = progress.monitor
         for experiment, rows, values in progress.waiting:
-            monitor = advance_over_rows(self._with_noise_of(experiment), monitor, experiment, rows, values)
+            monitor = yield from advance_over_rows(self._with_noise_of(experiment), monitor, experiment, rows, values)
         return monitor
 
     def events(self, progress: DetectorProgress, after: MonitorState) -> list[Event]:
@@ -157,7 +158,7 @@ class LiveDetector:
             subject=subject,
             observer="detector",
             value={name: list(v) if isinstance(v, tuple) else v for name, v in data.items() if name != "text"},
-            message=message if isinstance(message, Text) else _text(message),
+            message=Text.of(message),
         )
 
     def alarms(
@@ -190,7 +191,7 @@ class LiveDetector:
             Unwatchable: there is no detector.
         """
         if self.detector is None:
-            raise Unwatchable(self.note)
+            raise Unwatchable(self.note or Message("diagnosis.none.disabled"))
         among = tuple(dict.fromkeys(c for e in experiment.estimators for c in e.channels)) or None
         window, filter_ = WINDOW * self.horizon, self._with_noise_of(experiment).filter
         proposal = propose(filter_, experiment, state.plant, state.k, window, self.settings.accuracy, among)
@@ -200,7 +201,7 @@ class LiveDetector:
         """Return the diagnosis of all rows so far; rows that are left to somebody else (`outside`) are not waited for."""
         monitor = None
         if progress is not None:
-            monitor = progress.monitor if outside else self.catch_up(progress)
+            monitor = progress.monitor if outside else run_to_end(self.catch_up(progress))
         interval = self.detector.interval if self.detector else 0.0
         diagnosis = RunDiagnosis(self.detector, monitor, (), interval, self.note)
         data = of_detector(diagnosis, self.settings.confidence, self.settings.accuracy, self.horizon)
@@ -214,14 +215,6 @@ class LiveDetector:
         if self.detector is None:
             raise TypeError("the session has no detector")
         return self.detector
-
-
-def _text(message: Message | str) -> Text:
-    return (
-        Text.of(message)
-        if isinstance(message, Message)
-        else Text(code="event.alarm", args={"text": message}, text=message)
-    )
 
 
 def _as_raised(finding: Finding) -> Finding:
@@ -261,7 +254,7 @@ def _shared(spec: ResolvedExperiment, whole: Engine, settings: DetectorSettings)
         if detector is not None:
             _detectors.move_to_end(key)
             return detector
-    detector = prepare_detector(whole, _context(whole), settings, key)
+    detector = run_to_end(prepare_detector(whole, _context(whole), settings, key))
     detector.prepare()
     with _lock:
         _detectors[key] = detector
