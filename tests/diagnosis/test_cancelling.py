@@ -2,6 +2,7 @@
 
 from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.engine.compiler import cache
 from thetascope.engine.errors import Cancelled
 from thetascope_schemas import Experiment
 
@@ -26,7 +27,7 @@ def asked_in(name: str, stop) -> int:
 
 def test_a_run_is_cancelled_while_thresholds_are_simulated_and_while_it_is_watched(tmp_path, monkeypatch):
     """Before every longer step of its diagnosis it asks; with yes it ends at the next question."""
-    monkeypatch.setenv("THETASCOPE_CACHE", str(tmp_path))
+    monkeypatch.setattr(cache, "folder", lambda: tmp_path)
     assert asked_in("dc-motor", lambda asked: asked == 3) == -3  # simulating thresholds, which are not kept
     whole = asked_in("dc-motor", lambda asked: False)
     watching = asked_in("dc-motor", lambda asked: False)  # thresholds are on disk now

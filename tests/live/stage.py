@@ -6,12 +6,14 @@ import struct
 from collections.abc import Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
 from tests.runs.samples import spec
 from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.live.room.room import Room
 from thetascope.live.room.room_parts import RoomServices
 from thetascope.live.room.serial_queue import Callback, Job, outcome
@@ -122,9 +124,9 @@ class Stage:
             room.prefetch_rows()
 
     def _watch(self, room: Room) -> None:
-        while (left := room.checks.detection_job()) is not None:
-            job, then = left
-            then(*outcome(job))
+        while (waiting := room.checks.detection_job()) is not None:
+            steps, then = waiting
+            then(*outcome(partial(run_to_end, steps)))
 
     def _background(self, job: Job, then: Callback) -> None:
         then(*outcome(job))
