@@ -239,15 +239,15 @@ def _learnt_until(made: Detector, record: Recording, learn: float) -> int:
     return min(round(learn / made.interval), len(record.t) // made.stride - 2)
 
 
-def _defaults(plant: Plant, record: Recording) -> str:
-    """Which inputs and signals the record has not."""
+def _defaults(plant: Plant, record: Recording) -> Message | None:
+    """Return which inputs and signals are missing in the record, or None."""
     missing = [
-        n
-        for group, there in (("inputs", record.inputs), ("signals", record.signals))
-        for n in plant.names(group)
-        if n not in there
+        name
+        for group, recorded in (("inputs", record.inputs), ("signals", record.signals))
+        for name in plant.names(group)
+        if name not in recorded
     ]
-    return f"not in the record, so the defaults were taken: {', '.join(missing)}" if missing else ""
+    return Message("diagnosis.record.defaults", names=missing) if missing else None
 
 
 def _learnt(made: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

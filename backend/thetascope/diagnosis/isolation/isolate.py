@@ -174,7 +174,8 @@ def _or_revision(state: DecisionState, evidence: Evidence, new: RankedExplanatio
     )
     revisions = []
     for group in groups:
-        revisions.append((yield from alternatives_of(state, evidence, group)))
+        alternatives = yield from alternatives_of(state, evidence, group)
+        revisions.append(alternatives)
     revision = min(revisions, key=lambda r: r.leader.cost - penalty_of(r.revised))
     group = revision.revised
     # a fault isolated a moment ago was isolated wrongly, rather than that it has changed already

@@ -63,7 +63,8 @@ def _pruned(
         reduced = [replace(tentative, entries=tuple(e for e in entries if e is not removed)) for removed in entries]
         fits = []
         for others in reduced:
-            fits.append((yield from _refit(state, others, evidence)))
+            refit = yield from _refit(state, others, evidence)
+            fits.append(refit)
         loss = [f.energy - fit.energy - event_penalty(e.event) for f, e in zip(fits, entries, strict=True)]
         k = int(np.argmin(loss))
         if loss[k] >= 0:
