@@ -14,8 +14,10 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(autouse=True)
 def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files and the store are the test's own."""
+    """Files and the store are the test's own, and the language is English."""
     monkeypatch.setenv("THETASCOPE_DATA", str(tmp_path / "data"))
+    for name in ("LC_ALL", "LC_MESSAGES", "LANG"):
+        monkeypatch.delenv(name, raising=False)
     monkeypatch.chdir(tmp_path)
 
 

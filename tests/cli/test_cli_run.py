@@ -14,6 +14,7 @@ from scipy.io import loadmat
 from tests.cli.conftest import ROOT
 from tests.runs.samples import long_data, spec_data
 from thetascope.cli.terminal import Progress, table
+from thetascope.cli.words import Words
 
 
 def columns(path) -> dict[str, np.ndarray]:
@@ -119,9 +120,9 @@ def test_an_observer_that_diverged_and_one_without_faults_are_told_in_words(call
         (["run", "shen-hu-2015", "--set", "seed"], 1, "path=value"),
         (["run", "shen-hu-2015", "--set", "horizon=1e9"], 1, "the limit is"),
         (["run", "shen-hu-2015", "--set", "horizon=10000", "--set", "record=0.001"], 1, "THETASCOPE_MAX_RESULT"),
-        (["run", "shen-hu-2015", "--out", "a.txt"], 2, "'a.txt' ends in none of .csv"),
+        (["run", "shen-hu-2015", "--out", "a.txt"], 2, "'a.txt' does not end in .csv"),
         (["run", "shen-hu-2015", "--out", "no/a.csv"], 2, "there is no folder"),
-        (["run", "shen-hu-2015", "--comparison", "a.html"], 2, "'a.html' ends in none of .csv .json"),
+        (["run", "shen-hu-2015", "--comparison", "a.html"], 2, "'a.html' does not end in .csv or .json"),
         (["run"], 2, "EXPERIMENT"),
         (["fly"], 2, "invalid choice"),
         ([], 2, "COMMAND"),
@@ -190,7 +191,7 @@ def test_the_progress_is_a_bar_on_a_terminal_and_lines_elsewhere(monkeypatch):
     now = [0.0]
     monkeypatch.setattr("thetascope.cli.terminal.time.monotonic", lambda: now[0])
     terminal, log, quiet = Terminal(), io.StringIO(), Terminal()
-    bars = [Progress(terminal), Progress(log), Progress(quiet, quiet=True)]
+    bars = [Progress(Words(), terminal), Progress(Words(), log), Progress(Words(), quiet, quiet=True)]
     for second in range(100):
         now[0] = second / 10
         for bar in bars:

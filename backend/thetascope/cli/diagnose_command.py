@@ -1,4 +1,4 @@
-"""`thetascope diagnose`: what was recorded on a plant, and which faults it shows."""
+"""`thetascope diagnose`: the faults in a record of a plant."""
 
 import argparse
 from pathlib import Path
@@ -9,17 +9,20 @@ from thetascope import library
 from thetascope.assembly.analyses.csv_columns import columns_of_csv
 from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording
 from thetascope.cli.terminal import number, table
+from thetascope.cli.words import Words
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import from_engine, validated
 from thetascope.runs.specs.spec_files import DocumentError, read, unreadable
 from thetascope.settings import load
-from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
+from thetascope_schemas.experiment.diagnosis import Alarm, DiagnosisSettings, ObserverDiagnosis
 from thetascope_schemas.experiment.plant import Plant
 
+_HEAD = ("alarm-at", "fault", "alternatives", "since", "blank", "size", "blank", "cleared")
 
-def diagnose_command(options: argparse.Namespace) -> int:
-    """Diagnose a recorded file and print, or write, what was found."""
+
+def diagnose_command(options: argparse.Namespace, say: Words) -> int:
+    """Diagnose a recorded file; print the findings, and write them where asked."""
     plant = plant_named(options.plant)
     asked = {"false_alarms": options.false_alarms, "doubt": options.doubt}
     settings = validated(DiagnosisSettings, {k: v for k, v in asked.items() if v is not None})
@@ -29,12 +32,12 @@ def diagnose_command(options: argparse.Namespace) -> int:
         raise from_engine(error) from None
     if options.json is not None:
         options.json.write_text(found.model_dump_json(indent=1), encoding="utf-8")
-    print(text(found))
+    print(text(found, say))
     return 0
 
 
 def plant_named(target: str) -> Plant:
-    """A plant of the library, or of a file."""
+    """Return a plant of the library, or of a file."""
     path = Path(target)
     if not path.suffix and not path.exists():
         return library.plant(target)
@@ -42,7 +45,7 @@ def plant_named(target: str) -> Plant:
 
 
 def columns_of(path: Path) -> dict[str, np.ndarray]:
-    """The columns of a CSV file with a line of names. Raises DocumentError with the line that is no row of numbers."""
+    """Return the columns of a CSV file with a line of names. Raises DocumentError naming the line that is not a row of numbers."""
     try:
         return columns_of_csv(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
@@ -53,32 +56,33 @@ def columns_of(path: Path) -> dict[str, np.ndarray]:
         raise DocumentError(error.problem, name=str(path), remedy=error.remedy) from None
 
 
-def text(found: ObserverDiagnosis) -> str:
-    """What was found, as a table; then what it rests on."""
-    parts = [found.sentence, ""]
+def text(found: ObserverDiagnosis, say: Words) -> str:
+    """Return the findings as a table, then the basis of the decisions."""
+    parts = [say.text(found.sentence), ""]
     if found.alarms:
-        rows = [
-            [
-                number(a.t, 5),
-                a.channel or f"not explained ({a.output})",
-                ", ".join(a.alternatives) or "–",
-                number(a.onset, 5),
-                f"{a.onset_from:.5g} to {a.onset_to:.5g}",
-                number(a.size),
-                "–" if a.size is None else f"{a.size_from:.4g} to {a.size_to:.4g}",
-                number(a.cleared, 5),
-            ]
-            for a in found.alarms
-        ]
-        parts += [table(["ALARM AT", "FAULT", "OR AS WELL", "SINCE", "", "SIZE", "", "OVER AT"], rows), ""]
-    parts += [f"noise of {n.output}: {number(n.estimated, 3)} (from the record)" for n in found.noise]
+        parts += [table(say.head(_HEAD), [_alarm(alarm, say) for alarm in found.alarms]), ""]
+    parts += [say("cli.diagnose.noise", output=n.output, std=number(n.estimated, 3)) for n in found.noise]
     if found.calibration is not None:
         c = found.calibration
-        parts.append(
-            f"thresholds for {c.false_alarms:g} false alarms an hour, from {c.seeds} simulated runs; judged from {c.from_time:.4g} s on"
-        )
+        basis = {"rate": c.false_alarms, "seeds": c.seeds, "begin": c.from_time}
+        parts.append(say("cli.diagnose.thresholds", **basis))
     if found.note:
-        parts.append(found.note)
+        parts.append(say.text(found.note))
     if found.excitation is not None and found.excitation.text:
-        parts.append(f"at the end: {found.excitation.text}")
+        parts.append(say("cli.diagnose.excitation", text=say.text(found.excitation.text)))
     return "\n".join(parts)
+
+
+def _alarm(alarm: Alarm, say: Words) -> list[str]:
+    """Return an alarm as a line of the table."""
+    sized = alarm.size is not None
+    return [
+        number(alarm.t, 5),
+        alarm.channel or say("cli.diagnose.unexplained", output=alarm.output),
+        ", ".join(alarm.alternatives) or "–",
+        number(alarm.onset, 5),
+        say("report.interval", low=number(alarm.onset_from, 5), high=number(alarm.onset_to, 5)),
+        number(alarm.size),
+        say("report.interval", low=number(alarm.size_from), high=number(alarm.size_to)) if sized else "–",
+        number(alarm.cleared, 5),
+    ]

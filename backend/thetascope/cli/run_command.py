@@ -8,6 +8,7 @@ from pathlib import Path
 
 from thetascope import assembly
 from thetascope.cli.terminal import Progress, number, table
+from thetascope.cli.words import Words
 from thetascope.engine.errors import Cancelled, SpecError
 from thetascope.engine.model.result import Result
 from thetascope.export import comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
@@ -29,23 +30,23 @@ from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperim
 from thetascope_schemas.service.comparison import Comparison, ComparisonRow
 
 _STATES = 3  # in the table of several observers
-_JUDGED = ("FOUND", "DELAY", "MISSED", "FALSE", "WRONG")
-_LEGEND = "(faults found, their median delay, faults missed; alarms without a fault, alarms that name a wrong one)"
+_JUDGED = ("found", "delay", "missed", "false", "wrong")
+_ESTIMATES = ("observer", "fault", "true", "estimate", "mean-error", "std", "settled")
 
 
-def run_command(options: argparse.Namespace) -> int:
+def run_command(options: argparse.Namespace, say: Words) -> int:
     """Run an experiment, write the files asked for, print how the observers did."""
     settings = load()
     spec = experiment_of(options.experiment, settings)
     spec = with_changes(spec, dict(parse_assignment(text) for text in options.changes))
-    store = None if options.no_store else open_store(settings)
-    finished = result_of(spec, settings, store, Progress(quiet=options.quiet))
+    store = None if options.no_store else open_store(settings, say)
+    finished = result_of(spec, settings, store, Progress(say, quiet=options.quiet), say)
     for path in options.out:
-        write(finished, path, command_line(options, path))
+        write(finished, path, command_line(options, path), say.language)
     for path in options.comparison:
         write_comparison(finished, path)
     if not options.quiet:
-        print(outcome(finished))
+        print(outcome(finished, say))
     return 0
 
 
@@ -61,8 +62,8 @@ def experiment_of(target: str, settings: Settings) -> Experiment:
         raise document.refused(error.errors) from None
 
 
-def result_of(spec: Experiment, settings: Settings, store: RunStore | None, progress: Progress) -> Finished:
-    """The run of a spec, from the store or computed (and kept in the store)."""
+def result_of(spec: Experiment, settings: Settings, store: RunStore | None, progress: Progress, say: Words) -> Finished:
+    """Return the run of a spec, from the store or computed (and kept in the store)."""
     complete = resolved(spec)
     job = Job(complete.spec_hash(), spec)
     result = store and store.get_result(job.id, engine_version())
@@ -70,7 +71,7 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
         return completed(job.snapshot(), result, complete)
     finished = completed(job.snapshot(), compute(job, complete, settings, progress), complete)
     if store is not None:
-        _keep(store, finished)
+        _keep(store, finished, say)
     return finished
 
 
@@ -102,31 +103,31 @@ def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Pr
             raise invalid("horizon", spec.horizon, why) from None
 
 
-def open_store(settings: Settings) -> RunStore | None:
-    """The store, or None with a warning: a run needs none."""
+def open_store(settings: Settings, say: Words) -> RunStore | None:
+    """Return the store, or None with a warning: a run does not need it."""
     try:
         return RunStore(Database(settings.database), settings.store_limit)
     except StoreError as error:
-        print(f"thetascope: the run is not kept. {error}", file=sys.stderr)
+        print(f"thetascope: {say('cli.run.not-kept', reason=error.text(say.language))}", file=sys.stderr)
         return None
 
 
-def _keep(store: RunStore, finished: Finished) -> None:
+def _keep(store: RunStore, finished: Finished, say: Words) -> None:
     try:
         store.put(record_of(finished.snapshot))
         store.put_result(finished.snapshot.id, engine_version(), finished.result)
     except StoreError as error:
-        print(f"thetascope: the run is not kept. {error}", file=sys.stderr)
+        print(f"thetascope: {say('cli.run.not-kept', reason=error.text(say.language))}", file=sys.stderr)
 
 
-def write(finished: Finished, path: Path, command: str) -> None:
+def write(finished: Finished, path: Path, command: str, language: str) -> None:
     """Write a result in the format that the file's ending tells."""
     suffix, whole = path.suffix.lower(), select(finished.result)
     if suffix == ".csv":
         with path.open("wb") as stream:
             stream.writelines(csv_chunks(whole))
     elif suffix == ".html":
-        path.write_text(report_html(finished, command), encoding="utf-8")
+        path.write_text(report_html(finished, command, language), encoding="utf-8")
     else:
         path.write_bytes(matlab_bytes(whole) if suffix == ".mat" else json_bytes(whole))
 
@@ -147,73 +148,86 @@ def command_line(options: argparse.Namespace, path: Path) -> str:
     return shlex.join(["thetascope", "run", options.experiment, *changes, "--out", path.name])
 
 
-def outcome(finished: Finished) -> str:
-    """A run in a few lines: for every observer and fault the truth, the estimate and whether it has settled."""
+def outcome(finished: Finished, say: Words) -> str:
+    """Return a run in a few lines: for every observer and fault the truth, the estimate and whether it has settled."""
     from thetascope.diagnosis.evaluation.metrics import summary
 
     spec, result = finished.snapshot.spec, finished.result
-    title = spec.title or spec.id
-    lines = [f"{title}: {spec.horizon:g} s in steps of {result.step:g} s, run {finished.snapshot.id[:12]}"]
+    title, id = say.text(spec.title) or spec.id, finished.snapshot.id[:12]
+    lines = [say("cli.run.head", title=title, horizon=spec.horizon, step=result.step, id=id)]
     if result.diverged:
-        lines.append(f"The plant itself diverged at {result.diverged.time:.4g} s: {result.diverged.cause}")
+        lines.append(
+            say("report.diverged.plant", t=number(result.diverged.time), cause=say.text(result.diverged.cause))
+        )
     measures = summary(result, spec.faults)
-    rows = [row for label, found in measures.items() for row in _rows(label, found)]
+    rows = [row for label, found in measures.items() for row in _rows(label, found, say)]
     if rows:
-        lines += ["", table(["OBSERVER", "FAULT", "TRUE", "ESTIMATE", "MEAN ERROR", "STD", "SETTLED"], rows), ""]
-    lines += side_by_side(compared(result, spec), measures)
+        lines += ["", table(say.head(_ESTIMATES), rows), ""]
+    lines += side_by_side(compared(result, spec), measures, say)
     if result.diagnosis is not None:
-        lines += [f"Diagnosis: {result.diagnosis['detector']['sentence']}", ""]
-    lines += [line for label, found in measures.items() for line in _sentences(label, found)]
+        lines += [say("cli.run.diagnosis", sentence=say.text(result.diagnosis["detector"]["sentence"])), ""]
+    lines += [line for label, found in measures.items() for line in _sentences(label, found, say)]
     lines += [
-        f"{o.label}: {c.name} fails: {c.text}" for o in result.observers for c in o.checks if c.verdict == "fails"
+        say("cli.run.fails", label=o.label, name=say.text(c.name), text=say.text(c.text))
+        for o in result.observers
+        for c in o.checks
+        if c.verdict == "fails"
     ]
-    return "\n".join([*lines, *result.notes]).rstrip()
+    return "\n".join([*lines, *(say.text(note) for note in result.notes)]).rstrip()
 
 
-def side_by_side(comparison: Comparison, measures: dict[str, dict]) -> list[str]:
-    """The observers that did not diverge, a line each: where there are several, or tests that looked for faults."""
+def side_by_side(comparison: Comparison, measures: dict[str, dict], say: Words) -> list[str]:
+    """Return a line for each observer that did not diverge, where there are several, or tests that looked for faults."""
     rows = [row for row in comparison.observers if not measures.get(row.label, {}).get("diverged")]
     if len(rows) < 2 and not any(row.faults for row in rows):
         return []
     rmse = {row.label: measures.get(row.label, {}).get("rmse", {}) for row in rows}  # the detector has none
     states = list(dict.fromkeys(state for row in rows for state in rmse[row.label]))[:_STATES]
     judged = any(row.faults is not None for row in rows)
-    head = ["OBSERVER", *(_JUDGED if judged else ()), *(f"RMSE {state}" for state in states), "COST"]
+    rmse_heads = [say("cli.head.rmse", state=state) for state in states]
+    head = [*say.head(("observer", *(_JUDGED if judged else ()))), *rmse_heads, say("cli.head.cost")]
     lines = [
         [
             row.label,
-            *(_judged(row) if judged else ()),
+            *(_judged(row, say) if judged else ()),
             *(number(rmse[row.label].get(state), 3) for state in states),
             number(row.cost, 3),
         ]
         for row in rows
     ]
-    legend = "(cost in µs per simulated second, measured)"
-    return [table(head, lines), f"{_LEGEND}\n{legend}" if judged else legend, ""]
+    legend = say("cli.run.cost")
+    return [table(head, lines), f"{say('cli.run.legend')}\n{legend}" if judged else legend, ""]
 
 
-def _judged(row: ComparisonRow) -> list[str]:
-    found = "–" if row.faults is None else f"{row.found} of {len(row.faults) - row.covered}"
+def _judged(row: ComparisonRow, say: Words) -> list[str]:
+    found = "–" if row.faults is None else say("report.of", n=row.found, all=len(row.faults) - row.covered)
     delay = "–" if row.delay is None else f"{row.delay:.2f} s"
     return [found, delay, *("–" if n is None else str(n) for n in (row.missed, row.false_alarms, row.isolation_errors))]
 
 
-def _rows(label: str, measures: dict) -> list[list[str]]:
-    """Lines of the table. Mean error and its scatter are over the last tenth of the run."""
+def _rows(label: str, measures: dict, say: Words) -> list[list[str]]:
+    """Return lines of the table. Mean error and its scatter are over the last tenth of the run."""
     settled = {step["channel"]: step["time"] for step in measures["settling"]}
     rows = []
     for channel, end in {} if measures["diverged"] else measures["theta"].items():
-        after = "–" if channel not in settled else "no" if settled[channel] is None else f"{settled[channel]:.2f} s"
+        after = (
+            "–"
+            if channel not in settled
+            else say("report.no")
+            if settled[channel] is None
+            else f"{settled[channel]:.2f} s"
+        )
         values = (end["truth"], end["estimate"], end["mean_error"], end["std"])
         rows.append([label, channel, *map(number, values), after])
     return rows
 
 
-def _sentences(label: str, measures: dict) -> list[str]:
-    """What the table cannot hold: an observer that diverged, and one that estimates no fault."""
+def _sentences(label: str, measures: dict, say: Words) -> list[str]:
+    """Return a sentence for an observer that diverged, and for one that estimates no fault."""
     if measures["diverged"]:
-        return [f"{label} diverged at {measures['diverged']['time']:.4g} s: {measures['diverged']['cause']}"]
+        cause, t = say.text(measures["diverged"]["cause"]), number(measures["diverged"]["time"])
+        return [say("report.diverged", label=label, t=t, cause=cause)]
     if measures["theta"]:
         return []
-    states = ", ".join(f"{state} {number(value, 3)}" for state, value in measures["rmse_end"].items())
-    return [f"{label} estimates states only; rms errors over the last tenth of the run: {states}"]
+    states = [f"{state} {number(value, 3)}" for state, value in measures["rmse_end"].items()]
+    return [say("cli.run.states-only", label=label, states=states)]

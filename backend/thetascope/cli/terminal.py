@@ -1,9 +1,12 @@
-"""What the command line shows: a progress bar and tables."""
+"""Progress bars and tables of the command line."""
 
 import sys
 import time
+import unicodedata
 from collections.abc import Sequence
 from typing import TextIO
+
+from thetascope.cli.words import Words
 
 _WIDTH = 32
 _PATIENCE = 0.4
@@ -14,7 +17,8 @@ _PLAIN_EVERY = 5.0
 class Progress:
     """How far a run is: a bar that is redrawn on a terminal, a line now and then elsewhere (logs)."""
 
-    def __init__(self, stream: TextIO | None = None, quiet: bool = False) -> None:
+    def __init__(self, say: Words, stream: TextIO | None = None, quiet: bool = False) -> None:
+        self._say = say
         self._stream = stream or sys.stderr
         self._terminal = self._stream.isatty()
         self._quiet = quiet
@@ -28,7 +32,9 @@ class Progress:
         if self._quiet or now - self._shown < (0.1 if self._terminal else _PLAIN_EVERY):
             return
         self._shown = now
-        left = f"{(now - self._start) * (1 - share) / share:.0f} s left" if share > 0.01 else "preparing"
+        left = self._say("cli.preparing")
+        if share > 0.01:
+            left = self._say("cli.time-left", seconds=(now - self._start) * (1 - share) / share)
         if self._terminal:
             full = round(share * _WIDTH)
             self._stream.write(f"\r{'█' * full}{'░' * (_WIDTH - full)} {share:4.0%}  {left}\x1b[K")
@@ -38,27 +44,37 @@ class Progress:
         self._stream.flush()
 
     def close(self) -> None:
-        """Take the bar away."""
+        """Remove the bar."""
         if self._drawn:
             self._stream.write("\r\x1b[K")
             self._stream.flush()
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Columns as wide as their widest entry, the first to the left and numbers to the right."""
+    """Return columns as wide as their widest entry, the first to the left and numbers to the right."""
     lines = [list(head), *[list(row) for row in rows]]
-    widths = [max(len(line[i]) for line in lines) for i in range(len(head))]
+    widths = [max(_width(line[i]) for line in lines) for i in range(len(head))]
     right = [bool(rows) and all(_numeric(row[i]) for row in rows) for i in range(len(head))]
     return "\n".join(
-        "  ".join(
-            text.rjust(w) if r else text.ljust(w) for text, w, r in zip(line, widths, right, strict=True)
-        ).rstrip()
+        "  ".join(_padded(text, w, r) for text, w, r in zip(line, widths, right, strict=True)).rstrip()
         for line in lines
     )
 
 
+def _width(text: str) -> int:
+    """Return the columns that a text takes on a terminal: Chinese characters take two."""
+    return sum(
+        2 if unicodedata.east_asian_width(char) in "WF" else 1 for char in text if not unicodedata.combining(char)
+    )
+
+
+def _padded(text: str, width: int, right: bool) -> str:
+    blanks = " " * (width - _width(text))
+    return blanks + text if right else text + blanks
+
+
 def number(value: float | None, digits: int = 4) -> str:
-    """A number as people read it; a dash where there is none."""
+    """Return a number for people; a dash where there is none."""
     return "–" if value is None else f"{value:.{digits}g}"
 
 

@@ -60,9 +60,19 @@ class Message:
         return cls(data["code"], **{name: _undata(value) for name, value in data["args"].items()})
 
 
-def text_of(value: Message | str, language: str = "en") -> str:
-    """Return a message in a language; a text as it is."""
-    return value.text(language) if isinstance(value, Message) else value
+def text_of(value: Any, language: str = "en") -> str:
+    """Return what people read in a language.
+
+    Args:
+        value: a message, anything with its `code` and `args` (the wire's form, plain data), or a text. A text that has `texts`, a
+            map from language to text, is one in several languages; any other is given back as it is.
+    """
+    if isinstance(value, Message):
+        return value.text(language)
+    if isinstance(value, str):
+        return getattr(value, "texts", {}).get(language, str(value))
+    data = value if isinstance(value, Mapping) else {"code": value.code, "args": value.args}
+    return Message.from_data(data).text(language)
 
 
 def words(language: str = "en") -> Callable[[str, Mapping[str, Any]], str]:

@@ -16,8 +16,6 @@ from markupsafe import Markup, escape
 from thetascope.figures import html_symbols
 from thetascope.figures.figure_data import Scene
 from thetascope.messages import Message, text_of
-from thetascope_schemas.experiment.base import Text
-from thetascope_schemas.texts.local_text import in_language
 
 TEMPLATES = Path(__file__).parent / "templates"
 
@@ -68,9 +66,7 @@ class Report:
 
     def text(self, value: Any) -> str:
         """Return a message, prose or plain text in the report's language, not escaped yet."""
-        if isinstance(value, Text):
-            return Message.from_data({"code": value.code, "args": value.args}).text(self.language)
-        return in_language(text_of(value, self.language), self.language)
+        return text_of(value, self.language)
 
     def joined(self, items: Iterable[Any]) -> Markup:
         """Return items with the language's comma between them, each escaped unless it is markup."""

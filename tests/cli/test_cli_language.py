@@ -1,0 +1,76 @@
+"""The command line speaks the language that is asked for."""
+
+import json
+import re
+
+import pytest
+
+from thetascope.cli.words import chosen_language
+
+CHINESE = re.compile("[\u4e00-\u9fff]")
+
+
+@pytest.mark.parametrize(
+    ("arguments", "environ", "language"),
+    [
+        ([], {}, "en"),
+        ([], {"LANG": "zh_CN.UTF-8"}, "zh"),
+        ([], {"LANG": "zh_CN.UTF-8", "LC_ALL": "en_GB.UTF-8"}, "en"),
+        ([], {"LC_ALL": "", "LANG": "zh"}, "zh"),
+        ([], {"LANG": "C.UTF-8"}, "en"),
+        (["--language", "zh", "list"], {"LANG": "en_US"}, "zh"),
+        (["--language=zh-CN", "list"], {}, "zh"),
+        (["--language", "fr", "list"], {"LANG": "zh"}, "en"),
+        (["list", "--", "--language", "zh"], {}, "en"),
+        (["--language"], {"LANG": "zh"}, "zh"),
+    ],
+)
+def test_the_option_wins_over_the_environment(arguments, environ, language):
+    """--language, then LC_ALL, LC_MESSAGES and LANG, then English."""
+    assert chosen_language(arguments, environ) == language
+
+
+@pytest.mark.parametrize("command", ["", "serve", "run", "trial", "diagnose", "list", "check"])
+def test_help_is_chinese(call, command):
+    """Every option and description of every command; the words of argparse itself stay English."""
+    code, shown, _ = call("--language", "zh", *([command] if command else []), "--help")
+    assert code == 0
+    helps = re.findall(r"^  +(?:-\S+(?:, \S+)?(?: [A-Z.]+\S*)?|[A-Z|.a-z]+) {2,}(\S.*)$", shown, re.MULTILINE)
+    own = [text for text in helps if not text.startswith("show this help")]
+    assert [text for text in own if not CHINESE.search(text)] == []
+    assert own or command == "list"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "said"),
+    [
+        (["run", "dc-moto"], 1, "库中没有实验“dc-moto”"),
+        (["run", "shen-hu-2015", "--set", "horizn=1"], 1, "没有字段“horizn”"),
+        (["run", "shen-hu-2015", "--set", "horizon=-1"], 1, "请给大于 0 的值"),
+        (["run", "nothing.yaml"], 1, "无法读取"),
+        (["run", "shen-hu-2015", "--out", "a.txt"], 2, ".csv、.json、.mat或.html"),
+        (["diagnose", "dc-moto", "a.csv"], 1, "库中没有对象"),
+        (["trial", "dc-motor", "--seeds", "none"], 2, "不是 1 至"),
+    ],
+)
+def test_refusals_are_chinese(call, arguments, code, said):
+    """Mistakes of use and refused specs, wherever they are found."""
+    found, _, error = call("--language", "zh", *arguments)
+    assert found == code and said in error
+
+
+def test_a_plant_file_is_checked_in_chinese(call, tmp_path):
+    """The report's own words are Chinese, and a plant's title in the asked language."""
+    plant = {
+        "id": "lag",
+        "title": {"en": "Lag", "zh": "惯性环节"},
+        "states": [{"name": "x"}],
+        "outputs": [{"name": "y", "expression": "x"}],
+        "dynamics": {"x": "-x"},
+    }
+    path = tmp_path / "lag.json"
+    path.write_text(json.dumps(plant), encoding="utf-8")
+    code, shown, _ = call("--language", "zh", "check", str(path))
+    assert code == 0 and "惯性环节" in shown and "1 个状态" in shown and "可以构造的观测器" in shown
+    code, shown, _ = call("check", str(path))
+    assert code == 0 and "lag: Lag, checked" in shown and "1 state, 0 inputs, 1 output, 0 channels" in shown
