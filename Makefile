@@ -29,14 +29,17 @@ lint: ## Check style and types
 	@$(BIN)/ruff format --check .
 	@$(BIN)/node node_modules/prettier/bin/prettier.cjs --check --log-level warn .
 	@$(BIN)/node node_modules/pyright/index.js --project pyproject.toml
+	@$(BIN)/node node_modules/typescript/bin/tsc
+	@$(BIN)/node node_modules/typescript/bin/tsc --project tests/page
 
 bench: ## Measure speed
 	$(HERE)@$(PYTHON) tools/environment.py bench
 	@$(BIN)/python -m benchmarks $(ARGS)
 
-docs: ## Write docs/observers.md anew from the observers' files
+docs: ## Write docs/observers.md and the page's types from their sources
 	$(HERE)@$(PYTHON) tools/environment.py dev
 	@$(BIN)/python -m tools.document_observers
+	@$(BIN)/python -m tools.page_types
 
 pins: ## Choose versions anew from pyproject.toml (needs uv)
 	uv pip compile --quiet $(PIN) --group build --output-file requirements.txt pyproject.toml
