@@ -93,7 +93,7 @@ def test_refusals_are_translated(page):
     live.click(".add-form button[type=submit]")
     assert (
         until(live, "document.querySelector('.add-form .refused').textContent")
-        == "已有使用该标签的观测器。 解决办法：换一个标签。"
+        == "已有标签为 adaptive 的观测器。 解决办法：请换一个标签。"
     )
     until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled", 60)
     why = live.get_attribute(".add-form option[value=zhao-adaptive]", "title")

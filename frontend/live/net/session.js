@@ -85,10 +85,10 @@ export function library(id) {
   if (!known) {
     const whole = (async () => {
       /** @type {service.Experiment} */
-      const spec = await get(`/api/experiments/${encodeURIComponent(id)}`);
+      const spec = await get(`/api/experiments/${encodeURIComponent(id)}?lang=*`);
       /** @type {service.Plant} */
       const plant =
-        typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}`) : spec.plant;
+        typeof spec.plant === 'string' ? await get(`/api/plants/${encodeURIComponent(spec.plant)}?lang=*`) : spec.plant;
       return {...spec, plant};
     })();
     whole.catch(() => requested.delete(id));

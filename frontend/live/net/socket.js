@@ -96,6 +96,7 @@ class Connection {
       location.origin.replace(/^http/, 'ws'),
     );
     if (this.token) address.searchParams.set('token', this.token);
+    address.searchParams.set('lang', '*'); // the page renders sentences itself, and shows prose in its language
     address.searchParams.set('after', String(this.sequence));
     const socket = new WebSocket(address);
     socket.binaryType = 'arraybuffer';

@@ -137,7 +137,7 @@ const WORDS = {
  */
 function words(event, plant, signs) {
   const name = event.subject && called(event.subject, plant);
-  return WORDS[event.kind]?.({event, plant, signs, name}) ?? event.message.text;
+  return WORDS[event.kind]?.({event, plant, signs, name}) ?? say(event.message);
 }
 
 /**

@@ -15,7 +15,8 @@ knows it). A viewer that is too far behind jumps (see Jump).
 A client that lost its connection asks for `?after=<sequence>`. If the epoch in Hello is the one it knew, it gets the rows
 that it missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
 
-Sentences are messages {code, args, text}. `text` is in the viewer's language: `?lang=`, or else Accept-Language.
+Sentences are messages {code, args, text}. `text` is in the viewer's language: `?lang=`, or else Accept-Language. So is
+prose of the spec, such as titles; with `?lang=*` it is a map from language to text, and sentences are English.
 """
 
 from typing import Annotated, Literal

@@ -11,6 +11,7 @@ from starlette.websockets import WebSocket
 from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
 from thetascope_schemas.service.session import CLOSE_FULL, CLOSE_NO_SESSION, CLOSE_ORIGIN, CLOSE_TOKEN
+from thetascope_schemas.texts.local_text import ALL
 
 _PATIENCE = 2.0
 """Seconds that a connection has to accept its close frame."""
@@ -25,7 +26,11 @@ class Stream:
 
 
 async def _stream(websocket: WebSocket, send: Send) -> None:
-    """Serve one viewer. `?token=` grants control, `?after=` is the last frame received, `?lang=` the viewer's language."""
+    """Serve one viewer.
+
+    `?token=` grants control, `?after=` is the last frame received, `?lang=` the viewer's language; with `?lang=*` prose
+    comes in all languages, as maps.
+    """
     services: Services = websocket.app.state.services
     # Accepted before any check: only then does a browser give the page the close code.
     await websocket.accept()
@@ -49,7 +54,8 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     async def send_samples(data: bytes) -> None:
         await send({"type": "websocket.send", "bytes": data})
 
-    loop, language = asyncio.get_running_loop(), language_of(websocket)
+    loop = asyncio.get_running_loop()
+    language = ALL if websocket.query_params.get("lang") == ALL else language_of(websocket)
     viewer = Viewer(send_text, send_samples, token is not None, loop, language)
     await services.live.viewer_slot()
     try:

@@ -8,16 +8,24 @@ from pydantic import BaseModel
 from thetascope.messages import Message, words
 from thetascope.messages.catalogue import DEFAULT
 from thetascope_schemas.experiment.field_error import sentences
+from thetascope_schemas.texts.local_text import ALL
 
 _TEXT = {"code", "args", "text"}
 _REFUSAL = {"code", "args", "problem", "remedy"}
 
 
 def encode(message: BaseModel, language: str) -> str:
-    """Return a message as JSON text, its sentences in a language. Models are built with English sentences."""
+    """Return a message as JSON text: its sentences and its prose, such as titles, in a language.
+
+    Models are built with English sentences. With ALL, these stay English and prose is a map from language to text.
+    """
     if language == DEFAULT:
         return message.model_dump_json()
-    return json.dumps(localized(message.model_dump(mode="json"), language), ensure_ascii=False, separators=(",", ":"))
+    context = {"language": language}
+    if language == ALL:
+        return message.model_dump_json(context=context)
+    data = localized(message.model_dump(mode="json", context=context), language)
+    return json.dumps(data, ensure_ascii=False, separators=(",", ":"))
 
 
 def localized(data: Any, language: str) -> Any:
