@@ -158,3 +158,17 @@ def test_plotly_is_not_imported():
     assert (
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
     )
+
+
+def test_figures_speak_the_asked_language(experiment, result, plant):
+    """Titles, captions, legends and the time axis of every general figure are Chinese; symbols stay as they are."""
+    spec = experiment(observers=[{"label": label, "kind": "zhao-adaptive"} for label in ("adaptive", "slow")])
+    outcome = result(spec, lost={"slow": 50.0})
+    names = figure_names(spec, outcome.names, "zh")
+    assert len(names) >= 6 and all("\u4e00" <= entry["title"][0] <= "\u9fff" for entry in names)
+    for entry in names:
+        drawn = figure(outcome, spec, plant, entry["name"], language="zh")
+        assert drawn["layout"]["meta"]["title"] == entry["title"]
+        shown = json.dumps(drawn["layout"]["meta"], ensure_ascii=False)
+        shown += json.dumps([trace.get("name", "") for trace in drawn["data"]], ensure_ascii=False)
+        assert not any(word in shown for word in ("truth", "measured", "diverged", "fault", "state", "Output"))

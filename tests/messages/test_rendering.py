@@ -7,9 +7,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from thetascope.messages import Message
+from thetascope.engine.errors import SpecError
+from thetascope.messages import Message, text_of
 from thetascope.messages.catalogue import Catalogue, catalogue, languages, negotiate
 from thetascope_schemas.experiment.base import Text
+from thetascope_schemas.texts.local_text import LocalText
 
 ROWS = json.loads(Path(__file__).with_name("rendering.json").read_text(encoding="utf-8"))["rows"]
 
@@ -87,3 +89,21 @@ def test_plural_categories_are_in_the_order_of_the_forms():
     assert catalogue("en").as_data()["plural"] == ["one", "other"]
     assert catalogue("zh").as_data()["plural"] == ["other"]
     assert catalogue("zh").as_data()["messages"]["common.states"] == ("{n} 个状态",)
+
+
+def test_an_error_of_the_engine_has_a_message_and_never_prose():
+    """So no sentence of a refusal can lack a language; the remedy follows from the problem, and pickling keeps both."""
+    error = SpecError("faults[0].end", 5, Message("fault.end.before-onset", end=5, onset=20))
+    assert error.remedy == Message("fault.end.before-onset.remedy", end=5, onset=20)
+    assert pickle.loads(pickle.dumps(error)).remedy == error.remedy
+    with pytest.raises(TypeError, match="Message"):
+        SpecError("faults[0].end", 5, "the end is not after the onset", "give a later end")
+
+
+def test_whatever_people_read_is_rendered_in_a_language():
+    """Messages, their form on the wire and as data, texts in several languages, and plain texts."""
+    message = Message("common.states", n=2)
+    forms = (message, Text.of(message), message.as_data(), LocalText({"en": "2 states", "zh": "2 个状态"}))
+    for value in forms:
+        assert (text_of(value), text_of(value, "zh")) == ("2 states", "2 个状态")
+    assert text_of("as it is", "zh") == "as it is"

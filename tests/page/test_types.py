@@ -11,7 +11,11 @@ from tools.page_types import FILE, page
 
 ROOT = Path(__file__).parents[2]
 NODE = Path(sys.executable).with_name("node.exe" if sys.platform == "win32" else "node")
-SOURCES = [*(ROOT / "frontend").rglob("*.js"), *(ROOT / "frontend").rglob("*.d.ts"), *Path(__file__).parent.glob("*.js")]
+SOURCES = [
+    *(ROOT / "frontend").rglob("*.js"),
+    *(ROOT / "frontend").rglob("*.d.ts"),
+    *Path(__file__).parent.glob("*.js"),
+]
 
 
 @pytest.mark.parametrize("project", [".", "tests/page"])

@@ -306,7 +306,7 @@ def sentences_of(value: object) -> list[str]:
 def test_the_text_of_a_message_is_escaped_and_its_markup_is_kept(experiment, result, plant):
     """Arguments that are markup stay markup; every other argument is text, whatever it holds."""
     spec = experiment()
-    own = Report(Scene(result(spec), spec, plant, "light"), "en")
+    own = Report(Scene(result(spec), spec, plant, "light", "en"))
     said = own.say("report.diverged", label=HOSTILE, t=mark("power", "1", "3"), cause="\x000\x00")
     assert "1·10<sup>3</sup>" in said and "<script" not in said and "<img" not in said
     assert own.say("report.detail", name="<b>", value=Markup("<i>x</i>")) == "&lt;b&gt; <i>x</i>"

@@ -17,11 +17,10 @@ class SpecError(ThetascopeError):
         remedy: how to correct it; by default the message whose code is the problem's plus `.remedy`, with its arguments.
     """
 
-    def __init__(self, field: str, value: object, problem: Message | str, remedy: Message | str | None = None) -> None:
-        if remedy is None:
-            if not isinstance(problem, Message):
-                raise TypeError("a problem that is not a Message needs a remedy")
-            remedy = Message(f"{problem.code}.remedy", **problem.args)
+    def __init__(self, field: str, value: object, problem: Message, remedy: Message | None = None) -> None:
+        if not isinstance(problem, Message):
+            raise TypeError("the problem of a SpecError is a Message, so that it can be said in every language")
+        remedy = remedy or Message(f"{problem.code}.remedy", **problem.args)
         super().__init__(field, value, problem, remedy)  # the arguments, so that the error survives pickling
         self.field, self.value, self.problem, self.remedy = field, value, problem, remedy
 

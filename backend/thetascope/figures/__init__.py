@@ -8,12 +8,13 @@ from collections.abc import Sequence
 
 from thetascope.figures import general_figures, paper_figures
 from thetascope.figures.figure_data import Scene
+from thetascope.messages import Message, text_of
 
 __all__ = ["UnknownFigure", "figure", "figure_names"]
 
 
 class UnknownFigure(KeyError):
-    """No figure of that name in this run; `names` are those there are."""
+    """No figure of that name in this run; `names` are the existing ones."""
 
     def __init__(self, name: str, names: Sequence[str]):
         super().__init__(name)
@@ -23,23 +24,25 @@ class UnknownFigure(KeyError):
         return f"there is no figure {self.name!r} in this run; there are: {', '.join(self.names)}"
 
 
-def figure_names(spec, columns: Sequence[str]) -> list[dict[str, str]]:
-    """[{"name", "title"}]: first the experiment's own figures, then the general ones that these columns can fill.
+def figure_names(spec, columns: Sequence[str], language: str = "en") -> list[dict[str, str]]:
+    """Return [{"name", "title"}]: the experiment's own figures, then the general ones that these columns can fill.
 
-    An experiment's figure that bears a general one's name stands in its place.
+    An experiment's figure with a general one's name replaces it. Titles are in the language.
     """
-    own = {entry.name: entry.title or entry.name for entry in spec.figures if paper_figures.drawable(entry, columns)}
-    others = {name: title for name, title in general_figures.available(spec, columns) if name not in own}
-    return [{"name": name, "title": title} for name, title in (own | others).items()]
+    drawable = [entry for entry in spec.figures if paper_figures.drawable(entry, columns)]
+    own = {entry.name: text_of(entry.title, language) or entry.name for entry in drawable}
+    general = [name for name in general_figures.available(spec, columns) if name not in own]
+    titles = own | {name: Message(f"figure.{name}").text(language) for name in general}
+    return [{"name": name, "title": title} for name, title in titles.items()]
 
 
-def figure(result, spec, plant, name: str, theme: str = "light") -> dict:
-    """One figure as plain, JSON-ready dictionaries; arrays as {"dtype", "bdata"}, at most some 4000 points a trace.
+def figure(result, spec, plant, name: str, theme: str = "light", language: str = "en") -> dict:
+    """Return one figure as plain, JSON-ready dictionaries; arrays as {"dtype", "bdata"}, about 4000 points a trace at most.
 
-    result: the run's `Result`; spec: its Experiment; plant: the Plant it ran on; theme: "light" or "dark".
-    Raises UnknownFigure, and ValueError for another theme.
+    result: the run's `Result`; spec: its Experiment; plant: the Plant it ran on; theme: "light" or "dark"; language: of
+    titles, captions and legends. Raises UnknownFigure, and ValueError for another theme.
     """
-    scene = Scene(result, spec, plant, theme)
+    scene = Scene(result, spec, plant, theme, language)
     try:
         for own in spec.figures:
             if own.name == name:

@@ -1,28 +1,39 @@
-"""What the figures of one run draw from: its columns by meaning, with symbols, units, colours and the faults' intervals."""
+"""The data that the figures of one run draw: its columns by meaning, with symbols, units, colours, faults' intervals."""
 
 import re
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
 from thetascope.figures import style
 from thetascope.figures.html_symbols import HAT, escape, symbol, wrap
 from thetascope.figures.strips import Abscissa, Line
+from thetascope.messages import Message, text_of
 
 KINDS = {"x": "states", "theta": "channels", "y": "outputs", "u": "inputs", "signal": "signals"}
 
 
 class Scene:
-    """A `Result`, its experiment and its plant, in one theme. Reads them; changes nothing."""
+    """A `Result`, its experiment and its plant, in one theme and language. Reads them; changes nothing."""
 
-    def __init__(self, result, spec, plant, theme: str):
+    def __init__(self, result, spec, plant, theme: str, language: str = "en"):
+        self.language = language
         self.result, self.spec, self.plant = result, spec, plant
         self.theme = style.theme_named(theme)
         self.t = result.column("t")
-        self.time = Abscissa(self.t, "time (s)")
+        self.time = Abscissa(self.t, self.say("figure.time"))
         self.columns = set(result.names)
         self.labels = list(spec.observer_configs())
         self._rows = {name: row for row, name in enumerate(result.names)}
+
+    def say(self, code: str, **args: Any) -> str:
+        """Return the sentence of a code in the language of the figures; not escaped."""
+        return Message(code, **args).text(self.language)
+
+    def text(self, prose: str) -> str:
+        """Return prose of the experiment or the plant in the language of the figures; not escaped."""
+        return text_of(prose, self.language)
 
     def values(self, column: str) -> np.ndarray:
         """One column, shape (rows,); a KeyError that names it if the run has none such."""
@@ -48,7 +59,7 @@ class Scene:
     def legend(self, label: str) -> str:
         """The observer's name in the legend, with the time of its divergence if it diverged."""
         lost = self._diverged.get(label)
-        return escape(label) + (f" (diverged at {lost.time:.4g} s)" if lost else "")
+        return escape(self.say("figure.diverged", label=label, t=lost.time) if lost else label)
 
     @cached_property
     def _diverged(self) -> dict:
@@ -64,11 +75,11 @@ class Scene:
         return "" if unit in (None, "", "1", "-") else str(unit)
 
     def caption(self, kind: str, name: str, fallback: str = "") -> str:
-        """A few words under the symbol: the channel's title or the quantity's description, then its unit. HTML."""
+        """Return a few words for under the symbol: the channel's title or the quantity's description, then its unit. HTML."""
         item = self._items.get((kind, name))
-        words = getattr(item, "title", None) or getattr(item, "description", None) or fallback
+        words = self.text(getattr(item, "title", None) or getattr(item, "description", None) or fallback)
         unit = self.unit(kind, name)
-        words = wrap(re.split(r"[;:(]|[.,] ", words)[0], lines=2 if unit else 3)
+        words = wrap(re.split(r"[;:(；：（，。]|[.,] ", words)[0], lines=2 if unit else 3)
         return "<br>".join(part for part in (words, escape(unit)) if part)
 
     def symbol(self, column: str) -> str:
@@ -94,9 +105,9 @@ class Scene:
         """Return the line of a quantity's true value; `final`: narrow screens write its last value."""
         return Line(
             self.values(f"{kind}.{name}"),
-            f"{symbol(name)} truth",
+            f"{symbol(name)} {self.say('figure.truth')}",
             self.theme.ink,
-            "truth",
+            self.say("figure.truth"),
             "dash",
             1.2,
             final,

@@ -22,8 +22,8 @@ def _excitation_columns(columns: Sequence[str], labels: Sequence[str]) -> list[t
     ]
 
 
-def available(spec, columns: Sequence[str]) -> list[tuple[str, str]]:
-    """(name, title) of the general figures that a result with these columns can fill."""
+def available(spec, columns: Sequence[str]) -> list[str]:
+    """Return the names of the general figures that a result with these columns can fill."""
     kinds = {column.split(".")[0] for column in columns}
     labels = list(spec.observer_configs())
     observed = bool(labels)
@@ -37,7 +37,7 @@ def available(spec, columns: Sequence[str]) -> list[tuple[str, str]]:
         ("inputs", bool(kinds & {"u", "signal"})),
         ("excitation", bool(_excitation_columns(columns, labels))),
     ]
-    return [(name, TITLES[name]) for name, possible in offered if possible]
+    return [name for name, possible in offered if possible]
 
 
 def _compare(scene: Scene, kind: str) -> list[Strip]:
@@ -59,9 +59,9 @@ def _outputs(scene: Scene) -> list[Strip]:
     for item in scene.plant.outputs:
         measured = Line(
             scene.values(f"y.{item.name}"),
-            f"{symbol(item.name)} measured",
+            f"{symbol(item.name)} {scene.say('figure.measured')}",
             scene.theme.soft,
-            "measured",
+            scene.say("figure.measured"),
             width=1.0,
             final=True,
             framing=True,
@@ -184,24 +184,6 @@ def _wide(lines: Sequence[Line]) -> bool:
     return bool(positive) and max(y.max() for y in positive) > 10 * min(y.min() for y in positive)
 
 
-TITLES = {
-    "faults": "Faults and their estimates",
-    "states": "States and their estimates",
-    "outputs": "Outputs",
-    "residuals": "Output residuals",
-    "errors": "Estimation errors",
-    "inputs": "Inputs and known signals",
-    "excitation": "Excitation",
-}
-_CAPTIONS = {
-    "faults": "Dashed: the true fault; tinted: while it acts. Numbers: the values at the end. A double click shows rare peaks whole.",
-    "states": "Dashed: the true state. Dotted lines mark where a fault begins or ends.",
-    "outputs": "As measured, noise and measurement faults included, and as each observer predicts it.",
-    "residuals": "Measured minus predicted output: what every observer corrects itself by.",
-    "errors": "Absolute errors; a straight fall is exponential. In long runs, the largest in each thousandth of the horizon.",
-    "inputs": "What the plant and the observers are given.",
-    "excitation": "Smallest eigenvalue of the excitation Gramian; below the dashed limit faults cannot be told apart.",
-}
 _BUILD: dict[str, Callable[[Scene], list[Strip]]] = {
     "faults": lambda scene: _compare(scene, "theta"),
     "states": lambda scene: _compare(scene, "x"),
@@ -218,4 +200,4 @@ def build(scene: Scene, name: str) -> dict:
     strips = _BUILD[name](scene)
     if not strips:
         raise KeyError(name)
-    return stack(TITLES[name], _CAPTIONS[name], strips, scene.theme)
+    return stack(scene.say(f"figure.{name}"), scene.say(f"figure.{name}.caption"), strips, scene.theme)

@@ -31,7 +31,7 @@ def build(scene: Scene, declared) -> dict:
         _strip(scene, panel, axes.setdefault((panel.x, panel.x_title), _abscissa(scene, panel)), len(panels))
         for panel in panels
     ]
-    return stack(declared.title or declared.name, declared.caption, strips, scene.theme)
+    return stack(scene.text(declared.title) or declared.name, scene.text(declared.caption), strips, scene.theme)
 
 
 def _traces(panel, columns) -> list:
@@ -44,12 +44,15 @@ def _traces(panel, columns) -> list:
 def _abscissa(scene: Scene, panel) -> Abscissa:
     if panel.x == "t":
         return (
-            Abscissa(scene.t, mathematical(escape(panel.x_title)) or scene.time.title) if panel.x_title else scene.time
+            Abscissa(scene.t, mathematical(escape(scene.text(panel.x_title))) or scene.time.title)
+            if panel.x_title
+            else scene.time
         )
     unit = scene.unit(*scene.split(panel.x)[1:])
     return Abscissa(
         scene.values(panel.x),
-        mathematical(escape(panel.x_title)) or scene.symbol(panel.x) + (f" ({escape(unit)})" if unit else ""),
+        mathematical(escape(scene.text(panel.x_title)))
+        or scene.symbol(panel.x) + (f" ({escape(unit)})" if unit else ""),
         is_time=False,
     )
 
@@ -67,14 +70,21 @@ def _strip(scene: Scene, panel, x: Abscissa, count: int) -> Strip:
     return Strip(x, heading, caption, lines, log=panel.log, shade=shade, marks=marks, height=height)
 
 
+def _default_label(scene: Scene, trace, truth: bool, kind: str) -> str:
+    """Return the legend of a line of the plant that the experiment does not name."""
+    if truth or kind == "y":
+        return scene.say("figure.truth" if truth else "figure.measured")
+    return _name(scene, trace)
+
+
 def _heading(scene: Scene, panel, traces: Sequence) -> tuple[str, str]:
     """What stands left of the panel: the vertical axis' title, or the symbols it shows; then words and the unit."""
     quantities = list(dict.fromkeys(scene.split(trace.column)[1:] for trace in traces))
-    title, words = panel.y_title, [panel.title]
+    title, words = scene.text(panel.y_title), [scene.text(panel.title)]
     if title and len(title) <= _MATH_LENGTH:
         heading = f"<i>{mathematical(escape(title))}</i>"
     elif title:
-        heading, words = "", [title, panel.title]
+        heading, words = "", [title, scene.text(panel.title)]
     else:
         accent = TILDE if all(trace.minus for trace in traces) else ""
         heading = ", ".join(symbol(name, accent) for _, name in quantities[:3]) + (" …" if len(quantities) > 3 else "")
@@ -103,9 +113,7 @@ def _line(scene: Scene, log: bool, traces: Sequence, place: int) -> Line:
     if label is None:
         truth = kind in ("x", "theta") and any(scene.split(other.column)[0] for other in traces)
         dash = "dash" if truth and trace.style == "solid" else trace.style
-        text = mathematical(escape(trace.label)) or (
-            "truth" if truth else "measured" if kind == "y" else _name(scene, trace)
-        )
+        text = mathematical(escape(scene.text(trace.label))) or _default_label(scene, trace, truth, kind)
         colour = scene.theme.soft if kind == "y" else scene.theme.ink
         return Line(
             y,

@@ -76,8 +76,10 @@ def report(result, spec, plant, run_meta: Mapping[str, object], language: str = 
     `created` (text or datetime), `command` (the command line that makes this report), `versions` (name → version).
     Raises PlotlyMissing when the drawing script cannot be found.
     """
-    own = Report(Scene(result, spec, plant, "light"), language)
-    figures = [figure(result, spec, plant, entry["name"]) for entry in figure_names(spec, result.names)]
+    own = Report(Scene(result, spec, plant, "light", language))
+    figures = [
+        figure(result, spec, plant, entry["name"], language=language) for entry in figure_names(spec, result.names)
+    ]
     summary = metrics.summary(result, spec.faults)
     found = findings(result)
     compared = compare(result, spec.faults, found)

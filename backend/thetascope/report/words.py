@@ -36,13 +36,12 @@ class Report:
     """What the sections of one report share: the run as figures show it, and the language.
 
     Args:
-        scene: result, spec, plant and theme.
-        language: of every sentence.
+        scene: result, spec, plant, theme and language.
     """
 
-    def __init__(self, scene: Scene, language: str) -> None:
+    def __init__(self, scene: Scene) -> None:
         self.scene = scene
-        self.language = language
+        self.language = scene.language
 
     def render(self, template: str, **context: Any) -> Markup:
         """Return a template filled with a context; `say` is in it."""

@@ -87,12 +87,12 @@ async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] 
 
 
 @router.get("/figures", response_model=FigureList, responses=documented(404, 409))
-async def list_figures(id: str, services: Use) -> Response:
+async def list_figures(id: str, services: Use, language: Language) -> Response:
     """The figures there are of this run: name, title and address."""
     from thetascope import figures
 
     def make(finished: Finished) -> Response:
-        found = figures.figure_names(finished.snapshot.spec, finished.result.names)
+        found = figures.figure_names(finished.snapshot.spec, finished.result.names, language)
         base = run_links(id)["figures"]
         return json_response({"figures": [{**entry, "href": f"{base}/{entry['name']}"} for entry in found]})
 
@@ -100,14 +100,16 @@ async def list_figures(id: str, services: Use) -> Response:
 
 
 @router.get("/figures/{name}", response_model=PlotlyFigure, responses=documented(404, 409))
-async def get_figure(id: str, name: str, services: Use, theme: Literal["light", "dark"] = "light") -> Response:
+async def get_figure(
+    id: str, name: str, services: Use, language: Language, theme: Literal["light", "dark"] = "light"
+) -> Response:
     """One figure as Plotly's JSON: `{"data": […], "layout": {…}}`, arrays as base64 (`bdata`)."""
     from thetascope import figures
 
     def make(finished: Finished) -> Response:
         spec = finished.snapshot.spec
         try:
-            return json_response(figures.figure(finished.result, spec, plant_of(spec.plant), name, theme))
+            return json_response(figures.figure(finished.result, spec, plant_of(spec.plant), name, theme, language))
         except figures.UnknownFigure as error:
             hint = Message.from_data(suggestion(name[:80], error.names))
             raise Unknown(Message("figure.unknown", name=name[:80]), hint) from None

@@ -75,12 +75,10 @@ def sentence(error: FieldError, language: str = "en") -> str:
     return Message("refusal.field-value", **parts, value=repr(error.value)).text(language)
 
 
-def invalid(field: str, value: object, problem: Message | str, remedy: Message | str | None = None) -> InvalidSpec:
+def invalid(field: str, value: object, problem: Message, remedy: Message | None = None) -> InvalidSpec:
     """Return an :class:`InvalidSpec` of one field; the remedy is by default the problem's own."""
-    if not isinstance(problem, Message):
-        return InvalidSpec([FieldError(field=field, value=shortened(value), problem=problem, remedy=str(remedy))])
     data = problem.as_data()
-    if isinstance(remedy, Message) and remedy != Message(f"{problem.code}.remedy", **problem.args):
+    if remedy is not None and remedy != Message(f"{problem.code}.remedy", **problem.args):
         data["args"]["remedy"] = remedy.as_data()
     error = FieldError(field=field, value=shortened(value), problem="", remedy="", **data)
     return InvalidSpec([error.rendered(words())])
