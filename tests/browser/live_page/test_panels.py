@@ -81,6 +81,26 @@ def test_an_active_fault_is_changed_in_place(page):
     until(live, "Math.abs(thetascope.latest('theta.theta2') - 0.03) < 1e-6")
 
 
+def test_a_fault_is_changed_by_one_message_while_time_runs(page):
+    """Change sends one batch: time goes on, and the old fault ends at the very time at which the new one begins."""
+    live = opened(page)
+    press(live, "theta2")
+    row(live, "theta2").locator(".press.clear").wait_for()
+    field = row(live, "theta2").locator("input.number")
+    field.fill("0.03")
+    field.press("Tab")
+    live.evaluate("""(() => {
+      const {send} = thetascope;
+      window.sent = [];
+      thetascope.send = (command) => { window.sent.push(command.type); return send(command); };
+    })()""")
+    row(live, "theta2").locator(".quiet-press").click()
+    until(live, "thetascope.state.faults.at(-1).fault.size === 0.03")
+    assert live.evaluate("window.sent") == ["batch"] and live.evaluate("thetascope.state.playing")
+    old, new = live.evaluate("thetascope.state.faults.slice(-2)")
+    assert old["end"] == new["onset"] and old["id"] != new["id"] and new["active"]
+
+
 def test_the_noise_is_moved_by_its_slider(page):
     """The noise slider changes the spec's noise and says so in the log."""
     live = opened(page)
