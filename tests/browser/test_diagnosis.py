@@ -128,7 +128,7 @@ def test_rank_and_condition_along_the_run(page):
     live.wait_for_selector(".trajectory tbody tr:nth-child(4)", timeout=30_000)
     rows = live.locator(".trajectory tbody tr").all_inner_texts()
     assert all("5 / 5" in row and float(row.split()[-1]) > 1 for row in rows)
-    assert "rank 5 of 5" in live.inner_text(".trajectory p >> nth=0") and live.watch.errors == []
+    assert "rank: 5 of 5" in live.inner_text(".trajectory p >> nth=0") and live.watch.errors == []
 
 
 def test_a_proposed_input_is_applied(page):

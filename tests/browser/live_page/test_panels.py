@@ -36,7 +36,7 @@ def test_an_injected_fault_is_seen_everywhere_and_named(page):
     until(live, "document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₁')")
     until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1')", 40)
-    until(live, "/named|found in/.test(document.querySelector('.verdict').textContent)")
+    until(live, "/identified|found in/.test(document.querySelector('.verdict').textContent)")
     until(live, "/[+−]0\\.0\\d+ ± 0\\.\\d+/.test(document.querySelector('.finding .value').textContent)")
     press(live, "theta1")
     until(live, "!document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
@@ -117,8 +117,14 @@ def test_a_gain_follows_its_slider_while_time_runs(page):
     slider.focus()
     for _ in range(5):
         live.keyboard.press("ArrowRight")
-    rho = until(live, "(() => { const {rho} = thetascope.state.observers[0].gains; return rho > 4 ? rho : 0; })()")
-    until(live, f"Number(document.querySelector('#panel-observers .gain input.number').value) === {rho}")
+    rho = until(
+        live,
+        """(() => {
+          const {rho} = thetascope.state.observers[0].gains;
+          const shown = Number(document.querySelector('#panel-observers .gain input.number').value);
+          return rho > 4 && rho === shown ? rho : 0;
+        })()""",
+    )
     assert 4 < rho < 6
 
 

@@ -124,3 +124,20 @@ def test_a_room_sends_the_facts_when_they_change_and_only_then():
         assert not back["faults"][0]["active"] and back["noise"] == page.texts[0]["facts"]["noise"]
 
     staged(scenario)
+
+
+def test_a_room_sends_an_alarm_with_its_verdict_when_its_row_is_shown():
+    """Rows are computed and judged ahead: the facts follow the event within a few rows, not the computing."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        for _ in range(30):
+            await stage.go(0.05)
+        (event,) = [event for event in page.of("event") if event["kind"] == "alarm"]
+        first = next(one["facts"] for one in page.of("facts") if one["facts"]["alarms"])
+        assert first["alarms"][0]["id"] == event["value"]["id"] == first["alarm_verdicts"][0]["id"]
+        assert 0 <= first["t"] - event["t"] < 0.15
+        assert first["fault_outcomes"][0]["alarm"] == event["value"]["id"] and first["unseen"] == []
+
+    staged(scenario)

@@ -1,7 +1,7 @@
 """Facts at one time: which observers, faults and noise act, and the verdicts on the detector. For runs and live sessions."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
 
 from thetascope.assembly.build.timed_commands import after_commands
 from thetascope.diagnosis.evaluation.summary_message import Situation, summary
@@ -57,8 +57,8 @@ def facts(spec: ResolvedExperiment, t: float, at: float, detector: DetectorState
         noise=after_commands(spec, at).noise,
         broken=losses.plant,
         alarms=tuple(detector.alarms),
-        alarm_verdicts=tuple(AlarmOutcome(**asdict(v)) for v in judgement.alarms) if judgement else (),
-        fault_outcomes=tuple(FaultOutcome(**asdict(v)) for v in judgement.faults) if judgement else (),
+        alarm_verdicts=tuple(AlarmOutcome(**vars(v)) for v in judgement.alarms) if judgement else (),
+        fault_outcomes=tuple(FaultOutcome(**vars(v)) for v in judgement.faults) if judgement else (),
         unseen=tuple(p.ids[0] for p in judgement.unseen) if judgement else (),
         summary=Text.of(summary(_situation(spec, t, detector, losses, observers))),
     )

@@ -309,8 +309,9 @@ def judge(
     """
     ordered = sorted(alarms, key=lambda alarm: alarm.t)
     outcomes = tuple(fault_verdict(ordered, fault, own) for fault in faults_to_find(faults, present))
-    verdicts = tuple(_alarm(alarm, outcomes, present, own, grace) for alarm in ordered)
     acting = [p for p in present if np.isinf(p.until)]
+    ids = frozenset(id for p in acting for id in p.ids)
+    verdicts = tuple(_alarm(alarm, outcomes, present, ids, own, grace) for alarm in ordered)
     unseen = [p for p in acting if not any(_seen(p, a, present, own, grace) for a in ordered)]
     newest = {(p.kind, p.name): p for p in unseen}
     return Judgement(outcomes, verdicts, tuple(newest.values()))
@@ -329,15 +330,16 @@ def _alarm(
     alarm: AlarmLike,
     outcomes: Sequence[FaultVerdict],
     present: Sequence[Presence],
+    acting: frozenset[str],
     own: set[str],
     grace: float,
 ) -> AlarmVerdict:
+    """Return the verdict on an alarm; `acting`: ids of the faults that act at the time of judging."""
     mine = [f for f in outcomes if f.alarm == alarm.id]
     found = [f for f in mine if f.outcome == FOUND]
     covered = [f for f in mine if f.outcome == COVERED and f.until is None]
     verdict = alarm_verdict(alarm, present, own, grace)
     related = related_faults(alarm, present, grace)
-    acting = {id for p in present if np.isinf(p.until) for id in p.ids}
     state: State
     if alarm.cleared is not None:
         state = "cleared"

@@ -2,7 +2,7 @@
 
 from typing import TYPE_CHECKING
 
-from thetascope.live.session.session_facts import FactsMemory, facts_of
+from thetascope.live.session.session_facts import FactsMemory, facts_of, time_of_next_row
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 from thetascope_schemas.service.facts import Facts
 from thetascope_schemas.service.session import FactsNow
@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 SPACING = 0.1
 """Seconds between two messages, at least, while time runs."""
+_LATELY = 100  # newest events of the log, among which those are that are not shown yet
 
 
 class FactsPublisher:
@@ -24,13 +25,14 @@ class FactsPublisher:
         self._sent: Facts | None = None
         self._due, self._at = True, -SPACING
         self._row, self._next = 0, 0.0  # rows for which the facts hold, and the time in s up to which nothing changes
+        self._events = 0  # of the log, when the facts were made
 
     def facts(self) -> Facts:
         """Return the facts at the row that is shown, for a new viewer; the others get them too if they have changed."""
         room = self._room
         self._row, self._due = room.shown, False
         facts = facts_of(room.session, room.shown, self._memory, self._diagnosis)
-        self._next = self._following(facts)
+        self._next, self._events = self._following(), len(room.session.log)
         if self._sent is None or facts != self._sent.model_copy(update={"t": facts.t}):
             self._sent, self._at = facts, room.services.clock()
             room.broadcast.send(FactsNow(row=room.shown, facts=facts), "facts")
@@ -41,14 +43,16 @@ class FactsPublisher:
         """Return the newest facts that were sent; those of now if none were."""
         return self._sent or self.facts()
 
-    def _following(self, facts: Facts) -> float:
-        """Return the time of the next row at which the spec alone changes the facts."""
-        spec, at = self._room.session.spec, facts.t + self._room.session.record
-        times = [t for fault in spec.faults for t in (fault.onset, fault.end) if t is not None]
-        times += [command.at for command in spec.commands]
+    def _following(self) -> float:
+        """Return the time in s of the next row at which the spec, or an event of a row computed ahead, changes the facts."""
+        session, shown = self._room.session, self._room.shown
+        times = [t for fault in session.spec.faults for t in (fault.onset, fault.end) if t is not None]
+        times += [command.at for command in session.spec.commands]
+        times += [(event.row + 1) * session.record for event in session.log[-_LATELY:]]
         if self._diagnosis is not None and self._diagnosis.calibration is not None:
             times.append(self._diagnosis.calibration.from_time)
-        return min((t for t in times if t > at * (1 + 1e-9)), default=float("inf"))
+        at = time_of_next_row(session.record, shown)
+        return min((t for t in times if t > at), default=float("inf"))
 
     def learn(self, diagnosis: ObserverDiagnosis) -> None:
         """Take the newest report of the detector."""

@@ -26,8 +26,13 @@ def facts_of(session: "Session", row: int, memory: "FactsMemory", diagnosis: Obs
     newest report of the detector.
     """
     t = max(0, row - 1) * session.record
-    at = t + session.record * (1 + _EARLY)
+    at = time_of_next_row(session.record, row)
     return facts(session.spec, t, at, detector_state(session, t, at, memory, diagnosis), losses(session, row))
+
+
+def time_of_next_row(record: float, row: int) -> float:
+    """Return the time in s at which faults and commands count as acting when rows 0 … row − 1 have been shown."""
+    return (max(1, row) + _EARLY) * record
 
 
 def detector_state(
