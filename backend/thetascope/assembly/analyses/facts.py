@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from thetascope.assembly.build.timed_commands import after_commands
 from thetascope.diagnosis.evaluation.summary_message import Situation, summary
 from thetascope.diagnosis.evaluation.verdicts import Judgement, fault_ids
+from thetascope.messages import Message
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.commands import AddObserver
@@ -23,14 +24,14 @@ class DetectorState:
         judgement: the verdicts on them; None without a detector.
         diagnosis: its newest report: resolution of the channels, and the note if there is no detector.
         settled: time in s before which nothing is judged.
-        note: why there is no detector; empty if there is one.
+        note: why there is no detector; None or empty if there is one.
     """
 
     alarms: Sequence[Alarm] = ()
     judgement: Judgement | None = None
     diagnosis: ObserverDiagnosis | None = None
     settled: float = 0.0
-    note: str = ""
+    note: Message | Text | str | None = None
 
 
 @dataclass(frozen=True)
@@ -72,7 +73,7 @@ def _situation(
         t,
         detector.alarms,
         detector.judgement,
-        detector.note,
+        Message.from_data(note.model_dump()) if isinstance(note := detector.note, Text) else note or "",
         detector.settled,
         frozenset(r.channel for r in resolution if not r.identifiable and not r.resolvable),
         {channel.name: channel.kind for channel in spec.plant.channels},
@@ -103,7 +104,7 @@ def observers_at(
                 label=now.label,
                 kind=now.kind,
                 gains=now.gains,
-                options=now.options,
+                options={**now.options},
                 config=config,
                 since=since,
                 diverged=diverged,

@@ -17,6 +17,7 @@ observer settles: where they name the wrong channel, that is the observer's isol
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.special import gammaincinv, ndtri
@@ -48,8 +49,9 @@ class CalibratedTest:
         return vars(self) | {"lengths": self.lengths.tolist(), "v": self.v.tolist()}
 
     @classmethod
-    def from_json(cls, data: dict) -> "CalibratedTest":
-        return cls(**data | {"lengths": np.array(data["lengths"]), "v": np.array(data["v"])})
+    def from_json(cls, data: dict[str, Any]) -> "CalibratedTest":
+        fields: dict[str, Any] = data | {"lengths": np.array(data["lengths"]), "v": np.array(data["v"])}
+        return cls(**fields)
 
 
 @dataclass(frozen=True)

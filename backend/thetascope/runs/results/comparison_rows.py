@@ -15,7 +15,8 @@ from thetascope.diagnosis.evaluation.observer_comparison import (
 from thetascope.diagnosis.evaluation.observer_comparison import Comparison as Compared
 from thetascope.diagnosis.evaluation.verdicts import Judgement
 from thetascope.engine.model.result import Result
-from thetascope_schemas import Experiment
+from thetascope.messages import Message
+from thetascope_schemas import Experiment, ResolvedExperiment
 from thetascope_schemas.service.comparison import AlarmOutcome, Comparison, ComparisonRow, FaultOutcome, StepFollowed
 from thetascope_schemas.service.facts import Facts
 
@@ -32,16 +33,16 @@ def comparison_rows(found: Compared) -> Comparison:
     )
 
 
-def facts_of(result: Result, spec: Experiment, found: Compared) -> Facts:
+def facts_of(result: Result, spec: ResolvedExperiment, found: Compared) -> Facts:
     """Return the facts at the end of a run: of a session that was saved, those of the session."""
     told = findings(result).get(DETECTOR)
     judgement = next((row.judgement for row in found.rows if row.label == DETECTOR), None)
     settled = told.calibration.from_time if told and told.calibration else 0.0
-    note = told.note if told else "none is asked for"
+    note = told.note if told else Message("diagnosis.none.disabled")
     alarms = sorted(told.alarms, key=lambda alarm: alarm.t) if told and judgement else ()
     lost = {r.label: (r.diverged.time, r.diverged.cause) for r in result.observers if r.diverged is not None}
     end = float(result.column("t")[-1])
-    detector = DetectorState(alarms, judgement, told, settled, "" if judgement else note)
+    detector = DetectorState(alarms, judgement, told, settled, None if judgement else note)
     return facts(spec, end, end, detector, Losses(lost, result.diverged.time if result.diverged else None))
 
 

@@ -11,12 +11,12 @@ from thetascope.diagnosis.evaluation.metrics import LAST, event_times, final_val
 from thetascope.diagnosis.evaluation.observer_comparison import compare
 from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
 from thetascope.runs.results.comparison_rows import comparison_rows, facts_of
-from thetascope_schemas import Experiment
+from thetascope_schemas import Experiment, ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import Diagnosis
 from thetascope_schemas.service.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
 
 
-def summarise(result: Result, spec: Experiment) -> RunSummary:
+def summarise(result: Result, spec: ResolvedExperiment) -> RunSummary:
     """Return the run's summary: facts at its end, divergence, errors, estimates, settling and assumption checks of every observer."""
     found = compare(result, spec.faults, findings(result))
     return RunSummary(
