@@ -24,6 +24,12 @@ def test_a_catalogue_comes_with_its_plural_rule_and_an_etag(address):
 
 
 RUN = {"experiment": "zhao-2012"}
+PLANT = {
+    "id": "lag",
+    "states": [{"name": "x"}],
+    "outputs": [{"name": "y", "expression": "x"}],
+    "dynamics": {"x": "-x"},
+}
 REFUSED = [
     ("POST", "/api/runs", RUN | {"set": {"horizon": -1}}, 422),
     ("POST", "/api/runs", RUN | {"set": {"horizn": 1}}, 422),
@@ -44,6 +50,11 @@ REFUSED = [
     ("PATCH", "/api/runs", {}, 405),
     ("GET", "/api/sessions/none", None, 404),
     ("POST", "/api/sessions", {}, 422),
+    ("POST", "/api/sessions", RUN | {"set": {"observers.0.kind": "ekf"}}, 422),
+    ("POST", "/api/runs", RUN | {"set": {"observers.0.gains.rho": -1}}, 422),
+    ("POST", "/api/runs", {"plant": PLANT | {"dynamics": {"x": "-x +"}}, "horizon": 1}, 422),
+    ("POST", "/api/runs", {"plant": PLANT | {"dynamics": {"x": "-x*foo"}}, "horizon": 1}, 422),
+    ("POST", "/api/plants/check", PLANT | {"dynamics": {"x": "9**9**9"}}, 422),
     ("POST", "/api/diagnosis", {"plant": "zhao-contois", "csv": "t,u\n0,1\nx,2\n"}, 422),
     ("POST", "/api/diagnosis", {"plant": "zhao-contois"}, 422),
     ("POST", "/api/plants/check", {"id": "a", "states": [], "outputs": [], "dynamics": {}}, 422),

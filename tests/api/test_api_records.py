@@ -42,7 +42,7 @@ def test_a_sound_beginning_is_learnt(client, record):
     ("change", "words"),
     [
         ({"csv": "t,u.torque\n0,1\n1,x"}, "line 3"),
-        ({"csv": "t,t\n0,1"}, "name twice"),
+        ({"csv": "t,t\n0,1"}, "a name appears twice"),
         ({"columns": None}, "columns or as csv"),
         ({"learn": -1}, "learn"),
         ({"plant": "friction-moter"}, "friction-motor"),

@@ -10,6 +10,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.api.http.services import Services
+from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished, Job, Snapshot
 from thetascope.runs.jobs.store_rows import title_of
@@ -47,9 +48,7 @@ def run_response(snapshot: Snapshot, language: str, status: int = 200) -> Respon
         pinned=snapshot.pinned,
         links=links,
     )
-    return Response(
-        run.model_dump_json(context={"language": language}), status, {"Location": links["self"]}, "application/json"
-    )
+    return Response(encode(run, language), status, {"Location": links["self"]}, "application/json")
 
 
 def progress_response(snapshot: Snapshot, language: str, status: int = 200) -> Response:

@@ -7,10 +7,12 @@ from fastapi import APIRouter, Request
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
+from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, json_of, read_body
 from thetascope.api.http.services import Use
 from thetascope.engine.errors import SpecError
+from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import from_engine, invalid, validated
 from thetascope.runs.specs.resolve_spec import plant_of, resolved
@@ -27,14 +29,14 @@ router = APIRouter(tags=["diagnosis"])
     openapi_extra=body_schema("Record"),
     responses=documented(404, 413, 415, 422),
 )
-async def diagnose_record(request: Request, services: Use) -> Response:
+async def diagnose_record(request: Request, services: Use, language: Language) -> Response:
     """Diagnose a record: faults, onsets, sizes and their uncertainty, as `thetascope diagnose` does for a file.
 
     The noise is taken from the record; thresholds come from the plant simulated with the recorded inputs.
     """
     body = await read_body(request, services.settings.max_record)
     told = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
-    return Response(told.model_dump_json(), media_type="application/json")
+    return Response(encode(told, language), media_type="application/json")
 
 
 @router.post(
@@ -43,11 +45,11 @@ async def diagnose_record(request: Request, services: Use) -> Response:
     openapi_extra=body_schema("Experiment"),
     responses=documented(404, 413, 415, 422),
 )
-async def observe(request: Request, services: Use) -> Response:
+async def observe(request: Request, services: Use, language: Language) -> Response:
     """Return how well outputs determine states and faults: structural rank, rank and condition along the run."""
     body = await read_body(request, services.settings.max_body)
     found = await run_in_threadpool(lambda: _observed(json_of(body)))
-    return Response(found.model_dump_json(), media_type="application/json")
+    return Response(encode(found, language), media_type="application/json")
 
 
 def _observed(data: Any) -> Observability:

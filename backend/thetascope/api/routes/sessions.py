@@ -21,6 +21,7 @@ from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab
 from thetascope.live.room.advice import propose_input_for
 from thetascope.live.room.window_comparison import window_comparison
 from thetascope.live.scheduling.hub import TooManySessions
+from thetascope.live.wire.localize import encode
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.problem_documents import problem
@@ -138,13 +139,14 @@ async def save_session(id: str, services: Use, language: Language) -> Response:
 
 
 @router.post("/{id}/proposal", response_model=InputProposal, responses=documented(404, 409))
-async def propose_input(id: str, services: Use) -> InputProposal:
-    """An input that would tell the faults apart, tried on the plant from where the session stands; it may take a second."""
+async def propose_input(id: str, services: Use, language: Language) -> Response:
+    """Propose an input that separates the faults, tried on the plant from the session's present state; this may take a second."""
     room = _room(services, id)
     try:
-        return await propose_input_for(room)
+        proposed = await propose_input_for(room)
     except Unwatchable as error:
         raise NotReady(Message("session.no-proposal", reason=error.args[0])) from None
+    return Response(encode(proposed, language), media_type="application/json")
 
 
 @router.get("/{id}/comparison", response_model=WindowComparison, responses=documented(404, 422))
