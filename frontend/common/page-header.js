@@ -15,8 +15,7 @@ const PAGES = [
 
 /**
  * The header of a page; `here` is its name among the pages. `again` rebuilds the rest of the page in another language;
- * without it the page is
- * reloaded, where nothing is lost by that.
+ * without it the page is reloaded, where nothing is lost by that.
  * @param {HTMLElement} root
  * @param {typeof import('./api.js').connection} connection
  * @param {string} [here]

@@ -177,8 +177,7 @@ export function visible(app) {
 
 /**
  * The level of excitation and the level that is needed, on a logarithmic scale; both as multiples of the noise by
- * which a typical fault
- * stands out.
+ * which a typical fault stands out.
  * @param {service.Excitation} excitation
  */
 function bar({level: found, needed, window}) {

@@ -43,8 +43,7 @@ export const small = (value, digits = 2) =>
 
 /**
  * Channels of which not even a typical fault can be distinguished now; none before the diagnosis judges anything. A
- * channel that an alarm
- * names alone is left out, whatever the input of the last window shows.
+ * channel that an alarm names alone is left out, whatever the input of the last window shows.
  * @param {{diagnosis: Diagnosis | null, t: number, alarms: Pick<Alarm, 'over' | 'subjects'>[]}} state
  * @returns {Diagnosis['resolution']}
  */

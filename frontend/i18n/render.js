@@ -1,6 +1,5 @@
 // Templates of messages → sentences, exactly as backend/thetascope/messages/catalogue.py renders them;
-// tests/messages/rendering.json holds both to
-// the same results. Pure.
+// tests/messages/rendering.json holds both to the same results. Pure.
 
 const FIELD = /\{([\p{L}\p{N}_]+)(?::([^{}]*))?\}|\{\{|\}\}/gu;
 const FORMAT = /^(\+?)(,?)(?:\.(\d+))?([gfe%]?)$/;
@@ -14,8 +13,7 @@ const GUARD = 25; // digits after which a decimal expansion of a double that was
 
 /**
  * The words of one language: code → template, or a template for each plural form; `plural` names these forms in their
- * order, by the categories of
- * Unicode's CLDR.
+ * order, by the categories of Unicode's CLDR.
  * @typedef {{language: string, plural: string[], messages: Record<string, string | string[]>}} Words
  */
 

@@ -61,8 +61,7 @@ export function createLoop() {
 
 /**
  * Time at the right edge. Samples come 30 times a second and in bursts; the edge moves evenly at the session's speed
- * and is drawn gently to the newest
- * sample, so that the picture glides on a screen of any rate.
+ * and is drawn gently to the newest sample, so that the picture glides on a screen of any rate.
  */
 export class Edge {
   constructor() {

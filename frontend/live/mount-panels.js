@@ -23,8 +23,7 @@ const PANELS = [
 
 /**
  * Load every panel, then mount them together, so that keys work as soon as there is something to see. A panel that
- * fails leaves its
- * place empty.
+ * fails leaves its place empty.
  * @param {App} app
  */
 export async function mountPanels(app) {

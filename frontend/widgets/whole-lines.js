@@ -1,6 +1,5 @@
 // Lists that end with a whole line: what does not fit is scrolled to, and the rim of the card says how many lines
-// follow. All lists are fitted
-// together, since the cards of a column share its height.
+// follow. All lists are fitted together, since the cards of a column share its height.
 
 import {h} from '../common/dom.js';
 import {t} from '../i18n/words.js';

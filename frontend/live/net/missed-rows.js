@@ -1,6 +1,5 @@
 // Frames on their way into the samples, in order. Rows that were not sent because this page was too far behind are
-// fetched thinned out, so
-// that the curves have no hole; frames that come meanwhile wait.
+// fetched thinned out, so that the curves have no hole; frames that come meanwhile wait.
 
 import {get} from '../../common/api.js';
 

@@ -24,9 +24,8 @@ function rowsOf(samples, t0, t1) {
 
 /**
  * The range of a strip between two times: all of the truth, most of the estimates with all of their noise, and their
- * bands as far as they
- * leave the curves readable. A short throw far out stays off the axis and gets a mark (`leaving`); `whole` shows that,
- * too.
+ * bands as far as they leave the curves readable. A short throw far out stays off the axis and gets a mark
+ * (`leaving`); `whole` shows that, too.
  * @param {Strip} strip
  * @param {Samples} samples
  * @param {number} t0

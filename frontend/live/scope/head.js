@@ -88,8 +88,7 @@ export function mountHead(root, app, scope) {
 
 /**
  * In presentation mode the legend keeps to one line: without room it drops the marks that mean the same everywhere,
- * the plainest first. Otherwise it is set
- * closer, and wraps.
+ * the plainest first. Otherwise it is set closer, and wraps.
  * @param {HTMLElement} legend
  */
 function fitLegend(legend) {

@@ -3,16 +3,14 @@
 /** @import {Source} from '../types.js' */
 
 // A browser strokes a path in time that grows with the square of what crosses in it: a noisy curve in one piece takes
-// 17 ms without a graphics
-// card, in pieces 1 ms. Pieces share their end points and are opaque, so nobody sees where they meet.
-// They begin at rows of their own, not at the edge of the window: a curve that scrolls does not shimmer.
+// 17 ms without a graphics card, in pieces 1 ms. Pieces share their end points and are opaque, so nobody sees where
+// they meet. They begin at rows of their own, not at the edge of the window: a curve that scrolls does not shimmer.
 export const PIECE = 7; // so many bins and one more (twice as many rows where each is a point) are a piece
 export const WHOLE = -1;
 
 /**
  * Stroke a column, put together in bins of 2^power rows, in pieces (PIECE, or WHOLE). x = x0 + row·dx, y = y0 +
- * value·dy; y is kept between the
- * limits, so that a curve that has left all bounds still ends at the edge.
+ * value·dy; y is kept between the limits, so that a curve that has left all bounds still ends at the edge.
  * @param {CanvasRenderingContext2D} ctx
  * @param {number} piece
  * @param {Source} source

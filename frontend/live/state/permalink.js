@@ -1,6 +1,6 @@
 // The address holds the session: the short form `?experiment=id` while nothing was changed, else everything that makes
-// its numbers, compressed
-// into the fragment (which never leaves the browser). `t` is the time at which a copied link opens it.
+// its numbers, compressed into the fragment (which never leaves the browser). `t` is the time at which a copied link
+// opens it.
 //
 //   /?experiment=zhao-2012&t=42
 //   /#s=<base64url of deflate of {experiment, changed: {spec fields that differ}, t}>

@@ -1,6 +1,5 @@
 // How events change the state of the live page. Pure: (state, event) → state. Events are the messages of the server
-// and the
-// page's own.
+// and the page's own.
 
 import {stateOf} from '../../diagnosis/findings.js';
 
@@ -20,8 +19,7 @@ const MOST_EVENTS = 5000;
 
 /**
  * The observers that run, with the colours they had. `places`: those of observers that were removed, too, so that one
- * that is started again
- * gets its own back.
+ * that is started again gets its own back.
  * @param {service.ObserverNow[]} running
  * @param {ObserverState[]} before
  * @param {State['places']} places

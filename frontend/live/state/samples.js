@@ -2,8 +2,7 @@
 // … rows.
 //
 // Memory is bounded: every array is a ring whose capacity is a power of two, so a row's place is `row & mask`. Minima
-// and maxima belong to
-// absolute row numbers, not to the screen: a curve that scrolls does not shimmer.
+// and maxima belong to absolute row numbers, not to the screen: a curve that scrolls does not shimmer.
 
 /** @import {DerivedColumn, Source} from '../types.js' */
 
@@ -305,8 +304,7 @@ export class Samples {
 
   /**
    * How many rows to combine when rows first … last are drawn on a number of pixels, as a power of two. One bin is at
-   * least a
-   * pixel wide, and its level still reaches back to `first`.
+   * least a pixel wide, and its level still reaches back to `first`.
    * @param {number} first
    * @param {number} last
    * @param {number} pixels

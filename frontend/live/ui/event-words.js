@@ -20,8 +20,8 @@ const DRAGGED = 5; // s between two values of one slider that are shown as one
 
 /**
  * Lines for the log, newest first by the time at which each event happened: an alarm, for example, is reported later
- * than it was raised. A gain or a
- * noise level that was dragged is one line. `signs`: the symbols of the observers' gains.
+ * than it was raised. A gain or a noise level that was dragged is one line. `signs`: the symbols of the observers'
+ * gains.
  * @param {Event[]} log
  * @param {Plant | null} plant
  * @param {Signs} [signs]

@@ -1,7 +1,6 @@
 // The page for a projector: the curves, and beside them the diagnosis, the plant and one card whose tabs hold the
-// other panels. Panels are moved
-// there and back: their order in the document is that on the screen, they keep typed text, and exist once. Styles:
-// presentation.css.
+// other panels. Panels are moved there and back: their order in the document is that on the screen, they keep typed
+// text, and exist once. Styles: presentation.css.
 
 import {fill, h, query} from '../../common/dom.js';
 import {t} from '../../i18n/words.js';

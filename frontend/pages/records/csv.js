@@ -23,9 +23,8 @@ export function columnsOf(csv) {
 
 /**
  * The same text with no more columns than a plant's diagnosis reads
- * (backend/thetascope/assembly/analyses/record_diagnosis.py), since a
- * whole run may be larger than the server accepts. Text that does not fit is returned unchanged, so that a refusal
- * names lines of the file.
+ * (backend/thetascope/assembly/analyses/record_diagnosis.py), since a whole run may be larger than the server accepts.
+ * Text that does not fit is returned unchanged, so that a refusal names lines of the file.
  * @param {string} csv
  * @param {{outputs: {name: string}[], inputs: {name: string}[], signals: {name: string}[]}} plant
  * @returns {string}

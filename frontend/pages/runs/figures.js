@@ -1,6 +1,5 @@
 // The figures of the run. Plotly is loaded when it is first needed; figures are fetched and drawn one after another,
-// as they
-// come near the screen.
+// as they come near the screen.
 
 import {connection, get, reason} from '../../common/api.js';
 import {fill, h, query} from '../../common/dom.js';

@@ -77,9 +77,8 @@ export function faster(speed, by) {
 
 /**
  * Buttons that keep the focus although nobody navigates by keyboard: one that was clicked, and one that gets the focus
- * back
- * when Escape closes what it had opened. There Space belongs to the page; Enter still presses them, and after Tab they
- * are ordinary buttons.
+ * back when Escape closes what it had opened. There Space belongs to the page; Enter still presses them, and after Tab
+ * they are ordinary buttons.
  */
 /** @type {WeakSet<Element>} */
 let resting = new WeakSet();
