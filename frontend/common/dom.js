@@ -94,9 +94,9 @@ export function number(value, digits = 4) {
  * @returns {HTMLElement}
  */
 export function query(selector, within = document) {
-  const found = within.querySelector(selector);
-  if (!(found instanceof HTMLElement)) throw new Error(`the page has no ${selector}`);
-  return found;
+  const element = within.querySelector(selector);
+  if (!(element instanceof HTMLElement)) throw new Error(`the page has no ${selector}`);
+  return element;
 }
 
 /**
@@ -105,9 +105,9 @@ export function query(selector, within = document) {
  * @returns {CanvasRenderingContext2D}
  */
 export function context(canvas) {
-  const made = canvas.getContext('2d');
-  if (!made) throw new Error('this browser cannot draw on a canvas');
-  return made;
+  const ctx = canvas.getContext('2d');
+  if (!ctx) throw new Error('this browser cannot draw on a canvas');
+  return ctx;
 }
 
 /**

@@ -110,21 +110,21 @@ export const capital = (words) => words.replace(/^[a-z](?=[a-z ])/, (first) => f
  */
 export function badges(channels) {
   /** @type {Map<string, [string, string]>} */
-  const found = new Map();
+  const badgeOf = new Map();
   /** @type {Map<string, string>} the part before the number → its letters */
   const words = new Map();
   for (const {name} of channels) {
     const [base, index] = split(name);
-    if (base.length === 1) found.set(name, [base, index]);
+    if (base.length === 1) badgeOf.set(name, [base, index]);
     else words.set(numbered(name)[0], '');
   }
   for (const word of words.keys()) words.set(word, shortened(word, [...words.keys()]));
   for (const {name} of channels) {
-    if (found.has(name)) continue;
+    if (badgeOf.has(name)) continue;
     const [word, index] = numbered(name);
-    found.set(name, [words.get(word) ?? word, index]);
+    badgeOf.set(name, [words.get(word) ?? word, index]);
   }
-  return found;
+  return badgeOf;
 }
 
 /**

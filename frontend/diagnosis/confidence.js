@@ -31,13 +31,13 @@ export function createSure(app) {
 export function certainty({diagnosis, spec, plant}) {
   const {calibration: cal, noise = [], note} = diagnosis ?? {};
   if (!cal) return [note ? spoken(note, plant) : t('page.text.loading')];
-  const asked =
+  const rate =
     cal.false_alarms < 1
       ? t('page.certainty.one-in', {hours: number(1 / cal.false_alarms, 3)})
       : t('page.certainty.per-hour', {n: number(cal.false_alarms, 3)});
   const said = [
     t('page.certainty.calibrated', {
-      rate: asked,
+      rate,
       threshold: number(cal.thresholds.glr, 3),
       runs: cal.seeds,
       hours: number(cal.hours, 2),

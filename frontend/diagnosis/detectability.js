@@ -111,15 +111,15 @@ export function trajectory(app) {
     try {
       const {spec, plant} = app.state;
       /** @type {service.Observability} */
-      const found = await post('/api/observability', {...spec, observers: [], figures: [], commands: []});
+      const observability = await post('/api/observability', {...spec, observers: [], figures: [], commands: []});
       fill(
         place,
         h(
           'p',
           {},
-          t('page.detectability.structural-rank', {rank: found.rank ?? '–', size: found.size}),
+          t('page.detectability.structural-rank', {rank: observability.rank ?? '–', size: observability.size}),
           ' ',
-          asSentence(spoken(found.text, plant)),
+          asSentence(spoken(observability.text, plant)),
         ),
         h(
           'table',
@@ -131,7 +131,7 @@ export function trajectory(app) {
               'tr',
               {},
               [
-                t('page.detectability.window-from', {s: number(found.window, 3)}),
+                t('page.detectability.window-from', {s: number(observability.window, 3)}),
                 t('page.detectability.rank'),
                 t('page.detectability.condition'),
               ].map((head) => h('th', {scope: 'col'}, head)),
@@ -140,18 +140,18 @@ export function trajectory(app) {
           h(
             'tbody',
             {},
-            found.t.map((t, k) =>
+            observability.t.map((t, k) =>
               h(
                 'tr',
                 {},
                 h('td', {}, number(t, 4)),
-                h('td', {}, `${found.ranks[k] ?? '–'} / ${found.size}`),
-                h('td', {}, number(found.conditions[k], 2)),
+                h('td', {}, `${observability.ranks[k] ?? '–'} / ${observability.size}`),
+                h('td', {}, number(observability.conditions[k], 2)),
               ),
             ),
           ),
         ),
-        h('p', {class: 'soft small'}, asSentence(spoken(found.along, plant))),
+        h('p', {class: 'soft small'}, asSentence(spoken(observability.along, plant))),
       );
       place.scrollIntoView({block: 'nearest'});
     } catch (error) {

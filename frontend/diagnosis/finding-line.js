@@ -52,10 +52,10 @@ function spokenArg(name, value, state) {
   if (value === null || typeof value !== 'object') return /** @type {Argument} */ (value);
   const {code, args} = /** @type {{code: string, args: Args}} */ (value);
   if (code === 'diagnosis.amount') {
-    const found = /** @type {AmountArgs} */ (args);
+    const amountArgs = /** @type {AmountArgs} */ (args);
     return amount(
-      found,
-      plant?.channels.find((one) => one.name === found.name),
+      amountArgs,
+      plant?.channels.find((one) => one.name === amountArgs.name),
     );
   }
   if (code === 'diagnosis.time') return seconds(/** @type {TimeArgs} */ (args).t, spec?.horizon);

@@ -53,13 +53,13 @@ export const stateOf = (facts) => ({
  */
 export function findings({facts, faults, alarms}) {
   const verdicts = new Map(facts.alarm_verdicts.map((verdict) => [verdict.id, verdict]));
-  const found = alarms.flatMap((alarm) => {
+  const judged = alarms.flatMap((alarm) => {
     const verdict = verdicts.get(alarm.id);
     return verdict ? [ofAlarm(alarm, verdict)] : [];
   });
   const unseen = facts.unseen.flatMap((id) => faults.filter((fault) => fault.id === id)).map(ofFault);
-  const past = found.filter((one) => one.verdict === 'past');
-  return [...found.filter((one) => one.verdict !== 'past'), ...unseen, ...past.slice(-MOST_PAST).reverse()];
+  const past = judged.filter((one) => one.verdict === 'past');
+  return [...judged.filter((one) => one.verdict !== 'past'), ...unseen, ...past.slice(-MOST_PAST).reverse()];
 }
 
 /** @param {Alarm} alarm @param {service.AlarmOutcome} verdict @returns {Finding} */

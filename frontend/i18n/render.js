@@ -56,12 +56,12 @@ export class Catalogue {
    * @param {Record<string, Argument>} args
    */
   template(code, args) {
-    const found = this.has(code) ? this.templates[code] : undefined;
-    if (!Array.isArray(found)) return found;
+    const entry = this.has(code) ? this.templates[code] : undefined;
+    if (!Array.isArray(entry)) return entry;
     const n = args.n ?? 1;
     const whole = typeof n === 'number' && Number.isInteger(n);
     const place = this.forms.indexOf(this.plurals.select(whole ? Math.abs(n) : 2));
-    return found[Math.min(place, found.length - 1)];
+    return entry[Math.min(place, entry.length - 1)];
   }
 
   /** @param {Argument} value @param {string} format @returns {string} */

@@ -8,7 +8,7 @@ import {rememberLanguage} from '../i18n/language.js';
 import {refusalWords, speak, t} from '../i18n/words.js';
 
 /** @import {Message} from '../i18n/render.js' */
-/** @import {Actions, App, Command, Language, SessionLink, State, Told} from './types.js' */
+/** @import {Actions, App, Command, Language, NoticeLine, SessionLink, State} from './types.js' */
 
 const PRESENTED = 'thetascope.presentation'; // of this tab: the page comes back as it was when it is loaded again
 
@@ -26,10 +26,10 @@ const set = (app, values) => app.store.dispatch({type: 'set', ...values});
  * Show a message in the notice; it is rendered there, so that it follows the language.
  * @param {App} app
  * @param {Message | string} message
- * @param {{kind?: Told['kind'], action?: Told['action']}} [how]
+ * @param {{kind?: NoticeLine['kind'], action?: NoticeLine['action']}} [how]
  */
 const tell = (app, message, {kind = 'note', action = null} = {}) =>
-  set(app, {told: {message, kind, action, at: performance.now()}});
+  set(app, {notice: {message, kind, action, at: performance.now()}});
 
 /**
  * A refusal in a line: the problem and its remedy.

@@ -23,14 +23,14 @@ export function createLoop() {
   const frames = new Set();
   /** @type {Set<(now: number) => unknown>} */
   const ticks = new Set();
-  let asked = 0;
+  let pending = 0;
   let ticked = -Infinity;
   /** @type {ReturnType<typeof setTimeout> | 0} */
   let late = 0;
 
   /** @param {number} now */
   function run(now) {
-    asked = 0;
+    pending = 0;
     let more = false;
     for (const fn of frames) more = Boolean(guarded(fn, now)) || more;
     if (now - ticked >= TICK) tick(now);
@@ -47,7 +47,7 @@ export function createLoop() {
   }
 
   function wake() {
-    if (asked === 0) asked = requestAnimationFrame(run);
+    if (pending === 0) pending = requestAnimationFrame(run);
   }
 
   return {

@@ -186,8 +186,8 @@ const link = {
   /** Begin a session with an experiment of the library or a spec. */
   async begin({experiment = null, spec = null, t = 0, play = true, then}) {
     try {
-      const made = await create({...(spec ? {spec} : {experiment}), play, t});
-      join({id: made.id, control: made.token, experiment, plain: spec === null, fresh: true, then});
+      const opened = await create({...(spec ? {spec} : {experiment}), play, t});
+      join({id: opened.id, control: opened.token, experiment, plain: spec === null, fresh: true, then});
     } catch (error) {
       failed(error);
     }
@@ -198,13 +198,13 @@ const link = {
     try {
       await writeAddress();
       if (session === null) return;
-      const made = await fork(session, token, at);
+      const opened = await fork(session, token, at);
       const parent = {id: session, t: now};
-      kept.write({id: made.id, token: made.token, address: '', experiment, plain: begunPlain, parent});
-      history.pushState({session: made.id}, '', location.href); // the browser's Back leads to the first one
+      kept.write({id: opened.id, token: opened.token, address: '', experiment, plain: begunPlain, parent});
+      history.pushState({session: opened.id}, '', location.href); // the browser's Back leads to the first one
       join({
-        id: made.id,
-        control: made.token,
+        id: opened.id,
+        control: opened.token,
         experiment,
         plain: begunPlain,
         parent,
@@ -299,9 +299,9 @@ function openingSpeed({horizon, faults}) {
 /** Open the session of the address; without one, the first experiment, already running. */
 async function open() {
   /** @type {Awaited<ReturnType<typeof permalink.read>>} */
-  let asked;
+  let request;
   try {
-    asked = await permalink.read(location);
+    request = await permalink.read(location);
   } catch {
     return failed({title: t('page.notice.damaged-link'), detail: ''});
   }
@@ -309,18 +309,25 @@ async function open() {
   const here = location.search + location.hash;
   const own = [history.state?.session, mine?.address === here && here && mine.id].find((id) => id && kept.of(id));
   if (own && (await rejoin(own))) return undefined;
-  if (asked.session)
-    return join({id: asked.session, control: kept.of(asked.session)?.token ?? null, experiment: null, plain: false});
-  const linked = asked.t > 0 || asked.changed || asked.spec;
-  const then = linked ? () => app.act.tell({code: 'page.notice.from-link', args: {t: asked.t.toFixed(1)}}) : undefined;
+  if (request.session)
+    return join({
+      id: request.session,
+      control: kept.of(request.session)?.token ?? null,
+      experiment: null,
+      plain: false,
+    });
+  const linked = request.t > 0 || request.changed || request.spec;
+  const then = linked
+    ? () => app.act.tell({code: 'page.notice.from-link', args: {t: request.t.toFixed(1)}})
+    : undefined;
   try {
-    const spec = await permalink.specOf(asked, library);
+    const spec = await permalink.specOf(request, library);
     if (spec) {
-      const made = await create({spec, t: asked.t, play: false});
+      const opened = await create({spec, t: request.t, play: false});
       return join({
-        id: made.id,
-        control: made.token,
-        experiment: asked.experiment ?? null,
+        id: opened.id,
+        control: opened.token,
+        experiment: request.experiment ?? null,
         plain: false,
         fresh: true,
         then,
@@ -329,7 +336,7 @@ async function open() {
   } catch (error) {
     return failed(error);
   }
-  if (asked.experiment) return link.begin({experiment: asked.experiment, t: asked.t, play: !linked, then});
+  if (request.experiment) return link.begin({experiment: request.experiment, t: request.t, play: !linked, then});
   return link.begin({experiment: FIRST.experiment, t: FIRST.t, play: true});
 }
 

@@ -69,7 +69,7 @@ export interface Origin {
 }
 
 /** A line of the notice. `alone`: the action is offered only while nobody else views the session. */
-export interface Told {
+export interface NoticeLine {
   message: Message | string;
   kind: 'note' | 'problem';
   action: {message: Message | string; act: () => void; alone?: boolean} | null;
@@ -153,7 +153,7 @@ export interface State {
   language: Language;
   /** Why there is no session. */
   problem: {title: string; detail: string} | null;
-  told: Told | null;
+  notice: NoticeLine | null;
 }
 
 /** What the diagnosis is shown from, of a session or a run. */
@@ -225,7 +225,7 @@ export interface Actions {
   desk(name: string): void;
   theme(wanted: Theme | null): void;
   language(language: Language): Promise<void>;
-  tell(message: Message | string, how?: {kind?: Told['kind']; action?: Told['action']}): void;
+  tell(message: Message | string, how?: {kind?: NoticeLine['kind']; action?: NoticeLine['action']}): void;
   refused(error: unknown): void;
   figure(what?: {strip?: string | null; format?: 'png' | 'svg'}): Promise<Blob>;
 }

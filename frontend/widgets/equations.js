@@ -55,10 +55,10 @@ export function mathml(text) {
 function copy(node) {
   if (node instanceof Text) return document.createTextNode(node.data);
   if (!(node instanceof Element) || !ALLOWED.has(node.localName)) return document.createTextNode('');
-  const made = document.createElementNS(SPACE, node.localName);
-  for (const {name, value} of node.attributes) if (KEPT.has(name)) made.setAttribute(name, value);
-  made.append(...[...node.childNodes].map(copy));
-  return made;
+  const element = document.createElementNS(SPACE, node.localName);
+  for (const {name, value} of node.attributes) if (KEPT.has(name)) element.setAttribute(name, value);
+  element.append(...[...node.childNodes].map(copy));
+  return element;
 }
 
 /** @param {HTMLElement} body @param {App} app */

@@ -44,8 +44,8 @@ export function value(scale, place) {
     const size = Math.max(Math.abs(scale.min), Math.abs(scale.max));
     const unit = 10 ** (Math.floor(Math.log10(size || 1)) - 2);
     const decimals = Math.max(0, Math.min(12, 2 - Math.floor(Math.log10(size || 1))));
-    const found = scale.min + (place / ENDS) * (scale.max - scale.min);
-    return Number((Math.round(found / unit) * unit).toFixed(decimals));
+    const exact = scale.min + (place / ENDS) * (scale.max - scale.min);
+    return Number((Math.round(exact / unit) * unit).toFixed(decimals));
   }
   if (scale.zero && place < ZERO) return 0;
   const share = scale.zero ? (place - ZERO) / (ENDS - ZERO) : place / ENDS;

@@ -15,10 +15,10 @@ const LOST = 80; // px of room that may stay empty below the last whole line; a 
 
 /** @type {Set<Kept>} */
 const kept = new Set();
-let asked = 0;
+let pending = 0;
 const soon = () => {
-  asked ||= requestAnimationFrame(() => {
-    asked = 0;
+  pending ||= requestAnimationFrame(() => {
+    pending = 0;
     fitAll();
   });
 };

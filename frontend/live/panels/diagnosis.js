@@ -78,15 +78,15 @@ export function mount(element, app) {
     const {state} = app;
     const {facts} = state;
     if (!state.plant || !facts) return;
-    const found = findings({...state, facts});
+    const all = findings({...state, facts});
     const words = spell(facts.summary, app);
     if (verdict.textContent !== words) verdict.textContent = words;
     const weak = state.broken === null ? weakness(state) : '';
     const lost = state.broken === null ? state.observers.filter((one) => one.diverged) : [];
     fill(
       list,
-      found.map((one) => line(one, app)),
-      found.length > 0 &&
+      all.map((one) => line(one, app)),
+      all.length > 0 &&
         lost.map((one) =>
           h(
             'p',
@@ -109,7 +109,7 @@ export function mount(element, app) {
           h('span', {class: 'light open'}),
           h('button', {type: 'button', class: 'plain-words', onclick: () => open('detectability')}, weak),
         ),
-      found.length === 0 &&
+      all.length === 0 &&
         state.broken === null &&
         state.plant.channels.length > 0 &&
         h(

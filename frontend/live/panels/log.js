@@ -15,21 +15,21 @@ export function mount(element, app) {
   const list = h('ol', {class: 'log scroll', tabindex: 0});
   let signs = {}; // gains as their cards write them
   const more = wholeLines(list, () => childrenOf(list), app);
-  let made = new WeakMap(); // event → its line, so that an event does not rebuild a long log
+  let lineOf = new WeakMap(); // event → its line, so that an event does not rebuild a long log
   const build = () => {
-    made = new WeakMap();
+    lineOf = new WeakMap();
     list.setAttribute('aria-label', t('page.log.title'));
     fill(element, heading(t('page.log.title')), list, more);
     update();
   };
   const update = () => {
-    const found = lines(app.state.log, app.state.plant, signs);
-    fill(list, found.length ? found.map(kept) : h('li', {class: 'soft'}, t('page.log.empty')));
+    const entries = lines(app.state.log, app.state.plant, signs);
+    fill(list, entries.length ? entries.map(kept) : h('li', {class: 'soft'}, t('page.log.empty')));
   };
   /** @param {Line} one */
   const kept = (one) => {
-    if (!made.has(one.event)) made.set(one.event, line(one));
-    return made.get(one.event);
+    if (!lineOf.has(one.event)) lineOf.set(one.event, line(one));
+    return lineOf.get(one.event);
   };
   /** @param {Line} entry */
   const line = ({t: at, words, alarm, own}) =>

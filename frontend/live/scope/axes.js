@@ -30,10 +30,10 @@ export function niceStep(span, count) {
  * @param {number} step
  */
 export function marks(low, high, step) {
-  const found = [];
+  const multiples = [];
   for (let i = Math.ceil(low / step - 1e-9); i <= high / step + 1e-9; i += 1)
-    found.push(i === 0 ? 0 : Number((i * step).toPrecision(12)));
-  return found;
+    multiples.push(i === 0 ? 0 : Number((i * step).toPrecision(12)));
+  return multiples;
 }
 
 /**

@@ -106,27 +106,27 @@ function opened(strip, low, high) {
 export function leaving(strip, samples, t0, t1, [low, high]) {
   const [first, last] = rowsOf(samples, t0, t1);
   /** @type {Leaving[]} */
-  const found = [];
-  if (last <= first) return found;
+  const arrows = [];
+  if (last <= first) return arrows;
   const near = (t1 - t0) / NEAR;
   strip.traces.forEach(({column, place}, trace) => {
-    const seen = bins(samples, column, first, last);
-    if (!seen) return;
+    const binned = bins(samples, column, first, last);
+    if (!binned) return;
     for (const {values, up} of [
-      {values: seen.high, up: true},
-      {values: seen.low, up: false},
+      {values: binned.high, up: true},
+      {values: binned.low, up: false},
     ]) {
       /** @type {Leaving | null} */
       let open = null;
       values.forEach((value, i) => {
         if (up ? !(value > high) : !(value < low)) return;
-        const t = (seen.from + i + 0.5) * seen.each * samples.record;
+        const t = (binned.from + i + 0.5) * binned.each * samples.record;
         if (open && t - open.to < near) open.to = t;
-        else found.push((open = {from: t, to: t, up, place, trace}));
+        else arrows.push((open = {from: t, to: t, up, place, trace}));
       });
     }
   });
-  return found;
+  return arrows;
 }
 
 /**

@@ -362,11 +362,11 @@ export function drawTimeAxis(ctx, {left, width, full, height}, view, colours) {
   ctx.textBaseline = 'middle';
   ctx.textAlign = 'center';
   const places = Math.max(0, Math.ceil(-Math.log10(view.step) - 1e-9));
-  const found = marks(view.t0, view.t1, view.step);
-  for (const t of found) {
+  const times = marks(view.t0, view.t1, view.step);
+  for (const t of times) {
     const x = left + ((t - view.t0) / (view.t1 - view.t0)) * width;
     if (x < left - 1 || x > left + width - 8) continue;
     const words = t === 0 ? '0' : t.toFixed(places);
-    ctx.fillText(t === found[found[0] === 0 ? 1 : 0] ? `${words} s` : words, x, height / 2);
+    ctx.fillText(t === times[times[0] === 0 ? 1 : 0] ? `${words} s` : words, x, height / 2);
   }
 }

@@ -326,8 +326,8 @@ export class Scope {
     const {state, samples} = this.app;
     const row = this.rows.get('excitation');
     if (!row) return;
-    const told = row.strip.traces.some(({column}) => Number.isFinite(samples.latest(column)));
-    const why = told
+    const known = row.strip.traces.some(({column}) => Number.isFinite(samples.latest(column)));
+    const why = known
       ? null
       : row.strip.traces
           .flatMap(({label}) => state.checks[label] ?? [])

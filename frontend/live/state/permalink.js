@@ -71,15 +71,15 @@ export async function read(from) {
   const query = new URLSearchParams(from.search);
   const fragment = new URLSearchParams(from.hash.slice(1)).get('s');
   const t = Number(query.get('t') ?? 0);
-  const asked = {
+  const request = {
     session: query.get('session'),
     experiment: query.get('experiment'),
     t: Number.isFinite(t) && t > 0 ? t : 0,
   };
-  if (!fragment) return asked;
-  const found = await unpack(fragment);
-  if (!isSession(found)) throw new Error('what the link holds is no session');
-  return {...asked, ...found};
+  if (!fragment) return request;
+  const content = await unpack(fragment);
+  if (!isSession(content)) throw new Error('what the link holds is no session');
+  return {...request, ...content};
 }
 
 /**

@@ -49,7 +49,7 @@ export const initial = Object.freeze({
   theme: 'light',
   language: 'en',
   problem: null,
-  told: null,
+  notice: null,
 });
 
 /**

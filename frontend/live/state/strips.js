@@ -97,7 +97,7 @@ function fewer(all) {
 function channelStrips(plant, known, faults, traces) {
   const stirred = new Set(faults.map(({subject}) => subject));
   /** @type {Draft[]} */
-  const made = plant.channels.map((channel) => {
+  const drafts = plant.channels.map((channel) => {
     const {name, typical} = channel;
     const size = Math.abs(typical ?? 1);
     return {
@@ -120,17 +120,17 @@ function channelStrips(plant, known, faults, traces) {
       stirred: stirred.has(name),
     };
   });
-  const order = made.filter((strip) => strip.traces.length || strip.stirred);
+  const order = drafts.filter((strip) => strip.traces.length || strip.stirred);
   const first = new Set(
     [...order.filter((strip) => strip.stirred), ...order.filter((strip) => !strip.stirred)].slice(0, MOST_CHANNELS),
   );
-  return made.map((strip) => ({...strip, usual: first.has(strip) || strip.stirred === true}));
+  return drafts.map((strip) => ({...strip, usual: first.has(strip) || strip.stirred === true}));
 }
 
 /** @param {Plant} plant @param {MakeTraces} traces */
 function stateStrips(plant, traces) {
   /** @type {Draft[]} */
-  const made = plant.states.map(({name, unit, description}) => ({
+  const drafts = plant.states.map(({name, unit, description}) => ({
     name: `x.${name}`,
     kind: 'state',
     symbol: name,
@@ -145,9 +145,9 @@ function stateStrips(plant, traces) {
     threshold: null,
     weight: 1,
   }));
-  const most = Math.max(0, ...made.map((strip) => strip.traces.length));
-  const first = new Set(made.filter((strip) => strip.traces.length === most).slice(0, MOST_STATES));
-  return made.map((strip) => ({...strip, usual: first.has(strip)}));
+  const most = Math.max(0, ...drafts.map((strip) => strip.traces.length));
+  const first = new Set(drafts.filter((strip) => strip.traces.length === most).slice(0, MOST_STATES));
+  return drafts.map((strip) => ({...strip, usual: first.has(strip)}));
 }
 
 /**

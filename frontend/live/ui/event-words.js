@@ -97,14 +97,14 @@ const OWN = new Set([
  */
 
 /**
- * @typedef {object} Told
+ * @typedef {object} Shown
  * @property {Event} event
  * @property {Plant | null} plant
  * @property {Signs} signs
  * @property {string} name   what the page calls its subject
  */
 
-/** @type {{[kind: string]: (told: Told) => string}} The words for each kind of event. */
+/** @type {{[kind: string]: (shown: Shown) => string}} The words for each kind of event. */
 const WORDS = {
   inject: ({event, name}) => injected(event, name),
   clear: ({event: {subject, value}, name}) => {

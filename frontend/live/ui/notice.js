@@ -48,36 +48,36 @@ export function mountNotice(root, app) {
     (state) => [
       state.connection,
       state.ended,
-      state.told,
+      state.notice,
       state.problem,
       state.language,
       state.session,
       state.viewers > 1,
       state.broken,
     ],
-    ([connection, , told], before) => {
+    ([connection, , notice], before) => {
       clearTimeout(timer);
-      const standing = inTheWay(app);
-      if (standing) {
+      const blocked = inTheWay(app);
+      if (blocked) {
         if (connection === 'reconnecting' && before?.[0] !== 'reconnecting')
-          timer = setTimeout(show, PATIENCE, standing);
-        else show(standing);
+          timer = setTimeout(show, PATIENCE, blocked);
+        else show(blocked);
         return;
       }
-      const action = told?.action ?? null;
-      const left = told ? told.at + (action ? OFFERED : SHOWN) - performance.now() : 0;
-      if (told === null || left <= 0) {
+      const action = notice?.action ?? null;
+      const left = notice ? notice.at + (action ? OFFERED : SHOWN) - performance.now() : 0;
+      if (notice === null || left <= 0) {
         hide();
         return;
       }
       const act = () => {
-        app.store.dispatch({type: 'set', told: null}); // an action is offered once
+        app.store.dispatch({type: 'set', notice: null}); // an action is offered once
         action?.act();
       };
       const offered = action && !(action.alone && app.state.viewers > 1);
       show({
-        kind: told.kind,
-        words: say(told.message),
+        kind: notice.kind,
+        words: say(notice.message),
         buttons: offered ? [button(say(action.message), act)] : [],
       });
       timer = setTimeout(hide, left);

@@ -327,8 +327,8 @@ function near({app, slider, width, ...timeline}, event) {
   const {state} = app;
   const x = event.clientX - slider.getBoundingClientRect().left;
   const end = reach({app, ...timeline});
-  const found = lines(state.log, state.plant).filter((line) => Math.abs((line.t / end) * width - x) < NEAR);
-  return found
+  const nearby = lines(state.log, state.plant).filter((line) => Math.abs((line.t / end) * width - x) < NEAR);
+  return nearby
     .slice(0, 5)
     .reverse()
     .map((line) => t('page.events.at', {t: seconds(line.t, state.record >= 1 ? 1 : 0.1), event: line.words}))

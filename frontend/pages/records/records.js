@@ -104,14 +104,14 @@ function row(one, plant, short) {
 
 /**
  * The findings: the sentence, one line each, the outputs, and the calibration behind them.
- * @param {service.ObserverDiagnosis} told
+ * @param {service.ObserverDiagnosis} diagnosis
  * @param {Plant} plant
  * @param {{[column: string]: number[]}} columns
  */
-function found(told, plant, columns) {
+function findings(diagnosis, plant, columns) {
   const time = columns.t ?? columns.time;
   const begin = time?.[0] ?? 0; // the diagnosis counts from the first row on
-  const alarms = told.alarms.map(alarmFrom).map((one) => ({
+  const alarms = diagnosis.alarms.map(alarmFrom).map((one) => ({
     ...one,
     t: one.t + begin,
     onset: one.onset + begin,
@@ -155,7 +155,7 @@ function found(told, plant, columns) {
   const shown = plant.outputs
     .map((output) => ({output, y: columns[`y.${output.name}`] ?? columns[output.name]}))
     .filter(({y}) => y && time);
-  const {calibration, noise} = told;
+  const {calibration, noise} = diagnosis;
   return [
     h(
       'section',
@@ -182,7 +182,7 @@ function found(told, plant, columns) {
             }),
           ].join(' '),
         ),
-      told.note && h('p', {class: 'soft'}, asSentence(spoken(told.note, plant))),
+      diagnosis.note && h('p', {class: 'soft'}, asSentence(spoken(diagnosis.note, plant))),
     ),
     shown.length > 0 &&
       h(
@@ -279,14 +279,14 @@ async function attempt(work) {
 async function ask(csv) {
   const plant = await plantOf(choice.value);
   /** @type {service.ObserverDiagnosis} */
-  const told = await post('/api/diagnosis', {
+  const diagnosis = await post('/api/diagnosis', {
     plant: plant.id,
     csv: needed(csv, plant),
     learn: Number(learn.value),
     diagnosis: {false_alarms: Number(rate.value)},
   });
   const columns = columnsOf(csv);
-  show(() => found(told, known.get(plant.id) ?? plant, columns));
+  show(() => findings(diagnosis, known.get(plant.id) ?? plant, columns));
 }
 
 /** A run of the plant's first experiment as a record, for those who have none of their own. */

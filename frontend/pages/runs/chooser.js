@@ -44,11 +44,12 @@ export function mountChooser(root, store, act) {
     if (experiments === null) return fill(list, h('p', {class: 'soft'}, t('page.text.loading')));
     if (experiments.length === 0) return fill(list, h('p', {class: 'soft'}, t('page.runs.no-experiments')));
     const wanted = filter.value.trim().toLowerCase();
-    const found = experiments.filter((one) =>
+    const matching = experiments.filter((one) =>
       [one.id, one.title, one.source, one.description].join(' ').toLowerCase().includes(wanted),
     );
-    if (found.length === 0) return fill(list, h('p', {class: 'soft'}, t('page.runs.no-match', {text: filter.value})));
-    const plants = [...new Set(found.map((one) => one.plant))];
+    if (matching.length === 0)
+      return fill(list, h('p', {class: 'soft'}, t('page.runs.no-match', {text: filter.value})));
+    const plants = [...new Set(matching.map((one) => one.plant))];
     return fill(
       list,
       plants.map((plant) => [
@@ -56,7 +57,7 @@ export function mountChooser(root, store, act) {
         h(
           'ul',
           {},
-          found.filter((one) => one.plant === plant).map((one) => entry(one, one.id === chosen)),
+          matching.filter((one) => one.plant === plant).map((one) => entry(one, one.id === chosen)),
         ),
       ]),
     );

@@ -74,11 +74,11 @@ const act = {
 async function reopen(id, changes) {
   try {
     /** @type {Run} */
-    const found = await get(`/api/runs/${encodeURIComponent(id)}`);
-    if (found.status !== 'done') return;
+    const stored = await get(`/api/runs/${encodeURIComponent(id)}`);
+    if (stored.status !== 'done') return;
     if (store.state.spec === null)
-      store.dispatch({type: 'foreign', spec: found.spec, plant: await plantOf(found.spec)});
-    store.dispatch({type: 'done', run: found, changes});
+      store.dispatch({type: 'foreign', spec: stored.spec, plant: await plantOf(stored.spec)});
+    store.dispatch({type: 'done', run: stored, changes});
   } catch (error) {
     if (!(error instanceof Problem && error.status === 404)) throw error;
     if (store.state.spec === null) throw error;

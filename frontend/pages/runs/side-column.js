@@ -185,7 +185,7 @@ function assumptions(one, place) {
         'span',
         {class: 'soft'},
         say(check.text),
-        check.value === null ? '' : ` (${found(check)})`,
+        check.value === null ? '' : ` (${numbers(check)})`,
         check.source ? `. ${check.source}` : '',
       ),
     ),
@@ -217,7 +217,7 @@ const verdict = (check) => ({holds: 'ok', fails: 'bad', 'cannot tell': 'open'})[
  * The value of a check, with its threshold where it has one.
  * @param {service.AssumptionCheck} check
  */
-const found = ({value, threshold}) =>
+const numbers = ({value, threshold}) =>
   threshold === null
     ? t('page.runs.check-value', {value: number(value)})
     : t('page.runs.check-value-threshold', {value: number(value), threshold: number(threshold)});

@@ -52,19 +52,19 @@ const fold = (title, ...body) => h('details', {class: 'more'}, h('summary', {}, 
  * @param {service.Facts} facts
  * @param {Diagnosis} diagnosis
  */
-function detector({spec}, plant, facts, {detector: told}) {
-  const state = {...stateOf(facts), plant, spec, diagnosis: told, t: spec.horizon};
+function detector({spec}, plant, facts, {detector: diagnosis}) {
+  const state = {...stateOf(facts), plant, spec, diagnosis: diagnosis, t: spec.horizon};
   const app = {state};
-  const found = findings(state);
+  const all = findings(state);
   return [
     h('p', {class: 'verdict'}, spell(state.facts.summary, app)),
     h(
       'div',
       {class: 'side-by-side'},
-      found.map((one) => line(one, app)),
+      all.map((one) => line(one, app)),
     ),
-    told.calibration && fold(t('page.diagnosis.detectability'), visible(app), trajectory(app)),
-    told.calibration &&
+    diagnosis.calibration && fold(t('page.diagnosis.detectability'), visible(app), trajectory(app)),
+    diagnosis.calibration &&
       fold(
         t('page.diagnosis.certainty'),
         h(
@@ -107,7 +107,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
       'td',
       {
         class: name !== 'found' && COUNTS.includes(name) && Number(row[name]) > 0 ? 'alarm' : null,
-        title: name === 'found' && row.faults ? told(row.faults, plant) : null,
+        title: name === 'found' && row.faults ? outcomes(row.faults, plant) : null,
       },
       name === 'delay' && row.delay !== null ? took(row.delay) : number(row[name], 3),
     );
@@ -158,7 +158,7 @@ function compared(run, diagnosis, {windows, observers: rows}, plant) {
  * @param {NonNullable<ComparisonRow['faults']>} faults
  * @param {Plant} plant
  */
-const told = (faults, plant) =>
+const outcomes = (faults, plant) =>
   faults
     .map(({name, onset, outcome, delay, alternative}) => {
       const words = t(`page.runs.outcome.${outcome}`, {

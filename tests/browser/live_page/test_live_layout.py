@@ -35,7 +35,7 @@ LISTS = {
 
 def still(page, path: str, **more):
     live = opened(page, path, **more)
-    live.evaluate("thetascope.store.dispatch({type: 'set', told: null})")
+    live.evaluate("thetascope.store.dispatch({type: 'set', notice: null})")
     until(live, "thetascope.state.diagnosis?.calibration", 40)
     live.wait_for_timeout(600)
     return live

@@ -55,7 +55,7 @@ def presented(page, path: str = "/?experiment=zhao-2012&t=24", **more):
     """The page while presenting, standing still, its first notice gone."""
     live = opened(page, path, **more)
     live.evaluate(
-        "thetascope.act.present(true); thetascope.act.pause(); thetascope.store.dispatch({type: 'set', told: null})"
+        "thetascope.act.present(true); thetascope.act.pause(); thetascope.store.dispatch({type: 'set', notice: null})"
     )
     live.wait_for_selector(".desk .fault")
     return live

@@ -133,7 +133,7 @@ export function mount(element, app) {
   const group = (observers, session) => {
     const [, theta] = chosen();
     const cell = () => h('td');
-    const made = observers.map(({label, colour, kind}) => {
+    const observerRows = observers.map(({label, colour, kind}) => {
       const cells = theta ? [cell(), cell(), cell()] : [cell()];
       rows.push({cells, session, of: (answer) => figuresOf(answer, label, span()[1], app.state.record)});
       return h(
@@ -147,16 +147,16 @@ export function mount(element, app) {
         cells,
       );
     });
-    if (!theta || app.state.diagnosis?.note !== '') return made;
-    const found = cell();
-    rows.push({cells: [found], session, of: (answer) => [detected(answer)]});
+    if (!theta || app.state.diagnosis?.note !== '') return observerRows;
+    const delayCell = cell();
+    rows.push({cells: [delayCell], session, of: (answer) => [detected(answer)]});
     return [
-      ...made,
+      ...observerRows,
       h(
         'tr',
         {class: 'detector', title: t('page.comparison.found.hint')},
         h('th', {scope: 'row', colspan: 2}, t('page.comparison.found-by')),
-        found,
+        delayCell,
         h('td'),
       ),
     ];
@@ -205,12 +205,12 @@ export function mount(element, app) {
   };
   /** @param {{mine: service.WindowComparison | null, parent: service.WindowComparison | null}} answers */
   const show = (answers) => {
-    const found = rows.flatMap(({cells, session, of}) => {
+    const filled = rows.flatMap(({cells, session, of}) => {
       const answer = answers[session];
       return answer ? [{cells, figures: of(answer)}] : [];
     });
-    forms.forEach((form, place) => form.take(found.flatMap(({figures}) => figures[place]?.value ?? [])));
-    for (const {cells, figures} of found) {
+    forms.forEach((form, place) => form.take(filled.flatMap(({figures}) => figures[place]?.value ?? [])));
+    for (const {cells, figures} of filled) {
       for (const [place, {words, value, title}] of figures.entries())
         put(cells[place], words ?? forms[place].write(value ?? NaN), title);
     }

@@ -127,13 +127,13 @@ export function mount(element, app) {
     if (event.key === 'Escape' && document.querySelector(':popover-open')) return; // the browser closes it
     const name = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toUpperCase() : event.key;
     const channel = /^[1-9]$/.test(name) ? app.state.plant?.channels[Number(name) - 1] : null;
-    const found = KEYS.find((one) => one.act && one.keys.includes(name));
-    if (!channel && !found?.act) return;
+    const binding = KEYS.find((one) => one.act && one.keys.includes(name));
+    if (!channel && !binding?.act) return;
     event.preventDefault();
     taken = name === 'Space';
     if (channel) {
       app.act.site(null);
       app.act.site(channel.name);
-    } else Promise.resolve(found?.act?.(app, name)).catch(app.act.refused);
+    } else Promise.resolve(binding?.act?.(app, name)).catch(app.act.refused);
   });
 }

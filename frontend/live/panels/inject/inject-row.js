@@ -250,7 +250,7 @@ function adopt(row, menu, {fault}, build) {
  */
 function mainSlider(field, row, subject, title, touch) {
   const first = firstValues(row.shape, subject)[field.name];
-  const made = slider({
+  const control = slider({
     name: `${title}: ${fieldName(field.name)}`,
     scale: mainScale(field, subject, Number(first)),
     value: Number(row.values[field.name]),
@@ -260,9 +260,9 @@ function mainSlider(field, row, subject, title, touch) {
       touch();
     },
   });
-  made.range.title = named(field.description);
-  made.field.title = `${fieldName(field.name)}${subject.unit ? `, ${subject.unit}` : ''}`;
-  return made;
+  control.range.title = named(field.description);
+  control.field.title = `${fieldName(field.name)}${subject.unit ? `, ${subject.unit}` : ''}`;
+  return control;
 }
 
 /**

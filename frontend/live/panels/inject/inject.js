@@ -195,10 +195,10 @@ function noiseRow(app, output, ends) {
       await app.send({type: 'set-noise', output: output.name, std, sample_time: noise().sample_time});
     } catch (error) {
       app.act.refused(error);
-      made.show(noise().std);
+      control.show(noise().std);
     }
   });
-  const made = slider({
+  const control = slider({
     name: t('page.inject.noise-of', {name: called(output.name, app.state.plant)}),
     scale: logarithmic(begin / 30, begin * 30, true),
     value: noise().std,
@@ -209,8 +209,8 @@ function noiseRow(app, output, ends) {
     app.subscribe(
       (state) => [state.noise[output.name]?.std ?? 0, state.role],
       ([std, role]) => {
-        made.follow(std);
-        made.disable(role === 'view');
+        control.follow(std);
+        control.disable(role === 'view');
       },
     ),
   );
@@ -224,6 +224,12 @@ function noiseRow(app, output, ends) {
       title: hint,
     },
     badge(split(output.name), {square: true}),
-    h('div', {class: 'control'}, h('span', {}, t('page.inject.noise'), ' ', h('i', {}, 'σ')), made.range, made.field),
+    h(
+      'div',
+      {class: 'control'},
+      h('span', {}, t('page.inject.noise'), ' ', h('i', {}, 'σ')),
+      control.range,
+      control.field,
+    ),
   );
 }

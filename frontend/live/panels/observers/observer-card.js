@@ -260,7 +260,7 @@ function gainLine(label, {gain, place, value, name}, controls, whole, ask) {
   const send = throttled((/** @type {number} */ next) => {
     return ask({type: 'set-gain', observer: label, gain: gain.name, value: withEntry(whole(), place, next)});
   }, 160);
-  const made = slider({
+  const control = slider({
     name: `${label}: ${gain.symbol || gain.name}${name && ` ${name}`}, ${named(gain.meaning)}`,
     scale: gainScale(gain, value),
     value,
@@ -268,13 +268,13 @@ function gainLine(label, {gain, place, value, name}, controls, whole, ask) {
     high: gain.high,
     change: send,
   });
-  controls.set(`${gain.name}.${place}`, made);
+  controls.set(`${gain.name}.${place}`, control);
   return h(
     'div',
     {class: 'gain', title: [named(gain.meaning), gain.unit].filter(Boolean).join(', ')},
     gainSymbol(gain, place, name),
-    made.range,
-    made.field,
+    control.range,
+    control.field,
   );
 }
 

@@ -32,14 +32,14 @@ export function sandwich(plant) {
     if ([...mentioned(one.expression)].some((name) => carries.has(name))) carries.add(one.name);
   /** @type {string[]} */
   const after = [];
-  for (let found = true; found;) {
-    found = false;
+  for (let grows = true; grows;) {
+    grows = false;
     for (const state of states) {
       if (memory.includes(state) || after.includes(state) || ![...uses[state]].some((name) => carries.has(name)))
         continue;
       after.push(state);
       carries.add(state);
-      found = true;
+      grows = true;
     }
   }
   return {

@@ -30,10 +30,10 @@ export function mount(element, app) {
   };
   /** @param {Plant} plant */
   const picture = (plant) => {
-    const made = drawPlant(plant, app);
-    ({values, sites} = made);
+    const drawing = drawPlant(plant, app);
+    ({values, sites} = drawing);
     tick();
-    return made.svg;
+    return drawing.svg;
   };
   /**
    * Amber: a fault acts there; a vermilion ring: an alarm names it, dashed where others explain the data equally
