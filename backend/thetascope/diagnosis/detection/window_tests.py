@@ -1,32 +1,38 @@
-"""Sums of evidence, and what they say over windows that end now: the part that batch and live share, row for row.
+"""Windowed likelihood-ratio tests on sums of evidence; runs and live sessions share them, row for row.
 
-Evidence is a regression x(k) = Ω(k) (θ − θ₀) + noise of variance one, θ₀ being what is known so far (zero: no fault). Its
-sums J = Σ ΩᵀΩ, s = Σ Ωᵀx, q = Σ xᵀx are kept at *decisions*, every so many rows. Over a window of decisions the generalised
-likelihood ratio of "θ_j has changed by something" against "nothing has" is, for each channel j,
+Evidence is a regression x(k) = Ω(k) (θ − θ₀) + noise of variance one, θ₀ being the known faults (zero: no fault). The
+sums J = Σ ΩᵀΩ, s = Σ Ωᵀx, q = Σ xᵀx are stored at *decisions*, one every `stride` rows. Over a window of decisions the
+generalised likelihood ratio of "θ_j has changed" against "no change" is, for each channel j,
 
     GLR_j = max over δ within bounds of (2 s_j δ − J_jj δ²) / v_j,    s_j²/(J_jj v_j) where no bound forbids it,
 
-v_j being the variance of s_j/√J_jj that simulation shows without faults: one, were the noise white and the filter exact. It may
-be several times larger where inputs have just switched than on the average, and tests go by the largest.
+v_j being the variance of s_j/√J_jj in simulations without faults: one for white noise and an exact filter. It may be
+several times larger than its mean where inputs have just switched; tests use the largest.
 
 Willsky & Jones, IEEE TAC 21(1), 1976; Basseville & Nikiforov, Detection of Abrupt Changes, 1993, §2.4.3 and ch. 7.
-Windows have a few lengths, each a third longer than the one before: Lai, JRSS B 57(4), 1995, shows that this loses little.
+Windows have a few lengths, each a third longer than the one before: Lai, JRSS B 57(4), 1995, shows that this loses
+little.
 """
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
-LONGEST = 600  # decisions
-GROWTH = 1.35  # of the lengths of windows
+LONGEST = 600  # decisions in the longest window
+GROWTH = 1.35  # ratio of successive lengths of windows
 
 
 @dataclass(frozen=True)
 class WindowSums:
-    """Sums at decisions ``first``, ``first`` + 1, …: J (decisions, p, p), s (decisions, p), q (decisions, m) by output.
+    """Cumulative sums of evidence at decisions `first`, `first` + 1, …
 
-    J, s and ``e`` (decisions), the sum of q, are of the outputs that were heeded; q is of all. ``repeats`` (decisions, m), not
-    a sum: rows for which each output has been showing the very same number.
+    Attributes:
+        first: number of the first decision.
+        J: (decisions, p, p), Σ ΩᵀΩ of the trusted outputs.
+        s: (decisions, p), Σ Ωᵀx of the trusted outputs.
+        q: (decisions, m), Σ x² of each output, trusted or not.
+        e: (decisions,), Σ x² of the trusted outputs.
+        repeats: (decisions, m), not a sum: the number of latest rows in which an output repeated its value.
     """
 
     first: int
@@ -38,7 +44,7 @@ class WindowSums:
 
     @classmethod
     def empty(cls, p: int, m: int) -> "WindowSums":
-        """Before anything was seen: decision 0 stands for sums of nothing."""
+        """Return the sums at decision 0: all zero."""
         return cls(0, np.zeros((1, p, p)), np.zeros((1, p)), np.zeros((1, m)), np.zeros(1), np.zeros((1, m)))
 
     @property
@@ -49,9 +55,13 @@ class WindowSums:
     def extended(
         self, omega: np.ndarray, x: np.ndarray, trusted_outputs: np.ndarray | None = None, y: np.ndarray | None = None
     ) -> "WindowSums":
-        """With more decisions: ``omega`` (decisions, rows in each, m, p) and ``x`` (decisions, rows in each, m).
+        """Return the sums with more decisions.
 
-        ``y``: what was measured (rows, m), the row before them first; without it nothing stands still.
+        Args:
+            omega: (decisions, rows in each, m, p).
+            x: (decisions, rows in each, m).
+            trusted_outputs: (m,), 1 or 0; None: all are trusted.
+            y: (rows + 1, m), measurements, from the row before the first on; None: no repeats are counted.
         """
         q = np.einsum("drm,drm->dm", x, x)
         repeats = np.zeros_like(q) if y is None else _repeats(self.repeats[-1], y)[x.shape[1] - 1 :: x.shape[1]]
@@ -62,36 +72,42 @@ class WindowSums:
             np.einsum("drmi,drm->di", omega, x),
             np.einsum("drm,drm->d", x, x),
         )
-        # added one after the other, so that cutting a run into pieces changes no bit
-        new = {n: _added(getattr(self, n)[-1:], v) for n, v in {"J": J, "s": s, "q": q, "e": e}.items()} | {
-            "repeats": repeats
-        }
-        return replace(self, **{n: np.concatenate([getattr(self, n), v]) for n, v in new.items()})
+        # added one after the other, so that the sums do not depend on how a run is cut
+        return WindowSums(
+            self.first,
+            _cumulated(self.J, J),
+            _cumulated(self.s, s),
+            _cumulated(self.q, q),
+            _cumulated(self.e, e),
+            np.concatenate([self.repeats, repeats]),
+        )
 
     def until(self, decision: int) -> "WindowSums":
-        """As they were at a decision."""
+        """Return the sums up to a decision."""
         return self._cut(slice(None, decision - self.first + 1))
 
     def recent(self, keep: int) -> "WindowSums":
-        """Without decisions that no window needs."""
+        """Return the last `keep` decisions."""
         cut = max(0, len(self.q) - keep)
         return self if cut == 0 else replace(self._cut(slice(cut, None)), first=self.first + cut)
 
     def _cut(self, part: slice) -> "WindowSums":
-        return replace(self, **{n: getattr(self, n)[part] for n in ("J", "s", "q", "e", "repeats")})
+        return WindowSums(self.first, self.J[part], self.s[part], self.q[part], self.e[part], self.repeats[part])
 
     def over(self, begin: np.ndarray | int, end: np.ndarray | int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """J, s, e of what came after decision ``begin``, up to ``end``."""
+        """Return J, s, e of the rows after decision `begin`, up to decision `end`; both may be arrays."""
         a, b = np.asarray(begin) - self.first, np.asarray(end) - self.first
         return self.J[b] - self.J[a], self.s[b] - self.s[a], self.e[b] - self.e[a]
 
 
-def _added(last: np.ndarray, new: np.ndarray) -> np.ndarray:
-    return np.cumsum(np.concatenate([last, new]), axis=0)[1:]
+def _cumulated(sums: np.ndarray, terms: np.ndarray) -> np.ndarray:
+    """Return cumulative sums with more terms added (the first axis: decisions)."""
+    return np.concatenate([sums, np.cumsum(np.concatenate([sums[-1:], terms]), axis=0)[1:]])
 
 
 def _repeats(before: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Rows for which y has not changed, counted on from ``before``: rows − 1, m."""
+    """Return how often in succession y (rows + 1, m) has repeated its value at each row (rows, m), counted on from
+    `before` (m,)."""
     same = y[1:] == y[:-1]
     count = np.cumsum(same, axis=0)
     since = np.maximum.accumulate(np.where(same, 0, count), axis=0)
@@ -100,19 +116,26 @@ def _repeats(before: np.ndarray, y: np.ndarray) -> np.ndarray:
 
 
 def lengths(most: int) -> np.ndarray:
-    """Lengths of windows, in decisions: 1, 2, 3, 4, 5, 7, … up to ``most``."""
-    found, length = [], 1.0
+    """Return the lengths of windows in decisions: 1, 2, 3, 4, 5, 7, … up to `most`."""
+    sizes, length = [], 1.0
     while length <= min(most, LONGEST):
-        found.append(int(length))
+        sizes.append(int(length))
         length = max(length + 1, length * GROWTH)
-    return np.array(found)
+    return np.array(sizes)
 
 
 @dataclass(frozen=True)
 class WindowNoise:
-    """What windows look like without a fault, simulated: for each length the variance v of s_j/√J_jj (lengths × p), and
-    mean and standard deviation of the residual energy q. ``largest_v``: v where in the run it is largest, which tests go by;
-    ``early_v``: the same of windows that begin before decision ``ready``, when the filter is not yet sure of its state."""
+    """The statistics of windows without a fault, from simulations.
+
+    Attributes:
+        lengths: (lengths,), of the windows, in decisions.
+        v: (lengths, p), variance of s_j/√J_jj.
+        largest_v: (lengths, p), the same where it is largest along the run; the tests use it.
+        early_v: (lengths, p), the same for windows that begin before decision `ready`.
+        ready: decision at which the filter's covariance has settled.
+        energy, energy_std: (lengths,), mean and standard deviation of the energy of all outputs.
+    """
 
     lengths: np.ndarray
     v: np.ndarray
@@ -123,11 +146,11 @@ class WindowNoise:
     energy_std: np.ndarray
 
     def nearest(self, length: np.ndarray | int) -> np.ndarray:
-        """Index of the longest simulated length that is not longer (at least the first)."""
+        """Return the index of the longest simulated length that is not longer than `length`, at least 0."""
         return np.maximum(np.searchsorted(self.lengths, length, side="right") - 1, 0)
 
     def expected_energy(self, length: int, trusted_outputs: np.ndarray) -> tuple[float, float]:
-        """Energy that noise has over so many decisions in the outputs heeded, and its standard deviation."""
+        """Return mean and standard deviation of the energy of trusted outputs (m,) over `length` decisions of noise."""
         k = int(self.nearest(length))
         share = float(np.mean(trusted_outputs)) * length / self.lengths[k]
         return float(self.energy[k]) * share, float(self.energy_std[k]) * share**0.5
@@ -135,24 +158,25 @@ class WindowNoise:
 
 @dataclass(frozen=True)
 class ThetaBounds:
-    """Bounds (p) within which θ makes sense, ±∞ where there are none."""
+    """Lower and upper bounds of θ (p,) each, ±∞ where there is none."""
 
     low: np.ndarray
     high: np.ndarray
 
     def relative_to(self, known: np.ndarray) -> "ThetaBounds":
-        """Bounds of what θ may be besides what is known."""
+        """Return the bounds of a change from θ₀ = `known` (p,); zero is always inside."""
         return ThetaBounds(np.minimum(self.low - known, 0.0), np.maximum(self.high - known, 0.0))
 
 
 def sizes(D: np.ndarray, s: np.ndarray, bounds: ThetaBounds) -> np.ndarray:
-    """The most likely θ_j of each channel alone, s_j/J_jj, within bounds; ``D``: the diagonal of J (zero: not seen)."""
-    seen = D > 1e-12 * np.max(D, axis=-1, keepdims=True, initial=1e-300)
-    return np.clip(np.where(seen, s / np.where(seen, D, 1.0), 0.0), bounds.low, bounds.high)
+    """Return the most likely θ_j of each channel alone (…, p): s_j/J_jj within bounds, 0 where J_jj vanishes; `D`: the
+    diagonal of J."""
+    visible = D > 1e-12 * np.max(D, axis=-1, keepdims=True, initial=1e-300)
+    return np.clip(np.where(visible, s / np.where(visible, D, 1.0), 0.0), bounds.low, bounds.high)
 
 
 def explained(D: np.ndarray, s: np.ndarray, bounds: ThetaBounds) -> np.ndarray:
-    """The energy that each channel alone explains: s_j²/J_jj, less where bounds forbid the best θ_j."""
+    """Return the energy that each channel alone explains (…, p): s_j²/J_jj, or less where bounds exclude s_j/J_jj."""
     size = sizes(D, s, bounds)
     return np.maximum((2 * s - size * D) * size, 0.0)
 
@@ -160,10 +184,16 @@ def explained(D: np.ndarray, s: np.ndarray, bounds: ThetaBounds) -> np.ndarray:
 def scan(
     sums: WindowSums, ends: np.ndarray, start: int, memory: float, noise: WindowNoise, bounds: ThetaBounds
 ) -> tuple[np.ndarray, np.ndarray]:
-    """At each decision of ``ends`` the largest GLR over windows and channels, and the largest residual, over its windows.
+    """Return for each decision the largest GLR over windows and channels, and the largest residual over windows.
 
-    Windows begin at ``start`` or later. ``memory``: decisions from which θ₀ was estimated (inf: it is exact), since an
-    error of θ₀ looks like a change over windows as long.
+    Args:
+        sums: the evidence.
+        ends: (decisions,), the decisions at which windows end.
+        start: the first decision at which a window may begin.
+        memory: decisions that θ₀ was estimated from, ∞ if it is exact: an error of θ₀ resembles a change over windows
+            as long.
+        noise: the statistics without faults.
+        bounds: bounds of the change.
     """
     begins = ends[:, None] - noise.lengths[None, :]
     whole = begins >= max(start, sums.first)

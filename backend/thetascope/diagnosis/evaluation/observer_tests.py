@@ -1,18 +1,21 @@
-"""Tests on an observer's own estimates: what it would find by itself, for the comparison of observers.
+"""Tests on an observer's own estimates, for the comparison of observers.
 
-Each estimate is divided by its standard deviation (engine/estimation/covariance.py), so that it has variance one without a fault,
+Each estimate is divided by its standard deviation (engine/estimation/covariance.py), so that it has variance one
+without a fault,
 
     z = θ̂_c / σ_c,
 
-and one of three tests looks at it, decision by decision. Its threshold comes from runs of the same plant, observer and noise
-without faults, as in thresholds.py, but with an allowance for their small number. An alarm is raised when the statistic
-passes the threshold and is over when it is below half of that, or z within its noise, for a while.
+and one of three tests is applied to it at every decision. Its threshold comes from runs of the same plant, observer and
+noise without faults, as in thresholds.py, but with an allowance for their small number. An alarm is raised when the
+statistic exceeds the threshold, and is over when the statistic has been below half of it, or z within its noise, for a
+while.
 
 - ``threshold``: |z|.
-- ``cusum``: the larger of two sums max(0, g ± z − DRIFT) (Page, Biometrika 41, 1954); the onset is where it was last zero.
+- ``cusum``: the larger of two sums max(0, g ± z − DRIFT) (Page, Biometrika 41, 1954); the onset is where it was last
+  zero.
 - ``glr``: the largest squared mean of z over windows, divided by the variance that it has without a fault.
 
-Unlike the detector (decision_step.py) these tests know nothing of what one fault does to the estimate of another while the
+Unlike the detector (decision_step.py) these tests do not know how one fault disturbs the estimate of another while the
 observer settles: where they name the wrong channel, that is the observer's isolation error.
 """
 
@@ -24,39 +27,50 @@ from scipy.special import gammaincinv, ndtri
 
 from thetascope.diagnosis.detection.window_tests import lengths
 
-DRIFT = 0.5  # of σ: changes of the mean smaller than twice this are not looked for
+DRIFT = 0.5  # of σ: half of the smallest change of the mean that the cusum detects
 _FLOOR = 1e-3  # of v
 _FORGOTTEN = 0.2  # correlation
-_EXCURSIONS = 12  # that the tail is taken from, at least, where there are as many
-_UNSURE = 0.05
-_PARTS = 4
-_BACK = 3.0  # standard deviations within which an estimate is back
+_EXCURSIONS = 12  # that the tail is fitted to at least, where there are as many
+_UNSURE = 0.05  # probability that the allowance for few runs is too small
+_PARTS = 4  # of a run, for each of which a variance is taken
+_BACK = 3.0  # standard deviations within which an estimate is back at zero
 
 
 @dataclass(frozen=True)
 class CalibratedTest:
-    """A test and its threshold; ``begin``: the decision from which on it judges; ``v``: variance of means (lengths)."""
+    """A test with its threshold.
+
+    Attributes:
+        test: threshold, cusum or glr.
+        threshold: of its statistic.
+        begin: decision from which on it is applied.
+        lengths: (lengths,), of its windows, in decisions.
+        v: (lengths,), variance of means of z over them without a fault.
+        runs, hours: number and total time of the runs it was calibrated with.
+    """
 
     test: str
     threshold: float
     begin: int
     lengths: np.ndarray
     v: np.ndarray
-    runs: int = 0  # that it was calibrated with, and their hours
+    runs: int = 0
     hours: float = 0.0
 
     def to_json(self) -> dict:
+        """Return the test as JSON data."""
         return vars(self) | {"lengths": self.lengths.tolist(), "v": self.v.tolist()}
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> "CalibratedTest":
+        """Return the test of JSON data."""
         fields: dict[str, Any] = data | {"lengths": np.array(data["lengths"]), "v": np.array(data["v"])}
         return cls(**fields)
 
 
 @dataclass(frozen=True)
 class EstimateAlarm:
-    """An alarm of one channel; times are decisions."""
+    """An alarm of one channel; `at`, `onset` and `cleared` are decisions."""
 
     channel: int
     at: int
@@ -66,16 +80,24 @@ class EstimateAlarm:
 
 
 def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) -> CalibratedTest:
-    """From runs without faults: z (runs × decisions × channels). ``rate``: false alarms per hour of the whole observer."""
+    """Return a test with its threshold.
+
+    Args:
+        z: (runs, decisions, channels), normalised estimates of runs without faults.
+        test: threshold, cusum or glr.
+        interval: time between decisions, s.
+        rate: accepted false alarms per hour of the whole observer.
+        begin: decision from which on it is applied.
+    """
     count = z.shape[1]
     sizes = lengths(max(1, (count - begin) // 2))
     v = np.array([max(_variance(_means(z[:, begin:], int(n))), _FLOOR) for n in sizes])
     bare = CalibratedTest(test, np.inf, begin, sizes, v)
     stretch = max(1, memory(z[:, begin:]))
     louder = _louder(len(z) * max(1.0, (count - begin) / _PARTS / stretch))
-    found = np.stack([statistic(run * louder, bare)[0].max(axis=1, initial=0.0) for run in z])[:, begin:]
-    hours = found.size * interval / 3600
-    threshold = _level(found, stretch, hours, rate)
+    statistics = np.stack([statistic(run * louder, bare)[0].max(axis=1, initial=0.0) for run in z])[:, begin:]
+    hours = statistics.size * interval / 3600
+    threshold = _level(statistics, stretch, hours, rate)
     least = -float(
         ndtri(min(0.5, rate * stretch * interval / 3600 / (2 * z.shape[2])))
     )  # of a Gaussian z of variance one
@@ -87,18 +109,20 @@ def prepare(z: np.ndarray, test: str, interval: float, rate: float, begin: int) 
 
 
 def _variance(means: np.ndarray) -> float:
-    """Mean square of runs × times × channels, in the part of the time in which it is largest: estimates go on settling."""
+    """Return the mean square (runs, times, channels) in the part of the time in which it is largest: estimates are
+    still settling."""
     parts = np.array_split(np.nan_to_num(means), min(_PARTS, means.shape[1]), axis=1)
     return max(float(np.mean(p**2)) for p in parts)
 
 
 def _louder(numbers: float) -> float:
-    """By how much the standard deviation of so many independent numbers may be too small (95 %)."""
+    """Return the factor by which the standard deviation of independent numbers may be underestimated (95 %); `numbers`:
+    their count."""
     return float((numbers / 2 / gammaincinv(numbers / 2, _UNSURE)) ** 0.5)
 
 
 def memory(z: np.ndarray) -> int:
-    """Decisions after which an estimate has forgotten what it was: where its autocorrelation falls below a fifth."""
+    """Return the decisions after which the autocorrelation of z (runs, decisions, channels) falls below a fifth."""
     z = np.nan_to_num(z - np.nanmean(z, axis=1, keepdims=True))
     count = z.shape[1]
     spectrum = np.abs(np.fft.rfft(z, 2 * count, axis=1)) ** 2
@@ -107,13 +131,15 @@ def memory(z: np.ndarray) -> int:
     return int(np.argmax(correlation < _FORGOTTEN)) if (correlation < _FORGOTTEN).any() else count
 
 
-def _level(found: np.ndarray, stretch: int, hours: float, rate: float) -> float:
-    """The level that a statistic (runs × decisions) passes ``rate`` times an hour: as calibration.level, but estimates are
-    slow, so that few of their excursions are seen. Each counts once, and the mean by which they go beyond a high level is
-    taken as large as it may be (95 %, from the χ² distribution of a sum of exponential numbers)."""
-    runs, count = found.shape
+def _level(values: np.ndarray, stretch: int, hours: float, rate: float) -> float:
+    """Return the level that a statistic (runs, decisions) exceeds `rate` times per hour.
+
+    As `thresholds.level`, but estimates are slow, so that few excursions are seen. Each counts once, and their mean
+    excess over a high level is taken at its upper 95 % bound (a sum of exponential numbers is χ² distributed).
+    """
+    runs, count = values.shape
     stretch = min(max(stretch, 1), count)
-    peaks = found[:, : count // stretch * stretch].reshape(runs, -1, stretch).max(axis=2).ravel()
+    peaks = values[:, : count // stretch * stretch].reshape(runs, -1, stretch).max(axis=2).ravel()
     high = float(np.quantile(peaks, 1.0 - min(0.5, max(0.1, _EXCURSIONS / len(peaks)))))
     above = peaks[peaks > high] - high
     if not len(above):
@@ -123,7 +149,8 @@ def _level(found: np.ndarray, stretch: int, hours: float, rate: float) -> float:
 
 
 def statistic(z: np.ndarray, calibrated: CalibratedTest) -> tuple[np.ndarray, np.ndarray]:
-    """The statistic (decisions × channels) and the onset that goes with it (decisions × channels); zero before begin."""
+    """Return the statistic and the onset that belongs to it, (decisions, channels) each; the statistic is zero before
+    `begin`."""
     z = np.nan_to_num(z, nan=0.0, posinf=0.0, neginf=0.0)
     g, onset = {"threshold": _threshold, "cusum": _cusum, "glr": _glr}[calibrated.test](z, calibrated)
     g[: calibrated.begin] = 0.0
@@ -161,16 +188,16 @@ def _glr(z: np.ndarray, calibrated: CalibratedTest) -> tuple[np.ndarray, np.ndar
 
 
 def _means(z: np.ndarray, n: int) -> np.ndarray:
-    """Means of n decisions, half overlapping: runs × means × channels."""
+    """Return means of z over `n` decisions, half overlapping: (runs, means, channels)."""
     ends = np.arange(n, z.shape[1] + 1, max(1, n // 2))
     total = np.concatenate([np.zeros((len(z), 1, z.shape[2])), np.cumsum(np.nan_to_num(z), axis=1)], axis=1)
     return (total[:, ends] - total[:, ends - n]) / n
 
 
 def alarms(z: np.ndarray, calibrated: CalibratedTest) -> list[EstimateAlarm]:
-    """All alarms along a run: z (decisions × channels)."""
+    """Return all alarms of a run, in order of time; z: (decisions, channels)."""
     g, onset = statistic(z, calibrated)
-    found = []
+    raised = []
     for channel in range(z.shape[1]):
         k = calibrated.begin
         while True:
@@ -181,16 +208,16 @@ def alarms(z: np.ndarray, calibrated: CalibratedTest) -> list[EstimateAlarm]:
             quiet = (g[at:, channel] < 0.5 * calibrated.threshold) | (np.abs(z[at:, channel]) < _BACK)
             end = _lasting(quiet, max(2, (at - int(onset[at, channel])) // 2))
             cleared = None if end is None else at + end
-            found.append(EstimateAlarm(channel, at, int(onset[at, channel]), float(g[at, channel]), cleared))
+            raised.append(EstimateAlarm(channel, at, int(onset[at, channel]), float(g[at, channel]), cleared))
             if cleared is None:
                 break
-            still = np.flatnonzero(g[cleared:, channel] < calibrated.threshold)  # a sum takes its time to come down
-            k = cleared + (int(still[0]) if len(still) else len(z))
-    return sorted(found, key=lambda a: (a.at, a.channel))
+            below = np.flatnonzero(g[cleared:, channel] < calibrated.threshold)  # a cusum falls slowly
+            k = cleared + (int(below[0]) if len(below) else len(z))
+    return sorted(raised, key=lambda a: (a.at, a.channel))
 
 
 def _lasting(true: np.ndarray, length: int) -> int | None:
-    """The first position at which ``length`` in a row have been true."""
+    """Return the first position at which `length` values in succession have been true, or None."""
     run = np.cumsum(true) - np.maximum.accumulate(np.where(true, 0, np.cumsum(true)))
     done = np.flatnonzero(run >= length)
     return int(done[0]) if len(done) else None

@@ -1,8 +1,9 @@
 """Excitation: how well the input of a window separates the faults, and in a sentence what it does not show.
 
-J (p, p) is the information of a window about all faults of the plant: J⁻¹ is the covariance of their estimate. In units of typical
-faults, T J T with T = diag(typical), its eigenvalues are the squared signal-to-noise ratios of combinations of faults: the windowed
-Gramian of Zhao, Li & Li 2012, (36), weighted by the noise. A standard deviation of a tenth of a typical fault requires 100.
+J (p, p) is the information of a window about all faults of the plant: J⁻¹ is the covariance of their estimate. In units
+of typical faults, T J T with T = diag(typical), its eigenvalues are the squared signal-to-noise ratios of combinations
+of faults: the windowed Gramian of Zhao, Li & Li 2012, (36), weighted by the noise. A standard deviation of a tenth of a
+typical fault requires 100.
 """
 
 from collections.abc import Sequence
@@ -80,7 +81,8 @@ def excitation(
 
 
 def band(J: np.ndarray, prior: Sequence[float] | np.ndarray) -> np.ndarray:
-    """Return the standard deviation (…, p) that a window can reach: √ of the diagonal of (J + diag(1/prior²))⁻¹, J being (…, p, p).
+    """Return the standard deviation (…, p) that a window can reach: √ of the diagonal of (J + diag(1/prior²))⁻¹, J
+    being (…, p, p).
 
     `prior` (p,): standard deviation of a fault before any data, usually its typical size.
     """
@@ -98,7 +100,8 @@ def _spread(values: np.ndarray, vectors: np.ndarray) -> np.ndarray:
 
 
 def _direction(values: np.ndarray, vectors: np.ndarray, names: Sequence[str]) -> dict[str, float]:
-    """Return the combination that is seen least; of several that are not seen at all, that of the first channel in them."""
+    """Return the combination that is seen least; of several that are not seen at all, that of the first channel in
+    them."""
     least = vectors[:, values <= values[0]]
     P = least @ least.T
     vector = P[:, int(np.argmax(np.diag(P) > MENTIONED**2 / len(P)))]
@@ -107,7 +110,8 @@ def _direction(values: np.ndarray, vectors: np.ndarray, names: Sequence[str]) ->
 
 
 def _groups(weak: np.ndarray) -> list[list[int]]:
-    """Return the groups of channels that weakly seen combinations (p, combinations) join, whatever the basis of their space."""
+    """Return the groups of channels that weakly seen combinations (p, combinations) join, whatever the basis of their
+    space."""
     P = weak @ weak.T
     size = np.sqrt(np.maximum(np.diag(P), 0.0))
     rest, groups = [i for i in range(len(P)) if size[i] >= MENTIONED], []

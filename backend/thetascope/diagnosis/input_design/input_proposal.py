@@ -1,8 +1,9 @@
 """An input that restores excitation, found by trying some on the plant without faults.
 
-Square waves, sines, random binary sequences and steps to other levels are tried, within the declared bounds and around the present value
-of the input, at periods around the plant's time constant. Each is simulated from the present state, and the filter's Ω along it gives J
-as it would be observed. The one with the largest smallest eigenvalue (in typical faults) is proposed, at the smallest swing that suffices.
+Square waves, sines, random binary sequences and steps to other levels are tried, within the declared bounds and around
+the present value of the input, at periods around the plant's time constant. Each is simulated from the present state,
+and the filter's Ω along it gives J as it would be observed. The one with the largest smallest eigenvalue (in typical
+faults) is proposed, at the smallest swing that suffices.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -34,7 +35,8 @@ class Proposal:
     """A proposed input.
 
     Attributes:
-        input, signal: the input and its course from now on (plain data of a Signal); None if nothing that was tried helps.
+        input, signal: the input and its course from now on (plain data of a Signal); None if nothing that was tried
+            helps.
         level: smallest eigenvalue that it reaches, over one window, in (typical fault / its standard deviation)².
         before: the same for the present input.
         needed: the level that the required accuracy needs.
@@ -141,7 +143,8 @@ class _Trial:
         return best, level
 
     def level(self, name: str | None, course: Mapping | None) -> float:
-        """Return the smallest eigenvalue, apart from combinations that no input shows; 0 if the plant leaves its domain."""
+        """Return the smallest eigenvalue, apart from combinations that no input shows; 0 if the plant leaves its
+        domain."""
         J = self.information(name, course)
         if J is None:
             return 0.0
@@ -151,7 +154,8 @@ class _Trial:
         return level if level > 1e-13 * values[-1] else 0.0
 
     def information(self, name: str | None, course: Mapping | None) -> np.ndarray | None:
-        """Return J (p, p) over the second of two windows, when the response to faults has settled; None if the plant leaves its domain."""
+        """Return J (p, p) over the second of two windows, when the response to faults has settled; None if the plant
+        leaves its domain."""
         e = self.experiment
         if name is not None and course is not None:
             e = replace(e, signals=e.signals | {f"u.{name}": signal(course)})

@@ -1,8 +1,8 @@
 """Hypotheses for an unexplained change: one fault, two at the same time, or a faulty output.
 
-The first-order scan (first_order.py) selects faults, which are then fitted in full (likelihood_fit.py). A faulty output (stuck, delayed,
-noisy, …) is tested by ignoring it: its prediction from the other outputs is compared with its readings, taken as noise of an unknown
-variance, so that N (1 + log(q/N)) replaces the energy q of N numbers.
+The first-order scan (first_order.py) selects faults, which are then fitted in full (likelihood_fit.py). A faulty output
+(stuck, delayed, noisy, …) is tested by ignoring it: its prediction from the other outputs is compared with its
+readings, taken as noise of an unknown variance, so that N (1 + log(q/N)) replaces the energy q of N numbers.
 """
 
 from collections import defaultdict
@@ -36,7 +36,8 @@ _BACK = 100  # decisions over which an output is compared with the others
 
 
 def faulty_outputs(window: ReplayWindow) -> Steps[list[Explanation]]:
-    """Return for each trusted output the hypothesis that it is faulty, from where it departs from its prediction by the others."""
+    """Return for each trusted output the hypothesis that it is faulty, from where it departs from its prediction by the
+    others."""
     explanations = []
     for k in np.flatnonzero(window.trusted_outputs):
         trusted = window.trusted_outputs.copy()
@@ -60,7 +61,8 @@ def faulty_outputs(window: ReplayWindow) -> Steps[list[Explanation]]:
 
 
 def _unknown_variance(q: np.ndarray, expected: np.ndarray | float) -> np.ndarray:
-    """Return the energy that replaces q for numbers of an unknown variance of at least one; `expected`: the mean of q."""
+    """Return the energy that replaces q for numbers of an unknown variance of at least one; `expected`: the mean of
+    q."""
     return np.minimum(q, expected) + expected * np.log(np.maximum(q / expected, 1.0))
 
 
@@ -80,8 +82,8 @@ def single_faults(
         memory: decisions that θ₀ was estimated from: the statistic is reduced for longer windows.
         held: channels with a fault that is on; a change of one of these is likelier than a new fault.
         options: events to be tried in any case.
-        least_length: onsets are not refined where the best one is less than this many decisions ago or has a rival, because nothing
-            would be decided yet; 0: they always are.
+        least_length: onsets are not refined where the best one is less than this many decisions ago or has a rival,
+            because nothing would be decided yet; 0: they always are.
     """
     noise = window.evidence.thresholds.noise
     hypotheses = [o for o in options if o.onset_decision >= window.begin] + _scanned_events(scan)
@@ -109,7 +111,8 @@ def single_faults(
 
 
 def _scanned_events(scan: FirstOrderScan) -> list[Event]:
-    """Return the events of the leading channels, one for each shape; of channels after the second only those close to the best."""
+    """Return the events of the leading channels, one for each shape; of channels after the second only those close to
+    the best."""
     best = scan.energy.max(axis=0)
     order = np.argsort(-best)[:_TRIED]
     least = best[order[0]] * (1 - FIRST_ORDER_ERROR) - AMBIGUOUS - CLEAR
@@ -125,7 +128,8 @@ def _scanned_events(scan: FirstOrderScan) -> list[Event]:
 
 
 def _near_best(fits: FitBatch, order: np.ndarray, hypotheses: list[Event]) -> list[int]:
-    """Return the fits worth refining: in each channel near the best fit, the best one and those that may turn out equally good."""
+    """Return the fits worth refining: in each channel near the best fit, the best one and those that may turn out
+    equally good."""
     best_cost = fits.cost[order[0]]
     by_channel: dict[int, list[int]] = defaultdict(list)
     for rank, i in enumerate(order):
@@ -157,7 +161,8 @@ def double_faults(window: ReplayWindow, scan: FirstOrderScan, memory: float) -> 
 
 
 def _best_pair_onset(scan: FirstOrderScan, i: int, j: int) -> tuple[float, int, tuple[int, int]]:
-    """Return (energy, entry, channels) of the onset at which steps in two channels explain most: sᵀ J⁻¹ s of the pair."""
+    """Return (energy, entry, channels) of the onset at which steps in two channels explain most: sᵀ J⁻¹ s of the
+    pair."""
     steps = np.arange(len(scan.J))
     J, s = scan.J[:, [i, j]][:, :, [i, j]], scan.s[steps][:, [i, j]]
     D = np.maximum(np.einsum("dii->di", J), 1e-300)

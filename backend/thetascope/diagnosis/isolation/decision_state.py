@@ -1,7 +1,7 @@
 """The values that decisions are made of: findings, fault events, known faults, and the state after a decision.
 
-Everything here is immutable. Times are in decisions (blocks of rows, counted from t = 0) unless stated otherwise; p is the number
-of fault channels, m the number of outputs.
+Everything here is immutable. Times are in decisions (blocks of rows, counted from t = 0) unless stated otherwise; p is
+the number of fault channels, m the number of outputs.
 """
 
 import math
@@ -95,7 +95,8 @@ class Event:
 
     @property
     def course_parameters(self) -> tuple[float, float, float, float, float]:
-        """(start, rate, top, bend, decay) of u(d) = min(start + rate·d, top) + bend·(1 − exp(−decay·d)), d in decisions."""
+        """(start, rate, top, bend, decay) of u(d) = min(start + rate·d, top) + bend·(1 − exp(−decay·d)), d in
+        decisions."""
         if self.exponential:
             return 0.0, 0.0, np.inf, 1.0, 1.0 / self.rise_time
         if self.is_drift:
@@ -272,7 +273,8 @@ class FilterRestart:
     """The filter continues with another θ₀ or other trusted outputs.
 
     Attributes:
-        states: corrected filter states at the latest decisions, up to the present one (decisions, filter states); None: they stay.
+        states: corrected filter states at the latest decisions, up to the present one (decisions, filter states); None:
+            they stay.
     """
 
     states: np.ndarray | None = None
@@ -285,7 +287,8 @@ class Evidence:
     Attributes:
         sums: sums of evidence at decisions.
         thresholds: thresholds and the statistics of noise.
-        segment: (begin, end, θ₀ as a function of times in decisions) → the rows between two decisions, for running the filter again.
+        segment: (begin, end, θ₀ as a function of times in decisions) → the rows between two decisions, for running the
+            filter again.
         filter_state: decision → the filter's state there.
         filter, backward_pass: the innovation filter and its backward pass.
         oldest: the earliest decision for which `segment` and `filter_state` have data.

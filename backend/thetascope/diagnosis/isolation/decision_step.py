@@ -1,11 +1,11 @@
 """Detect, isolate and revise, decision by decision.
 
 1. *Detection*: the largest GLR over windows and channels, and the largest residual, are compared with their thresholds.
-2. *Isolation* (isolate.py): a test is above its threshold. Hypotheses are ranked by likelihood; a finding is raised when one leads
-   clearly, or after a while with the best one.
-3. Afterwards the fault is taken as known, and detection continues for changes from there: another fault, or the end of this one.
-   The latest events are revised as data come in (revise.py). An output that is faulty is ignored by the filter until it agrees
-   again with its prediction from the others; from time to time it is tried again (revise_beliefs.py).
+2. *Isolation* (isolate.py): a test is above its threshold. Hypotheses are ranked by likelihood; a finding is raised when
+   one leads clearly, or after a while with the best one.
+3. Afterwards the fault is taken as known, and detection continues for changes from there: another fault, or the end of
+   this one. The latest events are revised as data come in (revise.py). An output that is faulty is ignored by the filter
+   until it agrees again with its prediction from the others; from time to time it is tried again (revise_beliefs.py).
 
 Functions that return `Steps` are generators: they yield before each longer computation.
 """
@@ -31,7 +31,8 @@ QUIET_ENERGY = 2.0  # standard deviations of the noise's energy: a residual belo
 
 
 def advance_decisions(state: DecisionState, evidence: Evidence) -> Steps[DecisionState]:
-    """Return the state after all decisions that `evidence.sums` covers, or after the first one that requires a filter restart."""
+    """Return the state after all decisions that `evidence.sums` covers, or after the first one that requires a filter
+    restart."""
     while state.at < evidence.sums.last and state.restart is None:
         if state.detected is None:
             state = yield from _next_alarm(state, evidence)
@@ -105,12 +106,14 @@ def _unexplained(state: DecisionState) -> list[int]:
 
 
 def _is_blocked(state: DecisionState) -> bool:
-    """Return whether a finding is on that neither a channel nor one output explains: until it is over, no other is raised."""
+    """Return whether a finding is on that neither a channel nor one output explains: until it is over, no other is
+    raised."""
     return bool(_unexplained(state)) and bool(state.trusted_outputs.all())
 
 
 def _first_quiet_decision(state: DecisionState, evidence: Evidence, last: int) -> tuple[int, int] | None:
-    """Return (decision, finding) of the first unexplained finding that has been over for long enough by `last`, or None."""
+    """Return (decision, finding) of the first unexplained finding that has been over for long enough by `last`, or
+    None."""
     noise, settle, first = evidence.thresholds.noise, evidence.thresholds.settle, evidence.sums.first
     sums, m, best = evidence.sums, len(state.trusted_outputs), None
     ends = np.arange(state.at + 1, last + 1)

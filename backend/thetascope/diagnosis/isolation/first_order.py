@@ -1,8 +1,9 @@
 """First-order scan: the energy that each channel explains, for every onset and several shapes.
 
-J and s of a step and of a drift from any decision on, as if the filter had been started there with V = 0, follow from one pass
-backwards in time (engine/estimation/backward_information.py); those of a ramp, from runs of the filter up to where it ends. They
-give the energy that each channel explains. The best entries are then fitted in full (likelihood_fit.py).
+J and s of a step and of a drift from any decision on, as if the filter had been started there with V = 0, follow from
+one pass backwards in time (engine/estimation/backward_information.py); those of a ramp, from runs of the filter up to
+where it ends. They give the energy that each channel explains. The best entries are then fitted in full
+(likelihood_fit.py).
 """
 
 from dataclasses import dataclass
@@ -75,7 +76,8 @@ class FirstOrderScan:
 def first_order_scan(window: ReplayWindow, bounded_rises: bool) -> Steps[FirstOrderScan]:
     """Return the scan of a window over all onsets of steps and drifts.
 
-    With `bounded_rises`, ramps and exponentials are scanned too: ramps on a coarse grid of onsets and ends, then finely near the best.
+    With `bounded_rises`, ramps and exponentials are scanned too: ramps on a coarse grid of onsets and ends, then finely
+    near the best.
     """
     yield
     scan = _scan_steps(window)
@@ -116,7 +118,8 @@ def _refined_taus(taus: np.ndarray, energy: np.ndarray) -> list[float]:
 
 
 def _fine_spans(ramps: FirstOrderScan, grid: np.ndarray) -> list[tuple[int, int]]:
-    """Return (begin, end) of ramps around the best of each leading channel, up to the neighbouring points of the grid."""
+    """Return (begin, end) of ramps around the best of each leading channel, up to the neighbouring points of the
+    grid."""
     spans = set()
     for channel in np.argsort(-ramps.energy.max(axis=0))[:_LEADERS]:
         entry = ramps.best(int(channel))
@@ -175,7 +178,8 @@ def _scan_ramps(window: ReplayWindow, spans: list[tuple[int, int]]) -> FirstOrde
 
 
 def _energy(window: ReplayWindow, D: np.ndarray, s: np.ndarray, reach: np.ndarray, rise_time: float) -> np.ndarray:
-    """Return the energy explained (entries, p) in units of noise, less the penalty; `reach`: the course of size 1 at the end."""
+    """Return the energy explained (entries, p) in units of noise, less the penalty; `reach`: the course of size 1 at
+    the end."""
     reach = reach[:, None]
     return explained(D / reach**2, s / reach, window.bounds) / window.noise_unit - shape_penalty(rise_time)
 
@@ -183,8 +187,8 @@ def _energy(window: ReplayWindow, D: np.ndarray, s: np.ndarray, reach: np.ndarra
 def onset_interval(window: ReplayWindow, event: Event) -> tuple[float, float]:
     """Return the earliest and latest decision at which an event may have begun (95 %).
 
-    Twice the log-likelihood is below its maximum by more than x with probability 1 − (1 − exp(−x/2))²: the maxima of two random
-    walks, one to each side (Siegmund, Ann. Statist. 16(4), 1988).
+    Twice the log-likelihood is below its maximum by more than x with probability 1 − (1 − exp(−x/2))²: the maxima of
+    two random walks, one to each side (Siegmund, Ann. Statist. 16(4), 1988).
     """
     if event.is_ramp:
         offsets = np.union1d(np.arange(1, _DENSE), lengths(max(window.end - window.begin, 1)))

@@ -230,7 +230,8 @@ def _prefer_channel(ranked: list[Explanation], channel: int) -> list[Explanation
 def _explanations(
     window: ReplayWindow, memory: float, held: set[int], options: tuple[Event, ...] = (), least_length: int = 0
 ) -> Steps[list[Explanation]]:
-    """Return explanations by cost: one fault, and if that leaves too much, a faulty output or two faults; see `single_faults`."""
+    """Return explanations by cost: one fault, and if that leaves too much, a faulty output or two faults; see
+    `single_faults`."""
     scan = yield from first_order_scan(window, bool(options))
     explanations, refined = yield from single_faults(window, scan, memory, held, options, least_length)
     if explanations[0].left > DOUBTFUL_RESIDUAL and refined:
@@ -278,7 +279,8 @@ def accept_leader(state: DecisionState, evidence: Evidence, choice: RankedExplan
 
 
 def _window_begin(state: DecisionState, old: tuple[TentativeEvent, ...], new: list[TentativeEvent]) -> int:
-    """Return the decision from which data are needed: as long before the new events as after them, without cutting a rise in two."""
+    """Return the decision from which data are needed: as long before the new events as after them, without cutting a
+    rise in two."""
     onset = min(entry.event.onset_decision for entry in new)
     faults = {entry.finding for entry in new}
     related = (e.event.onset_decision for e in old if e.event.is_drift or e.finding in faults)
@@ -289,7 +291,8 @@ def _window_begin(state: DecisionState, old: tuple[TentativeEvent, ...], new: li
 
 
 def _other_options(choice: RankedExplanations, event: Event) -> list[Event]:
-    """Return the events that could replace one of the leader's: those of equally good explanations that differ in it alone."""
+    """Return the events that could replace one of the leader's: those of equally good explanations that differ in it
+    alone."""
     leader = choice.leader
     rest = {e.channel for e in leader.events} - {event.channel}
     options = []

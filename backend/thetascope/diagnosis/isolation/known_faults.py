@@ -142,10 +142,11 @@ def _deviation(
 def _size_deviation(
     state: DecisionState, evidence: Evidence, fit: Explanation, k: int, known: list[Finding]
 ) -> tuple[float, float]:
-    """Return (deviation, v): the standard deviation of the value reached by event `k` for a known shape, and the noise's v.
+    """Return (deviation, v): the standard deviation of the value reached by event `k` for a known shape, and the
+    noise's v.
 
-    v (`WindowNoise`) is taken between that of the settling time and that of the whole length, by where the information comes from.
-    `known`: the faults known before, whose errors pass on to this one.
+    v (`WindowNoise`) is taken between that of the settling time and that of the whole length, by where the information
+    comes from. `known`: the faults known before, whose errors pass on to this one.
     """
     event, noise = fit.events[k], evidence.thresholds.noise
     settling, long = (
@@ -159,7 +160,8 @@ def _size_deviation(
 
 
 def _shape_deviation(state: DecisionState, evidence: Evidence, fit: Explanation, k: int) -> Steps[float]:
-    """Return the standard deviation of the value reached by event `k` due to its estimated shape; 0 where it is not determined.
+    """Return the standard deviation of the value reached by event `k` due to its estimated shape; 0 where it is not
+    determined.
 
     The shape is determined at its ends, where noise is white, unlike over the whole rise.
     """
@@ -173,7 +175,8 @@ def _shape_deviation(state: DecisionState, evidence: Evidence, fit: Explanation,
 
 
 def _shape_inflation(window: ReplayWindow, event: Event, deviation: float, v: float) -> float:
-    """Return the factor by which the deviation of a rise grows because its shape is estimated: its size shows only after its end."""
+    """Return the factor by which the deviation of a rise grows because its shape is estimated: its size shows only
+    after its end."""
     end = min(int(event.onset + event.rise_time * (2 if event.exponential else 1)), window.end - 1)
     J = float(window.future.ww[max(end - window.begin, 0), event.channel, event.channel])
     return float(np.clip((v / max(J, 1e-300)) ** 0.5 / max(deviation, 1e-300), 1.0, LARGEST_INFLATION))
@@ -238,8 +241,8 @@ def assign_finding(
 ) -> Steps[tuple[DecisionState, int, bool]]:
     """Return (state, index, own) of the finding that an event belongs to.
 
-    It is the one that is on in its channel; otherwise `own`, renamed, if the event replaces one that had raised it; otherwise a new one.
-    The returned `own` says whether the finding was raised for this event.
+    It is the one that is on in its channel; otherwise `own`, renamed, if the event replaces one that had raised it;
+    otherwise a new one. The returned `own` says whether the finding was raised for this event.
     """
     others = tuple(dict.fromkeys(o.channel for o in options if o.channel != event.channel))
     held = [i for i in state.active if state.findings[i].channel == event.channel and i != own]

@@ -1,8 +1,8 @@
 """Maximum-likelihood fits of fault hypotheses, side by side in the filter bank.
 
-The filter is run as if a hypothesis were true, and its sizes are corrected until they fit (Gauss–Newton). The innovations of a true
-hypothesis are white again, however large the fault is. The energy that is left is, up to a constant, minus twice the log-likelihood,
-by which hypotheses are compared.
+The filter is run as if a hypothesis were true, and its sizes are corrected until they fit (Gauss–Newton). The
+innovations of a true hypothesis are white again, however large the fault is. The energy that is left is, up to a
+constant, minus twice the log-likelihood, by which hypotheses are compared.
 """
 
 from dataclasses import dataclass
@@ -104,8 +104,8 @@ class FitBatch:
 def residual_score(window: ReplayWindow, onset: int, left: float, trusted_outputs: np.ndarray) -> tuple[float, float]:
     """Return (score, share) of the energy `left` by a hypothesis since its onset.
 
-    The score is that energy less the mean of noise, in standard deviations of noise; the share is the part of the excess energy that
-    the hypothesis explains.
+    The score is that energy less the mean of noise, in standard deviations of noise; the share is the part of the
+    excess energy that the hypothesis explains.
     """
     length = window.end - onset
     mean, deviation = window.expected_energy(length, trusted_outputs)
@@ -171,8 +171,8 @@ def pseudo_inverse(J: np.ndarray) -> np.ndarray:
 def refine_onsets(fits: FitBatch, which: list[int]) -> Steps[list[Explanation]]:
     """Return the fits `which` with their onsets and ends of rises shifted to where least energy is left.
 
-    The first-order scan is exact to about a decision; onsets are refined by decisions and then by rows. All fits are refined side by
-    side, each by its own results.
+    The first-order scan is exact to about a decision; onsets are refined by decisions and then by rows. All fits are
+    refined side by side, each by its own results.
     """
     window, best = fits.window, {k: (fits, k) for k in which}
     plans = {k: _step_plan(window, fits.hypotheses[k][0]) for k in which}
@@ -234,7 +234,8 @@ def _fits_window(window: ReplayWindow, event: Event) -> bool:
 
 
 def _best(present: tuple[FitBatch, int], batch: FitBatch | None, own: list[int]) -> tuple[FitBatch, int]:
-    """Return the cheapest fit; of equally cheap ones that with the latest onset, since earlier the fault would not show."""
+    """Return the cheapest fit; of equally cheap ones that with the latest onset, since earlier the fault would not
+    show."""
     fits = [present, *((batch, i) for i in own if batch is not None)]
     least = min(f.cost[i] for f, i in fits)
     cheapest = (fit for fit in fits if fit[0].cost[fit[1]] <= least + _EQUAL)

@@ -16,9 +16,10 @@ _STENCIL = ((0, 0), (1, 0), (-1, 0), (0, 1), (0, -1), (1, 1), (-1, -1))
 def shape_variance(window: ReplayWindow, events: tuple[Event, ...], k: int) -> Steps[float]:
     """Return the variance of event `k`'s value at the end of a window due to its shape alone, for white noise.
 
-    Event `k` is a ramp or an exponential. The energy E left after fitting all sizes, as a function of φ = (onset, end), is a parabola
-    near its minimum. Since E is minus twice the log-likelihood, the covariance of φ is 2 (∂²E/∂φ²)⁻¹; the value at the end follows by
-    its derivatives with respect to φ. Returns 0 where the data do not determine the parabola.
+    Event `k` is a ramp or an exponential. The energy E left after fitting all sizes, as a function of φ = (onset, end),
+    is a parabola near its minimum. Since E is minus twice the log-likelihood, the covariance of φ is 2 (∂²E/∂φ²)⁻¹; the
+    value at the end follows by its derivatives with respect to φ. Returns 0 where the data do not determine the
+    parabola.
     """
     part, rounds = max(1, round(events[k].rise_time / _PART)), 0
     while True:

@@ -80,7 +80,8 @@ class ReplayWindow:
         )
 
     def is_initial(self, onset: int, abrupt: bool) -> bool:
-        """Return whether an event is taken to have been present since t = 0: it is abrupt and begins where tests begin."""
+        """Return whether an event is taken to have been present since t = 0: it is abrupt and begins where tests
+        begin."""
         return onset == self.evidence.thresholds.begin and abrupt
 
     def run_bank(self, hypotheses: list[tuple[Event, ...]], size: np.ndarray) -> BankResult:
@@ -121,7 +122,8 @@ class ReplayWindow:
         return self._run_courses(np.repeat(first[None], count, axis=0), start, courses, np.array(onsets), stops - start)
 
     def _uniform_courses(self, onset: np.ndarray, channels: int, shape: Event) -> np.ndarray:
-        """Return courses of one shape and size 0 from each onset on, in all channels: (hypotheses, channels, COURSE)."""
+        """Return courses of one shape and size 0 from each onset on, in all channels: (hypotheses, channels,
+        COURSE)."""
         courses = np.empty((len(onset), channels, len(COURSE)))
         courses[:], courses[:, :, 0] = (0.0, *shape.course_parameters, 0.0), onset[:, None]
         return courses

@@ -56,7 +56,8 @@ def revise_tentative(state: DecisionState, evidence: Evidence) -> Steps[Decision
 def _pruned(
     state: DecisionState, tentative: TentativeEvents, evidence: Evidence
 ) -> Steps[tuple[DecisionState, TentativeEvents, Explanation]]:
-    """Return the state without events whose removal costs less than their penalty, the events that remain, and their fit."""
+    """Return the state without events whose removal costs less than their penalty, the events that remain, and their
+    fit."""
     fit = yield from _refit(state, tentative, evidence)
     while len(tentative.entries) > 1:
         entries = tentative.entries
@@ -105,7 +106,8 @@ def _settle_old(state: DecisionState) -> DecisionState:
 
 
 def _close_pairs(state: DecisionState, tentative: TentativeEvents) -> list[tuple[TentativeEvent, TentativeEvent]]:
-    """Return pairs of events of two findings that began at about the same time: one may compensate an error in the other."""
+    """Return pairs of events of two findings that began at about the same time: one may compensate an error in the
+    other."""
     pairs = []
     for a, b in pairwise(tentative.entries):
         first, second = a.event.onset_decision, b.event.onset_decision

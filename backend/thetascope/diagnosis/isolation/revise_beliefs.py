@@ -1,8 +1,9 @@
 """Readmit ignored outputs: not the output, but the known faults may be wrong.
 
-The readings of an ignored output are compared with their prediction from the other outputs and the known faults. If one of these faults
-has ended meanwhile, or never existed, the two never agree again. Therefore the latest data are tested from time to time with all outputs
-trusted, with the known faults and without some of them: the first combination that leaves noise alone is accepted.
+The readings of an ignored output are compared with their prediction from the other outputs and the known faults. If one
+of these faults has ended meanwhile, or never existed, the two never agree again. Therefore the latest data are tested
+from time to time with all outputs trusted, with the known faults and without some of them: the first combination that
+leaves noise alone is accepted.
 """
 
 from dataclasses import replace
@@ -52,7 +53,8 @@ def readmit_outputs(state: DecisionState, evidence: Evidence) -> Steps[DecisionS
 
 
 def _try_output(state: DecisionState, evidence: Evidence, i: int) -> Steps[DecisionState]:
-    """Return the state with the output of finding `i` trusted if its readings are explained without some known faults."""
+    """Return the state with the output of finding `i` trusted if its readings are explained without some known
+    faults."""
     length = max(FIRST, (state.at - state.findings[i].raised_at) // 2)
     begin = max(earliest_replay(state, evidence), state.at - length, evidence.thresholds.begin)
     trusted_outputs = state.trusted_outputs.copy()
@@ -75,6 +77,7 @@ def _try_output(state: DecisionState, evidence: Evidence, i: int) -> Steps[Decis
 
 
 def _excess(evidence: Evidence, replay: ReplayResult, length: int) -> float:
-    """Return the energy in the second half of a window of `length` decisions above its mean, in standard deviations of noise."""
+    """Return the energy in the second half of a window of `length` decisions above its mean, in standard deviations of
+    noise."""
     mean, deviation = evidence.thresholds.noise.expected_energy(length // 2, replay.trusted_outputs)
     return (float(replay.energy[-1] - replay.energy[-1 - length // 2]) - mean) / deviation

@@ -72,7 +72,8 @@ def unwatchable(experiment: Experiment, context: Context) -> Message | None:
 
 
 def _undersampled_signal(experiment: Experiment) -> str:
-    """Return the first input or known signal that varies too much between rows, of which only the first value is used; or ""."""
+    """Return the first input or known signal that varies too much between rows, of which only the first value is used;
+    or ""."""
     row = experiment.every * experiment.step
     rows = experiment.steps // experiment.every
     start = row * np.unique(np.linspace(0, rows - 1, _SAMPLES).astype(int))
@@ -127,7 +128,8 @@ def _theta_bounds(context: Context) -> ThetaBounds:
 
 
 def healthy(experiment: Experiment) -> Experiment:
-    """Return the experiment without observers and without faults that begin after t = 0; earlier ones belong to the plant."""
+    """Return the experiment without observers and without faults that begin after t = 0; earlier ones belong to the
+    plant."""
     at = np.zeros(1), np.full(1, 1e-4 * experiment.step)
     constant_faults = {n: constant(float(s(*at)[0])) for n, s in experiment.signals.items() if n.startswith("theta.")}
     return replace(
@@ -184,7 +186,8 @@ def _filter_inputs(experiment: Experiment, filter_: InnovationFilter) -> tuple[n
 def _settling_rows(
     filter_: InnovationFilter, known: np.ndarray, table: np.ndarray, t: np.ndarray, states: np.ndarray
 ) -> int:
-    """Return the rows after which Ω of a fault that has just begun is within half of Ω of an old one (median over channels)."""
+    """Return the rows after which Ω of a fault that has just begun is within half of Ω of an old one (median over
+    channels)."""
     half = len(t) // 2
     recent = filter_.run(filter_.without_sensitivity(states[half - 1]), known, table[half:], t[half:]).omega
     old = filter_.run(states[half - 1], known, table[half:], t[half:]).omega

@@ -1,8 +1,8 @@
 """Run filter, tests and isolation over rows, block by block; the state is the value `MonitorState`.
 
-`stride` rows, counted from t = 0, make a decision, so the result does not depend on how rows are grouped when they arrive. When a
-decision changes θ₀ or the trusted outputs, the filter is restarted there, and later rows that it had already processed are processed
-again.
+`stride` rows, counted from t = 0, make a decision, so the result does not depend on how rows are grouped when they
+arrive. When a decision changes θ₀ or the trusted outputs, the filter is restarted there, and later rows that it had
+already processed are processed again.
 """
 
 from collections.abc import Callable
@@ -32,7 +32,8 @@ class MonitorState:
         decisions: detection and isolation after the last decision.
         sums: sums of evidence at the latest decisions.
         states: (decisions, filter states), the filter at each decision from `sums.first` on.
-        table, t: (rows, filter inputs) and (rows,), the rows since decision `sums.first`, including those of an incomplete decision.
+        table, t: (rows, filter inputs) and (rows,), the rows since decision `sums.first`, including those of an
+            incomplete decision.
         stride: rows in one decision.
     """
 
@@ -81,7 +82,8 @@ class Monitor:
             state = yield from self._advance_block(state, first, min(complete, first + _BLOCK))
 
     def _advance_block(self, state: MonitorState, first: int, last: int) -> Steps[MonitorState]:
-        """Return the state after decisions `first` + 1 … `last`, or after the first of these that restarts the filter."""
+        """Return the state after decisions `first` + 1 … `last`, or after the first of these that restarts the
+        filter."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
         decisions = state.decisions
         segment = self._segment(state, first, last, decisions.known.course)
@@ -106,7 +108,8 @@ class Monitor:
         return replace(state, decisions=decisions, sums=sums.until(decisions.at), states=states)
 
     def _after_divergence(self, state: MonitorState) -> MonitorState:
-        """Return the state one decision later with the filter started again, because it diverged there (after an outlier)."""
+        """Return the state one decision later with the filter started again, because it diverged there (after an
+        outlier)."""
         p, m, stride = self.filter.p, self.filter.m, self.stride
         sums = state.sums.extended(np.zeros((1, stride, m, p)), np.zeros((1, stride, m)))
         at = sums.last + self.thresholds.begin
@@ -153,7 +156,8 @@ class Monitor:
 
 
 def _finite_decisions(run: Innovations, stride: int) -> int:
-    """Return the number of decisions before the first with innovations or states that are not finite or far too large."""
+    """Return the number of decisions before the first with innovations or states that are not finite or far too
+    large."""
     good_rows = (np.abs(run.nu) < LARGEST).all(axis=1) & np.isfinite(run.states).all(axis=1)
     good = np.asarray(good_rows).reshape(-1, stride).all(axis=1)
     return len(good) if good.all() else int(np.argmin(good))

@@ -216,7 +216,8 @@ def _normalised(theta: np.ndarray, sigma: np.ndarray) -> np.ndarray:
 
 
 def _start_of_test(z: np.ndarray) -> int:
-    """Return the decision from which on estimates without faults (runs, decisions, channels) have settled to their noise."""
+    """Return the decision from which on estimates without faults (runs, decisions, channels) have settled to their
+    noise."""
     size = np.nanmax(np.nan_to_num(np.abs(z)), axis=(0, 2))
     count = len(size)
     loud = np.flatnonzero(size[: count // 2] > 1.5 * max(float(np.max(size[count // 2 :], initial=0.0)), 1.0))

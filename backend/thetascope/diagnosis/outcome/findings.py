@@ -30,7 +30,8 @@ def quantile(confidence: float) -> float:
 
 
 def alarm(finding: Finding, detector: Detector, confidence: float, place: int) -> dict:
-    """Return one finding of the detector; `place` is its place among all findings and makes its id, which never changes."""
+    """Return one finding of the detector; `place` is its place among all findings and makes its id, which never
+    changes."""
     dt, thresholds = detector.interval, detector.thresholds
     data = {
         "id": f"detector-{place + 1}",
@@ -96,7 +97,8 @@ def _period_text(alarm: dict) -> Message:
 
 
 def summary(alarms: list[dict], settled: float) -> Message:
-    """Return the diagnosis in a sentence: the alarms that are on, else the latest ones; `settled`: time from which on tests run, s."""
+    """Return the diagnosis in a sentence: the alarms that are on, else the latest ones; `settled`: time from which on
+    tests run, s."""
     if not alarms:
         return Message("diagnosis.summary.no-fault", since=settled)
     active = [a["text"] for a in alarms if a["cleared"] is None]
@@ -121,7 +123,8 @@ def window_of(detector: Detector, sums: WindowSums, horizon: float) -> tuple[np.
 
 
 def resolution(detector: Detector, excited: Excitation) -> list[dict]:
-    """Return for each channel the smallest fault that a window like the last one shows, the other faults being unknown."""
+    """Return for each channel the smallest fault that a window like the last one shows, the other faults being
+    unknown."""
     noise, threshold = detector.thresholds.noise, detector.thresholds.glr
     declared = all(std > 0 for std in detector.filter.experiment.measurement.std)
     resolutions = []
@@ -236,7 +239,8 @@ def excitation_of(detector: Detector, J: np.ndarray, accuracy: float) -> Excitat
 
 
 def of_observer(own: EstimateDiagnosis, interval: float, confidence: float, rate: float) -> dict:
-    """Return the diagnosis by one observer's estimates; `interval`: time between decisions, s; `rate`: false alarms per hour."""
+    """Return the diagnosis by one observer's estimates; `interval`: time between decisions, s; `rate`: false alarms per
+    hour."""
     if own.tested is None:
         return {"observer": own.label, "note": own.note}
     test = own.tested.test

@@ -1,4 +1,5 @@
-"""The filter run under several suppositions at once, in the lanes of a vector: engine/estimation/hypothesis_bank.py along rows."""
+"""The filter under several hypotheses side by side in the lanes of a vector: engine/estimation/hypothesis_bank.py along
+rows."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -10,14 +11,20 @@ from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import Layout, kernel
 from thetascope.engine.estimation.hypothesis_bank import sums, suppositions
 
-WIDTH = 8  # suppositions in one pass: as many as a vector of the processor holds
-LOST = 1e120  # energy of a supposition under which the filter leaves what numbers hold
+WIDTH = 8  # hypotheses in one pass: the lanes of a vector register
+LOST = 1e120  # energy of a hypothesis under which the filter diverges
 
 
 @dataclass(frozen=True)
 class HypothesisCourses:
-    """Suppositions (the first axis of ``parameters``) of each channel (the second) in the numbers COURSE of engine/estimation/hypothesis_bank.py, and the
-    bounds of each channel; d from ``begin`` on counts, what comes before ``until`` is early (both of each supposition)."""
+    """The courses of θ under several hypotheses.
+
+    Attributes:
+        parameters: (hypotheses, channels, COURSE), see COURSE of engine/estimation/hypothesis_bank.py.
+        least, most: (channels,), bounds of θ.
+        begin: (hypotheses,), decision from which on evidence is summed.
+        until: (hypotheses,), decision up to which evidence is early.
+    """
 
     parameters: np.ndarray
     least: np.ndarray
@@ -26,7 +33,8 @@ class HypothesisCourses:
     until: np.ndarray
 
     def lanes(self, own: np.ndarray) -> np.ndarray:
-        """Numbers × suppositions, in the order of the program's parameters; of the last some more than there are, to fill the vectors."""
+        """Return the program's parameters (numbers, lanes); the last hypothesis is repeated to fill the last vector.
+        `own`: (p,), θ of the plant."""
         count, p, numbers = self.parameters.shape
         lanes = np.empty((p * (numbers + 3) + 2, -(-count // WIDTH) * WIDTH))
         channels = lanes[:-2].reshape(p, numbers + 3, -1)
@@ -43,8 +51,14 @@ class HypothesisCourses:
 
 @dataclass(frozen=True)
 class BankResult:
-    """What suppositions come to: the first axis; the second, times. J (p × p), s (p), q (m), the diagonal of what of J is early (p),
-    the filter's states."""
+    """The sums of evidence under each hypothesis (first axis) at each stop (second axis).
+
+    Attributes:
+        J: (hypotheses, stops, p, p); s: (hypotheses, stops, p), of the trusted outputs.
+        q: (hypotheses, stops, m), energy of each output.
+        early: (hypotheses, stops, p), the early part of J's diagonal.
+        states: (hypotheses, stops, filter states).
+    """
 
     J: np.ndarray
     s: np.ndarray
@@ -54,15 +68,15 @@ class BankResult:
 
 
 class FilterBank:
-    """The suppositions of one filter."""
+    """The bank of one filter."""
 
     def __init__(self, filter_: InnovationFilter):
         self.filter = filter_
         self.program = suppositions(filter_.program, filter_.p, filter_.m)
         used = variables(self.program.graph, list(self.program.update))
-        told = [i for i in self.program.inputs if i in used and i not in filter_.names]
-        own = self.program.parameters[len(filter_.program.parameters) :]
-        self.layout = Layout(held=(*filter_.names, *told), lane_params=own, lanes=WIDTH)
+        shared = [i for i in self.program.inputs if i in used and i not in filter_.names]
+        lane_params = self.program.parameters[len(filter_.program.parameters) :]
+        self.layout = Layout(held=(*filter_.names, *shared), lane_params=lane_params, lanes=WIDTH)
         p, place = filter_.p, {name: k for k, name in enumerate(self.program.states)}
         self._entries = [
             place[f"sum.J.{min(i, j)}.{max(i, j)}"] for i in range(p) for j in range(p)
@@ -71,69 +85,64 @@ class FilterBank:
         self._ends = (first, first + p, first + 2 * p, first + 2 * p + filter_.m)
 
     def prepare(self) -> None:
-        """Have the kernel at hand: compiling it takes up to a second."""
+        """Compile the kernel in advance: this takes up to a second."""
         kernel(self.program, self.layout)
 
     def row_inputs(self, base: np.ndarray, table: np.ndarray, d: np.ndarray) -> np.ndarray:
-        """What all suppositions are given at each row: ``base`` (rows × p) is known of θ, ``d`` is the time in decisions."""
+        """Return the inputs that all hypotheses share at each row; `base`: (rows, p), θ₀; `d`: (rows,), times in
+        decisions."""
         names, given = len(self.filter.names), {"d": d} | {f"base.{j}": base[:, j] for j in range(self.filter.p)}
-        told = np.empty((len(d), len(self.layout.held)))
-        told[:, :names] = table[:, :names]
+        inputs = np.empty((len(d), len(self.layout.held)))
+        inputs[:, :names] = table[:, :names]
         for c, name in enumerate(self.layout.held[names:], start=names):
-            told[:, c] = given[name]
-        return told
+            inputs[:, c] = given[name]
+        return inputs
 
     def run(
         self,
         states: np.ndarray,
-        told: np.ndarray,
+        inputs: np.ndarray,
         t: np.ndarray,
         courses: HypothesisCourses,
         trusted_outputs: np.ndarray,
         stops: np.ndarray,
     ) -> BankResult:
-        """Along the same rows under several suppositions: ``states`` (suppositions × states); sums and states are given after so many
-        rows as ``stops`` are."""
-        count = len(states)
+        """Run all hypotheses along the same rows.
+
+        Args:
+            states: (hypotheses, filter states), where each begins.
+            inputs: (rows, inputs), see `row_inputs`.
+            t: (rows,), times in s.
+            courses: the courses of θ.
+            trusted_outputs: (m,), 1 or 0.
+            stops: (stops,), numbers of rows after which results are returned.
+        """
         run, params, segments = (
             kernel(self.program, self.layout),
             self.filter.params(trusted_outputs),
             rowwise(t, stops),
         )
-        own = courses.lanes(self.filter.base)
-        found = np.empty((own.shape[1], len(stops), len(self.program.states)))
-        for first in range(0, count, WIDTH):
-            mine = states[first : first + WIDTH]
-            state, out = (
-                np.zeros((len(self.program.states), WIDTH)),
-                np.empty((len(stops), len(self.program.states), WIDTH)),
-            )
-            state[: states.shape[1], : len(mine)] = mine.T
-            state[: states.shape[1], len(mine) :] = mine[-1:].T
-            run(
-                segments,
-                state,
-                params,
-                1,
-                out,
-                held=told,
-                lane_params=np.ascontiguousarray(own[:, first : first + WIDTH]),
-            )
-            found[first : first + WIDTH] = out.transpose(2, 0, 1)
-        return self._parted(found[:count])
+        lanes, width = courses.lanes(self.filter.base), len(self.program.states)
+        results = np.empty((lanes.shape[1], len(stops), width))
+        for first in range(0, len(states), WIDTH):
+            batch = states[first : first + WIDTH]
+            state, out = np.zeros((width, WIDTH)), np.empty((len(stops), width, WIDTH))
+            state[: states.shape[1], : len(batch)] = batch.T
+            state[: states.shape[1], len(batch) :] = batch[-1:].T  # fills the vector
+            lane_params = np.ascontiguousarray(lanes[:, first : first + WIDTH])
+            run(segments, state, params, 1, out, held=inputs, lane_params=lane_params)
+            results[first : first + WIDTH] = out.transpose(2, 0, 1)
+        return self._split(results[: len(states)])
 
-    def _parted(self, found: np.ndarray) -> BankResult:
+    def _split(self, results: np.ndarray) -> BankResult:
+        """Return the program's states (hypotheses, stops, states) by name; those that are not finite become LOST, or
+        finite."""
         p, m = self.filter.p, self.filter.m
-        n = found.shape[-1] - len(sums(p, m))
-        if not np.isfinite(found.sum()):
-            found = np.concatenate(
-                [
-                    found[..., :n],
-                    np.nan_to_num(found[..., n:-m]),
-                    np.nan_to_num(found[..., -m:], nan=LOST, posinf=LOST),
-                ],
-                axis=-1,
-            )
-        J = found[:, :, self._entries].reshape(*found.shape[:2], p, p)
-        s, early, q = (found[:, :, a:b] for a, b in pairwise(self._ends))
-        return BankResult(J, s, q, early, found[:, :, :n])
+        n = results.shape[-1] - len(sums(p, m))
+        if not np.isfinite(results.sum()):
+            middle = np.nan_to_num(results[..., n:-m])
+            energy = np.nan_to_num(results[..., -m:], nan=LOST, posinf=LOST)
+            results = np.concatenate([results[..., :n], middle, energy], axis=-1)
+        J = results[:, :, self._entries].reshape(*results.shape[:2], p, p)
+        s, early, q = (results[:, :, a:b] for a, b in pairwise(self._ends))
+        return BankResult(J, s, q, early, results[:, :, :n])

@@ -1,4 +1,5 @@
-"""The filter of engine/estimation/kalman_innovations.py run along rows: what goes in, and what is kept."""
+"""The extended Kalman filter of engine/estimation/kalman_innovations.py along rows: its inputs, and what is kept of
+it."""
 
 from dataclasses import dataclass
 
@@ -10,20 +11,25 @@ from thetascope.engine.estimation.covariance import holds, noise_stds
 from thetascope.engine.estimation.kalman_innovations import innovations
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.kalman_defaults import DOUBT, process_noise, state_scales
-from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.engine.simulation.experiment import Experiment
 
 MOST_STATES = 12
-LARGEST = 1e60  # standard deviations: an innovation as large is a filter that is lost
-REPEATS = 10  # noisy values in a row that are the very same number: the output stands still
-_USUAL = 3.0  # times as long as nearly all repetitions in a record
-_EDGE = 1e-3  # of a state's size: how far inside the domain derivatives are taken (√x has none at 0)
+LARGEST = 1e60  # standard deviations: at larger innovations the filter has diverged
+REPEATS = 10  # equal noisy values in succession: the output is stuck
+_USUAL = 3.0  # factor on the length of nearly all repetitions in a record
+_EDGE = (
+    1e-3  # of a state's scale: distance from the edge of the domain at which derivatives are taken (√x has none at 0)
+)
 
 
 @dataclass(frozen=True)
 class Innovations:
-    """White innovations along rows: ``nu`` (rows, m) = ``omega`` (rows, m, p) (θ − θ₀) + noise of variance one.
+    """White innovations along rows: ν = Ω (θ − θ₀) + noise of variance one.
 
-    ``states`` (rows, states): the filter after each row.
+    Attributes:
+        omega: (rows, m, p), the response Ω of the innovations to faults.
+        nu: (rows, m), the innovations ν.
+        states: (rows, filter states), the filter after each row: x̂ (n), V (n × p), the upper triangle of P.
     """
 
     omega: np.ndarray
@@ -32,18 +38,27 @@ class Innovations:
 
 
 class InnovationFilter:
-    """The filter of one plant with one noise: values that do not change along a stretch of rows.
+    """The filter of one plant with one noise.
 
-    ``stuck_after`` (m): rows after which an output that shows the same number stands still, ∞ where no noise is declared.
-    ``doubt``: share of a state's size by which its equation may be off within the plant's time constant.
+    Args:
+        experiment: the plant, its parameters and its measurement.
+        context: that of the plant.
+        doubt: share of a state's scale by which its equation may be wrong within the plant's time constant.
+
+    Attributes:
+        n, p, m: numbers of states, fault channels and outputs.
+        base: (p,), θ that belongs to the plant itself; known faults are added.
+        stds: (m,), standard deviations of the noise.
+        stuck_after: (m,), rows of equal values after which an output is stuck; ∞ where no noise is declared.
+        interval: time between rows, s.
     """
 
-    def __init__(self, experiment: Engine, context: Context, doubt: float = DOUBT):
+    def __init__(self, experiment: Experiment, context: Context, doubt: float = DOUBT):
         self.experiment, self.context = experiment, context
         self.program = innovations(experiment.plant)
         self.channels = tuple(i for i in experiment.plant.inputs if i.startswith("theta."))
         self.n, self.p, self.m = len(experiment.plant.states), len(self.channels), len(experiment.plant.outputs)
-        self.base = np.zeros(self.p)  # θ that belongs to the plant as it is; what is known comes on top
+        self.base = np.zeros(self.p)
         self.outputs = tuple(experiment.plant.outputs)
         self.stds = noise_stds(experiment.measurement, context)
         outputs = tuple(node for name, node in self.program.outputs.items() if name.startswith(("omega.", "nu.")))
@@ -75,20 +90,27 @@ class InnovationFilter:
         self._trust_places = [order.index(f"heed.{k}") for k in range(self.m)]
 
     def _variance(self) -> np.ndarray:
-        """Of one row's y, so that rows count as independent: noise that holds for several rows counts once."""
+        """Return the variance (m,) of one row of y such that rows count as independent: noise held for several rows
+        counts once."""
         variance = self.stds**2
         if self.experiment.measurement.sample_every is not None:
-            return variance  # one sample is one value, and enters in one row only
+            return variance  # a sample enters in one row only
         return variance * np.maximum(1.0, holds(self.experiment.measurement, self.experiment.step) / self.interval)
 
     def start(self) -> np.ndarray:
-        """The plant's initial state as observers take it, V = 0, P from the states' scales."""
+        """Return the initial state: x̂ as observers assume it, V = 0, P from the scales of the states."""
         first = np.array([s.get("initial", 0.0) for s in self.context.model["states"]])
         P = np.diag(np.array(state_scales(self.context)) ** 2)
         return np.concatenate([first, np.zeros(self.n * self.p), P[np.triu_indices(self.n)]])
 
     def table(self, index: np.ndarray, y: np.ndarray, values: dict) -> np.ndarray:
-        """What goes in at each row (rows × names): y (rows, m), inputs and signals from ``values``."""
+        """Return the filter's inputs (rows, inputs).
+
+        Args:
+            index: (rows,), base steps.
+            y: (rows, m), measurements.
+            values: inputs and known signals by name, (rows,) each.
+        """
         e = self.experiment
         given = values | {f"measured.{o}": y[:, k] for k, o in enumerate(e.plant.outputs)}
         every = e.measurement.sample_every
@@ -107,33 +129,38 @@ class InnovationFilter:
         profile: np.ndarray | None = None,
         trusted_outputs: np.ndarray | None = None,
     ) -> Innovations:
-        """Along rows with inputs ``table`` at times ``t``, θ₀ = ``known`` (p, or rows × p).
+        """Run the filter along rows.
 
-        ``profile`` (rows × p): the course of the θ − θ₀ that Ω answers, constant by default; ``trusted_outputs`` (m): outputs that the
-        filter follows, all by default.
+        Args:
+            state: the filter's state before the first row.
+            known: θ₀, (p,) or (rows, p).
+            table: (rows, inputs), see `table`.
+            t: (rows,), times in s.
+            profile: (rows, p), the course of θ − θ₀ that Ω responds to; None: constant.
+            trusted_outputs: (m,), 1 for outputs that the filter uses, else 0; None: all.
         """
         return self.run_held(state, self.held(known, table, profile), t, trusted_outputs)
 
     def run_held(
         self, state: np.ndarray, held: np.ndarray, t: np.ndarray, trusted_outputs: np.ndarray | None = None
     ) -> Innovations:
-        """Along rows with what is `held` at each."""
+        """Run the filter along rows with inputs from `held`; the rest as in `run`."""
         rows, emitted, out = len(t), np.empty((len(t), 1, len(self.layout.emitted))), np.empty((len(t), len(state)))
         kernel(self.program, self.layout)(
             rowwise(t), state.copy(), self.params(trusted_outputs), 1, out, held=held, emitted=emitted
         )
-        shown = emitted[:, 0, :].reshape(rows, self.m, self.p + 1)  # of each output its Ω, then its ν
+        shown = emitted[:, 0, :].reshape(rows, self.m, self.p + 1)  # for each output Ω, then ν
         return Innovations(shown[:, :, : self.p], shown[:, :, self.p], out)
 
     def params(self, trusted_outputs: np.ndarray | None = None) -> np.ndarray:
-        """The program's parameters, with the outputs that are heeded."""
+        """Return the parameters of the program for some trusted outputs (m,)."""
         params = self._params.copy()
         if trusted_outputs is not None:
             params[self._trust_places] = trusted_outputs
         return params
 
     def held(self, known: np.ndarray, table: np.ndarray, profile: np.ndarray | None = None) -> np.ndarray:
-        """What `layout` has at each row."""
+        """Return everything that the program needs at each row (rows, inputs and courses); arguments as in `run`."""
         courses = {"known": np.broadcast_to(self.base + known, (len(table), self.p)), "profile": profile}
         held = np.empty((len(table), max(1, len(self.layout.held))))
         held[:, : len(self.names)] = table[:, : len(self.names)]
@@ -142,32 +169,33 @@ class InnovationFilter:
         return held
 
     def measured(self, table: np.ndarray) -> np.ndarray:
-        """What the outputs showed (rows × m), from a table."""
+        """Return the measurements (rows, m) in a table."""
         return table[:, self._measured]
 
     def without_sensitivity(self, state: np.ndarray) -> np.ndarray:
-        """The filter's state with V = 0: as if faults began here."""
+        """Return the filter's state with V = 0, as if faults began here."""
         fresh = state.copy()
         fresh[self.n : self.n * (1 + self.p)] = 0.0
         return fresh
 
     def sensitivity(self, state: np.ndarray) -> np.ndarray:
-        """V (n × p) of the filter's state, or states (the last axis)."""
+        """Return V = ∂x̂/∂θ (…, n, p) of filter states (…, filter states)."""
         return state[..., self.n : self.n * (1 + self.p)].reshape(*state.shape[:-1], self.n, self.p)
 
     def variances(self, states: np.ndarray) -> np.ndarray:
-        """The diagonal of P (n) in the filter's states (the last axis)."""
+        """Return the diagonal of P (…, n) of filter states (…, filter states)."""
         i, j = np.triu_indices(self.n)
         return states[..., self.n * (1 + self.p) :][..., i == j]
 
     def shifted(self, state: np.ndarray, change: np.ndarray) -> np.ndarray:
-        """The filter's state (or states, the last axis) had it known of a change of θ (p), to which its V is the answer."""
-        told = state.copy()
-        told[..., : self.n] += (self.sensitivity(state) @ change[..., None])[..., 0]
-        return told
+        """Return filter states (…, filter states) as if a constant change of θ (p,) had been known all along: x̂ +
+        V·change."""
+        shifted = state.copy()
+        shifted[..., : self.n] += (self.sensitivity(state) @ change[..., None])[..., 0]
+        return shifted
 
     def learn_repeats(self, y: np.ndarray) -> None:
-        """Take it as usual that outputs repeat numbers as often as in a record (rows, m): coarse sensors do."""
+        """Accept repetitions as long as nearly all of those in a record (rows, m): coarse sensors repeat values."""
         for k, column in enumerate(y.T):
             ends = np.flatnonzero(np.diff(column) != 0)
             if len(ends) > 1:
@@ -175,7 +203,7 @@ class InnovationFilter:
 
 
 def rowwise(t: np.ndarray, stops: np.ndarray | None = None) -> Segments:
-    """Segments of one row each, of which all are recorded, or those that complete so many rows."""
+    """Return segments of one row each; all are recorded, or only those that complete the numbers of rows `stops`."""
     first = np.full(len(t), 1 if stops is None else NEVER)
     if stops is not None:
         first[stops - 1] = 1
@@ -183,7 +211,7 @@ def rowwise(t: np.ndarray, stops: np.ndarray | None = None) -> Segments:
 
 
 def bounded(values: np.ndarray) -> np.ndarray:
-    """With numbers that can be squared and summed."""
+    """Return values clipped so that they can be squared and summed."""
     if np.abs(values).max(initial=0.0) < LARGEST:
         return values
     return np.clip(np.nan_to_num(values, nan=LARGEST), -LARGEST, LARGEST)
