@@ -37,10 +37,12 @@ class Coded(Protocol):
     @property
     def code(self) -> str:
         """The msgid."""
+        ...
 
     @property
     def args(self) -> Mapping[str, Any]:
         """The values that the template shows, by name."""
+        ...
 
 
 class Catalogue:

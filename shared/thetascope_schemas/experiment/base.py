@@ -174,9 +174,11 @@ class Worded(Protocol):
 
     def as_data(self) -> dict[str, Any]:
         """Return {code, args} as plain data."""
+        ...
 
     def text(self, language: str = "en") -> str:
         """Return the sentence in a language."""
+        ...
 
 
 class Text(Strict):

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from thetascope.engine.compiler import cache
 from thetascope.engine.compiler.system import CONTINUOUS, DISCRETE, Program, System
 from thetascope.engine.observers.support.declaration import Observer
+from thetascope.engine.observers.support.draft import Size
 
 _PROSE = ("title", "description", "source", "unit", "typical")
 _memory: OrderedDict[str, "Written"] = OrderedDict()
@@ -53,7 +54,7 @@ def plant_program(plant: Mapping) -> Written:
 
 
 def observer_program(
-    plant: Mapping, kind: Observer, channels: tuple[str, ...], gains: dict[str, int | None], options: dict
+    plant: Mapping, kind: Observer, channels: tuple[str, ...], gains: Mapping[str, Size], options: dict
 ) -> Written:
     """An observer's program for a plant. Raises SpecError where it cannot be built for that plant."""
 
