@@ -200,7 +200,7 @@ def side_by_side(comparison: Comparison, measures: dict[str, dict], say: Words) 
 
 
 def _judged(row: ComparisonRow, say: Words) -> list[str]:
-    found = "–" if row.faults is None else say("report.of", n=row.found, all=len(row.faults) - row.covered)
+    found = "–" if row.faults is None else say("report.of", n=row.found, all=len(row.faults) - (row.covered or 0))
     delay = "–" if row.delay is None else f"{row.delay:.2f} s"
     return [found, delay, *("–" if n is None else str(n) for n in (row.missed, row.false_alarms, row.isolation_errors))]
 

@@ -8,6 +8,7 @@ from functools import cache
 from importlib import metadata, resources
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup
 
@@ -49,7 +50,7 @@ def _script() -> str:
 
 
 def _asset(name: str) -> str:
-    return resources.files(__package__).joinpath(name).read_text(encoding="utf-8")
+    return resources.files("thetascope.report").joinpath(name).read_text(encoding="utf-8")
 
 
 def embedded_json(value: object) -> str:
@@ -69,7 +70,7 @@ def versions() -> dict[str, str]:
     return found
 
 
-def report(result, spec, plant, run_meta: Mapping[str, object], language: str = "en") -> str:
+def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en") -> str:
     """Return the whole report as HTML text in a language.
 
     result: the run's `Result`; spec: its Experiment; plant: the Plant in full. run_meta, all optional: `id` (of the run),
@@ -120,7 +121,7 @@ def _alarms(own: Report) -> list[Markup]:
     return lines
 
 
-def _reproduce(own: Report, run_meta: Mapping[str, object]) -> Markup:
+def _reproduce(own: Report, run_meta: Mapping[str, Any]) -> Markup:
     result, spec = own.scene.result, own.scene.spec
     command = run_meta.get("command")
     known = dict(run_meta.get("versions") or versions())

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from functools import reduce
 
 from thetascope.engine.compiler.graph import LEAVES, UNARY_FUNCTIONS, Graph
@@ -48,8 +48,8 @@ class Lowering:
     def __init__(
         self,
         graph: Graph,
-        known: set[str],
-        parameters: set[str] = frozenset(),
+        known: Set[str],
+        parameters: Set[str] = frozenset(),
         ranks: Mapping[str, int] | None = None,
     ):
         self.graph = graph

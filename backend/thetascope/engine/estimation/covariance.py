@@ -81,7 +81,7 @@ class _Plan:
 
     shape: Shape
     program: Program
-    kernel: Kernel
+    kernel: Kernel | None  # None for an observer that estimates no faults
     held: tuple[str, ...]
     params: tuple[str, ...]
     slopes: tuple[str, ...]
@@ -168,6 +168,7 @@ def _carry(
     for c, name in enumerate(plan.held):
         held[:, c] = seen[name][rows]
     params = np.array([seen[p] for p in plan.params] or [0.0])
+    assert plan.kernel is not None, "an observer without estimates of faults has no covariance"
     plan.kernel(Segments(steps, steps, t, np.zeros(len(t)), h), S.copy(), params, int(NEVER), out, held=held)
 
 

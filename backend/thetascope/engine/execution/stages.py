@@ -95,7 +95,7 @@ def parameters_over(life: Life) -> dict[str, float | np.ndarray]:
     """The observer's parameters: a number where it never changed, else an array over the life's rows."""
     each = [_estimator(e, life.label).parameters for e in life.experiments]
     if len(each) == 1:
-        return each[0]
+        return {**each[0]}
     counts = [len(p) for p in life.positions]
     return {
         name: each[0][name] if len({p[name] for p in each}) == 1 else np.repeat([p[name] for p in each], counts)

@@ -6,6 +6,7 @@ value that is copied, so that chunking, rewinding and forking never change a num
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -149,10 +150,10 @@ class Measurement:
                 before = memory.after.get(key, before)
                 after[key] = float(y[-1, -1, i]) if len(y) else before
         if self.sample_every is not None:
-            y, sampled = self._sampled(grid, first, y, sampled)
+            y, sampled = _sampled(self.sample_every, grid, first, y, sampled)
         return y, replace(memory, passed=passed, sampled=sampled, faults=kept, after=after)
 
-    def _through(self, f: Mapping, grid: Grid, y: np.ndarray, kept: object, passed: float) -> tuple[np.ndarray, object]:
+    def _through(self, f: Mapping, grid: Grid, y: np.ndarray, kept: Any, passed: float) -> tuple[np.ndarray, Any]:
         """One output (steps × stages) through one fault; ``kept`` is what the fault remembers, None at first."""
         on = self._acting(f)(grid.anchor, grid.anchor) > 0
         match f["shape"]:
@@ -165,16 +166,16 @@ class Measurement:
         y = _hold(on, y, passed if kept is None else kept)
         return y, float(y[-1, -1]) if len(y) else kept
 
-    def _sampled(self, grid: Grid, first: int, y: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Take the value at the start of every sampled base step and hold it."""
-        q = self.sample_every
-        count = len(grid.base) - 1
-        due = np.arange((-first) % q, count, q)  # base steps, counted within the span, that begin on a sample instant
-        at = grid.base[due]
-        values = np.vstack([last[None, :], y[at, 0, :]])
-        index = np.searchsorted(at, np.arange(len(y)), side="right")
-        held = values[index]
-        return np.repeat(held[:, None, :], y.shape[1], axis=1), values[-1].copy()
+
+def _sampled(q: int, grid: Grid, first: int, y: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Take the value at the start of every q-th base step and hold it; `y` and the answer: steps × stages × m."""
+    count = len(grid.base) - 1
+    due = np.arange((-first) % q, count, q)  # base steps, counted within the span, that begin on a sample instant
+    at = grid.base[due]
+    values = np.vstack([last[None, :], y[at, 0, :]])
+    index = np.searchsorted(at, np.arange(len(y)), side="right")
+    held = values[index]
+    return np.repeat(held[:, None, :], y.shape[1], axis=1), values[-1].copy()
 
 
 def _hold(lost: np.ndarray, y: np.ndarray, passed: float) -> np.ndarray:
@@ -189,7 +190,7 @@ def _hold(lost: np.ndarray, y: np.ndarray, passed: float) -> np.ndarray:
     return np.where(lost[:, None], held[:, None], y)
 
 
-def _delayed(delay: float, on: np.ndarray, grid: Grid, y: np.ndarray, past: object) -> tuple[np.ndarray, object]:
+def _delayed(delay: float, on: np.ndarray, grid: Grid, y: np.ndarray, past: Any) -> tuple[np.ndarray, Any]:
     """y(t − delay) while the fault is on: the delay line fills from the onset on and shows the first value until then.
 
     The past is kept as steps (start, end, y at the start, y at the end), linear in between, so that a jump between two

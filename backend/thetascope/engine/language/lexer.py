@@ -69,6 +69,7 @@ _MARKS = {
 }
 _LOOK_ALIKES = dict.fromkeys("−–—", "-") | dict.fromkeys("×·⋅∙", "*") | dict.fromkeys("÷∕", "/")
 _LOOK_ALIKES |= {"≤": "<=", "≥": ">=", "²": "^2", "³": "^3", "√": "sqrt(…)", "π": "pi", "\u00a0": "a blank"}
+_TAIL = re.compile(r"[A-Za-z0-9_.]*")  # of a number: letters that do not belong there
 
 
 @dataclass(frozen=True, slots=True)
@@ -152,7 +153,8 @@ class Scanner:
 
     def _number(self, match: re.Match[str]) -> Token:
         start, end, text = match.start(), match.end(), match.group()
-        tail = re.compile(r"[A-Za-z0-9_.]*").match(self.text, end).group()
+        following = _TAIL.match(self.text, end)
+        tail = following.group() if following else ""
         stop = end + len(tail)
         if tail in ("j", "J"):
             self.refuse(start, stop, Message("expression.number.complex", text=text + tail))

@@ -125,7 +125,7 @@ class _Reader:
         """Read a node that is a real number."""
         self.check_depth(node, depth)
         match node:
-            case ast.Constant(value=value) if type(value) in (int, float):
+            case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
                 exact = Fraction(value) if isinstance(value, int) else None
                 return Node("number", (), *self.place(node), value=float(value), exact=exact)
             case ast.Name(id="pi"):

@@ -7,8 +7,9 @@ jump they are the derivative of the branch taken. Conditions are the real number
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import partial
+from typing import ClassVar
 
 import sympy
 from sympy import Expr, Float, Function, Integer, Number, log
@@ -24,6 +25,8 @@ class Real(Function):
     is_real = True
     is_extended_real = True
     is_commutative = True
+    compute: ClassVar[Callable[..., float]]
+    """The value at numbers."""
 
     @classmethod
     def eval(cls, *args: Expr) -> Expr | None:
@@ -39,11 +42,6 @@ class Real(Function):
     def _should_evalf(cls, arg: Expr) -> int:
         """A double among the arguments is no reason to look for a numerical routine."""
         return -1
-
-    @staticmethod
-    def compute(*args: float) -> float:
-        """The value at numbers."""
-        raise NotImplementedError
 
     def fdiff(self, argindex: int = 1) -> Expr:
         """Derivative with respect to an argument; 0 for the piecewise constant ones."""
@@ -84,7 +82,9 @@ class Where(Real):
     nargs = (3,)
 
     @classmethod
-    def eval(cls, condition: Expr, a: Expr, b: Expr) -> Expr | None:
+    def eval(cls, *args: Expr) -> Expr | None:
+        """Return the branch where the condition is a number or both are the same; else None: it stays."""
+        condition, a, b = args
         if isinstance(condition, Number):
             return a if condition else b  # not == 0: to SymPy a double 0.0 is not the integer 0
         return a if a == b else None
@@ -101,7 +101,7 @@ class Abs(Real):
     """|x|."""
 
     nargs = (1,)
-    compute = staticmethod(abs)
+    compute = staticmethod(math.fabs)
 
     def fdiff(self, argindex: int = 1) -> Expr:
         return sign(self.args[0])
@@ -168,7 +168,9 @@ class SignedPower(Real):
     nargs = (2,)
 
     @classmethod
-    def eval(cls, x: Expr, a: Expr) -> Expr | None:
+    def eval(cls, *args: Expr) -> Expr | None:
+        """Return x for a = 1, a number for numbers; else None: it stays."""
+        x, a = args
         return x if a.is_Number and float(a) == 1 else super().eval(x, a)
 
     compute = staticmethod(builtins.signed_power)

@@ -53,8 +53,8 @@ def value_of(node: Node) -> float:
 
 def exact_of(node: Node) -> Fraction | None:
     """The value as a fraction, if it is one of small integers, found by + − · / and whole powers."""
-    parts = [arg.exact for arg in node.args]
-    if any(part is None for part in parts):
+    parts = [arg.exact for arg in node.args if arg.exact is not None]
+    if len(parts) < len(node.args):
         return None
     if node.kind == "sum":
         result = sum((sign * part for sign, part in zip(node.signs, parts, strict=True)), Fraction(0))

@@ -22,10 +22,25 @@ _MAX_INTEGER = 64  # in an exponent: SymPy multiplies out integer powers of numb
 class Parsed(Protocol):
     """A checked expression, as the parser gives it."""
 
-    text: str
-    field: str
-    names: tuple[str, ...]
-    tree: Node
+    @property
+    def text(self) -> str:
+        """The expression as it was written."""
+        ...
+
+    @property
+    def field(self) -> str:
+        """The path of its field."""
+        ...
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The names it uses."""
+        ...
+
+    @property
+    def tree(self) -> Node:
+        """Its tree."""
+        ...
 
 
 def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol]) -> Expr:
@@ -117,6 +132,7 @@ class _Builder:
         """A constant exponent: whole and half numbers and fractions exactly, so that x^0.5 is the square root."""
         if node.exact is not None:
             return Rational(node.exact.numerator, node.exact.denominator)
+        assert node.value is not None, "only constants are given"
         half = Fraction(node.value)
         return Rational(half.numerator, half.denominator) if half.denominator <= 2 else Float(node.value)
 

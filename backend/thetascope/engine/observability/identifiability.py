@@ -159,8 +159,7 @@ def generic(plant: Mapping, program: Program, seed: int, width: float, orders: i
 
 def _near(random: Random, middle: float, domain: tuple | None, width: float) -> Decimal:
     low, high = domain or (None, None)
-    closed = low is not None and high is not None
-    scale = abs(middle) or ((high - low) / 4 if closed else 1.0)
+    scale = abs(middle) or (1.0 if low is None or high is None else (high - low) / 4)
     a, b = middle - width * scale, middle + width * scale
     return exact(random.uniform(a if low is None else max(a, low), b if high is None else min(b, high)))
 

@@ -136,7 +136,7 @@ class Lie:
         X = self._beginning()
         for k in range(self.orders):
             series = Series(self.graph, self.roots, self.still)
-            here = point.values | x | {name: values[k] for name, values in point.inputs.items()}
+            here = {**point.values, **x, **{name: values[k] for name, values in point.inputs.items()}}
             here["t"] = point.values["t"] + k * point.values.get("period", Decimal(0))
             self._count(len(series.order) + self.entries * self.columns)
             series.extend(lambda name, _, here=here: here[name])

@@ -5,6 +5,7 @@ Walther, Evaluating Derivatives, 2008, ch. 13). Branches are taken by the value 
 """
 
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from decimal import Context, Decimal, DivisionByZero, InvalidOperation, Overflow, localcontext
 from operator import mul
 
@@ -25,7 +26,7 @@ def exact(value: float) -> Decimal:
     return Decimal(repr(float(value)))
 
 
-def precise() -> localcontext:
+def precise() -> AbstractContextManager[Context]:
     """Within it decimals have many digits, and what has no value raises."""
     return localcontext(ARITHMETIC)
 

@@ -1,5 +1,6 @@
 """Evaluate a program's outputs along recorded rows with compiled code: the very roundings of the run itself."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -10,7 +11,7 @@ from thetascope.engine.compiler.jit import NEVER, Kernel, Layout, Segments, kern
 from thetascope.engine.compiler.system import DISCRETE, Program
 
 
-def probe(program: Program, names: list[str], values: dict[str, np.ndarray | float]) -> np.ndarray:
+def probe(program: Program, names: Sequence[str], values: dict[str, np.ndarray | float]) -> np.ndarray:
     """Outputs (by name; ``d.<state>`` for an update) at each row: shape (names, rows).
 
     ``values`` maps states, inputs, parameters and ``t`` to arrays over the rows, or to numbers that hold for all.

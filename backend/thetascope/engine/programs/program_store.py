@@ -63,7 +63,7 @@ def observer_program(
         from thetascope.engine.observers.support.draft import Draft
 
         time = {"continuous": CONTINUOUS, "discrete": DISCRETE, "plant": plant["time"]["kind"]}[kind.time]
-        draft = Draft(Model(plant), channels, gains, options, time)
+        draft = Draft(Model(plant), channels, dict(gains), options, time)
         kind.write(draft)
         return Written(draft.system(kind.id).lower(), draft.facts)
 

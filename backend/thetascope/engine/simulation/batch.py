@@ -91,7 +91,7 @@ def _in_lanes(e: Experiment) -> bool:
 
 
 def _one_by_one(experiments: Sequence[Experiment], cancelled: Callable[[], bool] | None) -> Batch:
-    plants, observers, index = [], [], None
+    plants, observers, index = [], [], np.empty(0, dtype=np.int64)
     for e in experiments:
         if cancelled is not None and cancelled():
             raise Cancelled("the batch was cancelled")

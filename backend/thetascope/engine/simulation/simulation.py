@@ -69,24 +69,32 @@ class Simulation:
         grid = cut(first, last, e.step, self._breaks(first, last), e.every, self.substeps)
         index = np.arange(-(-first // e.every) * e.every, last, e.every)
         tables = Tables(grid, e.signals, self.stages)
-        observers, recorded, self.spent = list(state.observers), [None] * len(e.estimators), {}
+        observers, self.spent = list(state.observers), {}
+        recorded: dict[int, np.ndarray] = {}  # by the observer's place
         if self.joined:
             plant, plant_rows, y, memory = self._joint(state, tables, index, observers, recorded)
         else:
             plant, plant_rows, clean = self._plant(state, tables, index)
             y, memory = e.measurement.measure(grid, first, clean, state.memory)
         for i in self.lockstep:
-            if recorded[i] is None:
+            if i not in recorded:
+                assert y is not None, "a second observer takes y from the first's kernel"
                 observers[i], recorded[i] = self._observer(i, state, tables, index, y)
         for i in self.sampled:
+            assert y is not None, "the joined kernel emits y for further observers"
             observers[i], recorded[i] = self._sampling(i, state, grid, index, y)
         y_rows = self._measured_rows(grid, first, index, plant_rows, y)
         after = State(last, plant, tuple(observers), memory)
         earlier = np.maximum(grid.base[index - first] - 1, 0)
         known = self.remember and e.measurement.direct
-        passed = np.where((index > first)[:, None], y[earlier, -1], state.memory.passed) if known else None
+        passed = None
+        if known:
+            assert y is not None, "what is to be remembered is emitted"
+            passed = np.where((index > first)[:, None], y[earlier, -1], state.memory.passed)
         spent = {s.label: (self.spent.get(s.label, 0.0), count * e.step) for s in e.estimators}
-        return after, Rows(index, plant_rows, y_rows, tuple(recorded), spent, passed)
+        return after, Rows(
+            index, plant_rows, y_rows, tuple(recorded[i] for i in range(len(e.estimators))), spent, passed
+        )
 
     def state_at(self, start: State, rows: Rows, r: int) -> State | None:
         """The state at recorded row r of the span that began at ``start``; None where the rows do not tell it."""
@@ -153,7 +161,7 @@ class Simulation:
         )
         return new, self._rows(state.plant, out, state.k, index), emitted[:, :, : len(roots)]
 
-    def _joint(self, state: State, tables: "Tables", index: np.ndarray, observers: list, recorded: list):
+    def _joint(self, state: State, tables: "Tables", index: np.ndarray, observers: list, recorded: dict):
         """Plant and first lockstep observer in one kernel; y is emitted only if another observer wants it."""
         e, i = self.experiment, self.lockstep[0]
         estimator = e.estimators[i]
@@ -199,6 +207,7 @@ class Simulation:
         """An observer at its own sample period: one step for every sample instant t_j = j·period in [t_k, t_k+n)."""
         e, estimator = self.experiment, self.experiment.estimators[i]
         program, q, first = estimator.program, estimator.every, state.k
+        assert q is not None, "the observer works at a sample period"
         last = grid.last
         j = np.arange(max(estimator.since // q + 1, -(-first // q)), -(-last // q))
         start = state.observers[i]

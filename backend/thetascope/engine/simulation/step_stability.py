@@ -38,7 +38,7 @@ def fastest(program: Program, values: dict[str, np.ndarray | float], rows: np.nd
     if not len(finite):
         return 0.0
     eigenvalues = np.linalg.eigvals(finite).ravel() if n <= _DENSE else np.concatenate([_largest(j) for j in finite])
-    stable = np.abs(eigenvalues)[eigenvalues.real < 0]
+    stable = np.abs(eigenvalues)[np.real(eigenvalues) < 0]
     return float(stable.max()) if len(stable) else 0.0
 
 
@@ -47,7 +47,10 @@ def _largest(jacobian: np.ndarray) -> np.ndarray:
     from scipy.sparse.linalg import ArpackError, eigs
 
     try:
-        return eigs(jacobian, k=6, which="LM", return_eigenvectors=False, v0=np.ones(len(jacobian)), tol=1e-3)
+        begin = np.ones(len(jacobian))
+        # pyright takes the type of tol from its default, 0
+        found = eigs(jacobian, k=6, which="LM", return_eigenvectors=False, v0=begin, tol=1e-3)  # pyright: ignore[reportArgumentType]
+        return np.asarray(found)
     except ArpackError:
         return np.linalg.eigvals(jacobian)
 

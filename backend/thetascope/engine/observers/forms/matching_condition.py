@@ -30,7 +30,7 @@ def shift(n: int) -> np.ndarray:
     return np.eye(n, k=1)
 
 
-def closed(K: Sequence[float]) -> np.ndarray:
+def closed(K: Sequence[float] | np.ndarray) -> np.ndarray:
     """A − KC, with C the first state (n×n)."""
     matrix = shift(len(K))
     matrix[:, 0] -= K
@@ -65,7 +65,7 @@ def _ratio(a: Expr, b: Expr) -> Expr:
     return sympy.simplify(ratio) if ratio.count_ops() < 60 else ratio  # simplify is slow on long expressions
 
 
-def find_P(K: Sequence[float], d: Sequence[float]) -> np.ndarray | None:
+def find_P(K: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> np.ndarray | None:
     """P > 0 with P d = Cᵀ and (A − KC)ᵀP + P(A − KC) < 0, or None if there is none (n×n; d1 = 1).
 
     There is one exactly if C(sI − A + KC)⁻¹d is strictly positive real (Kalman, Yakubovich and Popov).
@@ -80,7 +80,7 @@ def find_P(K: Sequence[float], d: Sequence[float]) -> np.ndarray | None:
     P2 = _riccati(moved)
     if P2 is None:
         return None
-    P = inverse.T @ scipy.linalg.block_diag(1.0, P2) @ inverse if n > 1 else np.eye(1)
+    P = inverse.T @ np.asarray(scipy.linalg.block_diag(1.0, P2)) @ inverse if n > 1 else np.eye(1)
     ok = np.linalg.eigvalsh(P)[0] > 0 and lyapunov_margin(P, K) < 0
     return P if ok else None
 
@@ -100,7 +100,7 @@ def _riccati(moved: np.ndarray) -> np.ndarray | None:
         Q = gamma * np.outer(c, c) + epsilon * np.eye(size)
         H = np.block([[drift, gamma * np.outer(b, b)], [-Q, -drift.T]])
         try:
-            _, U, stable = scipy.linalg.schur(H, sort="lhp")
+            _, U, stable = scipy.linalg.schur(H, sort="lhp")  # pyright: ignore[reportAssignmentType] three, as it sorts
         except (
             np.linalg.LinAlgError
         ):  # eigenvalues so near the imaginary axis that they cannot be told apart: ε is too large
@@ -112,7 +112,7 @@ def _riccati(moved: np.ndarray) -> np.ndarray | None:
     return None
 
 
-def lyapunov_margin(P: np.ndarray, K: Sequence[float]) -> float:
+def lyapunov_margin(P: np.ndarray, K: Sequence[float] | np.ndarray) -> float:
     """Largest eigenvalue of (A − KC)ᵀP + P(A − KC)."""
     matrix = P @ closed(K)
     return float(np.linalg.eigvalsh(matrix + matrix.T)[-1])

@@ -7,7 +7,7 @@ Jacobians. Noise is additive; the points are drawn anew from the predicted covar
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
@@ -70,8 +70,8 @@ def write(d: Draft) -> None:
 def weights(d: Draft, N: int) -> tuple[Expr, list[Expr], list[Expr]]:
     """Return N + λ = α²(N + κ), and the weights of the 2N + 1 points in means and in covariances."""
     alpha, beta, kappa = d.gain("alpha"), d.gain("beta"), d.gain("kappa")
-    spread = d.let("spread", alpha**2 * (N + kappa))
-    side, centre = d.let("W", 1 / (2 * spread)), d.let("W0", 1 - N / spread)
+    spread = cast("Expr", d.let("spread", alpha**2 * (N + kappa)))
+    side, centre = cast("Expr", d.let("W", 1 / (2 * spread))), cast("Expr", d.let("W0", 1 - N / spread))
     return spread, [centre] + [side] * (2 * N), [d.let("W0c", centre + 1 - alpha**2 + beta)] + [side] * (2 * N)
 
 

@@ -155,7 +155,7 @@ def lyapunov_check(run: Observed, P: np.ndarray | None, k: np.ndarray) -> Check:
         listed = ", ".join(f"{z:.4g}" for z in zeros) or "none"
         text = (
             "no P > 0 with P d = Cᵀ satisfies (A − KC)ᵀP + P(A − KC) < 0: C(sI − A + KC)⁻¹d is not strictly positive "
-            f"real; its zeros are {listed}; {'no K helps' if (zeros.real >= 0).any() else 'another K may do'}"
+            f"real; its zeros are {listed}; {'no K helps' if (np.real(zeros) >= 0).any() else 'another K may do'}"
         )
         return Check(name, FAILS, text, source=source)
     value, least = lyapunov_margin(P, k), np.linalg.eigvalsh(P)[0]

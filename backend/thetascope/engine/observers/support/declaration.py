@@ -166,7 +166,7 @@ class Observed:
 
 
 def _last(value: np.ndarray | float) -> float:
-    return float(value if np.ndim(value) == 0 else value[-1])
+    return float(np.ravel(value)[-1])
 
 
 @dataclass(frozen=True)

@@ -145,7 +145,7 @@ class Product(Matrix):
         return self._part(0, split), self._part(split + 1, len(self.factors) - 1)
 
     @cached_property
-    def entries(self) -> ImmutableMatrix:  # pyright: ignore[reportIncompatibleVariableOverride] computed when needed
+    def entries(self) -> ImmutableMatrix:  # pyright: ignore[reportIncompatibleMethodOverride, reportIncompatibleVariableOverride] computed when needed
         left, right = self.last
         named = self.draft.named_product(left, right) if self.draft else None
         return named.entries if named is not None else times(left.entries, right.entries)
