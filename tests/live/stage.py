@@ -124,7 +124,7 @@ class Stage:
             room.prefetch_rows()
 
     def _watch(self, room: Room) -> None:
-        while (waiting := room.checks.detection_job()) is not None:
+        while (waiting := room.detection_job()) is not None:
             steps, then = waiting
             then(*outcome(partial(run_to_end, steps)))
 
@@ -134,11 +134,13 @@ class Stage:
     def _wake(self, room: Room, at: float) -> None:
         self.at = at
 
-    async def connect(self, control: bool = True, after: int | None = None, is_open: bool = True) -> Connection:
+    async def connect(
+        self, control: bool = True, after: int | None = None, is_open: bool = True, language: str = "en"
+    ) -> Connection:
         connection = Connection()
         if is_open:
             connection.open.set()
-        viewer = Viewer(connection.text, connection.samples, control, asyncio.get_running_loop())
+        viewer = Viewer(connection.text, connection.samples, control, asyncio.get_running_loop(), language)
         connection.viewer = viewer
         self.room.join(viewer, after)
         self._tasks.append(asyncio.create_task(viewer.run(self.room)))
