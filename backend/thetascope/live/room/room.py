@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from thetascope.diagnosis.yield_points import Steps
 from thetascope.live.room.background_checks import BackgroundChecks
 from thetascope.live.room.broadcast import Broadcast
 from thetascope.live.room.command_handler import CommandHandler
@@ -20,7 +21,7 @@ from thetascope.live.room.prefetch import Prefetcher
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
 from thetascope.live.room.room_parts import RoomServices
 from thetascope.live.room.room_state import RoomMachine, Transition
-from thetascope.live.room.serial_queue import Callback, Job, SerialQueue
+from thetascope.live.room.serial_queue import Callback, SerialQueue
 from thetascope.live.wire.viewer import Viewer
 from thetascope_schemas import Experiment
 from thetascope_schemas.service.session import Event, Hello, Status
@@ -286,8 +287,8 @@ class Room:
         """Ask for :meth:`prefetch_rows` when there is time, before all other rooms (`first`) or after them."""
         self.services.request_prefetch(self, first)
 
-    def detection_job(self) -> tuple[Job, Callback] | None:
-        """Return a job that tests waiting rows for faults, and its callback; None if no rows wait."""
+    def detection_job(self) -> tuple[Steps[Any], Callback] | None:
+        """Return the steps that test waiting rows for faults, and their callback; None if no rows wait."""
         return self.checks.detection_job()
 
     def request_detection(self) -> None:

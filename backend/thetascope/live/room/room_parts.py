@@ -4,10 +4,11 @@ from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Protocol
 
+from thetascope.diagnosis.yield_points import Steps
 from thetascope.live.room.playback_clock import PlaybackClock
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
 from thetascope.live.room.room_state import RoomMachine
-from thetascope.live.room.serial_queue import Background, Callback, Job, SerialQueue
+from thetascope.live.room.serial_queue import Background, Callback, SerialQueue
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 
 if TYPE_CHECKING:
@@ -103,8 +104,8 @@ class ScheduledRoom(Protocol):
         """Compute rows ahead if that is needed."""
         ...
 
-    def detection_job(self) -> tuple[Job, Callback] | None:
-        """Return a job that tests waiting rows for faults, and its callback."""
+    def detection_job(self) -> tuple[Steps[Any], Callback] | None:
+        """Return the steps that test waiting rows for faults, and their callback."""
         ...
 
 

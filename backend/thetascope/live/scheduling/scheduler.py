@@ -147,9 +147,9 @@ class Scheduler:
         while not self._slices.busy and self._needs_detection:
             room = next(iter(self._needs_detection))
             del self._needs_detection[room]
-            left = self._guarded(room, room.detection_job)
-            if left is not None:
-                self._slices.begin(*left)
+            pending = self._guarded(room, room.detection_job)
+            if pending is not None:
+                self._slices.begin(*pending)
         if self._slices.busy and not self._stopped:
             self._slices.run_for(SLICE)
 
