@@ -121,7 +121,7 @@ def test_a_trial_counts_false_and_right_alarms(call):
     code, shown, _ = call("trial", "friction-motor", "--seeds", "5", "--lock", "7", "--quiet")
     lines = {line.split("  ")[0]: line.split() for line in shown.splitlines()}
     assert code == 0 and lines["detector"][1:3] == ["0", "(0"] and lines["detector"][7] == "5"
-    assert any(name.startswith("ekf: 3σ of what it was") for name in lines)
+    assert any(name.startswith("ekf: 3σ band of its values") for name in lines)
     assert call("trial", "friction-motor", "--seeds", "0")[0] == 2
 
 

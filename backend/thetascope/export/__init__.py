@@ -6,7 +6,7 @@ from thetascope.export.json_format import json_bytes
 from thetascope.export.mat_format import matlab_bytes, matlab_names
 from thetascope.export.selection import Table, select
 
-#: Format name → media type of what it writes.
+#: Format name → media type.
 MEDIA_TYPES = {"csv": "text/csv; charset=utf-8", "json": "application/json", "mat": "application/x-matlab-data"}
 
 __all__ = [

@@ -35,36 +35,36 @@ def _read(folder: str, name: str):
 
 @lru_cache(maxsize=1)
 def plants() -> dict[str, Plant]:
-    """All library plants by id."""
+    """Return all library plants by id."""
     return {name: _read("plants", name) for name in _names("plants")}
 
 
 @lru_cache(maxsize=1)
 def experiments() -> dict[str, Experiment]:
-    """All library experiments by id: the four papers first, then the other stories, then variants."""
+    """Return all library experiments by id: the four papers first, then the other stories, then variants."""
     names = _names("experiments")
     return {name: _read("experiments", name) for name in (*_FIRST, *(n for n in names if n not in _FIRST))}
 
 
 @lru_cache(maxsize=1)
 def lessons() -> dict[str, Lesson]:
-    """What to try, by the id of the experiment."""
+    """Return the lessons by the id of their experiment."""
     return {name: _read("lessons", name) for name in _names("lessons")}
 
 
 @lru_cache(maxsize=1)
 def digest() -> str:
-    """Hash of all its files."""
+    """Return the hash of all its files."""
     return digest_of(_HERE, "*.yaml")
 
 
 def plant(id: str) -> Plant:
-    """One plant. Raises SpecError with near matches."""
+    """Return one plant. Raises SpecError with near matches."""
     return _one("plant", id)
 
 
 def experiment(id: str) -> Experiment:
-    """One experiment. Raises SpecError with near matches."""
+    """Return one experiment. Raises SpecError with near matches."""
     return _one("experiment", id)
 
 

@@ -72,7 +72,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
 
 def _warm() -> None:
-    """Once the service answers, load what the first run will need, so that its user does not wait for it."""
+    """Load the modules that the first run needs once the service answers, so that its user does not wait for them."""
     time.sleep(0.3)
     import_module("thetascope.assembly")
     library.experiments()

@@ -35,7 +35,7 @@ class Database:
 
     The write-ahead log lets the reader go on while a large result is written, and other processes read and write
     too (they wait for the lock up to `timeout` seconds). A crash loses at most the last transactions, never the file:
-    runs are functions of their specs, so what is lost is recomputed.
+    runs are functions of their specs, so lost ones are recomputed.
     """
 
     def __init__(self, path: Path, timeout: float = 10.0) -> None:

@@ -18,7 +18,7 @@ _BRIEF = "id, title, status, error, summary, engine, created, pinned"
 
 @dataclass(frozen=True)
 class Record:
-    """What is kept of a run apart from its numbers. `spec` is the experiment as JSON text, empty in listings."""
+    """A stored run without its numbers. `spec` is the experiment as JSON text, empty in listings."""
 
     id: str
     spec: str

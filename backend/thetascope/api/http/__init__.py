@@ -1,1 +1,1 @@
-"""What all routes share: reading bodies, answers, problems, headers, the pages."""
+"""Parts that all routes share: bodies, answers, problems, languages, headers, pages."""

@@ -1,4 +1,4 @@
-"""The OpenAPI document: what FastAPI derives, with the schemas of bodies that are read by hand."""
+"""The OpenAPI document: FastAPI's own, with the schemas of bodies that are read by hand."""
 
 from typing import Any
 

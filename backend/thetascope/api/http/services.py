@@ -1,4 +1,4 @@
-"""What the routers work with, made once per application."""
+"""The services that the routers use, made once for each application."""
 
 from dataclasses import dataclass
 from typing import Annotated
@@ -28,13 +28,13 @@ class Services:
         return cls(settings, runs, Hub(settings), database)
 
     def close(self) -> None:
-        """Cancel what is under way, and close the runs and the store."""
+        """Cancel the active runs, and close the run manager and the store."""
         self.runs.close()
         self.database.close()
 
 
 def of_request(request: Request) -> Services:
-    """The services of the application that handles this request."""
+    """Return the services of the application that handles this request."""
     return request.app.state.services
 
 

@@ -1,4 +1,4 @@
-"""What a browser loads apart from /api: the page, Plotly.js, the documentation. All of it offline, none from a CDN."""
+"""Files that a browser loads outside /api: the page, Plotly.js, the documentation. All are served from here, none from a CDN."""
 
 import gzip
 import mimetypes
@@ -76,7 +76,7 @@ async def redoc() -> Response:
 
 @router.get("/assets/docs.js")
 async def docs_script() -> Response:
-    """What starts Swagger UI; a file, since the content policy admits no script within a page."""
+    """Return the script that starts Swagger UI; a file, since the content policy admits no script within a page."""
     return Response(DOCS_SCRIPT, media_type="text/javascript; charset=utf-8")
 
 

@@ -1,4 +1,4 @@
-"""/api/lessons: what to try with each experiment of the library."""
+"""/api/lessons: questions about each experiment of the library, with the commands that answer them."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ router = APIRouter(tags=["lessons"])
 
 
 def plain(lesson: Lesson) -> dict[str, Any]:
-    """A lesson as data; its commands without the number that whoever sends them gives them."""
+    """Return a lesson as data. Its commands have no id: the client that sends them chooses one."""
     return {
         "id": lesson.id,
         "questions": [
@@ -32,13 +32,13 @@ def plain(lesson: Lesson) -> dict[str, Any]:
 
 @router.get("/lessons", response_model=LessonList)
 def list_lessons() -> Response:
-    """All lessons."""
+    """Return all lessons. Their questions are in all languages."""
     return json_response({"lessons": [plain(lesson) for lesson in library.lessons().values()]})
 
 
 @router.get("/lessons/{id}", response_model=LessonPlan, responses=documented(404))
 def get_lesson(id: str) -> Response:
-    """The questions about one experiment."""
+    """Return the questions about one experiment, in all languages."""
     found = library.lessons().get(id)
     if found is None:
         raise Unknown(Message("lesson.unknown", id=id[:80]))

@@ -1,4 +1,4 @@
-"""/api/runs/{id}/data, /comparison, /figures and /report: what came out of a run."""
+"""/api/runs/{id}/data, /comparison, /figures and /report: the results of a run."""
 
 from typing import Annotated, Literal
 

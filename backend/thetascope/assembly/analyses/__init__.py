@@ -1,1 +1,1 @@
-"""What else is asked of a spec: a plant's check, many seeds, a record's diagnosis."""
+"""Analyses of a spec: check of a plant, many seeds, diagnosis of a record, observability, facts."""

@@ -1,4 +1,4 @@
-"""What the outputs of an experiment show of its states and faults: by its equations, and along the very run."""
+"""How well the outputs of an experiment determine its states and faults: by its equations, and along the run."""
 
 import math
 
@@ -13,7 +13,7 @@ _INSTANTS = 6
 
 
 def observability(spec: ResolvedExperiment) -> Observability:
-    """What any input could show (symbolic rank), and what this one does along the run (empirical Gramian)."""
+    """Return the symbolic rank, valid for some input, and the empirical Gramian along the run with this one."""
     experiment = prepare(spec.model_copy(update={"observers": (), "figures": (), "commands": ()})).engine
     found, along = (
         structure(spec.plant.model_dump(mode="json")),

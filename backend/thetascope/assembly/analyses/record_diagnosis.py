@@ -1,4 +1,4 @@
-"""What was recorded on a real plant, diagnosed: the detector on columns of a file in place of a simulation.
+"""Diagnosis of a record of a real plant: the detector runs on the columns of a file instead of a simulation.
 
 The noise is not known, so it is taken from the data: at first from differences of neighbouring samples, then from those of
 the filter's innovations, in which the plant's own motion and a fault that stays are gone; by their median, so that what
@@ -34,7 +34,7 @@ from thetascope_schemas.experiment.field_error import field_errors
 
 _FEWEST_ROWS = 200  # of a record
 _EVEN = 0.05  # of the period: how exactly samples must lie where equal spacing has them; times are often rounded
-_LARGEST = 1e30  # what no sensor shows
+_LARGEST = 1e30  # beyond the range of every sensor
 _MEDIAN = 0.4549  # of the square of a standard normal number
 _ROUNDS = 3  # of estimating the noise,
 _SURE = (
@@ -116,7 +116,7 @@ def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: st
 def diagnose_recording(
     plant: Plant, record: Recording, settings: DiagnosisSettings, learn: float = 0.0
 ) -> ObserverDiagnosis:
-    """What the detector finds in a record. ``learn``: seconds at its beginning that are known to be sound.
+    """Return the detector's findings in a record. ``learn``: seconds at its beginning that are known to be healthy.
 
     Raises SpecError where the plant or the record does not do.
     """

@@ -8,12 +8,12 @@ import numpy as np
 
 from thetascope.assembly.build.diagnosis_settings import inspector
 from thetascope.assembly.build.prepare import Prepared
-from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
 from thetascope.diagnosis.monitor.detector import healthy
 from thetascope.engine.execution.run_experiment import run
 from thetascope.engine.execution.stages import Stage
 from thetascope.engine.model.result import Result
 from thetascope.engine.simulation.batch import with_seed
+from thetascope.messages import Message
 from thetascope_schemas.experiment.diagnosis import Diagnosis
 
 BAND = 3.0  # standard deviations of a locked band
@@ -22,7 +22,7 @@ LATEST = 400  # values that tutorials take it from
 
 @dataclass(frozen=True)
 class Raised:
-    """An alarm, as every way of deciding gives it: when, and which channels it names (none: not explained)."""
+    """An alarm of a decision rule: its time, and the channels that it names (none: not explained)."""
 
     t: float
     channels: tuple[str, ...]
@@ -30,9 +30,9 @@ class Raised:
 
 @dataclass
 class Tally:
-    """One way of deciding, over all seeds. Runs are counted, and faults found, and alarms that name a wrong one."""
+    """The counts of one decision rule over all seeds: runs with alarms, faults found, alarms that name a wrong fault."""
 
-    name: str
+    name: Message
     without: int = 0  # runs without faults in which it raised any alarm
     before: int = 0  # runs with faults in which it raised one before the first fault
     found: dict[str, int] = field(default_factory=dict)  # by channel
@@ -96,30 +96,33 @@ def trial(
     return Trial(seeds, faults, list(tallies.values()))
 
 
-def _ways(result: Result, lock: float | None) -> Iterator[tuple[str, list[Raised]]]:
+def _ways(result: Result, lock: float | None) -> Iterator[tuple[Message, list[Raised]]]:
+    """Yield each decision rule with its alarms."""
     told = Diagnosis.model_validate(result.diagnosis) if result.diagnosis else None
     for own in (told.detector, *told.observers) if told else ():
         if own.calibration is not None:
             test = next(iter(own.calibration.thresholds))
-            name = f"{own.observer}: {test} of its estimates" if own.observer else DETECTOR
+            by_estimates = Message("trial.estimates", observer=own.observer, test=test)
+            name = by_estimates if own.observer else Message("trial.detector")
             yield name, [Raised(a.t, (a.channel, *a.alternatives) if a.channel else ()) for a in own.alarms]
     if lock is not None:
         for report in result.observers:
             if any(n.startswith(f"{report.label}.sigma.") for n in result.names):
-                yield f"{report.label}: 3σ of what it was, locked at {lock:g} s", _locked(result, report.label, lock)
+                band = {"observer": report.label, "t": lock}
+                yield Message("trial.band.all", **band), _locked(result, report.label, lock)
                 yield (
-                    f"{report.label}: 3σ of its last {LATEST} values, upwards, locked at {lock:g} s",
+                    Message("trial.band.latest", **band, n=LATEST),
                     _locked(result, report.label, lock, "latest"),
                 )
                 if any(n.startswith(f"{report.label}.claimed.") for n in result.names):
                     yield (
-                        f"{report.label}: 3σ of its covariance, locked at {lock:g} s",
+                        Message("trial.band.claimed", **band),
                         _locked(result, report.label, lock, "claimed"),
                     )
 
 
 def _locked(result: Result, label: str, lock: float, way: Literal["all", "latest", "claimed"] = "all") -> list[Raised]:
-    """The first time at which each estimate leaves mean ± 3 standard deviations of what it was up to ``lock``.
+    """Return the first time at which each estimate leaves mean ± 3 standard deviations of its values up to ``lock``.
 
     latest: of its last values only, and upwards only, as tutorials have it; claimed: the standard deviations are those that the
     observer's own covariance claims at ``lock``, about the estimate.

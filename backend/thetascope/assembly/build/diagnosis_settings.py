@@ -1,4 +1,4 @@
-"""From what an experiment asks of its diagnosis to the diagnosis of its run."""
+"""From the diagnosis settings of an experiment to the diagnosis of its run."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,7 +16,7 @@ from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
 
 
 def detector_settings(spec: ResolvedExperiment) -> DetectorSettings:
-    """What is asked of the detector."""
+    """Return the settings of the detector."""
     return DetectorSettings(spec.diagnosis.false_alarms, spec.diagnosis.doubt)
 
 
@@ -26,7 +26,7 @@ def span(spec: ResolvedExperiment) -> float:
 
 
 def calibration_key(spec: ResolvedExperiment, observers: tuple[ObserverConfig, ...] = ()) -> str:
-    """A hash of everything that a calibration depends on: the experiment without what may be found."""
+    """Return the hash of everything that a calibration depends on: the experiment without its faults and observers."""
     there = tuple(f for f in spec.faults if f.site.kind == "channel" and f.onset == 0)
     bare = {"seed": 0, "horizon": span(spec), "observers": observers, "commands": (), "figures": (), "faults": there}
     return spec.model_copy(update=bare).spec_hash()
@@ -69,7 +69,7 @@ def inspector(
 
 
 def findings(result: Result) -> dict[str, ObserverDiagnosis]:
-    """What was found, by observer; the detector's under DETECTOR. Empty where no diagnosis was asked for."""
+    """Return the findings by observer; the detector's under DETECTOR. Empty without a diagnosis."""
     if result.diagnosis is None:
         return {}
     told = Diagnosis.model_validate(result.diagnosis)

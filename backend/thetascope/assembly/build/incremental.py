@@ -1,4 +1,4 @@
-"""An engine's experiment after a change of its spec, made from the one before: what the change does not reach is kept.
+"""An engine's experiment after a change of its spec, made from the one before: parts that the change does not reach are kept.
 
 A command of a live session changes one number, and is to be seen a few milliseconds later. What is kept is the very same
 object, so whoever looks at both experiments sees at once what differs.

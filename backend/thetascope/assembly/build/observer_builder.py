@@ -23,7 +23,7 @@ def estimator(index: int, config: ObserverConfig, spec: ResolvedExperiment, data
 
 
 def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, made: Estimator) -> Estimator | None:
-    """What :func:`estimator` gives for a config whose gains alone differ from those that ``made`` was made with.
+    """Return the value of :func:`estimator` for a config that differs from that of ``made`` in its gains alone.
 
     None where more than numbers would change. Raises SpecError as :func:`estimator` does.
     """

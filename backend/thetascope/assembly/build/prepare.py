@@ -18,7 +18,7 @@ from thetascope_schemas.experiment.commands import AddObserver
 
 @dataclass(frozen=True)
 class Cost:
-    """What a run will take, known before it starts."""
+    """The cost of a run, known before it starts."""
 
     steps: int
     rows: int

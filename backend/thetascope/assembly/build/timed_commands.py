@@ -1,4 +1,4 @@
-"""Timed commands → stages: what an experiment becomes, command by command."""
+"""Timed commands: the experiment after each of them."""
 
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message

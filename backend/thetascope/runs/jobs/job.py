@@ -1,4 +1,4 @@
-"""A run under way: what it waits for, how far it is, and the future that its end resolves."""
+"""A queued or active run: its status, its progress, and the future that its end resolves."""
 
 import time
 from concurrent.futures import Future
@@ -34,7 +34,7 @@ class Snapshot:
 class Job:
     """A run that is queued or running.
 
-    `done` resolves to the last snapshot; it never raises for what the run did (that is in the snapshot), only
+    `done` resolves to the last snapshot; it does not raise when the run fails (the snapshot says so), only
     InvalidSpec when the spec was refused before the run began.
     """
 
@@ -81,7 +81,7 @@ class Job:
         return self.deadline is not None and time.monotonic() > self.deadline
 
     def stopped(self) -> bool:
-        """What the kernel's loop asks: is it to end early?"""
+        """Return whether the kernel's loop must end early."""
         return self._cancel.is_set() or self.late
 
 

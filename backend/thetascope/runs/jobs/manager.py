@@ -135,11 +135,11 @@ class RunManager:
         return self.get(id)
 
     def usage(self) -> dict[str, int]:
-        """Runs under way, and what the store holds."""
+        """Return the number of active runs, and the store's usage."""
         return {"active": len(self._jobs), **self._store.usage()}
 
     def close(self) -> None:
-        """Cancel what is under way, write what has ended, and stop the threads."""
+        """Cancel the active runs, write those that have ended, and stop the threads."""
         for job in list(self._jobs.values()):
             job.cancel()
         self._execution.close()

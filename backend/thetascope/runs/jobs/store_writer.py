@@ -1,4 +1,4 @@
-"""Writing to the store in the background, in order, with a bound on what may wait."""
+"""Writing to the store in the background, in order, with a bounded queue."""
 
 import logging
 from collections.abc import Callable
@@ -36,7 +36,7 @@ class Writer:
         return self._thread.submit(write).result()
 
     def close(self) -> None:
-        """Write what waits, and stop."""
+        """Write the queued records, and stop."""
         self._thread.shutdown(wait=True)
 
     def _quietly(self, write: Callable[[], object]) -> None:

@@ -48,7 +48,7 @@ def allow(spec: ResolvedExperiment, cost: "Cost", settings: Settings) -> None:
 
 
 class Execution:
-    """The threads. `end` is called once for each job that was started, with what became of it.
+    """The threads. `end` is called once for each started job, with its outcome.
 
     Kernels run outside Python's lock, so the workers use several cores. Preparing has threads of its own: a wrong spec
     is refused at once, even while long runs fill the workers.

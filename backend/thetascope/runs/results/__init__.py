@@ -1,1 +1,1 @@
-"""What goes with a result: its summary, its comparison, the version of the numbers."""
+"""Derived from a result: its summary, its comparison, the version of the numbers."""

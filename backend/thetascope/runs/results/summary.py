@@ -59,7 +59,7 @@ def _divergence(diverged: Diverged | None) -> Divergence | None:
 
 
 def jsonable(value: object) -> Any:
-    """Plain JSON data: arrays as lists, complex numbers as [re, im], null for what is not finite, text for the rest."""
+    """Plain JSON data: arrays as lists, complex numbers as [re, im], null for values that are not finite, text for other objects."""
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if value is None or isinstance(value, bool | int | str):

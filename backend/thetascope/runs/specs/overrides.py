@@ -1,7 +1,7 @@
 """Changes to a spec by path: `observers.adaptive.gains.rho = 8`, `noise.y.std = 0`, `faults.0.size = 0.03`.
 
-A path names fields by key, items of a list by index (`faults.0` or `faults[0]`) or by what they are called: their
-label, name, channel or output.
+A path names fields by key, items of a list by index (`faults.0` or `faults[0]`) or by their label,
+name, channel or output.
 """
 
 import json
@@ -32,9 +32,9 @@ def parse_assignment(text: str) -> tuple[str, object]:
 
 
 def changed(spec: Experiment, changes: Mapping[str, object]) -> dict[str, Any]:
-    """The spec as JSON data with the values at the paths replaced; it is not validated yet.
+    """Return the spec as JSON data with the values at the paths replaced; it is not validated yet.
 
-    Raises InvalidSpec for a path that leads nowhere, saying which part and what there is.
+    Raises InvalidSpec for a path that leads nowhere, with the wrong part and the existing names.
     """
     data = spec.model_dump(mode="json", context={"language": ALL})
     for path, value in changes.items():
@@ -58,7 +58,7 @@ def _assign(spec: Experiment, data: dict[str, Any], path: str, value: object) ->
 
 
 def _step(path: str, walked: str, part: str, model: object, container: Any) -> tuple[str | int, object]:
-    """The key of `part` in the container, and the model (if any) that stands there."""
+    """Return the key of `part` in the container, and the model there, if any."""
     if isinstance(container, dict):
         if not isinstance(model, Strict) or container.keys() != type(model).model_fields.keys():
             return part, model.get(part) if isinstance(model, Mapping) else None  # a map of names, or set just before
@@ -76,7 +76,7 @@ def _step(path: str, walked: str, part: str, model: object, container: Any) -> t
 
 
 def _index(path: str, walked: str, part: str, items: list[Any]) -> int:
-    """Index of the item that `part` means: a number, or what exactly one item is called."""
+    """Return the index of the item that `part` means: a number, or the name of exactly one item."""
     if re.fullmatch(r"\d{1,6}", part):
         if int(part) < len(items):
             return int(part)

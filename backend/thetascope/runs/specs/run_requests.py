@@ -1,4 +1,4 @@
-"""What a POST of a run and an experiment file hold: a whole experiment, or one of the library with values changed."""
+"""Body of POST /api/runs and content of an experiment file: an experiment, or one of the library with changed values."""
 
 from typing import Any
 
