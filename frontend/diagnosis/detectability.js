@@ -55,7 +55,7 @@ export function createSeen(app) {
     try {
       answer(await post(`/api/sessions/${state.session}/proposal`));
     } catch (error) {
-      answer({input: '', signal: null, text: reason(error).message});
+      answer({input: '', signal: null, text: {code: '', args: {}, text: reason(error).message}});
     }
   };
   /** @param {Pick<service.InputProposal, 'input' | 'signal' | 'text'>} found */

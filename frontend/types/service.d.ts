@@ -70,7 +70,7 @@ export interface Alarm {
   /** Time in s at which the alarm was over; null: it is still on. */
   cleared: number | null;
   /** The finding in a sentence. */
-  text: string;
+  text: Text;
 }
 
 /** The verdict on one alarm, and what it means at the time of judging. */
@@ -132,7 +132,7 @@ export interface Calibration {
   /** Time in s before which nothing is judged: the observer is still settling. */
   from_time: number;
   /** What limits the calibration, where something does. */
-  note: string;
+  note: Text | null;
 }
 
 /** Everything that a form needs. */
@@ -524,7 +524,7 @@ export interface Excitation {
   /** The combination of faults that is seen least, per channel. */
   direction: {[name: string]: number};
   /** In words: what cannot be told apart. */
-  text: string;
+  text: Text | null;
   /** An input that would help. */
   proposal: string | null;
 }
@@ -959,7 +959,7 @@ export interface InputProposal {
   /** Level that the accuracy asked for needs. */
   needed: number;
   /** The proposal in a sentence, or why there is none. */
-  text: string;
+  text: Text;
 }
 
 export type JsonValue = unknown;
@@ -1080,7 +1080,7 @@ export interface Observability {
   /** States and faults. */
   size: number;
   /** What no input could tell apart, in words. */
-  text: string;
+  text: Text;
   /** Length in s of the windows along the run. */
   window: number;
   /** When they begin, in s. */
@@ -1090,7 +1090,7 @@ export interface Observability {
   /** Its condition, in units of typical sizes; null below full rank. */
   conditions: (number | null)[];
   /** The same in words, with the combination that is seen least. */
-  along: string;
+  along: Text;
 }
 
 /** One observer of an experiment. Gains, options and their defaults are listed per kind in the catalogue. */
@@ -1136,9 +1136,9 @@ export interface ObserverDiagnosis {
   /** Noise of each output. */
   noise: (NoiseLevel)[];
   /** The diagnosis in a sentence. */
-  sentence: string;
+  sentence: Text | null;
   /** Why there is no diagnosis, where there is none. */
-  note: string;
+  note: Text | null;
 }
 
 /** The equations of one kind of observer. */
@@ -1780,7 +1780,7 @@ export interface Resolution {
   /** Whether the input of the last window excites it enough. */
   identifiable: boolean;
   /** In words: from what size on, or why not. */
-  text: string;
+  text: Text | null;
 }
 
 /** Rows from this one on are void; a new epoch begins. The log ends here as well. */

@@ -67,9 +67,9 @@ def test_what_an_experiment_could_show(client):
         and set(found["ranks"]) == {5}
         and len(found["t"]) == len(found["conditions"]) > 3
     )
-    assert all(c > 1 for c in found["conditions"]) and "rank 5 of 5" in found["along"]
+    assert all(c > 1 for c in found["conditions"]) and "rank 5 of 5" in found["along"]["text"]
     hidden = client.post("/api/observability", library.experiment("dc-motor").model_dump(mode="json"))
-    assert hidden["rank"] == hidden["size"] == 7 and 6 in hidden["ranks"] and "speed_bias" in hidden["along"]
+    assert hidden["rank"] == hidden["size"] == 7 and 6 in hidden["ranks"] and "speed_bias" in hidden["along"]["text"]
     assert [c is None for c in hidden["conditions"]] == [r < 7 for r in hidden["ranks"]]
     with pytest.raises(ServiceError, match="dc-motor"):
         client.post("/api/observability", spec | {"plant": "dc-moter"})

@@ -137,7 +137,8 @@ def test_a_record_as_spreadsheets_write_it(call):
     plant = library.plant("friction-motor")
     assert recording(plant, found).period == pytest.approx(0.012345678, rel=1e-4)
     without = {n: v for n, v in found.items() if not n.startswith("u.")}
-    assert "the defaults were taken" in diagnose_recording(plant, recording(plant, without), DiagnosisSettings()).note
+    note = diagnose_recording(plant, recording(plant, without), DiagnosisSettings()).note
+    assert (note.code, note.args) == ("diagnosis.record.defaults", {"names": ["torque"]})
 
 
 @pytest.mark.parametrize(

@@ -29,7 +29,7 @@ const alarm = (id, t, more) => ({
   statistic: 40,
   threshold: 30,
   cleared: null,
-  text: '',
+  text: {code: '', args: {}, text: ''},
   ...more,
 });
 

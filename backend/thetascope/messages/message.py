@@ -65,13 +65,17 @@ def text_of(value: Any, language: str = "en") -> str:
 
     Args:
         value: a message, anything with its `code` and `args` (the wire's form, plain data), or a text. A text that has `texts`, a
-            map from language to text, is one in several languages; any other is given back as it is.
+            map from language to text, is one in several languages; any other is given back as it is. None is no text.
     """
+    if value is None:
+        return ""
     if isinstance(value, Message):
         return value.text(language)
     if isinstance(value, str):
         return getattr(value, "texts", {}).get(language, str(value))
     data = value if isinstance(value, Mapping) else {"code": value.code, "args": value.args}
+    if not data["code"]:  # a sentence from before there were codes
+        return str(value["text"] if isinstance(value, Mapping) else value.text)
     return Message.from_data(data).text(language)
 
 

@@ -4,20 +4,23 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from thetascope_schemas.experiment.base import Number, Positive, Reference, Strict, Worded, example
+from thetascope_schemas.experiment.base import Number, Positive, Reference, Strict, Text, Worded, example
 from thetascope_schemas.experiment.signals import Signal
 
 Test = Literal["glr", "cusum", "threshold"]
 
 
 def _sentence(value: Any) -> Any:
-    """Return a message in English, no message as an empty text, and any other value as it is."""
+    """Return a message in its form on the wire, no message as None, and a plain text as a sentence without a code."""
     if isinstance(value, Worded):
-        return value.text()
-    return "" if value is None else value
+        return Text.of(value)
+    if isinstance(value, str):
+        return Text(code="", text=value) if value else None
+    return value
 
 
-Sentence = Annotated[str, BeforeValidator(_sentence)]
+Sentence = Annotated[Text, BeforeValidator(_sentence)]
+MaybeSentence = Annotated[Text | None, BeforeValidator(_sentence)]
 
 _ALARM = {
     "id": "adaptive-1",
@@ -36,7 +39,11 @@ _ALARM = {
     "statistic": 41.0,
     "threshold": 29.5,
     "cleared": None,
-    "text": "theta3: +0.0200 ± 0.0003 since 20.0 s",
+    "text": {
+        "code": "diagnosis.alarm.unexplained",
+        "args": {"output": "y", "when": "since 20.0 s"},
+        "text": "y: not explained by any fault of the model, since 20.0 s",
+    },
 }
 _RESOLUTION = {
     "channel": "theta3",
@@ -45,14 +52,14 @@ _RESOLUTION = {
     "smallest": 0.0011,
     "resolvable": True,
     "identifiable": True,
-    "text": "",
+    "text": None,
 }
 _EXCITATION = {
     "window": 10.0,
     "level": 420.0,
     "needed": 100.0,
     "direction": {"theta1": 0.71, "theta2": -0.71},
-    "text": "",
+    "text": {"code": "diagnosis.excitation.visible", "args": {"times": 20.5}, "text": "the fault can be seen"},
     "proposal": None,
 }
 _PROPOSAL = {
@@ -61,7 +68,7 @@ _PROPOSAL = {
     "level": 420.0,
     "before": 0.3,
     "needed": 100.0,
-    "text": "",
+    "text": {"code": "diagnosis.proposal.no-input", "args": {}, "text": "the plant has no input that could excite it"},
 }
 _CALIBRATION = {
     "false_alarms": 0.01,
@@ -69,7 +76,7 @@ _CALIBRATION = {
     "seeds": 32,
     "hours": 0.8,
     "from_time": 6.0,
-    "note": "",
+    "note": None,
 }
 
 
@@ -138,7 +145,7 @@ class Resolution(Strict):
     smallest: Number | None = Field(description="Smallest step that is found within the longest window, null: none.")
     resolvable: bool = Field(description="Whether a typical fault can be found at all.")
     identifiable: bool = Field(description="Whether the input of the last window excites it enough.")
-    text: Sentence = Field(default="", description="In words: from what size on, or why not.")
+    text: MaybeSentence = Field(default=None, description="In words: from what size on, or why not.")
 
 
 class Observability(Strict):
@@ -168,7 +175,7 @@ class Observability(Strict):
     conditions: list[Number | None] = Field(
         description="Its condition, in units of typical sizes; null below full rank."
     )
-    along: str = Field(description="The same in words, with the combination that is seen least.")
+    along: Sentence = Field(description="The same in words, with the combination that is seen least.")
 
 
 class Excitation(Strict):
@@ -180,7 +187,7 @@ class Excitation(Strict):
     level: Number | None = Field(description="Smallest eigenvalue, in (typical fault / its standard deviation)².")
     needed: Number = Field(description="Level that the accuracy asked for needs.")
     direction: dict[Reference, Number] = Field(description="The combination of faults that is seen least, per channel.")
-    text: Sentence = Field(default="", description="In words: what cannot be told apart.")
+    text: MaybeSentence = Field(default=None, description="In words: what cannot be told apart.")
     proposal: str | None = Field(default=None, description="An input that would help.")
 
 
@@ -207,7 +214,7 @@ class Calibration(Strict):
     seeds: int = Field(description="Runs without faults that were simulated.")
     hours: Number = Field(description="Time simulated in all, in hours.")
     from_time: Number = Field(description="Time in s before which nothing is judged: the observer is still settling.")
-    note: Sentence = Field(default="", description="What limits the calibration, where something does.")
+    note: MaybeSentence = Field(default=None, description="What limits the calibration, where something does.")
 
 
 class NoiseLevel(Strict):
@@ -230,8 +237,8 @@ class ObserverDiagnosis(Strict):
         excitation=_EXCITATION,
         calibration=_CALIBRATION,
         noise=[],
-        sentence="",
-        note="",
+        sentence={"code": "diagnosis.summary.quiet", "args": {}, "text": "No fault."},
+        note=None,
     )
 
     observer: str = Field(description="Label of the observer; empty: the detector, which watches the plant itself.")
@@ -244,8 +251,8 @@ class ObserverDiagnosis(Strict):
     )
     calibration: Calibration | None = Field(default=None, description="Where the thresholds come from.")
     noise: tuple[NoiseLevel, ...] = Field(default=(), description="Noise of each output.")
-    sentence: Sentence = Field(default="", description="The diagnosis in a sentence.")
-    note: Sentence = Field(default="", description="Why there is no diagnosis, where there is none.")
+    sentence: MaybeSentence = Field(default=None, description="The diagnosis in a sentence.")
+    note: MaybeSentence = Field(default=None, description="Why there is no diagnosis, where there is none.")
 
 
 class Diagnosis(Strict):

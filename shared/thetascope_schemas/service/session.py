@@ -372,7 +372,10 @@ class Assumptions(Strict):
 class DiagnosisNow(Strict):
     """The diagnosis of the session so far. A newer one replaces an older one."""
 
-    model_config = example(type="diagnosis", diagnosis={"observer": "", "sentence": "no fault found since 2 s"})
+    model_config = example(
+        type="diagnosis",
+        diagnosis={"observer": "", "sentence": {"code": "diagnosis.summary.quiet", "args": {}, "text": "No fault."}},
+    )
 
     type: Literal["diagnosis"] = "diagnosis"
     diagnosis: ObserverDiagnosis

@@ -147,7 +147,7 @@ export function mount(element, app) {
         cells,
       );
     });
-    if (!theta || app.state.diagnosis?.note !== '') return observerRows;
+    if (!theta || !app.state.diagnosis || app.state.diagnosis.note) return observerRows;
     const delayCell = cell();
     rows.push({cells: [delayCell], session, of: (answer) => [detected(answer)]});
     return [
@@ -215,7 +215,7 @@ export function mount(element, app) {
         put(cells[place], words ?? forms[place].write(value ?? NaN), title);
     }
   };
-  app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, s.diagnosis?.note], build);
+  app.subscribe((s) => [s.plant, s.language, s.observers, s.columns, Boolean(s.diagnosis && !s.diagnosis.note)], build);
   app.subscribe((s) => [s.faults, s.origin], build);
   app.onTick(() => {
     late ||= setTimeout(
