@@ -32,13 +32,14 @@ export const hasWords = (code) => catalogue.has(code);
 
 /**
  * A message of the server, {code, args, text}, in the page's language; its text only where the code is unknown here.
- * @param {import('./render.js').Message | string | null | undefined} message
+ * @param {import('./render.js').Message | import('../types/service.js').Text | string | null | undefined} message
  * @returns {string}
  */
 export function say(message) {
   if (message === null || message === undefined) return '';
   if (typeof message === 'string') return language() === 'zh' ? chineseText(message) : message;
-  return catalogue.has(message.code) ? catalogue.render(message) : (message.text ?? message.code);
+  const said = /** @type {import('./render.js').Message} */ (message); // the arguments that came over the wire
+  return catalogue.has(said.code) ? catalogue.render(said) : (said.text ?? said.code);
 }
 
 /**

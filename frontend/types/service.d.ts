@@ -91,10 +91,10 @@ export interface AlarmOutcome {
 
 /** One assumption of an observer's theorem, checked on this plant, these gains and this run. */
 export interface AssumptionCheck {
-  name: string;
+  name: Text;
   verdict: 'holds' | 'fails' | 'cannot tell';
-  /** What was checked, in a sentence. */
-  text: string;
+  /** The check's result in a sentence. */
+  text: Text;
   /** The number found. */
   value: number | null;
   /** The number it is held against. */
@@ -414,7 +414,7 @@ export interface Divergence {
   /** Time in s from which the values are missing. */
   time: number;
   /** The likely cause. */
-  cause: string;
+  cause: Text;
 }
 
 /** θ = rate·τ, without end. */
@@ -1179,7 +1179,7 @@ export interface ObserverLost {
   /** Time in s. */
   t: number;
   /** The likely cause. */
-  text: string;
+  cause: Text;
 }
 
 /** An observer that runs at that time. */
@@ -1852,7 +1852,7 @@ export interface RunSummary {
   comparison: Comparison | null;
   /** Which fault, since when, how large, how sure. */
   diagnosis: Diagnosis | null;
-  notes: (string)[];
+  notes: (Text)[];
   /** Wall time of each stage in s. */
   seconds: {[name: string]: number};
 }

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
+from thetascope.messages import Message
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 
@@ -96,8 +97,17 @@ def result():
         lost = lost or {}
         columns = _columns(rows, [o.label for o in spec.observers], lost)
         checks = (
-            Check("persistent excitation", "holds", "smallest eigenvalue of the Gramian", 0.0026, 0.002, "eq. (36)"),
-            Check("Lipschitz", "cannot tell", "f is not globally Lipschitz", None, None, "assumption 2"),
+            Check(
+                Message("check.excitation"),
+                "holds",
+                Message("check.definite.smallest", value=0.0026),
+                0.0026,
+                0.002,
+                "eq. (36)",
+            ),
+            Check(
+                Message("check.f-lipschitz"), "cannot tell", Message("check.chain.broken"), None, None, "assumption 2"
+            ),
         )
         reports = tuple(
             ObserverReport(
@@ -105,7 +115,7 @@ def result():
                 o.kind,
                 "Adaptive observer",
                 checks,
-                Diverged(lost[o.label], "a finite escape") if o.label in lost else None,
+                Diverged(lost[o.label], Message("diverged.upsilon")) if o.label in lost else None,
                 {"k0": [2.0, 1.0]},
             )
             for o in spec.observers

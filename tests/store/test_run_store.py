@@ -5,6 +5,7 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 
 from tests.store.samples import made_record, made_result
+from thetascope.messages import Message
 
 SIZE = made_result().data.nbytes
 
@@ -15,7 +16,12 @@ def test_a_result_comes_back_bit_for_bit_from_a_store_opened_anew(open_store):
     open_store().put_result("a", "e", kept)
     found = open_store().get_result("a", "e")
     assert found.data.tobytes() == kept.data.tobytes()
-    assert (found.names, found.step, found.substeps, found.notes) == (kept.names, 0.01, 2, ("a note",))
+    assert (found.names, found.step, found.substeps, found.notes) == (
+        kept.names,
+        0.01,
+        2,
+        (Message("run.substeps", n=2),),
+    )
     assert found.observers[0].checks == kept.observers[0].checks
     assert found.observers[0].diverged == kept.observers[0].diverged
     assert found.observers[0].facts == {"K": [1.0, 2.0], "n": 2}

@@ -162,7 +162,7 @@ def _excitation(scene: Scene) -> list[Strip]:
             )
         )
         for check in (check for r in scene.result.observers if r.label == label for check in r.checks):
-            if "excitation" in check.name.lower() and check.threshold and check.threshold > 0:
+            if check.name.code == "check.excitation" and check.threshold and check.threshold > 0:
                 limits[name] = max(check.threshold, limits.get(name, 0.0))
     return [
         Strip(

@@ -53,7 +53,7 @@ def checks(report: Report, found: Sequence[Check]) -> Markup:
     """Return a line for each assumption: name, verdict, sentence, source, the number found and its limit."""
     rows = [
         [
-            mark("bold", report.text(c.name).replace("-", " ")),
+            mark("bold", report.text(c.name)),
             mark("verdict", _CLASSES.get(c.verdict, "unknown"), report.say(f"report.verdict.{_CODES[c.verdict]}")),
             report.text(c.text),
             mark("soft", report.text(c.source)),

@@ -1,23 +1,23 @@
 """A result as a short JSON head and one block of float64, and back without a bit of difference in the numbers."""
 
 import json
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
 from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
+from thetascope.messages import Message
 
 
 def encode(result: Result) -> tuple[str, np.ndarray]:
     """The head and the numbers, an array of shape (columns, rows) that SQLite writes without a copy."""
     head = {
         "names": result.names,
-        "observers": [asdict(report) for report in result.observers],
-        "diverged": result.diverged and asdict(result.diverged),
+        "observers": [_report_data(report) for report in result.observers],
+        "diverged": result.diverged and _diverged_data(result.diverged),
         "step": result.step,
         "substeps": result.substeps,
-        "notes": result.notes,
+        "notes": [note.as_data() for note in result.notes],
         "seconds": result.seconds,
         "costs": result.costs,
         "diagnosis": result.diagnosis,
@@ -36,7 +36,7 @@ def decode(head: str, data: bytes, rows: int) -> Result:
         diverged=_diverged(values["diverged"]),
         step=values["step"],
         substeps=values["substeps"],
-        notes=tuple(values["notes"]),
+        notes=tuple(Message.from_data(note) for note in values["notes"]),
         seconds=values["seconds"],
         costs=values.get("costs", {}),
         diagnosis=values.get("diagnosis"),
@@ -54,10 +54,22 @@ def plain(value: object) -> Any:
     return str(value)
 
 
+def _report_data(report: ObserverReport) -> dict[str, Any]:
+    checks = [{**vars(check), "name": check.name.as_data(), "text": check.text.as_data()} for check in report.checks]
+    return vars(report) | {"checks": checks, "diverged": report.diverged and _diverged_data(report.diverged)}
+
+
+def _diverged_data(diverged: Diverged) -> dict[str, Any]:
+    return {"time": diverged.time, "cause": diverged.cause.as_data()}
+
+
 def _observer(values: dict[str, Any]) -> ObserverReport:
-    checks = tuple(Check(**check) for check in values.pop("checks"))
+    checks = tuple(
+        Check(**check | {"name": Message.from_data(check["name"]), "text": Message.from_data(check["text"])})
+        for check in values.pop("checks")
+    )
     return ObserverReport(checks=checks, diverged=_diverged(values.pop("diverged")), **values)
 
 
 def _diverged(values: dict[str, Any] | None) -> Diverged | None:
-    return None if values is None else Diverged(**values)
+    return None if values is None else Diverged(values["time"], Message.from_data(values["cause"]))

@@ -331,7 +331,7 @@ export class Scope {
       ? null
       : row.strip.traces
           .flatMap(({label}) => state.checks[label] ?? [])
-          .find(({name, value}) => /excit/i.test(name) && value === null);
+          .find(({name, value}) => name.code === 'check.excitation' && value === null);
     row.untold.hidden = !why;
     const words = why ? say(why.text) : '';
     if (row.untold.textContent !== words) row.untold.textContent = words;

@@ -195,7 +195,9 @@ function excitationStrip(known, observers, checks, traces) {
   if (exciting.length === 0) return [];
   const [{label}] = exciting;
   const gain = observers.find((one) => one.label === label)?.gains.delta;
-  const check = (checks[label] ?? []).find(({name, threshold}) => /excit/i.test(name) && threshold !== null);
+  const check = (checks[label] ?? []).find(
+    ({name, threshold}) => name.code === 'check.excitation' && threshold !== null,
+  );
   const delta = check?.threshold ?? (typeof gain === 'number' ? gain : 0);
   return [
     {

@@ -55,7 +55,7 @@ function troubles({diverged, notes}) {
           ),
         ]
       : []),
-    ...notes.map((note) => h('p', {}, note)),
+    ...notes.map((note) => h('p', {}, say(note))),
   ];
   return lines.length ? card(t('page.runs.notes'), lines) : null;
 }

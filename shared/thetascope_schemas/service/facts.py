@@ -48,10 +48,10 @@ EXAMPLE = {
 class ObserverLost(Strict):
     """When an observer diverged, and the likely cause."""
 
-    model_config = example(t=2.5, text="the plant has a finite escape time")
+    model_config = example(t=2.5, cause={"code": "diverged.theta-hat", "args": {}, "text": "θ̂ left all bounds"})
 
     t: Number = Field(description="Time in s.")
-    text: str = Field(description="The likely cause.")
+    cause: Text = Field(description="The likely cause.")
 
 
 class ObserverNow(Strict):

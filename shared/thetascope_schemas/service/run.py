@@ -5,7 +5,7 @@ from typing import Literal
 
 from pydantic import Field, JsonValue
 
-from thetascope_schemas.experiment.base import Number, Strict, example
+from thetascope_schemas.experiment.base import Number, Strict, Text, example
 from thetascope_schemas.experiment.diagnosis import Diagnosis
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.field_error import FieldError
@@ -34,9 +34,9 @@ _PROBLEM = {
     ],
 }
 _CHECK = {
-    "name": "persistent-excitation",
+    "name": {"code": "check.excitation", "args": {}, "text": "persistent excitation"},
     "verdict": "holds",
-    "text": "smallest eigenvalue of the windowed Gramian",
+    "text": {"code": "check.definite.smallest", "args": {"value": 0.0026}, "text": "smallest eigenvalue: 0.0026"},
     "value": 0.0026,
     "threshold": 0.001,
     "source": "Zhao, Li, Li 2012, eq. (36)",
@@ -84,10 +84,13 @@ class Problem(Strict):
 class Divergence(Strict):
     """When a plant or an observer left all bounds, and the likely cause."""
 
-    model_config = example(time=2.515, cause="the plant has a finite escape time")
+    model_config = example(
+        time=2.515,
+        cause={"code": "diverged.plant", "args": {}, "text": "the plant's own state escapes to infinity"},
+    )
 
     time: Number = Field(description="Time in s from which the values are missing.")
-    cause: str = Field(description="The likely cause.")
+    cause: Text = Field(description="The likely cause.")
 
 
 class AssumptionCheck(Strict):
@@ -95,9 +98,9 @@ class AssumptionCheck(Strict):
 
     model_config = example(**_CHECK)
 
-    name: str
+    name: Text
     verdict: Literal["holds", "fails", "cannot tell"]
-    text: str = Field(description="What was checked, in a sentence.")
+    text: Text = Field(description="The check's result in a sentence.")
     value: Number | None = Field(default=None, description="The number found.")
     threshold: Number | None = Field(default=None, description="The number it is held against.")
     source: str = Field(default="", description="Paper and equation.")
@@ -166,7 +169,7 @@ class RunSummary(Strict):
     )
     comparison: Comparison | None = Field(default=None, description="The observers compared on the same data.")
     diagnosis: Diagnosis | None = Field(default=None, description="Which fault, since when, how large, how sure.")
-    notes: tuple[str, ...] = ()
+    notes: tuple[Text, ...] = ()
     seconds: dict[str, Number] = Field(default_factory=dict, description="Wall time of each stage in s.")
 
 

@@ -166,7 +166,7 @@ def test_library_motor_tells_four_faults_apart():
                     b,
                 )
     for report in result.observers:
-        assert {c.name: c.verdict for c in report.checks if c.verdict != "holds"} == {}
+        assert {str(c.name): c.verdict for c in report.checks if c.verdict != "holds"} == {}
 
 
 def test_works_in_coordinates_without_canonical_form():
@@ -191,5 +191,5 @@ def test_two_biases_of_one_output_lose_excitation():
         step=0.01,
         record=0.1,
     )
-    check = next(c for c in result.observers[0].checks if c.name == "persistent excitation")
+    check = next(c for c in result.observers[0].checks if str(c.name) == "persistent excitation")
     assert check.verdict == "fails" and abs(check.value) < 1e-6

@@ -109,7 +109,7 @@ def test_covariances_stay_positive_definite(period, horizon):
         inputs={"v1": {"kind": "sine", "amplitude": 1, "frequency": 0.01, "offset": 3}},
         faults=[{"channel": "pump1", "shape": "step", "onset": horizon / 2, "size": 0.1}],
     )
-    verdicts = {c.name: c.verdict for c in result.observers[0].checks}
+    verdicts = {str(c.name): c.verdict for c in result.observers[0].checks}
     assert result.observers[0].diverged is None
     assert verdicts["P positive definite"] == verdicts["S positive definite"] == "holds"
     assert np.isfinite(columns(result, "o.theta", ("pump1", "pump2", "level1"))).all()
@@ -163,4 +163,4 @@ def test_library_tanks_are_diagnosed(experiment):
         for channel in channels:
             error = result.column(f"sampled.theta.{channel}")[late] - result.column(f"theta.{channel}")[late]
             assert abs(error.mean()) < 3 * result.column(f"sampled.sigma.{channel}")[late].mean(), (channel, end)
-    assert {c.name: c.verdict for c in result.observers[0].checks if c.verdict != "holds"} == {}
+    assert {str(c.name): c.verdict for c in result.observers[0].checks if c.verdict != "holds"} == {}

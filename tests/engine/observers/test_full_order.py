@@ -50,5 +50,5 @@ def test_the_reduced_order_observer_is_ahead_on_the_papers_plant():
 def test_its_default_gain_is_stable():
     """Without gains A − LC has all its eigenvalues at −10."""
     run = carts("full-order", {}, horizon=0.5)
-    check = next(c for c in run.observers[0].checks if c.name == "A − LC stable")
+    check = next(c for c in run.observers[0].checks if str(c.name) == "A − LC stable")
     assert check.verdict == "holds" and check.value == pytest.approx(-10, rel=1e-3)

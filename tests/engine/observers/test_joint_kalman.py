@@ -111,7 +111,7 @@ def test_innovations_tell_whether_the_noise_fits():
         result = run(
             "dts200", "joint-ekf", ("pump1",), {"r": r, "q": 1e-4}, options={"period": 1.0}, record=1, **case["spec"]
         )
-        return {c.name: c.verdict for c in result.observers[0].checks}["innovations consistent with P and R"]
+        return {str(c.name): c.verdict for c in result.observers[0].checks}["innovations consistent with P and R"]
 
     assert verdict(0.01) == "holds"
     assert verdict(0.0001) == "fails"
@@ -130,7 +130,7 @@ def test_two_biases_of_one_output_cannot_be_told_apart():
 
     def verdict(*channels: str) -> str:
         result = run(plant, "joint-ekf", channels, {"r": 1e-4, "window": 3}, horizon=20, step=0.01, record=0.1)
-        return {c.name: c.verdict for c in result.observers[0].checks}["observability of (x, θ)"]
+        return {str(c.name): c.verdict for c in result.observers[0].checks}["observability of (x, θ)"]
 
     assert verdict("one") == "holds"
     assert verdict("one", "two") == "fails"

@@ -72,7 +72,7 @@ def estimates(run, states, channels):
 
 
 def verdicts(run, i=0):
-    return {c.name: c.verdict for c in run.observers[i].checks}
+    return {str(c.name): c.verdict for c in run.observers[i].checks}
 
 
 @pytest.mark.parametrize(("label", "times"), [("nonsmooth", (4.82, 5.26, 5.23)), ("linear", (5.92, 6.82, 6.53))])
@@ -211,8 +211,8 @@ def test_columns_that_point_apart_fail_the_matching_condition_and_still_run():
     """A failed assumption warns and says why; the observer runs."""
     bent = CHAIN | {"channels": [CHAIN["channels"][0], CHAIN["channels"][1] | {"enters": {"x1": "w2", "x2": "w2"}}]}
     run = prepare(library.resolve(chain(plant=bent, horizon=1.0))).run()
-    check = next(c for c in run.observers[0].checks if c.name == "matching condition")
-    assert check.verdict == "fails" and "different vectors" in check.text
+    check = next(c for c in run.observers[0].checks if str(c.name) == "matching condition")
+    assert check.verdict == "fails" and "different vectors" in str(check.text)
     assert np.isfinite(run.data).all()
 
 
@@ -220,8 +220,10 @@ def test_gains_too_small_for_the_direction_fail_the_inequality():
     """With a direction whose zeros are unstable no K helps, and the check says so."""
     unstable = CHAIN | {"channels": [CHAIN["channels"][0] | {"enters": {"x1": "w1", "x2": "-b*w1", "x3": "3.75*w1"}}]}
     spec = chain(plant=unstable, horizon=1.0)
-    check = next(c for c in prepare(library.resolve(spec)).run().observers[0].checks if c.name == "Lyapunov inequality")
-    assert check.verdict == "fails" and "no K helps" in check.text
+    check = next(
+        c for c in prepare(library.resolve(spec)).run().observers[0].checks if str(c.name) == "Lyapunov inequality"
+    )
+    assert check.verdict == "fails" and "no K helps" in str(check.text)
 
 
 @pytest.mark.parametrize(

@@ -38,7 +38,7 @@ class DetectorState:
 class Losses:
     """What diverged: label → (time in s, likely cause), and the time at which the plant did."""
 
-    observers: Mapping[str, tuple[float, str]] = field(default_factory=dict)
+    observers: Mapping[str, tuple[float, Message]] = field(default_factory=dict)
     plant: float | None = None
 
 
@@ -84,7 +84,7 @@ def _situation(
 
 
 def observers_at(
-    spec: ResolvedExperiment, at: float, lost: Mapping[str, tuple[float, str]] | None = None
+    spec: ResolvedExperiment, at: float, lost: Mapping[str, tuple[float, Message]] | None = None
 ) -> tuple[ObserverNow, ...]:
     """Return the observers that run at a time in s, with their present gains.
 
@@ -98,7 +98,8 @@ def observers_at(
     for now in after_commands(spec, at).observers:
         config, since = begun[now.label]
         when = (lost or {}).get(now.label)
-        diverged = ObserverLost(t=when[0], text=when[1]) if when is not None and when[0] >= since else None
+        ended = when is not None and when[0] >= since
+        diverged = ObserverLost(t=when[0], cause=Text.of(when[1])) if when is not None and ended else None
         answer.append(
             ObserverNow(
                 label=now.label,

@@ -259,13 +259,19 @@ def summary(result: Recorded, faults: Iterable[FaultOverTime]) -> dict[str, dict
         answer[report.label] = {
             "kind": report.kind,
             "title": report.title,
-            "diverged": None if lost is None else {"time": lost.time, "cause": lost.cause},
+            "diverged": None if lost is None else {"time": lost.time, "cause": str(lost.cause)},
             "rmse": state_rmse(result, report.label),
             "rmse_end": state_rmse(result, report.label, LAST),
             "theta": final_values(result, report.label),
             "settling": [vars(s) for s in settling(result, report.label, steps, events)],
             "checks": [
-                {**vars(check), "value": _finite(check.value), "threshold": _finite(check.threshold)}
+                {
+                    **vars(check),
+                    "name": str(check.name),
+                    "text": str(check.text),
+                    "value": _finite(check.value),
+                    "threshold": _finite(check.threshold),
+                }
                 for check in report.checks
             ],
         }

@@ -12,6 +12,9 @@ from thetascope.engine.programs.evaluate_rows import probe
 from thetascope.engine.simulation.experiment import Experiment, Rows
 from thetascope.engine.simulation.kernel_cost import costs
 from thetascope.engine.simulation.simulation import at_rows, observed_values, row_numbers
+from thetascope.messages import Message
+
+PLANT_ESCAPES = Message("diverged.plant")
 
 EXPLODED = 1e12  # a state beyond this is taken as diverged: nothing physical is that large in the user's units
 
@@ -34,7 +37,7 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
     ended = finite_rows(plant)
     diverged = None
     if ended < len(plant):
-        diverged = Diverged(float(index[ended] * first.step), "the plant's own state escapes to infinity")
+        diverged = Diverged(float(index[ended] * first.step), PLANT_ESCAPES)
         plant[ended:], y[ended:] = np.nan, np.nan
     values = plant_values(parts, plant)
     columns = plant_columns(first, values, plant, y)
@@ -54,9 +57,7 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
         row[:] = column
     notes = first.notes
     if substeps > 1:
-        notes += (
-            f"Each step was taken in up to {substeps} substeps: an observer's eigenvalues are beyond RK4's bound.",
-        )
+        notes += (Message("run.substeps", n=substeps),)
     spent = costs(rows.spent for _, rows in parts)
     return Result(tuple(columns), data, tuple(reports.values()), diverged, first.step, substeps, notes, seconds, spent)
 
@@ -164,22 +165,24 @@ def _checks(estimator, run: Observed) -> tuple[Check, ...]:
     try:
         return tuple(estimator.kind.checks(run))
     except np.linalg.LinAlgError:
-        return (
-            Check("conditions of the theorem", CANNOT_TELL, "the numbers left the range in which they can be judged"),
-        )
+        return (Check(Message("check.conditions"), CANNOT_TELL, Message("check.conditions.out-of-range")),)
 
 
-def _cause(names: tuple[str, ...], states: np.ndarray, first_bad: int) -> str:
-    """The likely cause: which of the observer's states ran away, and what that usually means."""
+def _cause(names: tuple[str, ...], states: np.ndarray, first_bad: int) -> Message:
+    """Return the likely cause of a divergence, by the kind of the state that grew most before row ``first_bad``."""
     window = states[max(0, first_bad - 20) : first_bad + 1]
     with np.errstate(all="ignore"):
         growth = np.nan_to_num(np.abs(window), nan=np.inf, posinf=np.inf).max(axis=0)
     worst = names[int(np.argmax(growth))]
-    return {
-        "Gamma": "Γ grew without bound: excitation was lost while λ kept forgetting; lower λ or excite the plant",
-        "S": "the parameter covariance grew without bound: excitation was lost; lower λ or excite the plant",
-        "P": "the Riccati equation lost definiteness; raise r or lower q, or take a shorter step",
-        "Upsilon": "Υ grew without bound: A − KC is not stable along this run",
-        "xh": "x̂ left every bound: the initial estimate is outside the region of convergence, or the gain is too low",
-        "thetah": "θ̂ left every bound: lower λ or the initial Γ",
-    }.get(worst.split(".")[0], f"the state {worst} left every bound")
+    code = _CAUSES.get(worst.split(".")[0])
+    return Message(code) if code else Message("diverged.state", state=worst)
+
+
+_CAUSES = {
+    "Gamma": "diverged.gamma",
+    "S": "diverged.parameter-covariance",
+    "P": "diverged.riccati",
+    "Upsilon": "diverged.upsilon",
+    "xh": "diverged.x-hat",
+    "thetah": "diverged.theta-hat",
+}

@@ -1,27 +1,33 @@
-"""What a run gives back."""
+"""The results of a run."""
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
-HOLDS, FAILS, CANNOT_TELL = "holds", "fails", "cannot tell"
+from thetascope.messages import Message
+
+Verdict = Literal["holds", "fails", "cannot tell"]
+HOLDS: Verdict = "holds"
+FAILS: Verdict = "fails"
+CANNOT_TELL: Verdict = "cannot tell"
 
 
 @dataclass(frozen=True)
 class Diverged:
-    """When something left the finite numbers (or exploded), and the likely cause."""
+    """The time in s at which a plant or an observer left the finite numbers or the bound 1e12, and the likely cause."""
 
     time: float
-    cause: str
+    cause: Message
 
 
 @dataclass(frozen=True)
 class Check:
     """One assumption of an observer's theorem, on this plant, with these gains, in this run."""
 
-    name: str
-    verdict: str  # holds, fails or cannot tell
-    text: str
+    name: Message
+    verdict: Verdict
+    text: Message
     value: float | None = None
     threshold: float | None = None
     source: str = ""
@@ -47,7 +53,7 @@ class Result:
     diverged: Diverged | None
     step: float
     substeps: int
-    notes: tuple[str, ...]
+    notes: tuple[Message, ...]
     seconds: dict[str, float]
     costs: dict[str, float] = field(default_factory=dict)
     """Processor seconds per simulated second, measured, by observer: another number each time."""

@@ -9,6 +9,7 @@ from thetascope.engine.inputs.sensors import Measurement, Memory
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.observers.support.declaration import Context, Observer
 from thetascope.engine.simulation.kernel_cost import Spent
+from thetascope.messages import Message
 
 
 @dataclass(frozen=True)
@@ -41,7 +42,7 @@ class Experiment:
     every: int  # base steps between recorded rows
     context: Context  # of the plant with all its channels, for filters of the plant itself
     substeps: int | None = None  # in each base step; None: one, or what stiff gains need
-    notes: tuple[str, ...] = ()
+    notes: tuple[Message, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,13 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from thetascope.engine.estimation.covariance import Spreads, has_spread, latest, sigma_columns
-from thetascope.engine.execution.result_columns import finite_rows, observer_columns, plant_columns, plant_values
+from thetascope.engine.execution.result_columns import (
+    PLANT_ESCAPES,
+    finite_rows,
+    observer_columns,
+    plant_columns,
+    plant_values,
+)
 from thetascope.engine.execution.stages import Life, lives
 from thetascope.engine.model.result import Diverged
 from thetascope.engine.observers.support.declaration import Observed
@@ -118,7 +124,7 @@ class LiveColumns:
         data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
         plant_lost = self.plant_lost
         if plant_lost is None and ended < len(plant):
-            plant_lost = Diverged(float(np.asarray(values["t"])[ended]), "the plant's own state escapes to infinity")
+            plant_lost = Diverged(float(np.asarray(values["t"])[ended]), PLANT_ESCAPES)
         after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=latest(tables))
         return after._trimmed(experiment), ColumnBatch(data, tables, newest)
 
@@ -184,7 +190,14 @@ class LiveColumns:
                 continue
             _, report = observer_columns(life, values, y, ended, first_row=self.first)
             checks = tuple(
-                AssumptionCheck(**{**vars(c), "value": _plain(c.value), "threshold": _plain(c.threshold)})
+                AssumptionCheck(
+                    name=Text.of(c.name),
+                    verdict=c.verdict,
+                    text=Text.of(c.text),
+                    value=_plain(c.value),
+                    threshold=_plain(c.threshold),
+                    source=c.source,
+                )
                 for c in report.checks
             )
             reports.append(Assumptions(observer=life.label, checks=checks))

@@ -9,6 +9,7 @@ from thetascope.assembly.analyses.facts import DetectorState, Losses, facts
 from thetascope.diagnosis.evaluation.verdicts import Judgement, judge, presences
 from thetascope.diagnosis.isolation.decision_state import Finding
 from thetascope.engine.inputs.signals import Signal
+from thetascope.messages import Message
 from thetascope_schemas.experiment.diagnosis import Alarm, ObserverDiagnosis
 from thetascope_schemas.service.facts import Facts
 
@@ -60,7 +61,12 @@ def losses(session: "Session", row: int) -> Losses:
     """Return which observers have diverged in the rows before `row`, and whether the plant has."""
     lost = [event for event in session.log if event.kind == "diverged" and event.row < row]
     plant = next((event.t for event in lost if event.subject == ""), None)
-    return Losses({event.subject: (event.t, event.message.text) for event in lost if event.subject}, plant)
+    causes: dict[str, tuple[float, Message]] = {}
+    for event in lost:
+        cause = event.message.args.get("cause")
+        if event.subject and isinstance(cause, dict):
+            causes[event.subject] = event.t, Message.from_data(cause)
+    return Losses(causes, plant)
 
 
 class FactsMemory:

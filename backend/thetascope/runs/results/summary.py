@@ -1,7 +1,6 @@
 """A result in a few numbers: the summary that goes with a run."""
 
 import math
-from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -12,6 +11,7 @@ from thetascope.diagnosis.evaluation.observer_comparison import compare
 from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
 from thetascope.runs.results.comparison_rows import comparison_rows, facts_of
 from thetascope_schemas import Experiment, ResolvedExperiment
+from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.diagnosis import Diagnosis
 from thetascope_schemas.service.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
 
@@ -29,7 +29,7 @@ def summarise(result: Result, spec: ResolvedExperiment) -> RunSummary:
         comparison=comparison_rows(found),
         facts=facts_of(result, spec, found),
         diagnosis=None if result.diagnosis is None else Diagnosis.model_validate(result.diagnosis),
-        notes=tuple(result.notes),
+        notes=tuple(Text.of(note) for note in result.notes),
         seconds=result.seconds,
     )
 
@@ -51,11 +51,19 @@ def _observer(result: Result, report: ObserverReport, spec: Experiment) -> Obser
 
 
 def _check(check: Check) -> AssumptionCheck:
-    return AssumptionCheck(**jsonable(asdict(check)))
+    value, threshold = jsonable(check.value), jsonable(check.threshold)
+    return AssumptionCheck(
+        name=Text.of(check.name),
+        verdict=check.verdict,
+        text=Text.of(check.text),
+        value=value,
+        threshold=threshold,
+        source=check.source,
+    )
 
 
 def _divergence(diverged: Diverged | None) -> Divergence | None:
-    return None if diverged is None else Divergence(time=diverged.time, cause=diverged.cause)
+    return None if diverged is None else Divergence(time=diverged.time, cause=Text.of(diverged.cause))
 
 
 def jsonable(value: object) -> Any:

@@ -207,7 +207,7 @@ export function createCard(app, observer, kind) {
  * @param {ObserverState} observer
  */
 function fall(app, {label, config, gains, diverged}) {
-  const cause = asSentence((diverged?.text ?? '').replace(`${label} diverged: `, ''));
+  const cause = asSentence(diverged?.cause);
   /** @param {MouseEvent & {currentTarget: HTMLButtonElement}} event */
   const again = async (event) => {
     event.currentTarget.disabled = true;

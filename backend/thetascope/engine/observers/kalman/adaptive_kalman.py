@@ -71,6 +71,7 @@ def write(d: Draft) -> None:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions on this plant, these gains and this run."""
     p = len(run.channels)
     return [
         observability(run, "Kalman & Bucy 1961"),

@@ -73,6 +73,7 @@ def write(d: Draft) -> None:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions on this plant, these gains and this run."""
     p, period = len(run.channels), run.context.period
     return [
         observability(run, "Kalman 1960"),

@@ -19,6 +19,7 @@ from thetascope.engine.observers.support.draft_linalg import joseph, solve
 from thetascope.engine.observers.support.excitation_checks import joint_observability, offer_linearisation
 from thetascope.engine.observers.support.kalman_defaults import DELTA, GAMMA0, P0, Q_THETA, R_VARIANCE, WINDOW, Q
 from thetascope.engine.observers.support.matrices import Matrix, block, diag, eye, zeros
+from thetascope.messages import Message
 
 GAINS = (Q, R_VARIANCE, Q_THETA, P0, GAMMA0, WINDOW, DELTA)
 
@@ -62,6 +63,7 @@ def report(d: Draft, x: Matrix, theta: Matrix, innovation: Matrix, Sigma: Matrix
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions on this plant, these gains and this run."""
     return [
         joint_observability(run, run.context.period, "Jazwinski 1970, ch. 7"),
         positive_definite(run, "P", run.context.n + len(run.channels), "Jazwinski 1970, ch. 7"),
@@ -70,18 +72,19 @@ def checks(run: Observed) -> list[Check]:
 
 
 def consistency(run: Observed) -> Check:
-    """Whether the innovations are as large as the filter says: the mean of ỹᵀ Σ⁻¹ ỹ should be the number of outputs."""
-    name, source = "innovations consistent with P and R", "Bar-Shalom, Li & Kirubarajan 2001, §5.4"
+    """Check that the innovations are as large as the filter expects: the mean of ỹᵀ Σ⁻¹ ỹ is the number of outputs."""
+    name, source = Message("check.innovations"), "Bar-Shalom, Li & Kirubarajan 2001, §5.4"
     squared, m = run.values["nis.0.0"], run.context.m
     late = squared[len(squared) // 2 :]
     late = late[np.isfinite(late)]
     if not len(late):
-        return Check(name, CANNOT_TELL, "no finite innovation was recorded", source=source)
+        return Check(name, CANNOT_TELL, Message("check.no-innovation"), source=source)
     value = float(late.mean() / m)
-    text = f"mean of ỹᵀΣ⁻¹ỹ / {m} over the second half of the run: {value:.3g}; it is 1 where q, q_theta and r fit"
     if value < 0.5:  # no error, but the filter is slower than it could be
-        return Check(name, CANNOT_TELL, f"{text}: there is less noise than the filter was told of", value, 2.0, source)
-    return Check(name, verdict(value <= 2.0), f"{text}, and up to 2 is taken as fitting", value, 2.0, source)
+        text = Message("check.innovations.small", outputs=m, value=value)
+        return Check(name, CANNOT_TELL, text, value, 2.0, source)
+    text = Message("check.innovations.mean", outputs=m, value=value)
+    return Check(name, verdict(value <= 2.0), text, value, 2.0, source)
 
 
 def diagnostics(run: Observed) -> dict[str, np.ndarray]:

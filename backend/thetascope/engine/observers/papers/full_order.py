@@ -60,11 +60,12 @@ def write(d: Draft) -> None:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions of the normal form, and A − LC."""
     blocks = run.facts["relative degree"]
     return [
         relative_degree(run),
         decoupling(run),
-        *eigenvalues(run, "A − LC stable", "L", blocks, "eq. (7)"),
+        *eigenvalues(run, "A − LC", "L", blocks, "eq. (7)"),
         local(run),
     ]
 

@@ -19,6 +19,7 @@ from thetascope.engine.observers.support.declaration import Gain, Observed, Obse
 from thetascope.engine.observers.support.draft import Draft, ModelAt
 from thetascope.engine.observers.support.draft_linalg import solve
 from thetascope.engine.observers.support.matrices import Matrix, column, diag, matrix
+from thetascope.messages import Message
 
 RHO = Gain("rho", "high gain: the error decays faster and noise grows with its powers", 4.0, 1e-3, 1e3, symbol="ρ")
 
@@ -76,38 +77,28 @@ def describe(d: Draft, form: CanonicalForm) -> None:
 
 
 def form_checks(run: Observed) -> list[Check]:
-    """What Theorems 1 and 2 ask of the plant and of k0."""
-    n, source = run.context.n, "Zhao, Li & Li 2012"
-    coordinates = ", ".join(run.facts["coordinates"])
-    already = "is in" if run.facts["canonical"] else "is brought to"
-    matrix = np.eye(n, k=1)  # in numbers, because a run out of the cache needs no SymPy: A0 − k0 c0
+    """Check the conditions of Theorems 1 and 2 on the plant and on k0."""
+    n, facts, source = run.context.n, run.facts, "Zhao, Li & Li 2012"
+    form = "check.canonical-form.has" if facts["canonical"] else "check.canonical-form.reached"
+    triangular = (
+        "check.uniform-observability.triangular" if facts["triangular"] else "check.uniform-observability.hidden"
+    )
+    lipschitz = "check.f-lipschitz.affine" if facts["affine"] else "check.f-lipschitz.saturated"
+    matrix = np.eye(n, k=1)  # A0 − k0 c0 in numbers, because a run from the cache needs no SymPy
     matrix[:, 0] -= [math.comb(n, i) / 2 for i in range(1, n + 1)]
-    lipschitz = True if run.facts["affine"] else None
+    form_text = Message(form, coordinates=facts["coordinates"])
+    affine = verdict(True if facts["affine"] else None)
     return [
+        Check(Message("check.canonical-form"), verdict(True), form_text, source=f"{source}, eq. (2)"),
         Check(
-            "canonical form",
-            verdict(True),
-            f"the plant {already} the form (3): z = ({coordinates})",
-            source=f"{source}, eq. (2)",
-        ),
-        Check(
-            "uniform observability",
-            verdict(run.facts["triangular"]),
-            "the inputs enter triangularly (checked at points near the initial state)"
-            if run.facts["triangular"]
-            else "an input enters a canonical equation through a later state, so some input may hide a state",
+            Message("check.uniform-observability"),
+            verdict(facts["triangular"]),
+            Message(triangular),
             source=f"{source}, eq. (5)",
         ),
-        stable("A0 − k0 c0 stable", matrix, f"{source}, eq. (8)"),
-        Check(
-            "f globally Lipschitz",
-            verdict(lipschitz),
-            "f is affine in the states"
-            if lipschitz
-            else "f is not affine; the model is saturated to the plant's domain, inside which it is Lipschitz if the domain is bounded",
-            source=f"{source}, Theorem 1",
-        ),
-        gain_at_least(run, "rho", 1.0, f"{source}, Lemma 1", "the bound on Υ does not depend on ρ from 1 on"),
+        stable("A0 − k0 c0", matrix, f"{source}, eq. (8)"),
+        Check(Message("check.f-lipschitz"), affine, Message(lipschitz), source=f"{source}, Theorem 1"),
+        gain_at_least(run, "rho", "ρ", 1.0, f"{source}, Lemma 1", Message("check.gain.rho")),
     ]
 
 

@@ -19,7 +19,7 @@ from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
 from thetascope.engine.observers.forms.matching_condition import closed, direction, find_P, lyapunov_margin
-from thetascope.engine.observers.support.common_checks import stable, verdict
+from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
 from thetascope.messages import Message
@@ -94,11 +94,12 @@ def describe(d: Draft, at: ModelAt) -> None:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions on this plant, these gains and this run."""
     k = run.gains("K")
     P = matched(run)
     return [
         chain_check(run),
-        stable("A − KC stable", closed(k), f"{SOURCE}, eq. (6)"),
+        stable("A − KC", closed(k), f"{SOURCE}, eq. (6)"),
         matching_check(run, P),
         lyapunov_check(run, P, k),
         one_sided_lipschitz(run),
@@ -108,12 +109,8 @@ def checks(run: Observed) -> list[Check]:
 def chain_check(run: Observed) -> Check:
     """(1): A the chain of integrators. Another plant fits too, with the difference in γ."""
     chain = run.facts["chain"]
-    text = (
-        "every state's equation contains the next state with coefficient 1"
-        if chain
-        else "some state's equation does not contain the next state; γ = f − A x makes up for it"
-    )
-    return Check("chain of integrators", verdict(True if chain else None), text, source=f"{SOURCE}, eq. (1)")
+    text = Message("check.chain.complete" if chain else "check.chain.broken")
+    return Check(Message("check.chain"), verdict(True if chain else None), text, source=f"{SOURCE}, eq. (1)")
 
 
 def matched(run: Observed) -> np.ndarray | None:
@@ -129,37 +126,34 @@ def vector(run: Observed) -> np.ndarray:
 
 def matching_check(run: Observed, P: np.ndarray | None) -> Check:
     """(8), with the residual max |PΦ − Cᵀgᵀ| over the run."""
-    name, source = "matching condition", f"{SOURCE}, eq. (8)"
+    name, source = Message("check.matching"), f"{SOURCE}, eq. (8)"
     if "direction.0.0" not in run.values:
-        return Check(name, FAILS, f"no constant P has P Φ = Cᵀgᵀ: {run.facts['matching']}", source=source)
+        return Check(
+            name, FAILS, Message("check.matching.none", why=Message.from_data(run.facts["matching"])), source=source
+        )
     if P is None:
-        text = "Φ = d·(CΦ), but no P was found to go with it (see the inequality)"
-        return Check(name, CANNOT_TELL, text, source=source)
+        return Check(name, CANNOT_TELL, Message("check.matching.no-p"), source=source)
     Phi = run.matrix("Phi", run.context.n, len(run.channels))
     Phi = Phi[np.isfinite(Phi).all(axis=(1, 2))]
     residual = P @ Phi
     residual[:, 0, :] -= Phi[:, 0, :]
     value = float(np.abs(residual).max(initial=0.0))
     scale = max(1.0, float(np.abs(Phi).max(initial=0.0))) * float(np.abs(P).max())
-    shown = [[float(f"{entry:.4g}") for entry in row] for row in P]
-    text = f"P = {shown}, g = (CΦ)ᵀ: largest |PΦ − Cᵀgᵀ| over the run {value:.2g}"
+    text = Message("check.matching.residual", P=str([[float(f"{e:.4g}") for e in row] for row in P]), value=value)
     return Check(name, verdict(value <= 1e-9 * scale), text, value, 1e-9 * scale, source)
 
 
 def lyapunov_check(run: Observed, P: np.ndarray | None, k: np.ndarray) -> Check:
-    name, source = "Lyapunov inequality", f"{SOURCE}, eq. (6) without its Lipschitz terms"
+    name, source = Message("check.lyapunov"), f"{SOURCE}, eq. (6) without its Lipschitz terms"
     if "direction.0.0" not in run.values:
-        return Check(name, FAILS, "there is no P of the matching condition to hold it against", source=source)
+        return Check(name, FAILS, Message("check.lyapunov.no-matching"), source=source)
     if P is None:
         zeros = np.roots(vector(run)) if run.context.n > 1 else np.array([])
-        listed = ", ".join(f"{z:.4g}" for z in zeros) or "none"
-        text = (
-            "no P > 0 with P d = Cᵀ satisfies (A − KC)ᵀP + P(A − KC) < 0: C(sI − A + KC)⁻¹d is not strictly positive "
-            f"real; its zeros are {listed}; {'no K helps' if (np.real(zeros) >= 0).any() else 'another K may do'}"
-        )
-        return Check(name, FAILS, text, source=source)
+        listed = [f"{z:.4g}" for z in zeros] or ["–"]
+        code = "check.lyapunov.no-k" if (np.real(zeros) >= 0).any() else "check.lyapunov.another-k"
+        return Check(name, FAILS, Message(code, zeros=listed), source=source)
     value, least = lyapunov_margin(P, k), np.linalg.eigvalsh(P)[0]
-    text = f"largest eigenvalue of (A − KC)ᵀP + P(A − KC): {value:.4g}; smallest of P: {least:.4g}"
+    text = Message("check.lyapunov.margin", value=value, least=least)
     return Check(name, HOLDS, text, value, 0.0, source)
 
 
@@ -168,20 +162,12 @@ def one_sided_lipschitz(run: Observed) -> Check:
     n = run.context.n
     D = run.matrix("Dgamma", n, n)
     D = D[np.isfinite(D).all(axis=(1, 2))]
-    value = float(np.linalg.eigvalsh((D + D.transpose(0, 2, 1)) / 2).max()) if len(D) else None
-    if value is None:
-        return Check(
-            "γ one-sided Lipschitz", CANNOT_TELL, "no finite estimate was recorded", source=f"{SOURCE}, eq. (3)"
-        )
-    text = f"β1 ≥ {value:.4g} along the estimates of this run; "
-    text += (
-        "γ is affine in the state, so the bound is global"
-        if run.facts["affine"]
-        else "γ is not affine, and whether a bound holds everywhere is not decided"
-    )
-    return Check(
-        "γ one-sided Lipschitz", verdict(True if run.facts["affine"] else None), text, value, None, f"{SOURCE}, eq. (3)"
-    )
+    name, source, affine = Message("check.one-sided-lipschitz"), f"{SOURCE}, eq. (3)", run.facts["affine"]
+    if not len(D):
+        return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
+    value = float(np.linalg.eigvalsh((D + D.transpose(0, 2, 1)) / 2).max())
+    code = "check.one-sided-lipschitz.affine" if affine else "check.one-sided-lipschitz.undecided"
+    return Check(name, verdict(True if affine else None), Message(code, value=value), value, None, source)
 
 
 OBSERVER = Observer(

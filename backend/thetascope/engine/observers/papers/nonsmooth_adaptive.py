@@ -85,40 +85,32 @@ def paper_example(d: Draft, x: Matrix, w_theta: Matrix, e1: Expr) -> Matrix:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions of Theorem 1."""
+    return [*shared_checks(run), exponent_check(run), as_printed(run)]
+
+
+def exponent_check(run: Observed) -> Check:
+    """Check 1 − 1/n < α < 1, the reading of the print in which all exponents are positive."""
     n, alpha = run.context.n, run.gain("alpha")
-    general = run.facts["form"] == GENERAL
-    low = 1 - 1 / n
-    exponents = ", ".join(f"{i * alpha - (i - 1):.4g}" for i in range(1, n + 1))
-    return [
-        *shared_checks(run),
-        Check(
-            "1 − 1/n < α < 1",
-            verdict(low < alpha < 1),
-            f"α = {alpha:g}, n = {n}: exponents {exponents}"
-            + ("" if general else " in (11); the example as printed has 2α − 1 in all lines"),
-            alpha,
-            low,
-            f"{SOURCE}, below (12), read so that all exponents are positive",
-        ),
-        as_printed(run),
-    ]
+    exponents = [f"{i * alpha - (i - 1):.4g}" for i in range(1, n + 1)]
+    code = "check.alpha.exponents" if run.facts["form"] == GENERAL else "check.alpha.exponents-printed"
+    text = Message(code, alpha=alpha, count=n, exponents=exponents)
+    low, source = 1 - 1 / n, f"{SOURCE}, below (12), read so that all exponents are positive"
+    return Check(Message("check.alpha"), verdict(low < alpha < 1), text, alpha, low, source)
 
 
 def as_printed(run: Observed) -> Check:
-    """(6) with the constants that the proof prints (l1 = 0, γ = 0: its most favourable case)."""
-    name, source = "inequality (6) as printed", f"{SOURCE}, eq. (6) and the proof of Theorem 1"
+    """Check (6) with the constants that the proof prints (l1 = 0, γ = 0: its most favourable case)."""
+    name, source = Message("check.as-printed"), f"{SOURCE}, eq. (6) and the proof of Theorem 1"
     P, k = matched(run), run.gains("K")
     if P is None:
-        return Check(name, FAILS, "there is no P of the matching condition to hold it against", source=source)
+        return Check(name, FAILS, Message("check.lyapunov.no-matching"), source=source)
     spectrum = np.linalg.eigvalsh(P)
     c2 = float(k.max() * np.sqrt(len(k) * spectrum[-1] / spectrum[0]))
     rate = -float(np.max(np.linalg.eigvals(np.linalg.solve(P, closed(k).T @ P + P @ closed(k))).real))
-    asked = 2 * c2 + 1
-    text = (
-        f"(A − KC)ᵀP + P(A − KC) < −c P holds up to c = {rate:.4g}; the print asks for c > 2 c2 + 1 = {asked:.4g} with "
-        "c2 ≥ k1 √n, but c ≤ 2 k1/n for every K (a bound in the proof lost a factor ρ): it proves nothing for this run"
-    )
-    return Check(name, verdict(rate > asked), text, rate, asked, source)
+    required = 2 * c2 + 1
+    text = Message("check.as-printed.rate", rate=rate, required=required)
+    return Check(name, verdict(rate > required), text, rate, required, source)
 
 
 OBSERVER = Observer(

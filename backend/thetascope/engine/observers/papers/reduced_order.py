@@ -19,10 +19,11 @@ from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model, symbols
 from thetascope.engine.model.result import CANNOT_TELL, Check
 from thetascope.engine.observers.forms.normal_form import PAPER, NormalForm, block_column, brunovsky, normal_form
-from thetascope.engine.observers.support.common_checks import stable, verdict
+from thetascope.engine.observers.support.common_checks import NO_VALUE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
 from thetascope.engine.observers.support.matrices import column
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
@@ -108,69 +109,57 @@ def describe(d: Draft, form: NormalForm, at: ModelAt) -> None:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions of Theorem 2."""
     blocks = [rho - 1 for rho in run.facts["relative degree"]]
     return [
         relative_degree(run),
         decoupling(run),
-        *eigenvalues(run, "Ã − HC̃ stable", "H", blocks, "eq. (16)"),
+        *eigenvalues(run, "Ã − HC̃", "H", blocks, "eq. (16)"),
         local(run),
     ]
 
 
-def eigenvalues(run: Observed, name: str, gain: str, blocks: list[int], equation: str) -> list[Check]:
-    """Whether the chains of integrators are stable with these gains; nothing to check where all are empty."""
+def eigenvalues(run: Observed, matrix: str, gain: str, blocks: list[int], equation: str) -> list[Check]:
+    """Check that the chains of integrators are stable with these gains; nothing where all chains are empty."""
     if not sum(blocks):
         return []
     closed, at = np.zeros((sum(blocks), sum(blocks))), 0
-    for size in blocks:  # in numbers, because a run out of the cache needs no SymPy: Ã − HC̃
+    for size in blocks:  # Ã − HC̃ in numbers, because a run from the cache needs no SymPy
         closed[at : at + size, at : at + size] = np.eye(size, k=1)
         closed[at : at + size, at] -= run.gains(gain)[at : at + size]
         at += size
-    return [stable(name, closed, f"{PAPER}, {equation}")]
+    return [stable(matrix, closed, f"{PAPER}, {equation}")]
 
 
 def relative_degree(run: Observed) -> Check:
-    degrees, total = run.facts["relative degree"], sum(run.facts["relative degree"])
-    text = f"({', '.join(map(str, degrees))}), which sums to n = {total}; {'; '.join(run.facts['coordinates'])}"
-    return Check(
-        "vector relative degree",
-        verdict(True),
-        text,
-        float(total),
-        float(run.context.n),
-        f"{PAPER}, Definition 2 and Assumption 1",
-    )
+    """Check that the vector relative degree sums to n; a plant where it does not is refused before."""
+    degrees = run.facts["relative degree"]
+    total = sum(degrees)
+    text = Message("check.relative-degree.sum", degrees=degrees, total=total, coordinates=run.facts["coordinates"])
+    source = f"{PAPER}, Definition 2 and Assumption 1"
+    return Check(Message("check.relative-degree"), verdict(True), text, float(total), float(run.context.n), source)
 
 
 def decoupling(run: Observed) -> Check:
-    """(4): the decoupling matrix nonsingular, along the estimates of this run (smallest |det|)."""
-    name, source, m, inputs = "decoupling matrix nonsingular", f"{PAPER}, eq. (4)", run.context.m, run.facts["inputs"]
+    """Check (4), that the decoupling matrix is nonsingular along the estimates of this run (smallest |det|)."""
+    name, source, m, inputs = Message("check.decoupling"), f"{PAPER}, eq. (4)", run.context.m, run.facts["inputs"]
     if inputs != m:
-        text = f"{m} outputs and {inputs} inputs: it is not square; the observer does not need it"
+        text = Message("check.decoupling.not-square", outputs=m, inputs=inputs)
         return Check(name, CANNOT_TELL, text, source=source)
     F = run.matrix("F", m, m)
     F = F[np.isfinite(F).all(axis=(1, 2))]
     if not len(F):
-        return Check(name, CANNOT_TELL, "no finite value was recorded", None, 0.0, source)
+        return Check(name, CANNOT_TELL, NO_VALUE, None, 0.0, source)
     value = float(np.abs(np.linalg.det(F)).min())
-    text = f"smallest |det F| along the estimates of this run: {value:.4g}"
-    return Check(name, verdict(value > 1e-12), text, value, 0.0, source)
+    return Check(name, verdict(value > 1e-12), Message("check.decoupling.smallest", value=value), value, 0.0, source)
 
 
 def local(run: Observed) -> Check:
-    """Assumption 2 and the region in which the observer converges."""
+    """Check Assumption 2, α and F Lipschitz, which decides where the observer converges."""
     affine = run.facts["affine"]
-    text = (
-        "they are affine in the state"
-        if affine
-        else (
-            "they are not affine in the state: locally at most, and a bound was not sought; the convergence is local, and "
-            "gains or initial estimates that are too far off may never converge"
-        )
-    )
-    return Check(
-        "α and F Lipschitz", verdict(True if affine else None), text, source=f"{PAPER}, Assumption 2, Remark 4"
-    )
+    text = Message("check.alpha-f-lipschitz.affine" if affine else "check.alpha-f-lipschitz.local")
+    source = f"{PAPER}, Assumption 2, Remark 4"
+    return Check(Message("check.alpha-f-lipschitz"), verdict(True if affine else None), text, source=source)
 
 
 OBSERVER = Observer(

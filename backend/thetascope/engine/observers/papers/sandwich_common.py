@@ -79,30 +79,33 @@ def describe(d: Draft, parts: Sandwich, at: ModelAt) -> None:
 
 
 def linear_checks(run: Observed) -> list[Check]:
+    """Check the structure of the plant and conditions 3 and 4 of Theorem 1."""
     A11, A22, C11, C22, _, _ = linear_parts(run)
     K = run.gains("K")
     K1, K2 = K[run.facts["K1"]], K[run.facts["K2"]]
     third, largest = f"{SOURCE}, Theorem 1, condition 3", float(np.abs(K1).max(initial=0.0))
     found = [structure(run, not C11.any())]
     if len(A11):
-        found.append(stable("A11 inside the unit circle", A11, third, discrete=True))
-    text = f"largest gain on a state of L1: {largest:g}"
-    found.append(Check("K1 = 0", verdict(largest == 0.0), text, largest, 0.0, third))
+        found.append(stable("A11", A11, third, discrete=True))
+    text = Message("check.k1.largest", value=largest)
+    found.append(Check(Message("check.k1"), verdict(largest == 0.0), text, largest, 0.0, third))
     if len(A22):
         closed, fourth = A22 - np.outer(K2, C22), f"{SOURCE}, Theorem 1, condition 4"
-        found.append(stable("A22 − K2 C22 inside the unit circle", closed, fourth, discrete=True))
+        found.append(stable("A22 − K2 C22", closed, fourth, discrete=True))
     return found
 
 
 def structure(run: Observed, only_back: bool) -> Check:
-    """Whether the plant is two linear parts with the hysteresis between, the output depending on the second alone."""
-    linear, back = run.facts["linear"], run.facts["L2"]
-    text = f"L1: {', '.join(run.facts['L1']) or 'none'}; L2: {', '.join(back) or 'none, it feeds back to L1'}; "
-    text += "the output is L2's" if only_back else "the output depends on L1"
-    if not linear:
-        text += "; they are not linear: the numbers below are those at the last estimate"
+    """Check that the plant is two linear parts with the hysteresis between, and that the output depends on the second alone."""
+    linear, front, back = run.facts["linear"], run.facts["L1"], run.facts["L2"]
+    text = Message(
+        "check.sandwich.parts" if linear else "check.sandwich.parts-nonlinear",
+        L1=front or ["–"],
+        L2=back if back else Message("check.sandwich.feeds-back"),
+        output=Message("check.sandwich.output-l2" if only_back else "check.sandwich.output-l1"),
+    )
     found = verdict(bool(back) and only_back and (True if linear else None))
-    return Check("L1 → hysteresis → L2", found, text, source=f"{SOURCE}, eq. (11)")
+    return Check(Message("check.sandwich"), found, text, source=f"{SOURCE}, eq. (11)")
 
 
 def rank_check(run: Observed) -> Check:
@@ -122,12 +125,10 @@ def rank_check(run: Observed) -> Check:
 
     operators = range(run.facts["operators"])
     least, none = min(rank([i]) for i in operators), rank([])
-    text = f"rank {least} of {n} with any operator in a linear zone, {none} with none"
-    if none < n:
-        text += ": while all operators hold, L1 cannot be seen"
-    return Check(
-        "observable with an operator active", verdict(least == n), text, float(least), float(n), f"{SOURCE}, section 3"
-    )
+    code = "check.operator-rank.found" if none == n else "check.operator-rank.blind"
+    text = Message(code, rank=least, states=n, without=none)
+    name, source = Message("check.operator-rank"), f"{SOURCE}, section 3"
+    return Check(name, verdict(least == n), text, float(least), float(n), source)
 
 
 def linear_parts(run: Observed) -> tuple[np.ndarray, ...]:

@@ -22,6 +22,7 @@ from thetascope.engine.observers.papers.sandwich_common import (
 from thetascope.engine.observers.support.declaration import Observed, Observer
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.matrices import column
+from thetascope.messages import Message
 
 
 def write(d: Draft) -> None:
@@ -41,18 +42,15 @@ def write(d: Draft) -> None:
 
 
 def checks(run: Observed) -> list[Check]:
-    return [
-        *linear_checks(run),
-        no_hysteresis(run),
-        rank_check(run),
-    ]
+    """Check the conditions of Theorem 1, and that there is no hysteresis."""
+    return [*linear_checks(run), no_hysteresis(run), rank_check(run)]
 
 
 def no_hysteresis(run: Observed) -> Check:
-    """What this observer believes of the plant, and is wrong about."""
+    """Check this observer's assumption on the plant, which a sandwich system never meets."""
     count = run.facts["operators"]
-    text = f"the plant has {count} backlash operators; this observer takes each for its slope"
-    return Check("no hysteresis", FAILS, text, float(count), 0.0, f"{SOURCE}, eq. (22)")
+    text = Message("check.no-hysteresis.operators", n=count)
+    return Check(Message("check.no-hysteresis"), FAILS, text, float(count), 0.0, f"{SOURCE}, eq. (22)")
 
 
 OBSERVER = Observer(

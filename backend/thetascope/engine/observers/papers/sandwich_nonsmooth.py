@@ -26,10 +26,11 @@ from thetascope.engine.observers.papers.sandwich_common import (
     linear_checks,
     rank_check,
 )
-from thetascope.engine.observers.support.common_checks import verdict
+from thetascope.engine.observers.support.common_checks import NO_VALUE, verdict
 from thetascope.engine.observers.support.declaration import Observed, Observer, Option
 from thetascope.engine.observers.support.draft import Draft, Matrix
 from thetascope.engine.observers.support.matrices import column
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Symbol
@@ -87,27 +88,27 @@ def diagnostics(run: Observed) -> dict[str, np.ndarray]:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the conditions of Theorem 1."""
     return [*linear_checks(run), zones_check(run), rank_check(run)]
 
 
 def zones_check(run: Observed) -> Check:
-    """Whether each operator is in both linear zones in the second half of the run.
+    """Check that each operator is in both linear zones in the second half of the run.
 
     Once the error of L1 is gone, one visit to a linear zone makes ẑ = z; without one a wrong ẑ stays.
     """
-    name = "every operator reaches its linear zones"
+    name = Message("check.zones")
     source = f"{SOURCE}, proof of Theorem 1 (which takes it for granted)"
     zones = np.array([run.values[z] for z in run.facts["zones"]])
     zones = zones[:, np.isfinite(zones).all(axis=0)]
     late = zones[:, zones.shape[1] // 2 :]
     if not late.shape[1]:
-        return Check(name, CANNOT_TELL, "no finite value was recorded", source=source)
+        return Check(name, CANNOT_TELL, NO_VALUE, source=source)
     reached = (late == RISING).any(axis=1) & (late == FALLING).any(axis=1)
     missing = [str(i + 1) for i in np.flatnonzero(~reached)]
     count = int(reached.sum())
-    text = f"{count} of {len(reached)} operators rise and fall in their linear zones in the second half of the run"
-    if missing:
-        text += f"; {', '.join(missing)} did not, so a wrong memory may stay wrong for good: drive the plant harder"
+    code = "check.zones.missing" if missing else "check.zones.all"
+    text = Message(code, count=count, operators=len(reached), missing=missing)
     return Check(name, verdict(not missing), text, float(count), float(len(reached)), source)
 
 

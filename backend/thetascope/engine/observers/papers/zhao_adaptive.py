@@ -68,6 +68,7 @@ def write(d: Draft) -> None:
 
 
 def checks(run: Observed) -> list[Check]:
+    """Check the assumptions on this plant, these gains and this run."""
     source = "Zhao, Li & Li 2012"
     level = run.values["pe"]
     return [

@@ -1,23 +1,47 @@
-"""Checks that several observers share. Each takes numbers from the run and gives a Check with the number in it."""
+"""Checks that several observers share. Each takes numbers from a run and returns a Check that holds the number."""
 
 import numpy as np
 
-from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
+from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check, Verdict
 from thetascope.engine.observers.support.declaration import Observed
+from thetascope.messages import Message
+
+NO_VALUE = Message("check.no-value")
+NO_ESTIMATE = Message("check.no-estimate")
+_GREEK = {"Gamma": "Γ", "Upsilon": "Υ", "Omega": "Ω"}
 
 
-def verdict(condition: bool | None) -> str:
+def verdict(condition: bool | np.bool | None) -> Verdict:
+    """Return holds, fails, or cannot tell for None."""
     return CANNOT_TELL if condition is None else (HOLDS if condition else FAILS)
 
 
-def stable(name: str, matrix: np.ndarray, source: str, discrete: bool = False) -> Check:
-    """Whether all eigenvalues lie in the open left half plane (or the open unit disc)."""
-    eigenvalues = np.linalg.eigvals(matrix)
+def stable(matrix: str, values: np.ndarray, source: str, discrete: bool = False) -> Check:
+    """Check that all eigenvalues lie in the open left half plane, or in discrete time in the open unit disc.
+
+    Args:
+        matrix: the matrix as the paper writes it, for example ``A − KC``.
+        values: its entries (n×n).
+        source: paper and equation.
+    """
+    eigenvalues = np.linalg.eigvals(values)
     value = float(np.abs(eigenvalues).max() if discrete else eigenvalues.real.max())
     limit = 1.0 if discrete else 0.0
-    listed = ", ".join(f"{e.real:.4g}" if e.imag == 0 else f"{e:.4g}" for e in np.sort_complex(eigenvalues)[:8])
-    what = "largest modulus" if discrete else "largest real part"
-    return Check(name, verdict(value < limit), f"eigenvalues {listed}; {what} {value:.4g}", value, limit, source)
+    listed = [f"{e.real:.4g}" if e.imag == 0 else f"{e:.4g}" for e in np.sort_complex(eigenvalues)[:8]]
+    found = "check.unit-circle.eigenvalues" if discrete else "check.stable.eigenvalues"
+    return Check(
+        stability(matrix, discrete),
+        verdict(value < limit),
+        Message(found, eigenvalues=listed, value=value),
+        value,
+        limit,
+        source,
+    )
+
+
+def stability(matrix: str, discrete: bool) -> Message:
+    """Return the name of the check that a matrix is stable."""
+    return Message("check.unit-circle" if discrete else "check.stable", matrix=matrix)
 
 
 def windowed_gramian(omega: np.ndarray, run: Observed) -> np.ndarray:
@@ -82,52 +106,43 @@ def excitation(run: Observed) -> np.ndarray:
 
 
 def persistent_excitation(run: Observed, level: np.ndarray, source: str) -> Check:
-    """Whether λmin of the windowed Gramian stays above the asked-for level δ."""
+    """Check that λmin of the windowed Gramian of Ω stays above the level δ, once Υ, which starts at zero, has settled.
+
+    Args:
+        level: λmin at every row (``excitation``).
+        source: paper and equation.
+    """
+    return excitation_above(run, level, source, "check.excitation.gramian")
+
+
+def excitation_above(run: Observed, level: np.ndarray, source: str, found: str) -> Check:
+    """Check an excitation against the gain ``delta``; ``found`` is the code of the sentence with its value."""
+    name, window, delta = Message("check.excitation"), run.gain("window"), run.gain("delta")
     finite = level[np.isfinite(level)]
-    window, delta = run.gain("window"), run.gain("delta")
     if not len(finite):
-        return Check(
-            "persistent excitation",
-            CANNOT_TELL,
-            f"the run is shorter than the window of {window:g} s",
-            None,
-            delta,
-            source,
-        )
-    settled = finite[len(finite) // 10 :]  # Υ starts at zero: the first windows are not yet those of the theorem
-    value = float(settled.min())
-    return Check(
-        "persistent excitation",
-        verdict(value >= delta),
-        f"smallest eigenvalue of the Gramian of Ω over {window:g} s: {value:.3g}, asked for {delta:g}",
-        value,
-        delta,
-        source,
-    )
+        return Check(name, CANNOT_TELL, Message("check.window.short", window=window), None, delta, source)
+    value = float(finite[len(finite) // 10 :].min())  # the first windows are not yet those of the theorem
+    text = Message(found, window=window, value=value, level=delta)
+    return Check(name, verdict(value >= delta), text, value, delta, source)
 
 
 def positive_definite(run: Observed, name: str, size: int, source: str) -> Check:
-    """Whether a recorded symmetric matrix stays positive definite."""
+    """Check that a recorded symmetric matrix (size × size) stays positive definite."""
+    title = Message("check.definite", matrix=_GREEK.get(name, name))
     matrices = run.matrix(name, size, size, symmetric=True)
     finite = matrices[np.isfinite(matrices).all(axis=(1, 2))]
     if not len(finite) or not size:
-        why = "no finite value was recorded" if size else "there is nothing to estimate"
-        return Check(f"{name} positive definite", CANNOT_TELL, why, None, 0.0, source)
+        return Check(title, CANNOT_TELL, NO_VALUE if size else Message("check.nothing"), None, 0.0, source)
     picked = finite[np.unique(np.linspace(0, len(finite) - 1, 200).astype(int))]
     value = float(np.linalg.eigvalsh(picked).min())
-    return Check(
-        f"{name} positive definite",
-        verdict(value > 0),
-        f"smallest eigenvalue over the run: {value:.3g}",
-        value,
-        0.0,
-        source,
-    )
+    return Check(title, verdict(value > 0), Message("check.definite.smallest", value=value), value, 0.0, source)
 
 
-def gain_at_least(run: Observed, name: str, least: float, source: str, why: str) -> Check:
+def gain_at_least(run: Observed, name: str, symbol: str, least: float, source: str, why: Message) -> Check:
+    """Check that a scalar gain is at least a bound; ``why`` says what the bound is for."""
     value = run.gain(name)
-    return Check(f"{name} ≥ {least:g}", verdict(value >= least), f"{name} = {value:g}; {why}", value, least, source)
+    text = Message("check.gain.value", gain=symbol, value=value, why=why)
+    return Check(Message("check.gain", gain=symbol, least=least), verdict(value >= least), text, value, least, source)
 
 
 def claimed_sigma(run: Observed, name: str, scale: float | np.ndarray = 1.0) -> dict[str, np.ndarray]:

@@ -9,11 +9,19 @@ from __future__ import annotations
 import numpy as np
 
 from thetascope.engine.model.result import CANNOT_TELL, Check
-from thetascope.engine.observers.support.common_checks import smallest_eigenvalue, verdict, windowed_gramian
+from thetascope.engine.observers.support.common_checks import (
+    NO_ESTIMATE,
+    excitation_above,
+    smallest_eigenvalue,
+    stability,
+    verdict,
+    windowed_gramian,
+)
 from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.kalman_defaults import output_scales, state_scales, typical_sizes
 from thetascope.engine.observers.support.matrices import Matrix
+from thetascope.messages import Message
 
 LARGEST = 12  # states, up to which Jacobians are recorded
 RANK = 1e-9  # relative size of a singular value that counts as zero
@@ -50,24 +58,24 @@ def _picked(*matrices: np.ndarray) -> np.ndarray:
     )
 
 
-def _too_large(name: str, run: Observed, source: str) -> Check:
+def _too_large(name: Message, run: Observed, source: str) -> Check:
     return Check(
         name,
         CANNOT_TELL,
-        f"a plant of more than {LARGEST} states is not looked at (it has {run.context.n})",
+        Message("check.too-large", most=LARGEST, states=run.context.n),
         source=source,
     )
 
 
 def observability(run: Observed, source: str) -> Check:
     """Rank of the observability matrix of (A, C), frozen along the run."""
-    name = "observability of (A, C)"
+    name = Message("check.observability")
     if not run.facts["linearised"]:
         return _too_large(name, run, source)
     A, C, _, _ = _matrices(run)
     rows = _picked(A, C)
     if not len(rows):
-        return Check(name, CANNOT_TELL, "no finite estimate was recorded", source=source)
+        return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
     ratios = []
     for k in rows:
         block, blocks = C[k], [C[k]]
@@ -81,8 +89,7 @@ def observability(run: Observed, source: str) -> Check:
     return Check(
         name,
         verdict(holds),
-        f"smallest singular value of the observability matrix, relative to the largest: "
-        f"{least:.3g} to {most:.3g} along the run (frozen, in scaled states)",
+        Message("check.observability.singular", least=least, most=most),
         least,
         RANK,
         source,
@@ -109,7 +116,7 @@ def _exponential(M: np.ndarray) -> np.ndarray:
 
 def closed_loop(run: Observed, source: str, period: float | None = None) -> Check:
     """Eigenvalues of A − KC (of F(I − KC) over a sample ``period``) with K = P Cᵀ R⁻¹, frozen along the run."""
-    name = "A − KC stable" if period is None else "F(I − KC) stable"
+    name = stability("A − KC", discrete=False) if period is None else stability("F(I − KC)", discrete=True)
     if not run.facts["linearised"]:
         return _too_large(name, run, source)
     n, m = run.context.n, run.context.m
@@ -117,23 +124,23 @@ def closed_loop(run: Observed, source: str, period: float | None = None) -> Chec
     rows = _picked(A, C, P)
     rows = rows[rows > len(P) // 10]  # what P(0) makes of the first instants is not the theorem's concern
     if not len(rows):
-        return Check(name, CANNOT_TELL, "no finite estimate was recorded", source=source)
+        return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
     worst = []
     for k in rows:
         with np.errstate(all="ignore"):
             K = P[k] @ C[k].T / run.gains("r")
             closed = A[k] - K @ C[k] if period is None else _over(run, A[k], period) @ (np.eye(n) - K @ C[k])
         if not np.isfinite(closed).all():
-            return Check(name, CANNOT_TELL, "K = P Cᵀ R⁻¹ did not stay finite: raise r, or lower q", source=source)
+            return Check(name, CANNOT_TELL, Message("check.closed-loop.infinite"), source=source)
         poles = np.linalg.eigvals(closed)
         worst.append(poles.real.max() if period is None else np.abs(poles).max())
     value, limit = float(max(worst)), 0.0 if period is None else 1.0
     holds = True if value < limit else (False if np.median(worst) >= limit else None)
-    what = "largest real part" if period is None else "largest modulus"
+    code = "check.closed-loop.real-part" if period is None else "check.closed-loop.modulus"
     return Check(
         name,
         verdict(holds),
-        f"{what} of the eigenvalues, frozen at {len(rows)} instants: at most {value:.4g}",
+        Message(code, count=len(rows), value=value),
         value,
         limit,
         source,
@@ -150,25 +157,13 @@ def excitation(run: Observed, samples: float = 1.0) -> np.ndarray:
 
 
 def excitation_check(run: Observed, level: np.ndarray, source: str) -> Check:
-    """Whether the excitation stays above δ once Υ, which starts at zero, has settled."""
-    name, delta, window = "persistent excitation", run.gain("delta"), run.gain("window")
-    finite = level[np.isfinite(level)]
-    if not len(finite):
-        return Check(name, CANNOT_TELL, f"the run is shorter than the window of {window:g} s", None, delta, source)
-    value = float(finite[len(finite) // 10 :].min())
-    return Check(
-        name,
-        verdict(value >= delta),
-        f"smallest eigenvalue of ∫ΩᵀR⁻¹Ω dt over {window:g} s, in typical faults: {value:.3g}, asked for {delta:g}",
-        value,
-        delta,
-        source,
-    )
+    """Check that λmin of ∫ΩᵀR⁻¹Ω dt stays above δ once Υ has settled; ``level`` is λmin at every row (``excitation``)."""
+    return excitation_above(run, level, source, "check.excitation.weighted")
 
 
 def joint_observability(run: Observed, period: float, source: str) -> Check:
     """λmin of the observability Gramian of (x, θ) over windows along the run: can this input tell all of them apart?"""
-    name, delta = "observability of (x, θ)", run.gain("delta")
+    name, delta = Message("check.joint-observability"), run.gain("delta")
     if not run.facts["linearised"]:
         return _too_large(name, run, source)
     asked = max(2, round(run.gain("window") / run.record))
@@ -178,14 +173,13 @@ def joint_observability(run: Observed, period: float, source: str) -> Check:
     starts = np.unique(np.linspace(0, rows - length, 6).astype(int)) if rows >= length else np.empty(0, dtype=int)
     found = [g for g in (_gramian(run, matrices, k, length, period) for k in starts) if g is not None]
     if not found:
-        return Check(name, CANNOT_TELL, "the run is shorter than the window, or not finite", None, delta, source)
-    value = float(min(found))
+        return Check(name, CANNOT_TELL, Message("check.window.short-or-infinite"), None, delta, source)
+    value, span = float(min(found)), length * run.record
     holds = None if value < delta and length < asked else value >= delta  # a shorter window than asked proves nothing
     return Check(
         name,
         verdict(holds),
-        f"smallest eigenvalue of the Gramian of (x, θ) over {length * run.record:g} s, in scaled units "
-        f"and weighted by R: {value:.3g} to {max(found):.3g} along the run, asked for {delta:g}",
+        Message("check.joint-observability.gramian", window=span, least=value, most=max(found), level=delta),
         value,
         delta,
         source,
