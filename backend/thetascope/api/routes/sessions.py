@@ -18,8 +18,8 @@ from thetascope.api.http.session_bodies import ForkRequest, SessionRequest
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import Unwatchable
 from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
+from thetascope.live.facts.window_comparison import window_comparison
 from thetascope.live.room.advice import propose_input_for
-from thetascope.live.room.window_comparison import window_comparison
 from thetascope.live.scheduling.hub import TooManySessions
 from thetascope.live.wire.localize import encode
 from thetascope.messages import Message

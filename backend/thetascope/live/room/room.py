@@ -12,10 +12,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from thetascope.diagnosis.yield_points import Steps
+from thetascope.live.facts.facts_publisher import FactsPublisher
 from thetascope.live.room.background_checks import BackgroundChecks
 from thetascope.live.room.broadcast import Broadcast
 from thetascope.live.room.command_handler import CommandHandler
-from thetascope.live.room.facts_publisher import FactsPublisher
 from thetascope.live.room.playback_clock import MeasuredSpeed, PlaybackClock
 from thetascope.live.room.prefetch import Prefetcher
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
@@ -264,6 +264,7 @@ class Room:
         """Tell the state machine whether rows can follow those that are shown."""
         if self.broadcast.at_end != self.machine.ended and not self.machine.closed:
             self.machine.fire(Transition.END if self.broadcast.at_end else Transition.CONTINUE)
+            self.facts.publish()
 
     def prefetch_rows(self) -> None:
         """Compute rows ahead if that is needed."""

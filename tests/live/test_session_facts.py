@@ -2,12 +2,14 @@
 
 import pytest
 
+from tests.live import stage as stage_of_tests
 from tests.live.session.test_session import do, zhao
 from tests.live.stage import Stage, staged
+from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.inputs.fault_signals import theta
+from thetascope.live.facts.session_facts import FactsMemory, facts_of
 from thetascope.live.session.session import Session
-from thetascope.live.session.session_facts import FactsMemory, facts_of
 from thetascope.runs.results.summary import summarise
 
 FAULT = {"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02}
@@ -139,5 +141,24 @@ def test_a_room_sends_an_alarm_with_its_verdict_when_its_row_is_shown():
         assert first["alarms"][0]["id"] == event["value"]["id"] == first["alarm_verdicts"][0]["id"]
         assert 0 <= first["t"] - event["t"] < 0.15
         assert first["fault_outcomes"][0]["alarm"] == event["value"]["id"] and first["unseen"] == []
+
+    staged(scenario)
+
+
+def test_the_end_of_the_plant_is_told_with_the_last_row(monkeypatch):
+    """The run of this experiment escapes at 2.517 s: when the last row has been shown, the facts say so, and time has ended."""
+    given = library.experiment("reduced-order-mimo")
+    given = given.with_plant(library.plant(given.plant))
+    monkeypatch.setattr(stage_of_tests, "spec", lambda **_: given)
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "speed", value=None)
+        await stage.say(page, "play")
+        await stage.go(4.0)
+        last = page.of("facts")[-1]
+        assert last["row"] == page.of("status")[-1]["row"] and page.of("status")[-1]["ended"]
+        assert last["facts"]["broken"] == pytest.approx(2.516, abs=0.002)
+        assert last["facts"]["summary"]["code"] == "diagnosis.summary.broken"
 
     staged(scenario)

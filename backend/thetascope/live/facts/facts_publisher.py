@@ -1,14 +1,10 @@
 """Sends the viewers of a room the facts whenever they change: by a command, a finding, or time that passes."""
 
-from typing import TYPE_CHECKING
-
-from thetascope.live.session.session_facts import FactsMemory, facts_of, time_of_next_row
+from thetascope.live.facts.session_facts import FactsMemory, facts_of, time_of_next_row
+from thetascope.live.facts.shown_session import ShownSession
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 from thetascope_schemas.service.facts import Facts
 from thetascope_schemas.service.session import FactsNow
-
-if TYPE_CHECKING:
-    from thetascope.live.room.room_parts import RoomParts
 
 SPACING = 0.1
 """Seconds between two messages, at least, while time runs."""
@@ -18,7 +14,7 @@ _LATELY = 100  # newest events of the log, among which those are that are not sh
 class FactsPublisher:
     """The facts of one room. All methods are called on the event loop."""
 
-    def __init__(self, room: "RoomParts") -> None:
+    def __init__(self, room: ShownSession) -> None:
         self._room = room
         self._memory = FactsMemory(room.session.record)
         self._diagnosis: ObserverDiagnosis | None = None
@@ -67,8 +63,9 @@ class FactsPublisher:
     def publish(self, urgent: bool = False) -> None:
         """Send the facts if they have changed; `urgent`: however soon after the last ones."""
         room = self._room
-        reached = (room.shown + 1) * room.session.record > self._next
-        if room.machine.held or room.machine.closed or not (self._due or reached or room.shown < self._row):
+        reached = time_of_next_row(room.session.record, room.shown) >= self._next
+        happened = len(room.session.log) != self._events or room.shown < self._row
+        if room.machine.held or room.machine.closed or not (self._due or reached or happened):
             return
         now = room.services.clock()
         if not urgent and room.machine.moving and now - self._at < SPACING:

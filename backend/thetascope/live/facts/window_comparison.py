@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import asdict
-from typing import TYPE_CHECKING
 
 import numpy as np
 from starlette.concurrency import run_in_threadpool
@@ -10,18 +9,16 @@ from starlette.concurrency import run_in_threadpool
 from thetascope.diagnosis.evaluation.metrics import event_times
 from thetascope.diagnosis.evaluation.verdicts import fault_ids
 from thetascope.diagnosis.evaluation.window_comparison import Samples, settling_of_step, window_figures
+from thetascope.live.facts.shown_session import RecordedSession
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.service.comparison import ObserverInWindow, StepFound, WindowComparison
-
-if TYPE_CHECKING:
-    from thetascope.live.room.room import Room
 
 MOST_ROWS = 200_000
 """Rows of a window, or after a fault, that are looked at."""
 
 
 async def window_comparison(
-    room: "Room", start: float | None, end: float | None, state: str | None, channel: str | None
+    room: RecordedSession, start: float | None, end: float | None, state: str | None, channel: str | None
 ) -> WindowComparison:
     """Return the figures of all observers from `start` to `end` (s); without them, of the whole session so far.
 
@@ -77,7 +74,7 @@ def _samples(names: list[str], first: int, rows: np.ndarray, record: float) -> S
     return Samples(("t", *names), np.vstack([t[None], rows.astype(float)]))
 
 
-def _found(room: "Room", fault: Fault | None) -> StepFound | None:
+def _found(room: RecordedSession, fault: Fault | None) -> StepFound | None:
     """Return whether the detector has found a fault, by the verdicts that the session has sent."""
     if fault is None:
         return None
