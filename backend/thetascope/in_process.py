@@ -7,7 +7,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.runs.specs.refusals import from_engine
 from thetascope.runs.specs.resolve_spec import library_experiment, resolved, with_changes
-from thetascope.runs.specs.run_requests import asked
+from thetascope.runs.specs.run_requests import parse_request
 from thetascope_schemas import Experiment
 
 
@@ -31,7 +31,7 @@ def run(experiment: str | Mapping[str, object] | Experiment, changes: Mapping[st
     if isinstance(experiment, str):
         spec = library_experiment(experiment)
     else:
-        spec = experiment if isinstance(experiment, Experiment) else asked(dict(experiment))
+        spec = experiment if isinstance(experiment, Experiment) else parse_request(dict(experiment))
     try:
         return prepare(resolved(with_changes(spec, changes or {}))).run()
     except SpecError as error:

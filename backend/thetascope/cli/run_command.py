@@ -22,7 +22,7 @@ from thetascope.runs.run_report import report_html
 from thetascope.runs.specs.overrides import parse_assignment
 from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
-from thetascope.runs.specs.run_requests import asked
+from thetascope.runs.specs.run_requests import parse_request
 from thetascope.runs.specs.spec_files import read
 from thetascope.settings import Settings, load
 from thetascope.store import Database, RunStore, StoreError
@@ -57,7 +57,7 @@ def experiment_of(target: str, settings: Settings) -> Experiment:
         return library_experiment(target)
     document = read(path, settings.max_body)
     try:
-        return asked(document.data)
+        return parse_request(document.data)
     except InvalidSpec as error:
         raise document.refused(error.errors) from None
 

@@ -12,7 +12,7 @@ from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
 from thetascope.runs.jobs.job import Snapshot
-from thetascope.runs.specs.run_requests import asked
+from thetascope.runs.specs.run_requests import parse_request
 from thetascope_schemas.service.answers import RunList
 from thetascope_schemas.service.run import Progress, Run
 
@@ -44,7 +44,7 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
     The run's id is the hash of the spec, so the same spec again is answered from the store.
     """
     settings = services.settings
-    started = await parsed(request, settings.max_body, lambda data: services.runs.submit(asked(data)))
+    started = await parsed(request, settings.max_body, lambda data: services.runs.submit(parse_request(data)))
     if isinstance(started, Snapshot):
         return run_response(started, language)
     snapshot = await ended(started, settings.wait if wait is None else min(wait, settings.max_wait))

@@ -23,8 +23,8 @@ class RunRequest(Strict):
     )
 
 
-def asked(data: Any) -> Experiment:
-    """The experiment that a body or file asks for. Raises InvalidSpec, or Unknown for an id not in the library."""
+def parse_request(data: Any) -> Experiment:
+    """Return the experiment that a body or file asks for. Raises InvalidSpec, or Unknown for an id not in the library."""
     if isinstance(data, dict) and "experiment" in data and "plant" not in data:
         request = validated(RunRequest, data)
         return with_changes(library_experiment(request.experiment), request.set)
