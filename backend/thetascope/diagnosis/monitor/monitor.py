@@ -159,5 +159,5 @@ def _finite_decisions(run: Innovations, stride: int) -> int:
     """Return the number of decisions before the first with innovations or states that are not finite or far too
     large."""
     good_rows = (np.abs(run.nu) < LARGEST).all(axis=1) & np.isfinite(run.states).all(axis=1)
-    good = np.asarray(good_rows).reshape(-1, stride).all(axis=1)
+    good = np.asarray(np.asarray(good_rows).reshape(-1, stride).all(axis=1))
     return len(good) if good.all() else int(np.argmin(good))
