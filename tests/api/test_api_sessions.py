@@ -223,3 +223,14 @@ def test_many_sessions_play_side_by_side_while_one_compiles(client, address):
     assert client.get(rushing["links"]["self"])["row"] > 2000
     for session in (*sessions, rushing):
         assert delete(client, session, session["token"]) == 204
+
+
+@pytest.mark.parametrize(("query", "headers"), [("lang=zh", {}), ("", {"Accept-Language": "zh-CN,zh;q=0.9"})])
+def test_a_viewer_says_its_language_on_connecting(client, address, query, headers):
+    """By ?lang= or by Accept-Language: the log and refusals are Chinese."""
+    session = opened(client, play=False)
+    with watching(address, session, query=query, additional_headers=headers) as page:
+        assert page.say("seek", t=500)["problem"].startswith("会话目前在")
+        page.say("inject", fault=FAULT)
+        page.until(lambda: page.of("event"))
+        assert page.of("event")[-1]["message"]["text"] == "已注入 gain：阶跃，大小 0.3"

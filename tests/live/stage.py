@@ -1,4 +1,4 @@
-"""A room with a clock in the hand and connections that remember what they were sent."""
+"""A room with a clock that the test controls, and connections that remember what they received."""
 
 import asyncio
 import json
@@ -118,7 +118,7 @@ class Stage:
         self._number = self._ticks = 0
 
     def _feed(self, room: Room, _: bool) -> None:
-        """Compute ahead: at once, or, where the stage is busy, in the course of `go`."""
+        """Compute ahead: immediately, or during `go` if the stage is busy."""
         self.needs_prefetch = True
         if not self._busy:
             room.prefetch_rows()
@@ -180,7 +180,7 @@ class Stage:
 
 
 async def settle() -> None:
-    """Let the connections' tasks do what they can."""
+    """Let the connections' tasks run until they wait."""
     for _ in range(12):
         await asyncio.sleep(0)
 

@@ -1,4 +1,4 @@
-"""The clock of a session, with the time in the test's hand."""
+"""The clock of a session, with a time that the test controls."""
 
 from math import inf
 
@@ -41,7 +41,7 @@ def test_a_change_of_speed_neither_jumps_nor_loses_part_of_a_row():
 
 
 def test_what_the_simulation_cannot_follow_is_not_caught_up():
-    """Set back to what there is, the clock goes on from there at its speed."""
+    """Set back to the rows there are, the clock continues from there at its speed."""
     playback = clock(0.01)
     playback.play(0, 0.0)
     assert playback.due(10.0) == 1000
@@ -110,7 +110,7 @@ def test_the_rate_is_what_was_reached():
 
 
 def test_a_spacing_lets_through_one_in_its_time():
-    """The first at once, the next when the time is over."""
+    """The first immediately, the next after the interval."""
     now = [0.0]
     spacing = MinimumInterval(0.1, lambda: now[0])
     taken = []
@@ -121,7 +121,7 @@ def test_a_spacing_lets_through_one_in_its_time():
 
 @given(st.lists(st.floats(0.0, 0.05), min_size=1, max_size=50))
 def test_a_turnstile_spreads_a_crowd_and_does_not_hold_up_who_comes_alone(spacings):
-    """Two pass no closer than it says, in order; whoever comes long after the last waits for nothing."""
+    """Two pass at least the interval apart, in order; one that comes long after the last does not wait."""
     turnstile, now, last = RateLimiter(0.01), 0.0, -inf
     for spacing in spacings:
         now += spacing

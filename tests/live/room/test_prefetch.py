@@ -1,4 +1,4 @@
-"""How far a session computes ahead, by what its rows have cost."""
+"""How far a session computes ahead, from the cost of its rows."""
 
 from itertools import pairwise
 
@@ -21,7 +21,7 @@ def playing(speed: float) -> PlaybackClock:
 def frames(
     playback: PlaybackClock, call: float, row: float, count: int = 60
 ) -> list[tuple[int, list[tuple[int, bool]]]]:
-    """For each frame the rows that are there for it, and what was computed before: (rows, in a thread)."""
+    """Return for each frame the rows available for it, and the batches computed before it: (rows, in a thread)."""
     ahead, left, told = PrefetchPlan(), 0, []
     for _ in range(count):
         pieces = []
@@ -40,7 +40,7 @@ def frames(
 @pytest.mark.parametrize("speed", [0.1, 1, 20, 200, 1000])
 @pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
 def test_each_frame_finds_its_rows_whatever_they_cost(speed, call, row):
-    """Also where the rows of a frame take longer than is computed at once."""
+    """Even if the rows of one frame take longer than one batch may."""
     playback = playing(speed)
     assert all(left >= playback.rows_in(FRAME) for left, _ in frames(playback, call, row))
 
@@ -53,8 +53,8 @@ def test_the_event_loop_is_kept_for_milliseconds_only(call, row):
             assert call + rows * row <= (1.5 * SLICE + call if thread else 2 * LIGHT + call)
 
 
-def test_what_much_longer_pieces_cost_is_not_concluded_from_one(monkeypatch):
-    """After a single call nobody knows what its rows cost: the next ones grow step by step."""
+def test_batches_grow_step_by_step_after_a_single_call(monkeypatch):
+    """One call does not separate its own cost from that of its rows: the next batches grow step by step."""
     pieces = [rows for _, pieces in frames(playing(200), 0.011, 6e-6, count=10) for rows, _ in pieces]
     assert all(later <= 4 * max(earlier, 1000) for earlier, later in pairwise(pieces))
 

@@ -1,4 +1,4 @@
-"""A session with its viewers, on real sessions, with time in the test's hand."""
+"""A room with viewers, on real sessions, with a clock that the test controls."""
 
 import numpy as np
 import pytest
@@ -85,7 +85,7 @@ def test_a_refused_command_changes_nothing():
 
 
 def test_dragging_a_slider_does_not_make_time_go_faster():
-    """Fifty commands in a second, each with its row at once, and still a second passes."""
+    """Fifty commands in one second, each answered with its row, and simulated time is one second."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -99,7 +99,7 @@ def test_dragging_a_slider_does_not_make_time_go_faster():
 
 
 def test_events_come_when_their_row_is_shown_not_when_it_is_computed():
-    """A fault of the spec at 0.5 s: who joins before is told later, who joins after finds it in the log."""
+    """A fault of the spec at 0.5 s: viewers that join earlier get its event then, later ones find it in the log."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()

@@ -1,4 +1,4 @@
-"""How sessions end, and what is left of them: with their viewers, their forks and their memory."""
+"""The end of sessions: their viewers, forks and memory afterwards."""
 
 import weakref
 
@@ -10,7 +10,7 @@ from thetascope_schemas.service.session import CLOSE_ENDED
 
 
 def test_a_session_ends_at_its_limit():
-    """It pauses, says so, refuses to play on, and goes back when asked."""
+    """It stops, reports its end, refuses to play, and can go back."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -27,7 +27,7 @@ def test_a_session_ends_at_its_limit():
 
 
 def test_closing_ends_every_connection_with_its_reason():
-    """And the clock stands still."""
+    """No further tick is scheduled."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -58,7 +58,7 @@ def test_a_fork_has_the_past_and_a_future_of_its_own():
 
 
 def test_a_session_that_is_closed_gives_its_past_back():
-    """At once, while the room itself may still be held by somebody; a fork of it keeps what the two had in common."""
+    """Immediately, although the room object may live longer; a fork keeps the rows that both had in common."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()

@@ -70,7 +70,7 @@ def test_a_held_room_continues_as_it_would_be_without_the_long_command(state):
 
 
 def test_a_room_without_viewers_falls_asleep_and_wakes():
-    """After a minute no row follows; who joins then sees it play on from there."""
+    """After a minute no row follows; a viewer that joins later sees it continue from there."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()

@@ -1,4 +1,4 @@
-"""Where a paused session stands: after single steps, and after going back."""
+"""The row of a paused session after single steps, and after going back."""
 
 import numpy as np
 import pytest
@@ -28,7 +28,7 @@ def test_the_status_after_steps_is_that_of_the_row_that_was_shown():
 
 
 def test_going_back_while_paused_shows_the_row_at_that_time():
-    """The time shown is the one asked for, and what was done then is undone."""
+    """The time shown is the requested one, and the command given then is undone."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()

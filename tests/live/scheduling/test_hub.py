@@ -17,7 +17,7 @@ COMMAND = TypeAdapter(ClientMessage)
 
 
 def test_sessions_on_the_same_experiment_do_not_know_of_each_other(tmp_path):
-    """Each begins with the numbers of a session made by itself, and what is done to one is not done to another."""
+    """Each has the numbers of a session opened alone, and a command to one does not affect another."""
 
     async def scenario() -> None:
         hub = Hub(Settings(data=tmp_path))

@@ -1,4 +1,4 @@
-"""One clock for all rooms, on an event loop whose time is in the test's hand."""
+"""One timer for all rooms, on an event loop whose time the test controls."""
 
 import heapq
 from collections.abc import Callable
@@ -123,7 +123,7 @@ def test_a_command_on_its_way_is_carried_out_before_a_room_computes_ahead():
 
 
 def test_what_waits_is_computed_though_no_frame_is_due():
-    """A room that has half of its rows when nothing else goes on gets the other half at once, before rooms that wait for longer."""
+    """A room with half of its rows computed gets the other half immediately, before rooms that have waited longer."""
     loop = Loop()
     scheduler, one, two = Scheduler(loop), Beat(loop), Beat(loop)
     scheduler.request_prefetch(one, False)

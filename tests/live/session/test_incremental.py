@@ -1,4 +1,4 @@
-"""What a live command changes is made from what was there before: it must be what making it anew would give."""
+"""An experiment adapted to a live command equals one that is built from scratch."""
 
 import random
 from dataclasses import fields
@@ -141,7 +141,7 @@ def test_a_gain_that_cannot_be_is_refused_as_when_it_is_made_anew():
 
 @pytest.mark.parametrize("observers", [(), ("adaptive-kalman", "high-gain")])
 def test_recorded_rows_tell_the_state(observers):
-    """The state at any recorded row is the one that stopping there gives, what a sensor's fault will need included."""
+    """The state at a recorded row equals that of a simulation stopped there, including the memory of sensor faults."""
     spec = complete("zhao-2012")
     more = tuple(spec.observers[0].model_validate({"label": k, "kind": k}) for k in observers)
     experiment = engine(spec.model_copy(update={"observers": (*spec.observers, *more)}))

@@ -1,4 +1,4 @@
-"""Going back gives up what was done from that time on, and nothing that was done before it, whenever that acts."""
+"""Going back drops the commands given from that time on, and none given before it, whenever they act."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_what_was_done_before_stays_as_it_was(act, fork):
 
 
 def test_a_fault_that_was_cleared_after_that_time_goes_on():
-    """Its end comes back, and the saved run has the live numbers."""
+    """Its end is the original one again, and the saved run has the live numbers."""
     session, pieces = Session(zhao()), []
     advance(session, 50, pieces)
     do(session, "inject", fault={"channel": "theta3", "shape": "step", "onset": 0, "end": 5, "size": 0.02})
@@ -54,8 +54,8 @@ def test_a_fault_that_was_cleared_after_that_time_goes_on():
         np.testing.assert_array_equal(mine, run.column(name)[100:160].astype("f4"), err_msg=name)
 
 
-def test_there_is_no_going_back_to_what_is_ahead():
-    """It is refused with the time at which the session stands, and nothing is given up."""
+def test_seeking_ahead_is_refused():
+    """It is refused with the session's present time, and nothing is dropped."""
     session = Session(library.resolve(library.experiment("zhao-2012")))
     session.advance(100)
     before = session.spec
@@ -65,7 +65,7 @@ def test_there_is_no_going_back_to_what_is_ahead():
 
 
 def test_an_observer_that_diverged_is_started_again_under_its_name():
-    """Removed and added again in one row, the only one, and while another watches: its columns go on, and the saved run has the same."""
+    """Removed and added in one row, alone or beside another observer: its columns continue, and the saved run has the same."""
     session, pieces = Session(library.resolve(library.experiment("zhao-2012-as-printed"))), []
     own = session.spec.observers[0]
     advance(session, 100, pieces)
@@ -80,8 +80,8 @@ def test_an_observer_that_diverged_is_started_again_under_its_name():
     assert_same(pieces, session)
 
 
-def test_what_was_told_is_not_told_again_when_rows_are_given_up():
-    """A divergence and an alarm are events once, though the rows after them are given up and found again."""
+def test_events_are_not_reported_again_when_rows_are_dropped():
+    """A divergence and an alarm are reported once, although the rows after them are dropped and computed again."""
     for experiment, rows, back in (("zhao-2012-as-printed", 100, 74), ("zhao-2012", 2300, 2250)):
         session = Session(library.resolve(library.experiment(experiment)))
         session.advance(rows)

@@ -1,4 +1,4 @@
-"""Live sessions: what is seen live is what a saved run gives, bit for bit, whatever is done meanwhile."""
+"""Live sessions: their rows equal those of the saved run, bit for bit, whatever commands are given."""
 
 import random
 from dataclasses import replace
@@ -258,7 +258,7 @@ def test_a_saved_run_is_diagnosed_as_the_session_was():
     assert saved(session).diagnosis["detector"] == found.model_dump(mode="json")
 
 
-def test_scheduled_faults_are_told():
+def test_planned_faults_are_logged():
     """The faults of the library experiment are announced as they begin."""
     session = Session(zhao(faults=[{"channel": "theta3", "shape": "step", "onset": 1.0, "end": 2.0, "size": 0.02}]))
     session.advance(300)
@@ -269,7 +269,7 @@ def test_scheduled_faults_are_told():
 
 
 def test_a_link_reopens_the_session():
-    """The spec of a session, opened anew and advanced to the same row, gives the same rows."""
+    """A session opened on the spec of another and advanced to the same row has the same rows."""
     one = Session(zhao())
     one.advance(120)
     do(one, "set-gain", observer="adaptive", gain="rho", value=7.0)
@@ -330,7 +330,7 @@ def test_what_diverges_is_told_where_the_run_says_it_does(piece):
 
 
 def test_the_log_says_what_was_cleared_and_what_an_alarm_was_named_with():
-    """A planned fault that is given up is said so; an alarm's size is that of its naming, however the rows came in."""
+    """The log names planned faults that were cleared; an alarm's size is the first one reported, however rows are grouped."""
     told = []
     for piece in (13, 900):
         session = Session(library.resolve(library.experiment("zhao-2012")))

@@ -1,4 +1,4 @@
-"""What commands do to a session: what is told of them, what is refused, and what a second fault of a sensor meets."""
+"""Effects of commands on a session: their events, refusals, and second faults of a sensor."""
 
 import pytest
 
@@ -19,7 +19,7 @@ SENSOR = {
 @pytest.mark.parametrize("second", ["freeze", "dropout"])
 @pytest.mark.parametrize("first", SENSOR)
 def test_a_sensor_that_fails_while_it_fails_is_saved_bit_for_bit(first, second, sampled):
-    """What the second fault holds is what the first let through, though the first was there before it came."""
+    """The second fault holds the values that the first one lets through, although the first began earlier."""
     session, pieces = Session(zhao(**({"measurement": {"mode": "sampled", "period": 0.05}} if sampled else {}))), []
     for shape in (first, second):
         advance(session, 50, pieces)
@@ -28,7 +28,7 @@ def test_a_sensor_that_fails_while_it_fails_is_saved_bit_for_bit(first, second, 
     assert_same(pieces, session)
 
 
-def test_a_reopened_session_tells_what_was_done_in_it():
+def test_a_reopened_session_logs_the_commands_of_its_spec():
     """Gains, noise and observers stand in the log of a session on the same spec at the same rows."""
     one = Session(zhao())
     for kind, fields in (
@@ -49,7 +49,7 @@ def test_a_reopened_session_tells_what_was_done_in_it():
 
 
 def test_observers_that_have_no_row_yet_are_not_checked():
-    """The others are: an observer added while time stands still takes nobody's lights away."""
+    """The others are checked: an observer added while paused does not remove the checks of others."""
     session = Session(zhao())
     session.advance(300)
     do(session, "add-observer", observer={"label": "ekf", "kind": "joint-ekf"})
@@ -68,8 +68,8 @@ def test_observers_that_have_no_row_yet_are_not_checked():
         ("clear", {"output": "x1"}, "output"),
     ],
 )
-def test_what_cannot_be_simulated_or_is_not_there_is_refused_at_once(kind, fields, field):
-    """Also while time stands still: the error names the field, and nothing has changed."""
+def test_unknown_names_and_too_short_intervals_are_refused_immediately(kind, fields, field):
+    """Even while paused: the error names the field, and nothing has changed."""
     session = Session(zhao())
     session.advance(30)
     before = session.spec

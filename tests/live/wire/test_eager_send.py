@@ -1,4 +1,4 @@
-"""Coroutines that are begun at once, jobs that take turns."""
+"""Coroutines that start immediately, and jobs that run one at a time."""
 
 import asyncio
 
@@ -9,7 +9,7 @@ from thetascope.live.room.serial_queue import SerialQueue
 from thetascope.live.wire.eager_send import send_eagerly
 
 
-def test_what_need_not_wait_is_done_at_once():
+def test_a_coroutine_that_does_not_wait_runs_immediately():
     """Without a task, without another turn of the event loop."""
     done = []
 
@@ -20,8 +20,8 @@ def test_what_need_not_wait_is_done_at_once():
     assert done == [1]
 
 
-def test_what_waits_is_brought_to_its_end_by_another_task():
-    """Also over several waits, and what it raises is raised there."""
+def test_a_coroutine_that_waits_is_finished_by_another_task():
+    """Even over several waits; its error is raised in the task."""
 
     async def scenario() -> list[str]:
         gates, done = [asyncio.Event(), asyncio.Event()], []
@@ -76,7 +76,7 @@ def test_cancelling_reaches_what_waits():
 
 
 def test_jobs_take_turns_and_urgent_ones_come_first():
-    """While one is in a thread nothing else runs; what follows a job is done before the next job."""
+    """While one is in a thread no other runs; a job's callback comes before the next job."""
     held, log = [], []
     queue = SerialQueue(lambda job, then: held.append((job, then)))
 

@@ -25,7 +25,7 @@ def test_numbers_beyond_float32_are_infinite_and_nobody_is_warned():
 
 @given(st.lists(st.tuples(st.integers(0, 30), st.integers(0, 30)), min_size=1, max_size=20))
 def test_rows_ahead_are_those_that_were_added(steps):
-    """In whatever pieces they came and however many are forgotten: what can be taken is right, and the rest is not there."""
+    """However rows are grouped and however many are dropped: rows that are returned are right, others are missing."""
     ahead, end = FrameBuffer(0, 2), 0
     for count, keep in steps:
         piece = np.arange(end, end + count, dtype=float)

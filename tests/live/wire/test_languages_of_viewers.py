@@ -70,7 +70,7 @@ def test_messages_that_are_no_commands_are_refused_with_codes():
 
 
 def test_nested_messages_and_lists_are_rendered():
-    """A message within a message is in the same language, and what has no code stays as it is."""
+    """A nested message is in the same language, and data without a code is unchanged."""
     planned = Message("event.cleared-planned", cleared=Message("event.cleared", fault="θ1"))
     event = Event(row=1, t=0.1, kind="clear", value={"text": "left alone"}, message=Text.of(planned))
     sent = json.loads(encode(event, "zh"))

@@ -1,4 +1,4 @@
-"""Reading what a viewer says: commands, and everything else."""
+"""Reading a viewer's messages: commands, and refusals of anything else."""
 
 import json
 import random
@@ -20,7 +20,7 @@ GOOD = [
 
 
 def malformed(draw: random.Random) -> str | None:
-    """A message that is none: a good one that was spoilt, or noise."""
+    """Return a malformed message: a damaged command, or noise."""
     message = json.loads(json.dumps(draw.choice(GOOD)))
     text = json.dumps(message)
     spoilt = [
@@ -46,7 +46,7 @@ def malformed(draw: random.Random) -> str | None:
 
 
 def test_good_commands_are_read():
-    """As what they are."""
+    """As the commands they are."""
     kinds = [type(read(json.dumps(message), 1000)) for message in GOOD]
     assert Refused not in kinds and Inject in kinds and SetGainNow in kinds
 

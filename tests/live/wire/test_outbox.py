@@ -71,7 +71,7 @@ def test_what_a_slow_viewer_missed_is_one_frame():
 
 
 def test_a_viewer_too_far_behind_jumps_and_is_told_what_it_misses():
-    """It keeps half of what it may be behind, and does not jump again at once."""
+    """It keeps half of the allowed backlog, and does not jump again immediately."""
     outbox = Outbox(100)
     assert outbox.jump(1100, 1000) is None
     assert outbox.jump(1101, 1000) == Span(100, 601)

@@ -1,4 +1,4 @@
-"""Viewers that are slow, lose their connection, or come late; with time in the test's hand."""
+"""Viewers that are slow, lose their connection, or come late; with a clock that the test controls."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ FAULT = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
 
 
 def test_a_viewer_that_takes_nothing_slows_nobody_and_then_gets_one_frame():
-    """The session and the other viewer go on; what was missed comes as one frame, all events in order, one status."""
+    """The session and the other viewer continue; missed rows come as one frame, all events in order, one status."""
 
     async def scenario(stage: Stage) -> None:
         page, slow = await stage.connect(), await stage.connect()
@@ -36,7 +36,7 @@ def test_a_viewer_that_takes_nothing_slows_nobody_and_then_gets_one_frame():
 
 
 def test_a_viewer_far_behind_jumps_and_is_told_over_which_rows():
-    """It never waits for what is long past, and never makes the server keep it."""
+    """It never waits for old rows, and never makes the server keep them."""
 
     async def scenario(stage: Stage) -> None:
         page, slow = await stage.connect(), await stage.connect()
@@ -76,7 +76,7 @@ def test_a_viewer_that_lets_events_pile_up_is_closed():
 
 
 def test_a_lost_connection_resumes_without_a_gap():
-    """Whoever names its last frame gets what follows, and nothing twice; its rows are those of a viewer that stayed."""
+    """A viewer that names its last frame gets the rows after it, none twice; in the end it has those of one that stayed."""
 
     async def scenario(stage: Stage) -> None:
         page, lost = await stage.connect(), await stage.connect()
@@ -131,7 +131,7 @@ def test_who_comes_new_or_names_a_frame_that_nobody_knows_gets_the_whole_past(af
 
 
 def test_a_slow_viewer_survives_a_rewind_and_new_columns():
-    """What it had not taken is void or comes in the new columns; in the end it has what the others have."""
+    """Unsent rows are void or come in the new columns; in the end it has the rows of the others."""
 
     async def scenario(stage: Stage) -> None:
         page, slow = await stage.connect(), await stage.connect()
