@@ -323,3 +323,13 @@ def test_no_markup_is_written_in_python():
             r"[\"'][^\"'\n]*</?(?:p|b|i|td|tr|table|span|h\d|div|section|li|ul|code|pre)[ >]", path.read_text()
         )
         assert tags in ([], ['"<i>', '"<i ']), path.name
+
+
+def test_a_fact_that_is_a_message_is_worded(experiment, result, plant):
+    """An observer's fact {code, args} is a sentence in the report's language, and no data."""
+    spec = experiment()
+    outcome = result(spec)
+    fact = Message("observer.matching.different", first="a", second="b")
+    observers = tuple(replace(o, facts={"matching": fact.as_data()}) for o in outcome.observers)
+    html = report(replace(outcome, observers=observers), spec, plant, {}, "zh")
+    assert fact.text("zh") in html and "observer.matching.different" not in html

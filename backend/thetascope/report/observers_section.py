@@ -1,12 +1,13 @@
 """The observers in the report: gains, what they report about themselves, every assumption of their theorems in numbers."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from markupsafe import Markup
 
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check, ObserverReport
+from thetascope.messages import Message
 from thetascope.report.words import Report, mark, number, symbol
 from thetascope_schemas.experiment.observers import ObserverConfig
 
@@ -25,7 +26,7 @@ def observers(report: Report) -> Markup:
 def _observer(report: Report, one: ObserverReport, config: ObserverConfig) -> dict[str, object]:
     gains = [Markup("{} = {}").format(symbol(name), _value(value)) for name, value in config.gains.items()]
     gains += [Markup("{}: {}").format(name, str(value)) for name, value in config.options.items()]
-    facts = [Markup("{}: {}").format(name.replace("_", " "), _value(value)) for name, value in one.facts.items()]
+    facts = [Markup("{}: {}").format(name.replace("_", " "), _fact(report, value)) for name, value in one.facts.items()]
     return {
         "chip": report.chip(one.label),
         "title": report.text(one.title) or one.kind,
@@ -63,6 +64,13 @@ def checks(report: Report, found: Sequence[Check]) -> Markup:
         for c in found
     ]
     return report.table([report.say(f"report.head.{name}") for name in _HEAD], rows, 2)
+
+
+def _fact(report: Report, value: object) -> Markup | str:
+    """Return a fact; one that is a message, {code, args}, in the report's language."""
+    if isinstance(value, Mapping) and "code" in value:
+        return report.text(Message.from_data(value))
+    return "–" if value is None else _value(value)
 
 
 def _value(value: object) -> Markup | str:
