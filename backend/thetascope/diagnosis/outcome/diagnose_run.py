@@ -105,11 +105,11 @@ def advance_over_rows(
     state: MonitorState,
     experiment: Experiment,
     rows: Rows,
-    values: dict[str, np.ndarray] | None = None,
+    values: dict[str, np.ndarray | float] | None = None,
 ) -> Steps[MonitorState]:
     """Return the monitor's state after recorded rows; `values`: signals along them by name, if they are available."""
-    values = values or row_values(experiment, rows.index, rows.plant)
-    table = monitor.filter.table(rows.index, rows.y, values)
+    signals = values or row_values(experiment, rows.index, rows.plant)
+    table = monitor.filter.table(rows.index, rows.y, signals)
     return (yield from monitor.advance(state, table, rows.index * experiment.step))
 
 
@@ -261,7 +261,7 @@ def _estimates(experiment: Experiment, substeps: int, stride: int) -> Estimates:
     }
 
 
-def _errors(estimator: Estimator, states: np.ndarray, values: dict[str, np.ndarray]) -> np.ndarray:
+def _errors(estimator: Estimator, states: np.ndarray, values: dict[str, np.ndarray | float]) -> np.ndarray:
     """Return θ̂ − θ (rows, channels) from an observer's states (rows, states)."""
     place = {s: i for i, s in enumerate(estimator.program.states)}
     errors = [states[:, place[f"thetah.{c}"]] - values[f"theta.{c}"] for c in estimator.channels]
