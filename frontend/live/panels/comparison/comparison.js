@@ -211,7 +211,8 @@ export function mount(element, app) {
     });
     forms.forEach((form, place) => form.take(filled.flatMap(({figures}) => figures[place]?.value ?? [])));
     for (const {cells, figures} of filled) {
-      for (const [place, {words, value, title}] of figures.entries())
+      const known = figures.slice(0, cells.length); // without a channel the table has one column
+      for (const [place, {words, value, title}] of known.entries())
         put(cells[place], words ?? forms[place].write(value ?? NaN), title);
     }
   };
