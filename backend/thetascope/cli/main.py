@@ -204,7 +204,8 @@ def _reason(error: Exception, say: Words) -> str:
     if isinstance(error, SpecError):
         pointer = f"\n{error.pointer}" if isinstance(error, ExpressionError) else ""
         return from_engine(error).text(say.language) + pointer
-    return error.text(say.language) if hasattr(error, "text") else str(error)
+    text = getattr(error, "text", None)
+    return str(error) if text is None else text(say.language)
 
 
 def _fail(message: str, code: int) -> int:

@@ -171,7 +171,7 @@ class ThetaBounds:
 def sizes(D: np.ndarray, s: np.ndarray, bounds: ThetaBounds) -> np.ndarray:
     """Return the most likely θ_j of each channel alone (…, p): s_j/J_jj within bounds, 0 where J_jj vanishes; `D`: the
     diagonal of J."""
-    visible = D > 1e-12 * np.max(D, axis=-1, keepdims=True, initial=1e-300)
+    visible = 1e-12 * np.max(D, axis=-1, keepdims=True, initial=1e-300) < D
     return np.clip(np.where(visible, s / np.where(visible, D, 1.0), 0.0), bounds.low, bounds.high)
 
 

@@ -26,42 +26,60 @@ class Columns(Protocol):
     """Columns of samples by name, all of shape (rows,); `t` is the time in s."""
 
     @property
-    def names(self) -> tuple[str, ...]: ...
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns."""
+        ...
 
-    def column(self, name: str, /) -> np.ndarray: ...
+    def column(self, name: str, /) -> np.ndarray:
+        """Return one column by name, shape (rows,). Raises KeyError."""
+        ...
 
 
 class Recorded(Columns, Protocol):
     """Columns with the reports of their observers: a `Result`."""
 
     @property
-    def observers(self) -> tuple[ObserverReport, ...]: ...
+    def observers(self) -> tuple[ObserverReport, ...]:
+        """The reports of the observers."""
+        ...
 
 
 class Site(Protocol):
     """The place where a fault acts: kind "channel" or "output", and its name."""
 
     @property
-    def kind(self) -> str: ...
+    def kind(self) -> str:
+        """ "channel" or "output"."""
+        ...
 
     @property
-    def name(self) -> str: ...
+    def name(self) -> str:
+        """Name of the channel or the output."""
+        ...
 
 
 class FaultOverTime(Protocol):
     """A fault of a spec: site, shape, onset and end in s."""
 
     @property
-    def site(self) -> Site: ...
+    def site(self) -> Site:
+        """The place where it acts."""
+        ...
 
     @property
-    def shape(self) -> str: ...
+    def shape(self) -> str:
+        """Its shape over time, for example "step"."""
+        ...
 
     @property
-    def onset(self) -> float: ...
+    def onset(self) -> float:
+        """Time in s at which it appears."""
+        ...
 
     @property
-    def end(self) -> float | None: ...
+    def end(self) -> float | None:
+        """Time in s at which it disappears; None: it stays."""
+        ...
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """The extended Kalman filter of engine/estimation/kalman_innovations.py along rows: its inputs, and what is kept of
 it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -103,7 +104,7 @@ class InnovationFilter:
         P = np.diag(np.array(state_scales(self.context)) ** 2)
         return np.concatenate([first, np.zeros(self.n * self.p), P[np.triu_indices(self.n)]])
 
-    def table(self, index: np.ndarray, y: np.ndarray, values: dict) -> np.ndarray:
+    def table(self, index: np.ndarray, y: np.ndarray, values: Mapping) -> np.ndarray:
         """Return the filter's inputs (rows, inputs).
 
         Args:

@@ -12,8 +12,7 @@ from pathlib import Path
 def folder() -> Path:
     """THETASCOPE_CACHE, else the user's cache folder."""
     named = os.environ.get("THETASCOPE_CACHE")
-    base = Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thetascope"
-    return base
+    return Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thetascope"
 
 
 def read(kind: str, key: str) -> bytes | None:

@@ -38,6 +38,7 @@ class Layout:
     lanes: int = 1
 
     def shared_params(self, program: Program) -> tuple[str, ...]:
+        """Return the parameters that are the same in all lanes."""
         return tuple(p for p in program.parameters if p not in self.lane_params)
 
 
@@ -259,14 +260,14 @@ class _Module:
         middle = w.let(f"fadd double {t}, {w.let(f'fmul double %h, {Writer(1).const(0.5)}')}")
         end = w.let(f"fadd double {t}, %h")
         k1 = self._stage(w, 0, state, t, segment, scratch)
-        k2 = self._stage(w, 1, [w.fma(half, k, s) for k, s in zip(k1, state)], middle, segment, scratch)
-        k3 = self._stage(w, 2, [w.fma(half, k, s) for k, s in zip(k2, state)], middle, segment, scratch)
-        z = [w.fma(h, k, s) for k, s in zip(k3, state)]
+        k2 = self._stage(w, 1, [w.fma(half, k, s) for k, s in zip(k1, state, strict=True)], middle, segment, scratch)
+        k3 = self._stage(w, 2, [w.fma(half, k, s) for k, s in zip(k2, state, strict=True)], middle, segment, scratch)
+        z = [w.fma(h, k, s) for k, s in zip(k3, state, strict=True)]
         # k2 + k3 before the last stage, so that fewer values are waiting; sums are quicker than multiply-adds
-        inner = [w.add(a, b) for a, b in zip(k2, k3)]
+        inner = [w.add(a, b) for a, b in zip(k2, k3, strict=True)]
         k4 = self._stage(w, 3, z, end, segment, scratch)
-        total = [w.fma(w.const(2.0), a, w.add(b, c)) for a, b, c in zip(inner, k1, k4)]
-        return [w.fma(sixth, k, s) for k, s in zip(total, state)]
+        total = [w.fma(w.const(2.0), a, w.add(b, c)) for a, b, c in zip(inner, k1, k4, strict=True)]
+        return [w.fma(sixth, k, s) for k, s in zip(total, state, strict=True)]
 
     def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
         lay, lanes = self.layout, self.layout.lanes
@@ -284,7 +285,7 @@ class _Module:
         where["staged"] = row("%staged", len(lay.staged)) if lay.staged else "%staged"
         where["lane_staged"] = row("%lane_staged", len(lay.lane_staged) * lanes) if lay.lane_staged else "%lane_staged"
         if self.inline:
-            leaves = dict(zip(self.program.states, z)) | {"t": w.splat(t)}
+            leaves = dict(zip(self.program.states, z, strict=True)) | {"t": w.splat(t)}
             values, emitted = self._split(self._values(w, leaves, where, dict(segment["memo"])))
         else:
             values, emitted = self._called(w, z, t, where, scratch)

@@ -50,9 +50,11 @@ class Graph:
         return found
 
     def const(self, value: float) -> int:
+        """Return the node of a number."""
         return self.raw("const", float(value))
 
     def var(self, name: str) -> int:
+        """Return the node of a variable."""
         return self.raw("var", name)
 
     def value(self, i: int) -> float | None:
@@ -61,6 +63,7 @@ class Graph:
         return node[1] if node[0] == "const" else None
 
     def add(self, a: int, b: int) -> int:
+        """Return the node of a + b, simplified for constants, zeros and negations."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.const(x + y)
@@ -75,6 +78,7 @@ class Graph:
         return self.raw("add", *sorted((a, b)))
 
     def sub(self, a: int, b: int) -> int:
+        """Return the node of a − b, simplified for constants, zeros and negations."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.const(x - y)
@@ -85,6 +89,7 @@ class Graph:
         return self.raw("sub", a, b)
 
     def mul(self, a: int, b: int) -> int:
+        """Return the node of a · b, simplified for constants, 0, 1 and −1."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.const(x * y)
@@ -103,6 +108,7 @@ class Graph:
         return self.raw("mul", *sorted((a, b)))
 
     def div(self, a: int, b: int) -> int:
+        """Return the node of a / b, simplified for constants and for 0 and 1."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None and y != 0:
             return self.const(x / y)
@@ -113,6 +119,7 @@ class Graph:
         return self.raw("div", a, b)
 
     def neg(self, a: int) -> int:
+        """Return the node of −a; of −(−a) it is a."""
         x = self.value(a)
         if x is not None:
             return self.const(-x)

@@ -18,41 +18,51 @@ class Writer:
         self.count = 0
 
     def put(self, text: str) -> None:
+        """Write one instruction."""
         self.lines.append("  " + text)
 
     def let(self, text: str) -> str:
+        """Write an instruction that has a value, and return the value's name."""
         self.count += 1
         name = f"%v{self.count}"
         self.put(f"{name} = {text}")
         return name
 
     def const(self, value: float) -> str:
+        """Return a double as text, bit for bit, in every lane."""
         text = "0x" + struct.pack(">d", value).hex().upper()
         return text if self.lanes == 1 else "<" + ", ".join([f"double {text}"] * self.lanes) + ">"
 
     def splat(self, scalar: str) -> str:
+        """Return a vector that holds a scalar in every lane."""
         if self.lanes == 1:
             return scalar
         one = self.let(f"insertelement {self.type} poison, double {scalar}, i32 0")
         return self.let(f"shufflevector {self.type} {one}, {self.type} poison, <{self.lanes} x i32> zeroinitializer")
 
     def fma(self, a: str, b: str, c: str) -> str:
+        """Return a · b + c, rounded once."""
         t = self.type
         return self.let(f"call {t} @llvm.fma.{self.suffix}({t} {a}, {t} {b}, {t} {c})")
 
     def add(self, a: str, b: str) -> str:
+        """Return a + b."""
         return self.let(f"fadd {self.type} {a}, {b}")
 
     def address(self, base: str, index: str | int, kind: str = "double") -> str:
+        """Return the address of an entry of an array."""
         return self.let(f"getelementptr {kind}, ptr {base}, i64 {index}")
 
     def load_shared(self, base: str, index: int) -> str:
+        """Return an entry that all lanes share."""
         return self.splat(self.let(f"load double, ptr {self.address(base, index)}"))
 
     def load_lanes(self, base: str, index: int) -> str:
+        """Return an entry of which each lane has its own."""
         return self.let(f"load {self.type}, ptr {self.address(base, index * self.lanes)}, align 8")
 
     def store(self, value: str, base: str, index: int) -> None:
+        """Store a value, each lane in its own place."""
         self.put(f"store {self.type} {value}, ptr {self.address(base, index * self.lanes)}, align 8")
 
     def libm(self, name: str, *args: str) -> str:
@@ -67,17 +77,21 @@ class Writer:
         return result
 
     def flag(self, comparison: str) -> str:
+        """Return 1.0 where a comparison holds, else 0.0."""
         return self.let(
             f"select {self.bool} {comparison}, {self.type} {self.const(1.0)}, {self.type} {self.const(0.0)}"
         )
 
     def compare(self, kind: str, a: str, b: str) -> str:
+        """Return a comparison of two doubles, lane by lane."""
         return self.let(f"fcmp {kind} {self.type} {a}, {b}")
 
     def select(self, condition: str, a: str, b: str) -> str:
+        """Return a where the condition holds, else b."""
         return self.let(f"select {self.bool} {condition}, {self.type} {a}, {self.type} {b}")
 
     def intrinsic(self, name: str, *args: str) -> str:
+        """Return a function that LLVM knows itself, such as sqrt."""
         t = self.type
         return self.let(f"call {t} @llvm.{name}.{self.suffix}(" + ", ".join(f"{t} {a}" for a in args) + ")")
 

@@ -29,6 +29,7 @@ class Ranks:
         self.found: list[int] = []
 
     def __call__(self, i: int) -> int:
+        """Return the rank of a node: the highest of the variables in it."""
         for op, *args in self.graph.nodes[len(self.found) :]:
             if op in LEAVES:
                 self.found.append(-1 if op == "const" else self.names.get(args[0], 0))
@@ -63,6 +64,7 @@ class Lowering:
         self.memo[symbol] = self(expression)
 
     def __call__(self, expression: sympy.Expr) -> int:
+        """Return the node of an expression; equal expressions have one node."""
         expression = sympy.sympify(expression)
         found = self.memo.get(expression)
         if found is None:

@@ -97,6 +97,7 @@ class Program:
         return frozenset(graphs.variables(self.graph, self.update)) & frozenset((*self.inputs, "t"))
 
     def to_json(self) -> dict:
+        """Return the program as plain data, doubles as hexadecimal text, so that they keep every bit."""
         return {
             "name": self.name,
             "time": self.time,
@@ -110,6 +111,7 @@ class Program:
 
     @classmethod
     def from_json(cls, data: dict) -> "Program":
+        """Return the program of `to_json`."""
         graph = Graph()
         for op, *args in data["nodes"]:
             graph.raw(op, *((float.fromhex(args[0]),) if op == "const" else args))

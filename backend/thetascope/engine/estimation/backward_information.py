@@ -110,25 +110,25 @@ class _Writer:
         GM = [[total(g, [(Gt[i][k], M["vw"][k][j]) for k in n]) for j in p] for i in p]
         GV = [[total(g, [(Gt[i][k], toV[k][j]) for k in n]) for j in p] for i in p]
         return {
-            "vv": [[total(g, list(zip(FM[i], Ft[j]))) for j in n] for i in n],
+            "vv": [[total(g, list(zip(FM[i], Ft[j], strict=True))) for j in n] for i in n],
             "vw": [[total(g, [(Ft[i][k], toV[k][j]) for k in n]) for j in p] for i in n],
             "ww": [[g.add(M["ww"][i][j], g.add(GV[i][j], GM[j][i])) for j in p] for i in p],
             "vr": [[total(g, [(Ft[i][k], moved[k][j]) for k in n]) for j in p] for i in n],
             "wr": [g.add(grown[j], total(g, [(Gt[j][k], moved[k][j]) for k in n])) for j in p],
             "rr": [g.add(g.mul(g.mul(rho, rho), M["rr"][j]), g.mul(delta, g.add(kept[j], grown[j]))) for j in p],
-            "v": [total(g, list(zip(Ft[i], M["v"]))) for i in n],
-            "w": [g.add(M["w"][j], total(g, list(zip(Gt[j], M["v"])))) for j in p],
+            "v": [total(g, list(zip(Ft[i], M["v"], strict=True))) for i in n],
+            "w": [g.add(M["w"][j], total(g, list(zip(Gt[j], M["v"], strict=True)))) for j in p],
             "r": [g.add(g.mul(rho, M["r"][j]), g.mul(delta, M["w"][j])) for j in p],
         }
 
     def _seen(self, M: dict, c: list[int], d: list[int], K: list[int], weight: int, nu: int, heed: int) -> dict:
         """Before an output is taken, V⁺ = V − K ω with ω = c V + d w, and ω/σ is evidence."""
         g, n, p = self.graph, range(self.n), range(self.p)
-        MK = [total(g, list(zip(M["vv"][i], K))) for i in n]
-        square = g.add(total(g, list(zip(K, MK))), g.mul(heed, g.mul(weight, weight)))  # KᵀMK + 1/σ²
+        MK = [total(g, list(zip(M["vv"][i], K, strict=True))) for i in n]
+        square = g.add(total(g, list(zip(K, MK, strict=True))), g.mul(heed, g.mul(weight, weight)))  # KᵀMK + 1/σ²
         Kw = [total(g, [(K[k], M["vw"][k][j]) for k in n]) for j in p]
         Kr = [total(g, [(K[k], M["vr"][k][j]) for k in n]) for j in p]
-        shown = g.sub(g.mul(heed, g.mul(weight, nu)), total(g, list(zip(K, M["v"]))))
+        shown = g.sub(g.mul(heed, g.mul(weight, nu)), total(g, list(zip(K, M["v"], strict=True))))
         sc, sd = [g.mul(square, b) for b in c], [g.mul(square, b) for b in d]
 
         def less(a: int, *products: tuple[int, int]) -> int:

@@ -35,6 +35,7 @@ class Shape:
 
 
 def shape_of(program: Program) -> Shape:
+    """Return which states of an observer's program are x̂ and θ̂, and which inputs are y."""
     return Shape(
         tuple(s for s in program.states if s.startswith("xh.")),
         tuple(s for s in program.states if s.startswith("thetah.")),

@@ -61,7 +61,7 @@ class _Writer:
             prior = f
         else:
             G = self._times(E, G)
-            prior = [g.add(x, total(g, list(zip(row, f)))) for x, row in zip(self.prior, E)]
+            prior = [g.add(x, total(g, list(zip(row, f, strict=True)))) for x, row in zip(self.prior, E, strict=True)]
         moved = [[g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(row)] for row in G]
         V = [
             [g.add(total(g, [(F[i][k], self.V[k][j]) for k in range(n)]), moved[i][j]) for j in range(p)]
@@ -111,7 +111,7 @@ class _Writer:
         inside = [
             g.call("min", g.call("max", x, g.var(f"low.{i}")), g.var(f"high.{i}")) for i, x in enumerate(self.prior)
         ]
-        here = dict(zip(plant.states, inside)) | {t: g.var(f"known.{j}") for j, t in enumerate(self.theta)}
+        here = dict(zip(plant.states, inside, strict=True)) | {t: g.var(f"known.{j}") for j, t in enumerate(self.theta)}
         moved, zero = g.absorb(source, wanted, here), g.const(0.0)
         J, H = (
             [[moved[row[s]] if s in row else zero for s in names] for row in slopes]
@@ -119,8 +119,8 @@ class _Writer:
         )
         # outside the domain: the value at the nearest point inside, and on along the tangent there
         values = [
-            g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside)]))
-            for r, row in zip(roots, J)
+            g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside, strict=True)]))
+            for r, row in zip(roots, J, strict=True)
         ]
         return values, J, H
 
@@ -131,8 +131,10 @@ class _Writer:
         for k, name in enumerate(self.y):
             c = C[k]
             cP = [total(g, [(c[i], self.P[i][j]) for i in range(n)]) for j in range(n)]
-            variance = g.add(total(g, list(zip(cP, c))), g.var(f"R.{k}"))
-            moved = total(g, [(a, g.sub(x, b)) for a, x, b in zip(c, self.prior, first)])  # by the outputs before
+            variance = g.add(total(g, list(zip(cP, c, strict=True))), g.var(f"R.{k}"))
+            moved = total(
+                g, [(a, g.sub(x, b)) for a, x, b in zip(c, self.prior, first, strict=True)]
+            )  # by the outputs before
             nu = g.sub(g.var(f"measured.{name}"), g.add(level[k], moved))
             direct = [g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(Psi[k])]
             omega = [g.add(total(g, [(c[i], self.V[i][j]) for i in range(n)]), direct[j]) for j in range(p)]
@@ -143,8 +145,11 @@ class _Writer:
             gain = [g.mul(followed, b) for b in cP]
             outputs |= {f"C.{k}.{i}": b for i, b in enumerate(c)} | {f"D.{k}.{j}": b for j, b in enumerate(Psi[k])}
             outputs |= {f"K.{k}.{i}": b for i, b in enumerate(gain)} | {f"weight.{k}": weight}
-            self.prior = [g.add(x, g.mul(K, nu)) for x, K in zip(self.prior, gain)]
-            self.V = [[g.sub(v, g.mul(K, o)) for v, o in zip(row, omega)] for row, K in zip(self.V, gain)]
+            self.prior = [g.add(x, g.mul(K, nu)) for x, K in zip(self.prior, gain, strict=True)]
+            self.V = [
+                [g.sub(v, g.mul(K, o)) for v, o in zip(row, omega, strict=True)]
+                for row, K in zip(self.V, gain, strict=True)
+            ]
             upper = {(i, j): g.sub(self.P[i][j], g.mul(gain[i], cP[j])) for i in range(n) for j in range(i, n)}
             self.P = [[upper[min(i, j), max(i, j)] for j in range(n)] for i in range(n)]
         return outputs
@@ -177,7 +182,9 @@ class _Writer:
 
     def _plus(self, a: Matrix, b: Matrix, factor: float) -> Matrix:
         g = self.graph
-        return [[g.add(x, g.mul(y, g.const(factor))) for x, y in zip(r, s)] for r, s in zip(a, b)]
+        return [
+            [g.add(x, g.mul(y, g.const(factor))) for x, y in zip(r, s, strict=True)] for r, s in zip(a, b, strict=True)
+        ]
 
     def _spread(self, F: Matrix) -> list[int]:
         """F P Fᵀ + Q: the upper triangle. Q is per second (per step in discrete time)."""
@@ -186,7 +193,9 @@ class _Writer:
         q = [g.mul(g.var(f"q.{i}"), g.var("interval")) for i in range(n)]
         zero = g.const(0.0)
         return [
-            g.add(total(g, list(zip(FP[i], F[j]))), q[i] if i == j else zero) for i in range(n) for j in range(i, n)
+            g.add(total(g, list(zip(FP[i], F[j], strict=True))), q[i] if i == j else zero)
+            for i in range(n)
+            for j in range(i, n)
         ]
 
 

@@ -9,6 +9,7 @@ from thetascope.engine.inputs.signals import Signal
 
 
 def step(size: float) -> Signal:
+    """Return the signal that is ``size`` from the onset on."""
     return signals.constant(size)
 
 
@@ -28,6 +29,7 @@ def exponential(size: float, time_constant: float) -> Signal:
 
 
 def sine(size: float, frequency: float, phase: float = 0.0) -> Signal:
+    """Return size · sin(2π · frequency · τ + phase); frequency in Hz, phase in rad."""
     return signals.sine(size, frequency, phase)
 
 
@@ -61,10 +63,8 @@ _SHAPES = {
 def fault(data: Mapping, key: tuple[int, ...]) -> Signal:
     """θ of one fault from its plain data; ``key`` seeds the random shapes."""
     arguments = {k: v for k, v in data.items() if k not in ("channel", "shape", "onset", "end")}
-    if data["shape"] == "random-walk":
-        inner = random_walk(**arguments, key=key)
-    else:
-        inner = _SHAPES[data["shape"]](**arguments)
+    shape = data["shape"]
+    inner = random_walk(**arguments, key=key) if shape == "random-walk" else _SHAPES[shape](**arguments)
     return signals.gated(inner, data["onset"], data.get("end"))
 
 

@@ -13,6 +13,7 @@ class Tables:
         self.grid, self.signals, self.stages = grid, signals, stages
 
     def extended(self, more: dict[str, Signal]) -> "Tables":
+        """Return the tables with further signals."""
         return Tables(self.grid, self.signals | more, self.stages)
 
     @property
@@ -21,6 +22,7 @@ class Tables:
         return tuple((n, s.held) for n, s in self.signals.items())
 
     def held(self, names: tuple[str, ...]) -> np.ndarray:
+        """Return signals that are constant between breaks: shape (segments, names)."""
         at = self.grid.segment_anchor
         table = np.empty((len(at), max(1, len(names))))
         for j, name in enumerate(names):
@@ -29,6 +31,7 @@ class Tables:
         return table
 
     def staged(self, names: tuple[str, ...]) -> np.ndarray:
+        """Return signals at every stage of every step: shape (steps, stages, names)."""
         g = self.grid
         if not names:
             return np.empty((g.count, self.stages, 1))

@@ -109,6 +109,7 @@ class Measurement:
 
     @property
     def direct(self) -> bool:
+        """Whether y is the clean output plus noise and nothing else."""
         return self.sample_every is None and all(f["shape"] in ADDITIVE for f in self.faults)
 
     def breaks(self, a: float, b: float, signals: Iterable[Signal] = ()) -> np.ndarray:
@@ -126,6 +127,7 @@ class Measurement:
         return np.concatenate(parts) if parts else np.empty(0)
 
     def start(self) -> Memory:
+        """Return what the measurement remembers before the first step: nothing."""
         m = len(self.outputs)
         return Memory(np.full(m, np.nan), np.full(m, np.nan))
 

@@ -41,6 +41,7 @@ def _no_breaks(a: float, b: float) -> np.ndarray:
 
 
 def constant(value: float) -> Signal:
+    """Return the signal that has one value at all times."""
     return Signal(lambda t, anchor: np.full(anchor.shape, float(value)), _no_breaks, True, float(value))
 
 

@@ -45,22 +45,27 @@ class Grid:
 
     @cached_property
     def start(self) -> np.ndarray:
+        """Start of every step in s, shape (count,)."""
         return self._times[0]
 
     @cached_property
     def end(self) -> np.ndarray:
+        """End of every step in s, shape (count,)."""
         return self._times[0] + self._times[1]
 
     @cached_property
     def anchor(self) -> np.ndarray:
+        """Middle of every step in s: it tells on which side of a break the step lies. Shape (count,)."""
         return self._times[0] + 0.5 * self._times[1]
 
     @cached_property
     def segment_anchor(self) -> np.ndarray:
+        """Middle of the first step of every segment in s, shape (segments,)."""
         return self.segments.t + (self.segments.index + 0.5) * self.segments.h
 
     @cached_property
     def base(self) -> np.ndarray:
+        """The first step of every base step, and the number of steps: shape (base steps + 1,)."""
         if self.whole:
             return np.arange(self.last - self.first + 1) * self.substeps
         # the first step of each base step: the one whose middle is the first beyond the base step's beginning

@@ -188,7 +188,7 @@ class Scanner:
                     start, len(self.text) - len(rest) + 1, Message("expression.attribute", name=text), _MARKS["."]
                 )
             return Token("name", text, start)
-        self._unknown(text, start, end, called)
+        return self._unknown(text, start, end, called)
 
     def _unknown(self, text: str, start: int, end: int, called: bool) -> NoReturn:
         shown = text if len(text) <= 40 else text[:39] + "…"

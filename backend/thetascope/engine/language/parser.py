@@ -147,7 +147,7 @@ class _Reader:
                 self.refuse(node, Message("expression.condition"))
             case ast.Tuple():
                 self.refuse(node, Message("expression.list"))
-        self.refuse(node, Message("expression.no-arithmetic"))
+        return self.refuse(node, Message("expression.no-arithmetic"))
 
     def chain(self, kind: str, operators: tuple[type, type], node: ast.expr, depth: int) -> Node:
         """Read a + b − c … or a·b/c … as one node, so that a long sum is not deep."""
@@ -206,7 +206,7 @@ class _Reader:
                 return self.folded(Node(kind, args, *self.place(node)))
             case ast.Compare():
                 self.refuse(node, Message("expression.comparison"))
-        self.refuse(node, Message("expression.no-condition"))
+        return self.refuse(node, Message("expression.no-condition"))
 
     def folded(self, node: Node) -> Node:
         """Return the node with its degree, and with its value if all its arguments are constants."""

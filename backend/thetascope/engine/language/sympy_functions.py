@@ -30,6 +30,7 @@ class Real(Function):
 
     @classmethod
     def eval(cls, *args: Expr) -> Expr | None:
+        """Return the value where all arguments are numbers; else None: it stays."""
         if not all(isinstance(arg, Number) for arg in args):
             return None
         try:
@@ -94,6 +95,7 @@ class Where(Real):
         return Where(condition, a.diff(symbol), b.diff(symbol))
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Return the derivative: that of the branch taken."""
         return ZERO if argindex == 1 else Where(self.args[0], *((ONE, ZERO) if argindex == 2 else (ZERO, ONE)))
 
 
@@ -104,6 +106,7 @@ class Abs(Real):
     compute = staticmethod(math.fabs)
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Return sign(x)."""
         return sign(self.args[0])
 
 
@@ -128,6 +131,7 @@ class Min(Real):
     compute = staticmethod(min)
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Return 1 for the argument that is the smaller one, else 0."""
         a, b = self.args
         return Where(LessEqual(a, b), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
 
@@ -143,6 +147,7 @@ class Max(Real):
     compute = staticmethod(max)
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Return 1 for the argument that is the larger one, else 0."""
         a, b = self.args
         return Where(LessEqual(b, a), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
 
@@ -158,6 +163,7 @@ class atan2(Real):
     compute = staticmethod(math.atan2)
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Return x / (x² + y²) for y, and −y / (x² + y²) for x."""
         y, x = self.args
         return (x if argindex == 1 else -y) / (x**2 + y**2)
 
@@ -176,6 +182,7 @@ class SignedPower(Real):
     compute = staticmethod(builtins.signed_power)
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Return a |x|^(a − 1) for x, and ⌊x⌉^a log |x| for a."""
         x, a = self.args
         return a * Abs(x) ** (a - 1) if argindex == 1 else self * log(Abs(x))
 
@@ -197,6 +204,7 @@ class Backlash(Real):
         return And_(Less(z / m1 + D1, x), Less(ZERO, dx)), And_(Less(x, z / m2 - D2), Less(dx, ZERO))
 
     def fdiff(self, argindex: int = 1) -> Expr:
+        """Return the derivative in the zone that the operator is in: rising, falling or memory."""
         x, _, _, m1, m2, D1, D2 = self.args
         rising, falling = self.zones()
         # per argument: the slope in the rising, the falling and the memory zone

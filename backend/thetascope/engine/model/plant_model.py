@@ -110,13 +110,16 @@ class Model:
 
     @property
     def n(self) -> int:
+        """Number of states."""
         return len(self.states)
 
     @property
     def m(self) -> int:
+        """Number of outputs."""
         return len(self.outputs)
 
     def channel(self, name: str) -> Channel:
+        """Return a fault channel by name. Raises SpecError with near matches."""
         for channel in self.channels:
             if channel.name == name:
                 return channel
@@ -193,7 +196,10 @@ class Model:
             for prefix, group in (("x", self.x), ("u", self.u), ("signal", self.signals), ("p", self.parameters))
             for s in group
         }
-        rename = lambda e: e.xreplace(swap)
+
+        def rename(e):
+            return e.xreplace(swap)
+
         f, h = self.f, self.h
         if channels:
             f = f + self.Phi(channels) * sympy.Matrix(theta)

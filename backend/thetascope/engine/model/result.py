@@ -35,6 +35,8 @@ class Check:
 
 @dataclass(frozen=True)
 class ObserverReport:
+    """What a run says of one observer: its checks, when it diverged, and facts of its construction."""
+
     label: str
     kind: str
     title: str

@@ -15,6 +15,7 @@ class Elimination:
 
     @property
     def rank(self) -> int:
+        """The rank of the rows so far."""
         return len(self.rows)
 
     def take(self, row: Row) -> bool:

@@ -75,6 +75,7 @@ class Series:
                 mine.append(_coefficient(self, i, op, k, [self.at[a] for a in args]))
 
     def companions(self, i: int, count: int) -> list[Coefficients]:
+        """Return the series that accompany a node, such as the cosine of a sine; empty at first."""
         return self.beside.setdefault(i, [[] for _ in range(count)])
 
 

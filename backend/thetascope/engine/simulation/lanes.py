@@ -27,6 +27,7 @@ class Blocks:
 
     @property
     def count(self) -> int:
+        """Number of blocks."""
         return -(-self.runs // self.width)
 
     @cached_property
@@ -35,6 +36,7 @@ class Blocks:
         return np.minimum(np.arange(self.count * self.width), self.runs - 1)
 
     def slice(self, block: int) -> slice:
+        """Return the places of a block's lanes."""
         return slice(block * self.width, (block + 1) * self.width)
 
 
@@ -48,6 +50,7 @@ class Noise:
         self.streams = [Streams([noise_key(seeds[r], output) for r in runs]) for runs in each]
 
     def over(self, at: np.ndarray) -> Column:
+        """Return the noise at these times, block by block."""
         index = np.floor(at / self.hold).astype(np.int64)  # as the signal itself does, see signals.random_held
         low, count = int(index.min()), int(index.max() - index.min()) + 1
         picked = None if count == len(index) and (np.diff(index) == 1).all() else index - low
@@ -78,6 +81,7 @@ class Levels:
         return cls(blocks, edges, np.stack([s(inside, inside) for s in signals], axis=1))
 
     def over(self, at: np.ndarray) -> Column:
+        """Return the levels at these times, block by block."""
         index = np.searchsorted(self.edges, at)
         if index[0] == index[-1]:
             return lambda block: self.levels[block][index[0]]
@@ -91,6 +95,8 @@ class Separate:
         self.blocks, self.signals = blocks, signals
 
     def over(self, at: np.ndarray) -> Column:
+        """Return the signals of each run at these times, block by block."""
+
         def column(block: int) -> np.ndarray:
             runs = self.blocks.padded[self.blocks.slice(block)]
             return np.stack([self.signals[r](at, at) for r in runs], axis=1)

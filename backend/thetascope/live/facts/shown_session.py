@@ -67,13 +67,19 @@ class ShownSession(Protocol):
         ...
 
     @property
-    def machine(self) -> Machine: ...
+    def machine(self) -> Machine:
+        """The state of the room."""
+        ...
 
     @property
-    def broadcast(self) -> Sender: ...
+    def broadcast(self) -> Sender:
+        """Sends messages to all viewers."""
+        ...
 
     @property
-    def services(self) -> Services: ...
+    def services(self) -> Services:
+        """The services that rooms share."""
+        ...
 
 
 class CurrentFacts(Protocol):
@@ -99,7 +105,9 @@ class RecordedSession(ShownSession, Protocol):
         ...
 
     @property
-    def facts(self) -> CurrentFacts: ...
+    def facts(self) -> CurrentFacts:
+        """The newest facts of the session."""
+        ...
 
     def past_rows(self, columns: tuple[str, ...], first: int, last: int) -> Awaitable[np.ndarray]:
         """Return rows first … last − 1, columns × rows."""

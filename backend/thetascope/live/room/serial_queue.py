@@ -12,7 +12,9 @@ Callback = Callable[[Any, Exception | None], None]
 class Background(Protocol):
     """Runs a job in a thread, then calls `then(value, error)` on the event loop."""
 
-    def __call__(self, job: Job, then: Callback) -> None: ...
+    def __call__(self, job: Job, then: Callback) -> None:
+        """Run a job in the background, then call back with its outcome."""
+        ...
 
 
 def outcome(job: Job) -> tuple[Any, Exception | None]:

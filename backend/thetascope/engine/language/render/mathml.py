@@ -46,12 +46,15 @@ class Writer:
         self.parsed = parsed
 
     def write(self) -> str:
+        """Return the whole expression."""
         return self.of(self.parsed.tree)
 
     def of(self, node: Node) -> str:
+        """Return a node: the method of its kind writes it."""
         return getattr(self, node.kind)(node)
 
     def number(self, node: Node) -> str:
+        """Return a number as it was written, powers of ten as powers."""
         text = self.parsed.text[node.start : node.end]
         mantissa, e, power = text.lower().partition("e")
         if text == "pi":
@@ -62,9 +65,11 @@ class Writer:
         return ten if mantissa in ("1", "1.0") else row(f"<mn>{mantissa}</mn><mo>·</mo>{ten}")
 
     def name(self, node: Node) -> str:
+        """Return a name as its symbol."""
         return symbol(node.name)
 
     def sum(self, node: Node) -> str:
+        """Return a sum, with minus signs in place of negative factors."""
         out = []
         for place, (sign, arg) in enumerate(zip(node.signs, node.args, strict=True)):
             sign, arg = signed(arg, sign)
@@ -79,13 +84,12 @@ class Writer:
         sign, node = signed(node, 1)
         above = [arg for s, arg in zip(node.signs, node.args, strict=True) if s > 0]
         below = [arg for s, arg in zip(node.signs, node.args, strict=True) if s < 0]
-        if below:
-            made = f"<mfrac>{self.factors(above)}{self.factors(below)}</mfrac>"
-        else:
-            made = self.factors(above)
-        return row(MINUS, made) if sign < 0 else made
+        top = self.factors(above)
+        whole = f"<mfrac>{top}{self.factors(below)}</mfrac>" if below else top
+        return row(MINUS, whole) if sign < 0 else whole
 
     def factors(self, args: list[Node]) -> str:
+        """Return factors side by side, with a dot where they would run together."""
         if len(args) == 1:
             return row(self.of(args[0]))
         out = []
@@ -98,6 +102,7 @@ class Writer:
         return row(*out)
 
     def power(self, node: Node) -> str:
+        """Return a power; with the exponent ½ a square root."""
         base, exponent = node.args
         if exponent.value == 0.5:
             return f"<msqrt>{self.of(base)}</msqrt>"
@@ -107,6 +112,7 @@ class Writer:
         return f"<msup>{row(below)}{row(self.of(exponent))}</msup>"
 
     def call(self, node: Node) -> str:
+        """Return a function: as its own notation where it has one, else by name."""
         written = getattr(self, f"call_{node.name}", None)
         if written:
             return written(*node.args)
@@ -114,32 +120,41 @@ class Writer:
         return row(f"<mi>{NAMED.get(node.name, node.name)}</mi><mo>&#x2061;</mo>", fenced(inner))
 
     def call_sqrt(self, arg: Node) -> str:
+        """Return a square root."""
         return f"<msqrt>{self.of(arg)}</msqrt>"
 
     def call_abs(self, arg: Node) -> str:
+        """Return an absolute value between bars."""
         return fenced(self.of(arg), "|", "|")
 
     def call_floor(self, arg: Node) -> str:
+        """Return ⌊x⌋."""
         return fenced(self.of(arg), "⌊", "⌋")
 
     def call_exp(self, arg: Node) -> str:
+        """Return a power of e."""
         return f"<msup><mi>e</mi>{row(self.of(arg))}</msup>"
 
     def call_spow(self, base: Node, exponent: Node) -> str:
+        """Return ⌊x⌉ to a power."""
         return f"<msup>{fenced(self.of(base), '⌊', '⌉')}{row(self.of(exponent))}</msup>"
 
     def call_where(self, condition: Node, a: Node, b: Node) -> str:
+        """Return two cases with a brace."""
         cells = (self.of(a), row("<mtext>if </mtext>", self.of(condition))), (self.of(b), "<mtext>otherwise</mtext>")
         lines = "".join(f"<mtr><mtd>{value}</mtd><mtd>{when}</mtd></mtr>" for value, when in cells)
         return row('<mo fence="true" form="prefix">{</mo>', f'<mtable class="cases">{lines}</mtable>')
 
     def less(self, node: Node) -> str:
+        """Return a < b."""
         return row(self.of(node.args[0]), "<mo>&lt;</mo>", self.of(node.args[1]))
 
     def less_equal(self, node: Node) -> str:
+        """Return a ≤ b."""
         return row(self.of(node.args[0]), "<mo>≤</mo>", self.of(node.args[1]))
 
     def joined(self, node: Node, sign: str) -> str:
+        """Return conditions joined by a sign."""
         return row(
             f"<mo>{sign}</mo>".join(fenced(self.of(a)) if a.kind in ("and", "or") else self.of(a) for a in node.args)
         )

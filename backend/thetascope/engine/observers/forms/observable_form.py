@@ -60,7 +60,7 @@ def canonical_form(model: Model) -> CanonicalForm:
     return CanonicalForm(
         sympy.ImmutableMatrix(map_),
         sympy.ImmutableMatrix(J),
-        J == sympy.eye(model.n),
+        sympy.eye(model.n) == J,
         _triangular(model, f, J, lie, points),
     )
 
@@ -78,6 +78,7 @@ def _refused(model: Model, why: Message) -> SpecError:
 
 
 def tidy(e: sympy.Expr) -> sympy.Expr:
+    """Return an expression with common factors cancelled, if it is rational and short enough for that."""
     return sympy.cancel(e) if e.is_rational_function() and e.count_ops() < 200 else e
 
 
@@ -96,6 +97,7 @@ def sample(model: Model, seed: int) -> dict[str, float]:
 
 
 def rank_at(M: Matrix, point: dict[str, float]) -> int:
+    """Return the numerical rank of a matrix at a point; 0 where it is not finite."""
     values = numbers(M, point).reshape(M.shape)
     return (
         int(np.linalg.matrix_rank(values, tol=1e-9 * max(1.0, np.abs(values).max())))

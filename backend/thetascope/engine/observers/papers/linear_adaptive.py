@@ -121,6 +121,7 @@ def matched(run: Observed) -> np.ndarray | None:
 
 
 def vector(run: Observed) -> np.ndarray:
+    """Return the direction d of the matching condition, shape (n,)."""
     return np.array([float(np.ravel(run.values[f"direction.{i}.0"])[0]) for i in range(run.context.n)])
 
 
@@ -144,6 +145,7 @@ def matching_check(run: Observed, P: np.ndarray | None) -> Check:
 
 
 def lyapunov_check(run: Observed, P: np.ndarray | None, k: np.ndarray) -> Check:
+    """Check (A − KC)ᵀP + P(A − KC) < 0, (6) without its Lipschitz terms."""
     name, source = Message("check.lyapunov"), f"{SOURCE}, eq. (6) without its Lipschitz terms"
     if "direction.0.0" not in run.values:
         return Check(name, FAILS, Message("check.lyapunov.no-matching"), source=source)

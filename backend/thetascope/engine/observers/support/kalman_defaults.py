@@ -26,7 +26,7 @@ def state_scales(c: Context) -> list[float]:
 
 def output_scales(c: Context) -> list[float]:
     """The same for the outputs: the largest of the states that the text mentions."""
-    scale = dict(zip((s["name"] for s in c.model.get("states", [])), state_scales(c)))
+    scale = dict(zip((s["name"] for s in c.model.get("states", [])), state_scales(c), strict=True))
     texts = [o["expression"] for o in c.model.get("outputs", [{"expression": ""}] * c.m)]
     words = [re.findall(r"[A-Za-z_]\w*", text) for text in texts]
     return [max((scale[w] for w in found if w in scale), default=max(scale.values(), default=1.0)) for found in words]
@@ -45,6 +45,7 @@ def noise_std(c: Context) -> list[float]:
 
 
 def process_noise(c: Context) -> list[float]:
+    """Return the default intensity of process noise of every state, from its scale and the plant's time constant."""
     return [pace(c.model) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
 
 

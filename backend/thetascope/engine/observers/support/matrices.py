@@ -146,6 +146,7 @@ class Product(Matrix):
 
     @cached_property
     def entries(self) -> ImmutableMatrix:  # pyright: ignore[reportIncompatibleMethodOverride, reportIncompatibleVariableOverride] computed when needed
+        """The product, evaluated."""
         left, right = self.last
         named = self.draft.named_product(left, right) if self.draft else None
         return named.entries if named is not None else times(left.entries, right.entries)

@@ -56,7 +56,7 @@ def _jacobian(model: Mapping) -> np.ndarray:
     dynamics = [parse(model["dynamics"][s], known).tree for s in states]
 
     def f(x: np.ndarray) -> np.ndarray:
-        here = values | dict(zip(states, x))
+        here = values | dict(zip(states, x, strict=True))
         for name, tree in definitions:
             here[name] = _value(tree, here)
         return np.array([_value(tree, here) for tree in dynamics])
