@@ -1,0 +1,136 @@
+"""A walk through the pages in Chinese: nothing that can be read there is an English sentence."""
+
+import re
+
+from tests.browser.live_helpers import opened, until
+from thetascope import library
+from thetascope.engine.observers import registry
+from thetascope.messages.catalogue import languages
+from thetascope_schemas.texts.local_text import in_language
+
+SENTENCE = re.compile(r"[A-Za-z][a-z’'-]*[a-z](?:,? [A-Za-z]?[a-z’'-]*[a-z]){2,}")  # three Latin words in a row
+READ = """() => {
+  const shown = (element) => element.checkVisibility();
+  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+  const found = [];
+  for (let node = walk.nextNode(); node; node = walk.nextNode()) {
+    const element = node.parentElement;
+    if (shown(element) && !element.closest('script, style, noscript, code, kbd, math, textarea, .source, [lang=en]')) found.push(node.data);
+  }
+  for (const element of document.querySelectorAll('[title], [aria-label], [placeholder], [alt]'))
+    if (shown(element)) for (const name of ['title', 'aria-label', 'placeholder', 'alt']) found.push(element.getAttribute(name) ?? '');
+  return found.map((text) => text.trim()).filter(Boolean);
+}"""
+
+
+def sources() -> list[str]:
+    """Return the citations of the library: titles of papers are cited as they were printed."""
+    texts = [one.source for one in (*library.plants().values(), *library.experiments().values())]
+    cited = {in_language(text, language) for text in texts for language in languages()}
+    cited |= {str(registry.observer(kind).source) for kind in registry.kinds()}
+    return sorted(filter(None, cited), key=len, reverse=True)
+
+
+CITED = sources()
+
+
+def sentences(texts: list[str]) -> set[str]:
+    """Return the texts that hold an English sentence, citations aside."""
+    found = set()
+    for text in texts:
+        rest = text
+        for source in CITED:
+            rest = rest.replace(source, "")
+        if SENTENCE.search(rest):
+            found.add(text)
+    return found
+
+
+def english(page) -> set[str]:
+    """Return the English sentences that can be read on a page now."""
+    return sentences(page.evaluate(READ))
+
+
+def chinese(page, path: str, **more):
+    """Open a page of somebody whose browser speaks Chinese."""
+    opened = page(path, **more)
+    opened.evaluate("localStorage.setItem('language', 'zh')")
+    opened.reload()
+    until(opened, "document.documentElement.lang === 'zh-CN'")
+    return opened
+
+
+def test_the_live_page_has_no_english_sentence(page):
+    """Panels, what opens from them, every dialog, and the events of a fault."""
+    live = opened(page, "/?experiment=dts200&t=12")
+    live.evaluate("thetascope.act.language('zh')")
+    until(live, "thetascope.state.language === 'zh'")
+    until(live, "Object.values(thetascope.state.checks).some((one) => one.length)", 60)
+    channel = live.evaluate("thetascope.state.plant.channels[0]")
+    fault = {"channel": channel["name"], "shape": "step", "onset": 0, "size": channel["typical"]}
+    live.evaluate("(fault) => thetascope.send({type: 'inject', fault})", fault)
+    live.evaluate("thetascope.act.step(600)")
+    until(live, "thetascope.state.log.some(({kind}) => kind === 'inject')")
+    live.click("#panel-inject .heading .link")
+    live.locator("#panel-inject .dots").first.click()
+    seen = english(live)
+    for fold in live.locator("#panel-diagnosis .heading-links button").all():
+        fold.click()
+        live.wait_for_timeout(300)
+        seen |= english(live)
+        fold.click()
+    live.locator(".lights").first.click()
+    live.wait_for_selector(".checks li")
+    seen |= english(live)
+    live.keyboard.press("Escape")
+    live.click("#panel-observers .heading .link")
+    until(live, "document.querySelector('.add-form option:disabled')?.title", 60)
+    for kind in live.locator(".add-form > select option:not(:disabled)").evaluate_all(
+        "(all) => all.map((one) => one.value)"
+    ):
+        live.locator(".add-form > select").select_option(kind)
+        seen |= english(live)
+    live.locator(".add-form .press.clear").click()
+    live.evaluate("document.activeElement.blur()")
+    for name, ready in {"e": "dialog math", "?": "dialog .keys", "s": "dialog input"}.items():
+        live.keyboard.press(name)
+        live.wait_for_selector(ready)
+        seen |= english(live)
+        live.keyboard.press("Escape")
+        live.wait_for_selector("dialog[open]", state="detached")
+    live.click(".actions button >> nth=1")
+    live.wait_for_selector("dialog .links")
+    seen |= english(live)
+    live.keyboard.press("Escape")
+    live.wait_for_selector("dialog[open]", state="detached")
+    live.keyboard.press("p")
+    for tab in live.locator("[role=tab]:not(:disabled)").all():
+        tab.click()
+        seen |= english(live)
+    assert "\n".join(sorted(seen)) == ""
+
+
+def test_records_and_plants_have_no_english_sentence(page):
+    """A simulated record with its diagnosis; a plant unfolded, edited and checked, and one that is refused."""
+    records = chinese(page, "/records/")
+    records.wait_for_selector("#plant option", state="attached")
+    seen = english(records)
+    records.click(".buttons button.quiet")
+    until(records, "document.querySelector('.buttons [role=status]').textContent.includes('取自')", 60)
+    seen |= english(records)
+    records.click("button.run")
+    records.wait_for_selector(".found .verdict", timeout=120_000)
+    seen |= english(records)
+    plants = chinese(page, "/plants/")
+    plants.locator(".plant-card summary").first.click()
+    plants.wait_for_selector(".plant-card .links button")
+    plants.locator(".plant-card .links button").first.click()
+    until(plants, "document.querySelector('#own').value.length > 100")
+    plants.click(".own button.run")
+    plants.wait_for_selector(".possible li", timeout=60_000)
+    seen |= english(plants)
+    plants.fill("#own", '{"id": "Mine", "states": 3}')
+    plants.click(".own button.run")
+    plants.wait_for_selector(".problem")
+    seen |= english(plants)
+    assert "\n".join(sorted(seen)) == ""
