@@ -19,13 +19,14 @@ def observability(spec: ResolvedExperiment) -> Observability:
         structure(spec.plant.model_dump(mode="json")),
         empirical(experiment, WINDOW * spec.horizon, _INSTANTS),
     )
-    return Observability(
-        rank=found.rank if found.decided else None,
-        size=found.size,
-        text=found.text,
-        window=along.window,
-        t=along.t.tolist(),
-        ranks=[int(r) if r >= 0 else None for r in along.rank],
-        conditions=[float(c) if math.isfinite(c) else None for c in along.condition],
-        along=along.text,
-    )
+    answer = {
+        "rank": found.rank if found.decided else None,
+        "size": found.size,
+        "text": found.text,
+        "window": along.window,
+        "t": along.t.tolist(),
+        "ranks": [int(r) if r >= 0 else None for r in along.rank],
+        "conditions": [float(c) if math.isfinite(c) else None for c in along.condition],
+        "along": along.text,
+    }
+    return Observability.model_validate(answer)

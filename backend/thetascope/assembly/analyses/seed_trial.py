@@ -81,7 +81,7 @@ def trial(
     faults = [(f.site.name, f.onset) for f in channel_faults]
     inspect = inspector(spec)
     plain = replace(healthy(experiment), estimators=experiment.estimators)
-    tallies: dict[str, Tally] = {}
+    tallies: dict[Message, Tally] = {}
     for k in range(seeds):
         for base, faulty in ((experiment, True), (plain, False)):
             result = run([Stage(0, with_seed(base, spec.seed + k))], inspect=inspect)

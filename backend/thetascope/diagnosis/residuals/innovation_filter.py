@@ -113,7 +113,7 @@ class InnovationFilter:
             values: inputs and known signals by name, (rows,) each.
         """
         e = self.experiment
-        given = values | {f"measured.{o}": y[:, k] for k, o in enumerate(e.plant.outputs)}
+        given = {**values, **{f"measured.{o}": y[:, k] for k, o in enumerate(e.plant.outputs)}}
         every = e.measurement.sample_every
         given["fresh"] = 1.0 if every is None else (index // every != (index - e.every) // every) * 1.0
         table = np.empty((len(index), max(1, len(self.names))))
