@@ -1,1 +1,1 @@
-"""Programs of the covariance, the plant's Kalman filter and its hypotheses."""
+"""Programs for the covariance of observers, the plant's Kalman filter and its bank of hypotheses."""

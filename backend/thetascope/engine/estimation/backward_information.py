@@ -1,15 +1,19 @@
-"""What a fault would explain had it begun at any row whatever: the evidence still to come, backwards in time.
+"""The evidence for a fault that begins at any row, accumulated backwards in time.
 
-Along rows of the filter of kalman_innovations.py, Ω is linear in V, and V in a fault's course. For a fault that begins in some row
-(V = 0 there) J = Σ ΩᵀΩ and s = Σ Ωᵀν over all rows that follow are therefore a quadratic and a linear form in (V, w, r), V,
-the course w and its slope r being those of that row:
+Along the rows of the filter of kalman_innovations.py, Ω is linear in V, and V is linear in a fault's course. For a
+fault
+that begins in some row (V = 0 there), J = Σ ΩᵀΩ and s = Σ Ωᵀν over all following rows are therefore a quadratic and a
+linear form in (V, w, r), where V, the course w and its slope r are those of that row:
 
     J = [V w r] M [V w r]ᵀ,   s = [V w r] μ,   w⁺ = w + r δ,   r⁺ = ρ r.
 
-M and μ are made of what the next row has (the adjoint of the filter's recursion), which adds squares and cancels nothing. So one
-pass gives J and s of steps (w = 1) and of rises (r = 1) from every onset that there is, in place of one run of the filter for each
-(Willsky & Jones, IEEE TAC 21(1), 1976, do the latter). A rise goes on evenly (ρ = 1, δ: a row's share of a decision) or bends to
-where it ends, w = 1 − exp(−time/τ) (ρ = exp(−row/τ), δ = 1 − ρ). A rise that ends somewhere goes on as V and w are there, with r = 0.
+M and μ of a row follow from those of the next row by the adjoint of the filter's recursion, which only adds squares, so
+that nothing cancels. One pass thus gives J and s of steps (w = 1) and ramps (r = 1) for every onset, in place of one
+run
+of the filter per onset as in Willsky & Jones, IEEE TAC 21(1), 1976. A ramp rises evenly (ρ = 1, δ: the share of a
+decision interval that one row takes) or approaches its final value as w = 1 − exp(−time/τ) (ρ = exp(−row/τ), δ = 1 −
+ρ).
+A ramp that has ended continues with the V and w of that row and r = 0.
 """
 
 from functools import lru_cache
@@ -20,16 +24,16 @@ from thetascope.engine.estimation.covariance_equations import total
 from thetascope.engine.programs.program_store import derived
 
 Matrix = list[list[int]]
-SYMMETRIC = ("vv", "ww")  # blocks of which the upper triangle is kept
+SYMMETRIC = ("vv", "ww")  # blocks of which only the upper triangle is stored
 
 
 def parts(filter_: Program) -> dict[str, int]:
-    """Of the filter's outputs, those that the backward pass is given in each row: what V is made with."""
+    """Return the filter's outputs that determine V, with their indices: the inputs of the backward pass in each row."""
     return {name: node for name, node in filter_.outputs.items() if not name.startswith("omega.")}
 
 
 def forms(n: int, p: int) -> dict[str, tuple[tuple[int, ...], list[tuple[int, ...]]]]:
-    """The blocks of M and μ: shape, and which entries are kept. Those of slopes are of each channel alone."""
+    """Return the blocks of M and μ: their shapes and stored entries. Blocks of slopes hold each channel separately."""
     both, each = [(i, j) for i in range(n) for j in range(p)], [(j,) for j in range(p)]
     return {
         "vv": ((n, n), [(i, j) for i in range(n) for j in range(i, n)]),
@@ -46,10 +50,11 @@ def forms(n: int, p: int) -> dict[str, tuple[tuple[int, ...], list[tuple[int, ..
 
 @lru_cache(maxsize=128)
 def onsets(filter_: Program, n: int, p: int, m: int) -> Program:
-    """The backward pass of a filter with n states, p channels and m outputs, one step a row, from the last to the first.
+    """Return the backward pass of a filter with n states, p channels and m outputs, one step per row, last row first.
 
-    Inputs: `parts` (those that are no constants); parameters ``heed.k`` (0: the output does not count), ``delta`` and
-    ``rho``; the states are `forms`, zero after the last row.
+    Inputs: `parts` (those that are not constant). Parameters: ``heed.k`` (0: output k is ignored), ``delta`` and
+    ``rho``.
+    The states are `forms`, zero after the last row.
     """
     return derived(["onsets", filter_.digest], lambda: _Writer(filter_, n, p, m).program())
 
@@ -97,12 +102,12 @@ class _Writer:
         return [[self.graph.var(_name(name, tuple(order((i, j))))) for j in range(shape[1])] for i in range(shape[0])]
 
     def _through(self, M: dict, F: Matrix, G: Matrix) -> dict:
-        """Before a row's V⁺ = F V + G w, w⁺ = w + r δ, r⁺ = ρ r: what comes after it, in terms of V, w and r."""
+        """Return M before the prediction V⁺ = F V + G w, w⁺ = w + r δ, r⁺ = ρ r: the quadratic form in V, w and r."""
         g, n, p = self.graph, range(self.n), range(self.p)
         delta, rho = g.var("delta"), g.var("rho")
         Ft, Gt = _transposed(F, self.n), _transposed(G, self.p)
         toV = [[total(g, [(M["vv"][i][k], G[k][j]) for k in n]) for j in p] for i in n]
-        toV = [[g.add(toV[i][j], M["vw"][i][j]) for j in p] for i in n]  # M [G; 1]: what V⁺ meets per w
+        toV = [[g.add(toV[i][j], M["vw"][i][j]) for j in p] for i in n]  # M [G; 1]: the coefficient of V⁺ w
         moved = [[g.add(g.mul(rho, M["vr"][i][j]), g.mul(delta, M["vw"][i][j])) for j in p] for i in n]
         FM = [[total(g, [(Ft[i][k], M["vv"][k][j]) for k in n]) for j in n] for i in n]
         kept = [g.mul(rho, M["wr"][j]) for j in p]
@@ -122,7 +127,7 @@ class _Writer:
         }
 
     def _seen(self, M: dict, c: list[int], d: list[int], K: list[int], weight: int, nu: int, heed: int) -> dict:
-        """Before an output is taken, V⁺ = V − K ω with ω = c V + d w, and ω/σ is evidence."""
+        """Return M before the correction by an output, V⁺ = V − K ω with ω = c V + d w; ω/σ adds to the evidence."""
         g, n, p = self.graph, range(self.n), range(self.p)
         MK = [total(g, list(zip(M["vv"][i], K, strict=True))) for i in n]
         square = g.add(total(g, list(zip(K, MK, strict=True))), g.mul(heed, g.mul(weight, weight)))  # KᵀMK + 1/σ²

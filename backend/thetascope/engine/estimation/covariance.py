@@ -1,4 +1,7 @@
-"""How sure θ̂ is, along recorded rows: the companion's covariance S carried a stretch at a time, the same however it is cut."""
+"""The uncertainty of θ̂ along recorded rows: propagate the companion's covariance S over spans of rows.
+
+The numbers do not depend on how the rows are divided into spans.
+"""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -16,17 +19,17 @@ from thetascope.engine.observers.support.time_constant import pace
 from thetascope.engine.programs.evaluate_rows import probe
 from thetascope.engine.simulation.experiment import Estimator, Experiment, Rows
 
-QUIET = 1e-3  # of an output's scale: the noise that is assumed where none is declared
-WIDEST = 10.0  # typical faults: the widest that a band is said to be
-_RATE = 2.0  # of ‖A‖·h in one Runge–Kutta step of S; against 1 this changes σ by 2e-5 at most where it was tried
-_PIECES = 64  # steps between two rows at most
+QUIET = 1e-3  # of an output's scale: the noise assumed where none is declared
+WIDEST = 10.0  # typical faults: the largest reported standard deviation
+_RATE = 2.0  # largest ‖A‖·h in a Runge–Kutta step of S; relative to 1 this changed σ by at most 2e-5 in tests
+_PIECES = 64  # most steps between two rows
 
 Spreads = dict[tuple[str, int], np.ndarray]
-"""S by observer: its label, and the base step at which it began to watch."""
+"""S by observer: its label, and the base step at which it was added."""
 
 
 def noise_stds(measurement: Measurement, context: Context) -> np.ndarray:
-    """Standard deviation of each output's noise: as declared, else a thousandth of the output's scale."""
+    """Return the standard deviation of each output's noise: as declared, else a thousandth of the output's scale."""
     declared = np.array(measurement.std)
     if (declared > 0).all():
         return declared
@@ -34,18 +37,18 @@ def noise_stds(measurement: Measurement, context: Context) -> np.ndarray:
 
 
 def holds(measurement: Measurement, step: float) -> np.ndarray:
-    """Seconds for which one value of each output's noise holds: its sample time, or the sampling of the measurement."""
+    """Return the hold time in s of each output's noise: its sample time, or the measurement's sample interval."""
     every = measurement.sample_every
     return np.maximum(measurement.sample_time, 0.0 if every is None else every * step)
 
 
 def has_spread(estimator: Estimator) -> bool:
-    """Whether there is a θ̂ whose covariance can be followed."""
+    """Return whether the observer has a θ̂ whose covariance can be computed."""
     return bool(estimator.channels) and bool(_plan(estimator.program).shape.theta)
 
 
 def first_spread(estimator: Estimator) -> np.ndarray:
-    """S at the start: how far the first estimates may be off, a state's scale and a typical fault."""
+    """Return the initial S: the first estimates deviate by a state's scale and by a typical fault."""
     first = _scales(estimator)[0] ** 2
     return np.concatenate([np.diag(first)[np.triu_indices(len(first))], np.zeros(len(estimator.channels))])
 
@@ -53,7 +56,7 @@ def first_spread(estimator: Estimator) -> np.ndarray:
 def sigma_columns(
     experiment: Experiment, rows: Rows, values: dict, before: Spreads
 ) -> tuple[dict[str, np.ndarray], Spreads]:
-    """Columns ``L.sigma.<channel>`` of every observer of θ along recorded rows; and S of each at them and after (rows + 1).
+    """Return columns ``L.sigma.<channel>`` along the rows, and each observer's S at the rows and after them (rows + 1).
 
     ``values``: t, signals and parameters along these very rows (simulation.row_values); observers without an S
     ``before`` begin here.
@@ -71,13 +74,13 @@ def sigma_columns(
 
 
 def latest(tables: Spreads) -> Spreads:
-    """S after the last of the rows."""
+    """Return S after the last of the rows."""
     return {key: table[-1] for key, table in tables.items()}
 
 
 @dataclass(frozen=True)
 class _Plan:
-    """What does not change from call to call: the companion, its kernel, what it wants, and where the variances are."""
+    """Everything that calls share: the companion, its kernel, its inputs, the positions of the variances."""
 
     shape: Shape
     program: Program
@@ -86,7 +89,7 @@ class _Plan:
     params: tuple[str, ...]
     slopes: tuple[str, ...]
     wanted: tuple[str, ...]
-    places: dict[str, int]  # of the observer's states
+    places: dict[str, int]  # position of each state of the observer
     variances: np.ndarray
 
 
@@ -100,7 +103,7 @@ def _plan(observer: Program) -> _Plan:
     held = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
     layout = Layout(held=held)
     slopes = tuple(f"slope.{i}.{j}" for i in range(size) for j in range(size))
-    seen = variables(program.graph, [program.outputs[s] for s in slopes]) & set(program.inputs)
+    slope_inputs = variables(program.graph, [program.outputs[s] for s in slopes]) & set(program.inputs)
     i, j = np.triu_indices(size)
     return _Plan(
         shape,
@@ -109,7 +112,7 @@ def _plan(observer: Program) -> _Plan:
         held,
         layout.shared_params(program),
         slopes,
-        tuple(sorted({*held, *seen})),
+        tuple(sorted({*held, *slope_inputs})),
         {s: k for k, s in enumerate(observer.states)},
         np.flatnonzero((i == j) & (i >= n)),
     )
@@ -118,12 +121,12 @@ def _plan(observer: Program) -> _Plan:
 def _spread(
     experiment: Experiment, estimator: Estimator, S: np.ndarray, rows: Rows, states: np.ndarray, values: dict
 ) -> tuple[np.ndarray, np.ndarray]:
-    """S at the rows and after them, and the standard deviations of θ̂ at them (p × rows)."""
+    """Return S at the rows and after them, and the standard deviations of θ̂ at the rows (p × rows)."""
     plan, index, count = _plan(estimator.program), rows.index, len(rows.index)
-    seen = _seen(plan, experiment, estimator, rows, states, values)
+    inputs = _seen(plan, experiment, estimator, rows, states, values)
     interval = experiment.every * experiment.step
     if estimator.every is None:
-        counts = _pieces(plan, estimator, seen, interval, count)
+        counts = _pieces(plan, estimator, inputs, interval, count)
         h = interval / counts
     else:
         counts = (index + experiment.every) // estimator.every - index // estimator.every
@@ -132,13 +135,13 @@ def _spread(
     table = np.empty((count + 1, len(S)))
     table[0] = S
     if len(moving) == count:
-        _carry(plan, S, index * experiment.step, counts, h, seen, slice(None), table[1:])
+        _carry(plan, S, index * experiment.step, counts, h, inputs, slice(None), table[1:])
     else:
         out = np.empty((len(moving) + 1, len(S)))
         out[0] = S
         if len(moving):
-            _carry(plan, S, index[moving] * experiment.step, counts[moving], h[moving], seen, moving, out[1:])
-        table[:] = out[np.searchsorted(moving, np.arange(count + 1))]  # what the moves before each row have made of S
+            _carry(plan, S, index[moving] * experiment.step, counts[moving], h[moving], inputs, moving, out[1:])
+        table[:] = out[np.searchsorted(moving, np.arange(count + 1))]  # S after all steps before each row
     with np.errstate(invalid="ignore"):
         sigma = np.sqrt(np.maximum(table[:-1, plan.variances].T, 0.0))
     return table, np.minimum(sigma, WIDEST * _scales(estimator)[1][:, None])
@@ -147,17 +150,17 @@ def _spread(
 def _seen(
     plan: _Plan, experiment: Experiment, estimator: Estimator, rows: Rows, states: np.ndarray, values: dict
 ) -> dict:
-    """What the observer was and saw along the rows, as far as it is wanted; its gains; the noise."""
+    """Return the inputs of the companion along the rows: the observer's states and inputs, its gains, the noise."""
     outputs = {name: k for k, name in enumerate(experiment.plant.outputs)}
-    seen = dict(estimator.parameters) | {"t": values["t"]} | _noise(experiment, estimator)
+    inputs = dict(estimator.parameters) | {"t": values["t"]} | _noise(experiment, estimator)
     for name in plan.wanted:
         place = plan.places.get(name)
         if place is not None:
-            seen[name] = states[:, place]
+            inputs[name] = states[:, place]
             continue
         bare = name.split(".", 1)[1] if name.startswith(("now.", "mid.", "end.")) else name
-        seen[name] = rows.y[:, outputs[bare]] if bare in outputs else values[bare]
-    return seen
+        inputs[name] = rows.y[:, outputs[bare]] if bare in outputs else values[bare]
+    return inputs
 
 
 def _carry(
@@ -172,37 +175,41 @@ def _carry(
     plan.kernel(Segments(steps, steps, t, np.zeros(len(t)), h), S.copy(), params, int(NEVER), out, held=held)
 
 
-def _pieces(plan: _Plan, estimator: Estimator, seen: dict, interval: float, rows: int) -> np.ndarray:
-    """Runge–Kutta steps from each row to the next, so that S stays stable: by the norm of A in units of the scales."""
+def _pieces(plan: _Plan, estimator: Estimator, inputs: dict, interval: float, rows: int) -> np.ndarray:
+    """Return the number of Runge–Kutta steps per row that keeps S stable, from the norm of A in units of the scales."""
     scales = _scales(estimator)[0]
     size = len(scales)
-    A = np.abs(probe(plan.program, plan.slopes, seen)).reshape(size, size, rows)
+    A = np.abs(probe(plan.program, plan.slopes, inputs)).reshape(size, size, rows)
     norm = np.einsum("ijr,ij->ir", A, scales[None, :] / scales[:, None]).max(axis=0)
-    wanted = np.nan_to_num(interval * norm / _RATE, nan=1.0, posinf=_PIECES)
-    return np.clip(np.ceil(wanted), 1, _PIECES).astype(np.int64)
+    steps = np.nan_to_num(interval * norm / _RATE, nan=1.0, posinf=_PIECES)
+    return np.clip(np.ceil(steps), 1, _PIECES).astype(np.int64)
 
 
 _known: dict[int, tuple[Context, tuple[np.ndarray, np.ndarray, float]]] = {}
 
 
 def _scales(estimator: Estimator) -> tuple[np.ndarray, np.ndarray, float]:
-    """Scales of (x̂, θ̂), of θ̂ alone, and the plant's pace; remembered for the context at hand."""
+    """Return the scales of (x̂, θ̂) and of θ̂, and the plant's slowest rate; cached per context."""
     context = estimator.context
-    found = _known.get(id(context))
-    if found is None or found[0] is not context:
+    cached = _known.get(id(context))
+    if cached is None or cached[0] is not context:
         typical = np.array(typical_sizes(context))
         if len(_known) > 512:
             _known.clear()
-        found = _known[id(context)] = (
+        cached = _known[id(context)] = (
             context,
             (np.concatenate([state_scales(context), typical]), typical, pace(context.model)),
         )
-    return found[1]
+    return cached[1]
 
 
 def _noise(experiment: Experiment, estimator: Estimator) -> dict[str, float]:
-    """R of the companion: variance times hold in continuous time; the variance of one sample otherwise. And its ``memory``:
-    how fast "lately" moves on, at the plant's own pace, per second, or per sample for observers at a sample period."""
+    """Return the companion's R and ``memory``.
+
+    R is variance times hold time in continuous time, else the variance of one sample. ``memory`` is the rate, per
+    second or
+    per sample, at which the recent average h is updated: the plant's slowest rate.
+    """
     measurement, period = experiment.measurement, estimator.context.period
     variance, hold = noise_stds(measurement, estimator.context) ** 2, holds(measurement, experiment.step)
     R = variance * (hold if estimator.every is None else np.maximum(1.0, hold / period))

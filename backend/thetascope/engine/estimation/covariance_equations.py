@@ -1,17 +1,21 @@
-"""How sure an observer's θ̂ is: its own equations linearised, and the covariance that noise makes of that.
+"""The uncertainty of an observer's θ̂: its equations linearised, and the covariance that measurement noise causes.
 
-Let e be the deviation of an observer's estimates (x̂, θ̂) from where they would be without noise and with the true θ. To
-first order, from the derivatives of the observer's own equations (engine/compiler/autodiff.py),
+Let e be the deviation of an observer's estimates (x̂, θ̂) from their values without noise and with the true θ. To first
+order, from the derivatives of the observer's equations (engine/compiler/autodiff.py),
 
     e' = A e + B n,    A = ∂(x̂', θ̂')/∂(x̂, θ̂),    B = ∂(x̂', θ̂')/∂y,    n white of intensity R,
     S' = A S + S Aᵀ + B R Bᵀ,
 
-whatever its kind: no property of a paper's theorem is used. Observers at a sample period obey the same with a step for
-each sample, S⁺ = A S Aᵀ + B R Bᵀ. S starts at how far the first estimates may be off. What is known
-of a fault fades while nothing is learnt of it: η, the noise that comes into its estimate divided by its variance, is twice the
-rate of learning where the two balance. Where η is far below what it was lately (h), the variance grows by FADING·h instead,
-at most at the plant's pace, so that the band widens when excitation is lost. Gains that are states themselves
-(Γ, P, Υ) are taken as they are: what noise does to them meets a residual that is zero but for noise, and is of second order.
+for every kind of observer; no property of a paper's theorem is used. Observers with a sample period follow the same
+equation in discrete time, S⁺ = A S Aᵀ + B R Bᵀ. The initial S is the uncertainty of the first estimates.
+
+Knowledge of a fault fades while no new information arrives. Let η be the noise that enters its estimate divided by the
+estimate's variance: twice the learning rate where the two balance. Where η is far below its recent average h, the
+variance grows by FADING·h instead, at most at the plant's slowest rate, so that the band widens when excitation is
+lost.
+
+Gains that are states themselves (Γ, P, Υ) are taken as given: noise in them multiplies a residual that is zero but for
+noise, an effect of second order.
 """
 
 from dataclasses import dataclass
@@ -22,12 +26,12 @@ from thetascope.engine.compiler.graph import Graph
 from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.programs.program_store import derived
 
-FADING = 0.04  # of the rate at which a fault was learnt of: by so much its variance grows while nothing is learnt
+FADING = 0.04  # growth rate of a variance without new information, relative to the previous learning rate
 
 
 @dataclass(frozen=True)
 class Shape:
-    """Names in an observer's program: its estimates of the state and of θ, and the outputs it is given."""
+    """Names in an observer's program: its estimates of the state and of θ, and the outputs it receives."""
 
     x: tuple[str, ...]
     theta: tuple[str, ...]
@@ -45,7 +49,7 @@ def shape_of(program: Program) -> Shape:
 
 @lru_cache(maxsize=128)
 def companion(program: Program) -> Program:
-    """The program of S for an observer's program; its inputs are the observer's states and inputs."""
+    """Return the program of S for an observer's program; its inputs are the observer's states and inputs."""
     return derived(["companion", program.digest], lambda: _write(program))
 
 
@@ -75,7 +79,10 @@ def _write(program: Program) -> Program:
 
 
 def _covariance(graph: Graph, A: list[list[int]], B: list[list[int]], time: str, n: int) -> list[int]:
-    """A S + S Aᵀ + B R Bᵀ (continuous), A S Aᵀ + B R Bᵀ (one sample): the upper triangle; then h of each θ̂."""
+    """Return the upper triangle of the update of S, then h of each θ̂.
+
+    The update is A S + S Aᵀ + B R Bᵀ in continuous time, A S Aᵀ + B R Bᵀ for one sample.
+    """
     size, m = len(A), len(B[0]) if B else 0
     S = [[graph.var(f"spread.{min(i, j)}.{max(i, j)}") for j in range(size)] for i in range(size)]
     R = [graph.var(f"intensity.{k}") for k in range(m)]
@@ -97,7 +104,7 @@ def _covariance(graph: Graph, A: list[list[int]], B: list[list[int]], time: str,
 
 
 def _fading(graph: Graph, noise: int, S: int, name: str, time: str) -> tuple[int, int]:
-    """What is added to a variance while nothing is learnt, and h' (or its next value): h follows η in the time 1/``memory``."""
+    """Return the growth of a variance without new information, and h' (or the next h), which follows η."""
     h = graph.var(name)
     eta = graph.div(noise, graph.call("max", S, graph.const(1e-300)))
     rate = graph.call("min", graph.mul(graph.const(FADING), h), graph.var("memory"))
@@ -108,7 +115,7 @@ def _fading(graph: Graph, noise: int, S: int, name: str, time: str) -> tuple[int
 
 
 def total(graph: Graph, products: list[tuple[int, int]]) -> int:
-    """The node of a sum of products."""
+    """Return the node of a sum of products."""
     result = graph.const(0.0)
     for a, b in products:
         result = graph.add(result, graph.mul(a, b))

@@ -1,14 +1,15 @@
-"""The filter of kalman_innovations.py as if one change of each channel's θ were so, with the sums that judge it.
+"""A bank of filters of kalman_innovations.py, each assuming a change of every channel's θ, and the sums that rate it.
 
 A change has the course
 
     w(d) = min(start + rate · (d − onset), top) + bend · (1 − fade^rows since onset)  for d ≥ onset, 0 before,
 
-d being time in decisions: a step (start 1, rate 0), a rise without end (rate 1, top ∞), a rise with an end (rate 1/duration,
-top 1), one that bends to where it ends (bend 1, fade exp(−row/τ)). The filter takes θ₀ to be what is known plus size · w, within bounds; Ω answers w. Where a size is zero the course
-is that of an error of what is known. Courses are made here, of a few numbers each, so that many suppositions go side by
-side in lanes and only their sums come back: J = Σ ΩᵀΩ and s = Σ Ωᵀν over the outputs that are heeded, q = Σ ν² of each output from
-``begin`` on, ``early``: the diagonal of J before ``until``.
+where d is time in decision intervals. Courses are a step (start 1, rate 0), a ramp without end (rate 1, top ∞), a ramp
+with an end (rate 1/duration, top 1), and an exponential approach (bend 1, fade exp(−row/τ)). The filter assumes
+θ₀ = known θ + size · w, within bounds, and Ω is its response to w. Where a size is zero, the course is that of an error
+of the known θ. Each course is described by a few numbers, so that many hypotheses run side by side in lanes and return
+only their sums: J = Σ ΩᵀΩ and s = Σ Ωᵀν over the outputs in use, q = Σ ν² of each output from ``begin`` on, and
+``early``, the diagonal of J before ``until``.
 """
 
 from functools import lru_cache
@@ -25,13 +26,13 @@ COURSE = (
     "bend",
     "fade",
     "size",
-)  # of each channel; then its bounds, and what belongs to the plant
+)  # of each channel; followed by BOUNDS
 BOUNDS = ("least", "most", "own")
 SPAN = ("begin", "until")
 
 
 def sums(p: int, m: int) -> list[str]:
-    """The states after those of the filter: how far courses have bent, and the sums."""
+    """Return the names of the states that follow those of the filter: the bend of each course, and the sums."""
     J = [f"sum.J.{i}.{j}" for i in range(p) for j in range(i, p)]
     return [
         *(f"bent.{j}" for j in range(p)),
@@ -44,8 +45,12 @@ def sums(p: int, m: int) -> list[str]:
 
 @lru_cache(maxsize=128)
 def suppositions(filter_: Program, p: int, m: int) -> Program:
-    """A filter for p channels and m outputs with its sums. In place of its inputs ``known.j`` and ``profile.j`` it has ``base.j``
-    (what is known) and ``d``; parameters COURSE and BOUNDS of each channel, and SPAN."""
+    """Return a filter for p channels and m outputs with its sums.
+
+    Its inputs ``base.j`` (the known θ) and ``d`` replace ``known.j`` and ``profile.j``. Parameters: COURSE and BOUNDS
+    of each
+    channel, and SPAN.
+    """
     return derived(["suppositions", filter_.digest], lambda: _write(filter_, p, m))
 
 

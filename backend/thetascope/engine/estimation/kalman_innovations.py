@@ -1,19 +1,23 @@
-"""What the data say about every fault of the plant, whatever observers are doing: a regression with white noise.
+"""The evidence in the data for every fault of the plant, independent of the observers: a regression with white noise.
 
-An extended Kalman filter for x that takes θ to be θ₀, what is known of it (zero at first), has innovations that depend on
-θ to first order as
+An extended Kalman filter for x that assumes the known θ₀ (zero at first) has innovations that depend on θ to first
+order
+as
 
     ν = Ω (θ − θ₀) + noise of covariance Σ,    Ω = C V + Ψ,    V⁺ = F (V − K Ω) + G,
 
-V being how the filter's estimate of x answers a constant θ (Zhang 2002; Zhao, Li & Li 2012, (34a) and (35), with the
-filter's gain). Begun with V = 0 at some instant, it answers a θ that was there from that instant on. Outputs are taken
-one after the other (their noises are independent), so each gives a scalar of variance one: ν/σ = (Ω/σ) (θ − θ₀) + white
-noise. Sums of ΩᵀΩ/σ² and Ωᵀν/σ² over any window are all that decisions need. With G and Ψ multiplied by a course over
-time, the same answers a θ of this course; an output that is not heeded has ν and Ω, but the filter does not follow it.
+where V is the sensitivity of the filter's x̂ to a constant θ (Zhang 2002; Zhao, Li & Li 2012, (34a) and (35), with the
+filter's gain). With V = 0 at some instant, V is the sensitivity to a θ that has acted from that instant on. Outputs are
+processed one after the other (their noises are independent), so each gives a scalar of variance one:
+ν/σ = (Ω/σ) (θ − θ₀) + white noise. All decisions use only sums of ΩᵀΩ/σ² and Ωᵀν/σ² over windows. With G and Ψ
+multiplied
+by a course over time, V is the sensitivity to a θ with this course. An output that is not in use has ν and Ω, but does
+not correct the filter.
 
-Between rows x moves by x + φ₁(AΔ) f Δ, exact where f is affine; where x is outside the physical domain, f and its
-derivatives are taken at the nearest point inside. The filter trusts each state equation to a share of the state's size
-(``q``); R is the noise.
+Between rows x changes by φ₁(AΔ) f Δ, which is exact where f is affine. Where x is outside the physical domain, f and
+its
+derivatives are evaluated at the nearest point inside. The process noise of each state equation is a share of the
+state's scale (``q``); R is the measurement noise.
 """
 
 from functools import lru_cache
@@ -24,19 +28,25 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.estimation.covariance_equations import total
 from thetascope.engine.programs.program_store import derived
 
-_HALVINGS = 2  # of the interval between rows, and back again, in the exponential of A
+_HALVINGS = 2  # of the interval between rows, for the exponential of A; as many doublings undo them
 Matrix = list[list[int]]
 
 
 @lru_cache(maxsize=128)
 def innovations(plant: Program) -> Program:
-    """The filter for a plant, one step a row.
+    """Return the filter for a plant, with one step per row.
 
-    Inputs: those of the plant (θ apart), ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀) and
-    ``profile.j``: V and Ω answer a θ_j − θ₀_j that goes as a constant times this. Parameters: those of the plant, the bounds
-    ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y), ``heed.k`` (0: the filter does not
-    follow this output) and ``interval``. Outputs ``omega.k.j`` and ``nu.k``, both divided by the innovation's standard
-    deviation (``weight.k`` is one by it); and what V is made with: ``F.i.j``, ``G.i.j`` (constant θ), ``C.k.i``, ``D.k.j`` (Ψ), ``K.k.i``.
+    Inputs: those of the plant (θ apart), ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀)
+    and
+    ``profile.j``: V and Ω are sensitivities to a θ_j − θ₀_j that is a constant times this profile. Parameters: those of
+    the
+    plant, the bounds ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y), ``heed.k`` (0:
+    output k
+    does not correct the filter) and ``interval``. Outputs: ``omega.k.j`` and ``nu.k``, both divided by the innovation's
+    standard
+    deviation (``weight.k`` is its reciprocal), and the matrices of V's recursion: ``F.i.j``, ``G.i.j`` (constant θ),
+    ``C.k.i``,
+    ``D.k.j`` (Ψ), ``K.k.i``.
     """
     return derived(["innovations", plant.digest], lambda: _Writer(plant).program())
 
@@ -103,7 +113,7 @@ class _Writer:
         )
 
     def _linear(self, roots: list[int]) -> tuple[list[int], Matrix, Matrix]:
-        """Values, and their Jacobians in x and (times its profile) θ, at the present estimate (``self.prior``) and θ₀."""
+        """Return values and Jacobians in x and θ (times its profile) at the present estimate, ``self.prior``, θ₀."""
         plant, g = self.plant, self.graph
         source = Graph(plant.graph.nodes)
         slopes = derivatives(source, roots, (*plant.states, *self.theta))
@@ -117,7 +127,7 @@ class _Writer:
             [[moved[row[s]] if s in row else zero for s in names] for row in slopes]
             for names in (plant.states, self.theta)
         )
-        # outside the domain: the value at the nearest point inside, and on along the tangent there
+        # outside the domain: the value at the nearest point inside, continued along its tangent
         values = [
             g.add(moved[r], total(g, [(a, g.sub(x, b)) for a, x, b in zip(row, self.prior, inside, strict=True)]))
             for r, row in zip(roots, J, strict=True)
@@ -125,7 +135,7 @@ class _Writer:
         return values, J, H
 
     def _correct(self, level: list[int], C: Matrix, Psi: Matrix) -> dict[str, int]:
-        """Take the outputs one after the other; give Ω/σ and ν/σ of each, and what they are made of. Changes prior, V and P."""
+        """Correct prior, V and P by one output after the other; return Ω/σ, ν/σ and the matrices of V's recursion."""
         g, n, p = self.graph, self.n, self.p
         fresh, outputs, first = g.var("fresh"), {}, list(self.prior)
         for k, name in enumerate(self.y):
@@ -134,7 +144,7 @@ class _Writer:
             variance = g.add(total(g, list(zip(cP, c, strict=True))), g.var(f"R.{k}"))
             moved = total(
                 g, [(a, g.sub(x, b)) for a, x, b in zip(c, self.prior, first, strict=True)]
-            )  # by the outputs before
+            )  # by the preceding outputs
             nu = g.sub(g.var(f"measured.{name}"), g.add(level[k], moved))
             direct = [g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(Psi[k])]
             omega = [g.add(total(g, [(c[i], self.V[i][j]) for i in range(n)]), direct[j]) for j in range(p)]
@@ -155,7 +165,7 @@ class _Writer:
         return outputs
 
     def _transition(self, A: Matrix) -> tuple[Matrix, Matrix]:
-        """exp(A Δ) and its integral over Δ, A held: Taylor to order 4 on Δ/2^s, doubled s times."""
+        """Return exp(A Δ) and its integral over Δ for constant A: Taylor to order 4 on Δ/2^s, doubled s times."""
         g, n = self.graph, self.n
         if self.plant.time == DISCRETE:
             return A, []
@@ -187,7 +197,7 @@ class _Writer:
         ]
 
     def _spread(self, F: Matrix) -> list[int]:
-        """F P Fᵀ + Q: the upper triangle. Q is per second (per step in discrete time)."""
+        """Return the upper triangle of F P Fᵀ + Q. Q is per second (per step in discrete time)."""
         g, n = self.graph, self.n
         FP = self._times(F, self.P)
         q = [g.mul(g.var(f"q.{i}"), g.var("interval")) for i in range(n)]

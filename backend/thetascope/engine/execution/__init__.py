@@ -1,1 +1,1 @@
-"""An experiment run to its horizon: stages, columns, checks."""
+"""Running an experiment to its horizon: stages, columns, checks."""

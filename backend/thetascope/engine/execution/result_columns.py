@@ -1,4 +1,7 @@
-"""From recorded rows to columns: outputs of observers, diagnostics, checks; NaN after a divergence and where none watched."""
+"""Turn recorded rows into columns: observer outputs, diagnostics, checks.
+
+Columns are NaN after a divergence and while an observer is absent.
+"""
 
 from collections.abc import Sequence
 
@@ -16,11 +19,11 @@ from thetascope.messages import Message
 
 PLANT_ESCAPES = Message("diverged.plant")
 
-EXPLODED = 1e12  # a state beyond this is taken as diverged: nothing physical is that large in the user's units
+EXPLODED = 1e12  # a state beyond this has diverged: no physical quantity is that large in the user's units
 
 
 def finite_rows(states: np.ndarray) -> int:
-    """How many rows at the beginning are finite and not exploded."""
+    """Return the number of leading rows that are finite and have not exploded."""
     if not states.shape[1]:
         return len(states)
     bad = ~(np.abs(states) < EXPLODED).all(axis=1)
@@ -28,12 +31,12 @@ def finite_rows(states: np.ndarray) -> int:
 
 
 def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dict[str, float]) -> Result:
-    """The result of a run from its spans, in order."""
+    """Return the result of a run from its spans, in order."""
     first = parts[0][0]
     index = np.concatenate([rows.index for _, rows in parts])
     plant = np.concatenate([rows.plant for _, rows in parts])
     y = np.concatenate([rows.y for _, rows in parts])
-    found = lives(parts)
+    observer_lives = lives(parts)
     ended = finite_rows(plant)
     diverged = None
     if ended < len(plant):
@@ -43,7 +46,7 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
     columns = plant_columns(first, values, plant, y)
     reports: dict[str, ObserverReport] = {}
     sure = confidence(parts, values)
-    for life in found:
+    for life in observer_lives:
         more, report = observer_columns(life, values, y, ended)
         where = np.concatenate(life.positions)
         for name, column in more.items():
@@ -63,23 +66,23 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
 
 
 def confidence(parts: Sequence[tuple[Experiment, Rows]], values: dict) -> dict[str, np.ndarray]:
-    """Columns ``L.sigma.<channel>`` over all rows, missing where their observer did not watch."""
-    found: dict[str, np.ndarray] = {}
+    """Return the columns ``L.sigma.<channel>`` over all rows; NaN where the observer does not run."""
+    columns: dict[str, np.ndarray] = {}
     spreads: Spreads = {}
     begin = 0
     for experiment, rows in parts:
-        here = slice(begin, begin + len(rows.index))
-        begin = here.stop
-        mine = {n: v[here] if np.ndim(v) else v for n, v in values.items()}
+        places = slice(begin, begin + len(rows.index))
+        begin = places.stop
+        mine = {n: v[places] if np.ndim(v) else v for n, v in values.items()}
         some, tables = sigma_columns(experiment, rows, mine, spreads)
         spreads = latest(tables)
         for name, column in some.items():
-            found.setdefault(name, np.full(len(values["t"]), np.nan))[here] = column
-    return found
+            columns.setdefault(name, np.full(len(values["t"]), np.nan))[places] = column
+    return columns
 
 
 def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) -> dict[str, np.ndarray | float]:
-    """t, signals, parameters and plant states along all rows."""
+    """Return t, signals, parameters and plant states along all rows."""
     first = parts[0][0]
     counts = [len(rows.index) for _, rows in parts]
     ends = np.cumsum(counts)
@@ -92,7 +95,7 @@ def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) ->
         else:
             begins = [
                 k for k, s in enumerate(theirs) if not k or s is not theirs[k - 1]
-            ]  # parts from which on it is another
+            ]  # parts from which a different value holds
             pieces = np.split(t, [ends[k - 1] for k in begins[1:]])
             values[name] = np.concatenate(
                 [at_rows(theirs[k], p, first.step) for k, p in zip(begins, pieces, strict=True)]
@@ -103,12 +106,12 @@ def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) ->
 
 
 def _over(numbers: list[float], counts: list[int]) -> np.ndarray | float:
-    """One quantity over all spans: a number where it never changes, else an array."""
+    """Return one quantity over all spans: a number if it never changes, else an array."""
     return numbers[0] if len(set(numbers)) == 1 else np.repeat(numbers, counts)
 
 
 def plant_columns(e: Experiment, values: dict, plant: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
-    """t, u, signal, x, theta, y: the plant's own columns in their order."""
+    """Return the plant's columns in their order: t, u, signal, x, theta, y."""
     columns = {"t": values["t"]}
     for prefix in ("u.", "signal."):
         columns |= {n: values[n] for n in e.signals if n.startswith(prefix)}
@@ -120,9 +123,9 @@ def plant_columns(e: Experiment, values: dict, plant: np.ndarray, y: np.ndarray)
 def observer_columns(
     life: Life, values: dict, y: np.ndarray, ended: int, check: bool = True, first_row: int = 0, wanted: int = 0
 ) -> tuple[dict[str, np.ndarray], ObserverReport]:
-    """x̂, θ̂, ŷ and diagnostics of one observer while it watched, and its report.
+    """Return x̂, θ̂, ŷ and diagnostics of one observer over the rows on which it ran, and its report.
 
-    ``first_row``: number of the first of the given rows, from t = 0; ``wanted``: how many of them only fill windows.
+    ``first_row``: index of the first given row, counted from t = 0; ``wanted``: number of rows that only fill windows.
     """
     estimator, where = final_estimator(life), life.where
     states = np.concatenate(life.states)
@@ -161,7 +164,7 @@ def observer_columns(
 
 
 def _checks(estimator, run: Observed) -> tuple[Check, ...]:
-    """Whether the theorem's conditions hold; a run is not lost because a matrix of them has no eigenvalues."""
+    """Return the checks of the theorem's conditions; a matrix whose eigenvalues cannot be computed stops no run."""
     try:
         return tuple(estimator.kind.checks(run))
     except np.linalg.LinAlgError:

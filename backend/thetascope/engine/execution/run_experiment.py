@@ -15,7 +15,7 @@ from thetascope.engine.simulation.simulation import Simulation, observed_values,
 from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
 from thetascope.messages import Message
 
-_FINER = 8  # how much finer a step must diverge too before a divergence is believed
+_FINER = 8  # a divergence is accepted only if a step this many times finer diverges, too
 _MEASURED = 4000  # steps
 _LARGE = 3000  # operations
 
@@ -26,7 +26,7 @@ Parts = list[tuple[Experiment, Rows]]
 
 @dataclass(frozen=True)
 class _Watch:
-    """Who is told how far a run is, and who may stop it."""
+    """Callbacks of a run: ``progress`` is called with the share done; ``cancelled`` returns True to stop it."""
 
     progress: Callable[[float], None] | None
     cancelled: Callable[[], bool] | None
@@ -40,7 +40,7 @@ def run(
 ) -> Result:
     """Simulate. Raises Cancelled, or SpecError if no allowed substep makes an observer's equations stable.
 
-    ``inspect`` may look at the recorded rows and add to the result.
+    ``inspect`` receives the recorded rows and may add to the result.
     """
     stages = [Stage(0, stages)] if isinstance(stages, Experiment) else list(stages)
     seconds: dict[str, float] = {}
@@ -59,14 +59,16 @@ def run(
 
 
 def spans_of(experiment: Experiment, substeps: int) -> Parts:
-    """The rows of an experiment in as many substeps as are known to do."""
+    """Return the rows of an experiment, computed with a number of substeps that is known to suffice."""
     return _spans([Stage(0, experiment)], substeps, _Watch(None, None), watching=False)[0]
 
 
 def alone(experiment: Experiment, substeps: int) -> dict[str, float]:
-    """Cost of the observer that shares the plant's kernel, in a kernel of its own, where others are to be compared with it.
+    """Return the cost of the observer that shares the plant's kernel, measured in a separate kernel.
 
-    It takes a few thousand steps and the compiling of that kernel, which very large observers are spared.
+    Observers are compared on equal terms this way. It takes a few thousand steps and the compilation of that kernel;
+    very
+    large observers are not measured.
     """
     simulation = Simulation(experiment, substeps)
     if not simulation.joined or len(experiment.estimators) < 2:
@@ -75,16 +77,17 @@ def alone(experiment: Experiment, substeps: int) -> dict[str, float]:
     if operations(first.program) > _LARGE:
         return {}
     simulation.joined = False
-    state, _ = simulation.advance(simulation.initial(), min(100, experiment.steps))  # until memory is warm
+    state, _ = simulation.advance(simulation.initial(), min(100, experiment.steps))  # warms up the memory
     _, rows = simulation.advance(state, min(_MEASURED, experiment.steps))
     return {first.label: costs([rows.spent])[first.label]}
 
 
 def _stable(stages: list[Stage], watch: _Watch) -> tuple[Parts, int]:
-    """Simulate; where a step turns out beyond RK4's stability bound, start again with the substeps that do.
+    """Simulate; where a step exceeds RK4's stability bound, start again with sufficient substeps.
 
-    A divergence may be the step's doing in a transient too short to be seen at the recorded rows, so it is believed
-    only if a finer step diverges too. Where the spec gives the substeps, it is obeyed.
+    A step that is too large can also cause a divergence in a transient too short to be seen at the recorded rows. A
+    divergence is therefore accepted only if a finer step diverges, too. Substeps that the spec gives are used
+    unchanged.
     """
     given = stages[0].experiment.substeps
     if given is not None:
@@ -103,9 +106,9 @@ def _stable(stages: list[Stage], watch: _Watch) -> tuple[Parts, int]:
 
 
 def _spans(stages: list[Stage], substeps: int, watch: _Watch, watching: bool = True) -> tuple[Parts, int]:
-    """Rows up to the horizon, or up to where more substeps turn out to be needed (and how many)."""
+    """Return the rows up to the horizon, or up to where more substeps are needed, and the number of substeps needed."""
     parts: Parts = []
-    total = stages[0].experiment.steps + 1  # one more: the rows of a span are those at the beginnings of its steps
+    total = stages[0].experiment.steps + 1  # one more: the rows of a span lie at the beginnings of its steps
     for state, experiment, rows in spans(stages, total, substeps):
         if watch.cancelled is not None and watch.cancelled():
             raise Cancelled("the run was cancelled")
@@ -119,7 +122,7 @@ def _spans(stages: list[Stage], substeps: int, watch: _Watch, watching: bool = T
 
 
 def needed_substeps(experiment: Experiment, rows: Rows) -> int:
-    """How many substeps the recorded rows say that a base step should be taken in."""
+    """Return the number of substeps per base step that the recorded rows require."""
     if experiment.plant.time != CONTINUOUS or not len(rows.index):
         return 1
     opening = rows.index[0] == 0
@@ -128,15 +131,15 @@ def needed_substeps(experiment: Experiment, rows: Rows) -> int:
     rates = [fastest(experiment.plant, values, picked)]
     for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
         if estimator.every is None:
-            seen = observed_values(experiment, estimator.parameters, values, rows.y)
-            seen |= {s: states[:, j] for j, s in enumerate(estimator.program.states)}
+            observed = observed_values(experiment, estimator.parameters, values, rows.y)
+            observed |= {s: states[:, j] for j, s in enumerate(estimator.program.states)}
             picked = sample_rows(finite_rows(states), len(estimator.program.states), opening)
-            rates.append(fastest(estimator.program, seen, picked))
+            rates.append(fastest(estimator.program, observed, picked))
     return max(substeps_needed(experiment.step, rate) for rate in rates)
 
 
 def allowed(experiment: Experiment, needed: int) -> int:
-    """``needed`` if that many substeps are allowed. Raises SpecError with the step that would do."""
+    """Return ``needed`` if that many substeps are allowed. Raises SpecError with a step that is small enough."""
     if needed > MOST_SUBSTEPS:
         step = experiment.step / needed
         raise SpecError("step", experiment.step, Message("run.step.unstable", step=step, times=needed))
@@ -144,7 +147,7 @@ def allowed(experiment: Experiment, needed: int) -> int:
 
 
 def _escapes(parts: Parts) -> int:
-    """How many observers leave the finite numbers before the plant does."""
+    """Return the number of observers that leave the finite numbers before the plant does."""
     escaped, ended = set(), False
     for experiment, rows in parts:
         if experiment.plant.time != CONTINUOUS or ended:

@@ -1,6 +1,6 @@
-"""An experiment that is changed while it runs: stages, each an experiment that holds from a base step on.
+"""An experiment that changes while it runs, as stages: each is an experiment that holds from a base step on.
 
-A live session and the run that is saved from it are the same stages, so they give the same numbers.
+A live session and the run that is saved from it have the same stages, so they give the same numbers.
 """
 
 from collections.abc import Iterator, Sequence
@@ -15,14 +15,14 @@ from thetascope.engine.simulation.simulation import Simulation
 
 @dataclass(frozen=True)
 class Stage:
-    """``experiment`` holds from base step ``k`` on, until the next stage."""
+    """``experiment`` holds from base step ``k`` until the next stage."""
 
     k: int
     experiment: Experiment
 
 
 def carry(state: State, old: Experiment, new: Experiment) -> State:
-    """The state with which the new experiment goes on: observers keep theirs, added ones start here."""
+    """Return the state from which the new experiment continues: observers keep theirs, added ones start here."""
     kept = {e.label: (e, s) for e, s in zip(old.estimators, state.observers, strict=True)}
     observers = []
     for i, estimator in enumerate(new.estimators):
@@ -37,7 +37,7 @@ def carry(state: State, old: Experiment, new: Experiment) -> State:
 def spans(stages: Sequence[Stage], count: int, substeps: int) -> Iterator[tuple[State, Experiment, Rows]]:
     """Advance from t = 0 by ``count`` base steps through the stages, in chunks.
 
-    ``substeps`` is taken where a stage's experiment does not say.
+    ``substeps`` applies where a stage's experiment does not specify them.
     """
     state = None
     for i, stage in enumerate(stages):
@@ -53,7 +53,7 @@ def spans(stages: Sequence[Stage], count: int, substeps: int) -> Iterator[tuple[
 
 @dataclass(frozen=True)
 class Life:
-    """An observer while it watched: its rows (positions in the record), states, and parameters by stage."""
+    """The time during which one observer runs: its rows (positions in the record), states, and parameters by stage."""
 
     label: str
     experiments: tuple[Experiment, ...]  # one for each part
@@ -62,15 +62,15 @@ class Life:
 
     @property
     def where(self) -> slice:
-        """Its rows: they follow one another."""
+        """Return the positions of its rows, which are consecutive."""
         first = next((int(p[0]) for p in self.positions if len(p)), 0)
         return slice(first, first + sum(len(p) for p in self.positions))
 
 
 def lives(parts: Sequence[tuple[Experiment, Rows]]) -> list[Life]:
-    """The observers' lives, in the order in which they began."""
+    """Return the lives of all observers, in the order in which they began."""
     open_: dict[str, list] = {}
-    found: list[tuple[str, list]] = []
+    begun: list[tuple[str, list]] = []
     position = 0
     for experiment, rows in parts:
         where = np.arange(position, position + len(rows.index))
@@ -82,9 +82,9 @@ def lives(parts: Sequence[tuple[Experiment, Rows]]) -> list[Life]:
             life = open_.get(estimator.label)
             if life is None or _estimator(life[-1][0], estimator.label).since != estimator.since:
                 life = open_[estimator.label] = []
-                found.append((estimator.label, life))
+                begun.append((estimator.label, life))
             life.append((experiment, where, states))
-    return [Life(label, *(tuple(c) for c in zip(*life, strict=True))) for label, life in found]
+    return [Life(label, *(tuple(c) for c in zip(*life, strict=True))) for label, life in begun]
 
 
 def _estimator(experiment: Experiment, label: str):
@@ -92,7 +92,7 @@ def _estimator(experiment: Experiment, label: str):
 
 
 def parameters_over(life: Life) -> dict[str, float | np.ndarray]:
-    """The observer's parameters: a number where it never changed, else an array over the life's rows."""
+    """Return the observer's parameters: a number where it never changed, else an array over the rows of its life."""
     each = [_estimator(e, life.label).parameters for e in life.experiments]
     if len(each) == 1:
         return {**each[0]}
@@ -104,5 +104,5 @@ def parameters_over(life: Life) -> dict[str, float | np.ndarray]:
 
 
 def final_estimator(life: Life):
-    """The observer as it was last."""
+    """Return the observer with its last parameters."""
     return _estimator(life.experiments[-1], life.label)

@@ -1,1 +1,1 @@
-"""What outputs can tell of states and faults, by the equations and along a run."""
+"""Observability and identifiability of states and faults."""

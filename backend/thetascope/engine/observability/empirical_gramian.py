@@ -1,10 +1,12 @@
-"""The empirical observability Gramian along a run: how the outputs answer to small changes of the state and of the faults.
+"""The empirical observability Gramian along a run: the response of the outputs to small changes of states and faults.
 
-From instants along the nominal trajectory the plant is simulated again with each component of (x, θ) a little more and a
-little less; half the difference of the outputs is the sensitivity (Lall, Marsden & Glavaski, Int. J. Robust Nonlinear
-Control 12, 2002, with one size of change and the unit vectors as directions). States are in units of their size, faults
-in typical faults and outputs in standard deviations of the noise, so that a singular value of 1 means: a change of that
-size stands out by one standard deviation within the window.
+From instants along the nominal trajectory the plant is simulated again with each component of (x, θ) slightly increased
+and decreased; half the difference of the outputs is the sensitivity (Lall, Marsden & Glavaski, Int. J. Robust Nonlinear
+Control 12, 2002, with one size of change and the unit vectors as directions). States are in units of their scale,
+faults
+in typical faults and outputs in standard deviations of the noise. A singular value of 1 thus means that a change of
+that
+size shifts the outputs by one standard deviation within the window.
 """
 
 from collections.abc import Sequence
@@ -20,20 +22,22 @@ from thetascope.engine.observers.support.kalman_defaults import state_scales, ty
 from thetascope.engine.simulation.experiment import Experiment, State
 from thetascope.engine.simulation.simulation import Simulation
 
-SIZE = 1e-3  # of a scale: how large the changes are
-RANK = 1e-5  # relative size of a singular value that counts as zero: changes of that size are not yet straight lines
+SIZE = 1e-3  # size of the changes relative to a scale
+RANK = 1e-5  # relative size of a singular value that counts as zero: nonlinearity affects sensitivities at this level
 INSTANTS = 12
-_MOST_STEPS = 4_000_000  # simulated in all, about
+_MOST_STEPS = 4_000_000  # approximate limit of all simulations together
 _MENTIONED = 0.1
 
 
 @dataclass(frozen=True)
 class Empirical:
-    """Over windows that begin at ``t`` (K, in s): singular values (K × N) of the sensitivity to ``names`` (N), ``x.*`` and
-    ``theta.*``; NaN where the plant does not stay finite. ``gramian`` (K × N × N): its square.
+    """Singular values and Gramians over windows that begin at the times ``t`` (K, in s).
 
-    ``rank`` (K; −1: not finite), ``condition`` (K; ∞ below full rank), ``direction`` (K × N): what is seen least, a unit
-    vector in scaled units.
+    ``singular`` (K × N): singular values of the sensitivity to ``names`` (N), which are ``x.*`` and ``theta.*``; NaN
+    where the
+    plant does not stay finite. ``gramian`` (K × N × N): the square of the sensitivity. ``rank`` (K; −1: not finite),
+    ``condition`` (K; ∞ below full rank), ``direction`` (K × N): the least observable direction, a unit vector in scaled
+    units.
     """
 
     window: float
@@ -47,7 +51,7 @@ class Empirical:
 
     @property
     def text(self) -> str:
-        """In a sentence."""
+        """Return the result in a sentence."""
         seen, size = self.rank[self.rank >= 0], len(self.names)
         if not len(seen):
             return "the plant does not stay finite over a window"
@@ -74,10 +78,10 @@ def empirical(
     unknown: Sequence[str] | None = None,
     size: float = SIZE,
 ) -> Empirical:
-    """Along the experiment (as it stands, with its faults, without noise), over windows of ``window`` seconds.
+    """Return the Gramian along the experiment (with its faults, without noise) over windows of ``window`` seconds.
 
-    instants: how many windows, at most; unknown: the components that are looked at (``x.*``, ``theta.*``; None: all),
-    the others are taken to be known; size: of the changes, as a share of a component's scale.
+    instants: largest number of windows; unknown: the components to test (``x.*``, ``theta.*``; None: all),
+    the others are assumed to be known; size: of the changes, relative to a component's scale.
     """
     context = experiment.context
     names = [*experiment.plant.states, *(i for i in experiment.plant.inputs if i.startswith("theta."))]
@@ -108,18 +112,18 @@ def empirical(
 
 
 def _measured(experiment: Experiment, context: Context) -> tuple[Experiment, int, np.ndarray]:
-    """Without observers and noise; rows from one measured value to the next; the standard deviation of one of them (m)."""
+    """Return the experiment without observers and noise, recorded steps per row, and one row's noise std (m)."""
     m = experiment.measurement
     interval = experiment.every * experiment.step
     stride = 1 if m.sample_every is None else max(1, round(m.sample_every / experiment.every))
-    # noise that holds for several rows counts once
+    # noise held over several rows counts once
     std = noise_stds(m, context) * np.sqrt(np.maximum(1.0, holds(m, experiment.step) / (stride * interval)))
     bare = Measurement(m.outputs, (0.0,) * len(m.outputs), m.sample_time, m.seed)
     return replace(experiment, estimators=(), measurement=bare), stride, std
 
 
 def _states(e: Experiment, firsts: np.ndarray) -> list[np.ndarray]:
-    """The plant's state at rows of the nominal trajectory."""
+    """Return the plant's state at rows of the nominal trajectory."""
     simulation, last = Simulation(e, e.substeps or 1), int(firsts[-1]) * e.every + 1
     plant = np.concatenate([rows.plant for _, rows in simulation.spans(last)])
     return [plant[f].copy() for f in firsts]
@@ -128,7 +132,7 @@ def _states(e: Experiment, firsts: np.ndarray) -> list[np.ndarray]:
 def _sensitivity(
     e: Experiment, state: State, rows: int, stride: int, names: Sequence[str], scales: dict[str, float], size: float
 ) -> np.ndarray:
-    """∂y/∂(scaled components) over the rows from a state on: (rows, m, N)."""
+    """Return ∂y/∂(scaled components) over the rows that follow a state (rows, m, N)."""
     columns = []
     for name in names:
         ends = []
@@ -143,7 +147,7 @@ def _sensitivity(
                 here = replace(e, signals=e.signals | {name: total([e.signals[name], constant(change)])})
             parts = [r.y for _, r in Simulation(here, here.substeps or 1).spans((rows - 1) * e.every + 1, begin)]
             ends.append(np.concatenate(parts)[::stride])
-        with np.errstate(invalid="ignore"):  # a plant that escapes
+        with np.errstate(invalid="ignore"):  # a plant that diverges
             columns.append((ends[0] - ends[1]) / (2 * size))
     return np.stack(columns, axis=-1)
 
@@ -154,7 +158,7 @@ def _result(S: np.ndarray, window: float, names: tuple[str, ...], t: np.ndarray)
     singular, direction = np.full((K, N), np.nan), np.full((K, N), np.nan)
     for k in np.flatnonzero(finite):
         _, values, vectors = np.linalg.svd(S[k], full_matrices=True)
-        singular[k] = np.concatenate([values, np.zeros(N - len(values))])  # fewer values than components: rank is lost
+        singular[k] = np.concatenate([values, np.zeros(N - len(values))])  # fewer values than components
         direction[k] = vectors[-1] * np.sign(vectors[-1][np.abs(vectors[-1]).argmax()])
     with np.errstate(divide="ignore", invalid="ignore"):
         relative = np.where(singular[:, :1] > 0, singular / singular[:, :1], 0.0)

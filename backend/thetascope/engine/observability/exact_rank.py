@@ -1,13 +1,13 @@
-"""Rank and null space of a matrix that comes row by row, in decimals of many digits."""
+"""Rank and null space of a matrix given row by row, in decimal arithmetic of many digits."""
 
 from decimal import Decimal
 
-TOLERANCE = Decimal("1e-60")  # of a row: what is below it is rounding
+TOLERANCE = Decimal("1e-60")  # relative to a row: smaller entries are rounding errors
 Row = list[Decimal]
 
 
 class Elimination:
-    """Reduced row echelon form of the rows taken in so far."""
+    """The reduced row echelon form of the rows added so far."""
 
     def __init__(self, columns: int):
         self.columns = columns
@@ -19,7 +19,7 @@ class Elimination:
         return len(self.rows)
 
     def take(self, row: Row) -> bool:
-        """Take in a row; whether it raises the rank."""
+        """Add a row; return whether it raises the rank."""
         size = max(map(abs, row), default=Decimal(0))
         if not size:
             return False
@@ -35,7 +35,7 @@ class Elimination:
         return True
 
     def null_space(self) -> list[Row]:
-        """A vector for each column without a pivot: what all rows give zero for."""
+        """Return a basis of the null space, one vector for each column without a pivot."""
         found = []
         for free in (j for j in range(self.columns) if j not in self.rows):
             vector = [Decimal(int(j == free)) for j in range(self.columns)]
@@ -50,7 +50,7 @@ def _less(row: Row, factor: Decimal, other: Row) -> Row:
 
 
 def rank(rows: list[Row]) -> int:
-    """Rank of a small matrix."""
+    """Return the rank of a small matrix."""
     elimination = Elimination(len(rows[0]) if rows else 0)
     for row in rows:
         elimination.take(row)

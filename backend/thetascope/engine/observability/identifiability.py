@@ -1,8 +1,11 @@
-"""What can be told from the outputs in principle, whatever the input: the verdict on a plant before anything runs.
+"""Structural observability: which states and faults the outputs determine for some input, decided before a run.
 
-The rank of the observability matrix (observability_matrix.py) at random points, with inputs, known signals and their derivatives at
-generic values: full rank at one point means that states and faults can be told from the outputs near almost every point.
-Where it is less, the null space says which cannot, and what with.
+The test is the rank of the observability matrix (observability_matrix.py) at random points, with generic values of
+inputs,
+known signals and their derivatives. Full rank at one point means that states and faults can be determined from the
+outputs near almost every point. Where the rank is lower, the null space names the undetermined ones and those with
+which
+they are confounded.
 """
 
 import hashlib
@@ -20,14 +23,14 @@ from thetascope.engine.observability.taylor import NO_VALUE, exact, precise
 from thetascope.engine.observers.support.time_constant import pace
 from thetascope.engine.programs.program_store import mathematics, plant_program
 
-WIDTHS = (0.5, 0.05, 0.005, 2.0, 10.0)  # of a state's scale: how far from the initial state points are taken
-_DRAWS = 2  # points of each width
-_LISTED = 5  # states that are named one by one
+WIDTHS = (0.5, 0.05, 0.005, 2.0, 10.0)  # of a state's scale: spread of the points around the initial state
+_DRAWS = 2  # points per width
+_LISTED = 5  # most states that are named individually
 
 
 @dataclass(frozen=True)
 class Group:
-    """Faults and states that cannot be told from each other. ``hidden``: combinations of faults that show in no output."""
+    """Faults and states that cannot be distinguished. ``hidden``: how many combinations of faults affect no output."""
 
     channels: tuple[str, ...]
     states: tuple[str, ...]
@@ -35,7 +38,7 @@ class Group:
 
     @property
     def text(self) -> str:
-        """In words."""
+        """Return the group in words."""
         many = len(self.states) > _LISTED
         them, states = _listed(self.channels), f"{len(self.states)} of the states" if many else _listed(self.states)
         if not self.channels:
@@ -54,7 +57,7 @@ class Group:
 class Structure:
     """``rank`` of the observability matrix in (x, θ), of ``size``; ``state_rank``: in x alone, of ``states``.
 
-    ``decided``: False where the plant is too large or its equations have no value at the points tried.
+    ``decided`` is False where the plant is too large or its equations have no value at the points tried.
     """
 
     decided: bool
@@ -67,22 +70,22 @@ class Structure:
 
     @property
     def hidden(self) -> int:
-        """Combinations of faults that no input brings to light."""
+        """Return the number of combinations of faults that no input reveals."""
         return sum(g.hidden for g in self.groups)
 
     @property
     def confounded(self) -> str:
-        """In words, what no input tells of the faults; empty if nothing is hidden."""
+        """Return in words which faults no input can determine; empty if nothing is hidden."""
         return "; ".join(g.text for g in self.groups if g.hidden)
 
     @property
     def unidentifiable(self) -> tuple[str, ...]:
-        """Channels whose fault cannot be told by itself."""
+        """Return the channels whose fault cannot be determined separately."""
         return tuple(c for g in self.groups for c in g.channels)
 
 
 def structure(plant: Mapping, channels: tuple[str, ...] | None = None) -> Structure:
-    """The verdict on a plant's data, for some channels (None: all; the others are taken to be sound)."""
+    """Return the structural observability of a plant's data for some channels (None: all; others are fault-free)."""
     names = tuple(c["name"] for c in plant["channels"]) if channels is None else channels
     what = ["structure", mathematics(plant), names, cache.package_digest()]
     key = hashlib.sha256(json.dumps(what, sort_keys=True, separators=(",", ":")).encode()).hexdigest()
@@ -91,9 +94,9 @@ def structure(plant: Mapping, channels: tuple[str, ...] | None = None) -> Struct
         data = json.loads(stored)
         groups = tuple(Group(tuple(g["channels"]), tuple(g["states"]), g["hidden"]) for g in data.pop("groups"))
         return Structure(**data, groups=groups)
-    made = _structure(plant, names)
-    cache.write("structure", key, json.dumps(asdict(made)).encode())
-    return made
+    result = _structure(plant, names)
+    cache.write("structure", key, json.dumps(asdict(result)).encode())
+    return result
 
 
 def _structure(plant: Mapping, channels: tuple[str, ...]) -> Structure:
@@ -117,28 +120,28 @@ def _structure(plant: Mapping, channels: tuple[str, ...]) -> Structure:
 
 
 def _found(plant: Mapping, program: Program, channels: tuple[str, ...]) -> tuple[list[Found], str, bool]:
-    """What is found at several points, why that does not decide it (if so), and whether the equations switch."""
-    found = []
+    """Return the findings at several points, why they do not decide (if so), and whether the equations switch."""
+    findings = []
     with precise():
         try:
             lie = Lie(program, channels)
             for draw in range(len(WIDTHS) * _DRAWS):
                 try:
-                    found.append(lie.at(generic(plant, program, draw, WIDTHS[draw % len(WIDTHS)], lie.orders)))
+                    findings.append(lie.at(generic(plant, program, draw, WIDTHS[draw % len(WIDTHS)], lie.orders)))
                 except NO_VALUE:
                     continue
-                if found[-1].rank == lie.columns:
+                if findings[-1].rank == lie.columns:
                     break
         except TooLarge:
-            return found, "the plant is too large", False
-    return found, "" if found else "the equations have no value at the points tried", lie.switches
+            return findings, "the plant is too large", False
+    return findings, "" if findings else "the equations have no value at the points tried", lie.switches
 
 
 # ---- points ------------------------------------------------------------------------------------------------------------------
 
 
 def generic(plant: Mapping, program: Program, seed: int, width: float, orders: int) -> Point:
-    """A random point near the initial state, inputs and known signals with random derivatives."""
+    """Return a random point near the initial state; inputs and known signals have random derivatives."""
     random = Random(seed)
     rate = exact(pace(plant))
     values = {f"p.{p['name']}": exact(p["value"]) for p in plant["parameters"]}
@@ -165,7 +168,7 @@ def _near(random: Random, middle: float, domain: tuple | None, width: float) -> 
 
 
 def _course(random: Random, item: Mapping, width: float, rate: Decimal, orders: int, steps: bool) -> list[Decimal]:
-    """Taylor coefficients of a generic course (or its values at successive steps) near the default."""
+    """Return Taylor coefficients of a generic course (or its values at successive steps) near the default."""
     given = item.get("default", 0.0)
     default = float(given) if isinstance(given, int | float) else 0.0
     low, high = item.get("bounds") or (None, None)
@@ -186,7 +189,7 @@ def _course(random: Random, item: Mapping, width: float, rate: Decimal, orders: 
 
 
 def _groups(null: list[list[Decimal]], states: tuple[str, ...], channels: tuple[str, ...]) -> tuple[Group, ...]:
-    """The null space taken apart into independent pieces: columns that a vector of its reduced form joins belong together."""
+    """Return the independent parts of the null space: columns joined by a vector of its reduced form."""
     n, pieces = len(states), []
     for vector in null:
         mine = {j for j, v in enumerate(vector) if abs(v) > TOLERANCE}

@@ -1,10 +1,10 @@
-"""The observability matrix of a plant with its faults, at a point: derivatives of the outputs in (x, θ), to any order.
+"""The observability matrix of a plant with its faults at a point: derivatives of the outputs in (x, θ), to any order.
 
 The plant is augmented by its constant faults, x' = f + Φθ, θ' = 0. The rows are the Taylor coefficients of the outputs'
 sensitivities along the solution from the point: the derivatives in (x, θ) of the Lie derivatives of the outputs, up to
-factorials (Hermann & Krener, IEEE TAC 22(5), 1977). They are found numerically, as in Sedoglavic, J. Symbolic
-Computation 33, 2002, but in decimals of many digits instead of a finite field, so that roots and sines may occur.
-Of discrete plants the outputs of successive steps take the derivatives' place.
+factorials (Hermann & Krener, IEEE TAC 22(5), 1977). They are computed numerically, as in Sedoglavic, J. Symbolic
+Computation 33, 2002, but in decimal arithmetic of many digits instead of a finite field, so that roots and sines are
+allowed. For discrete plants the outputs of successive steps replace the derivatives.
 """
 
 from collections.abc import Iterator, Mapping
@@ -17,20 +17,20 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.observability.exact_rank import Elimination
 from thetascope.engine.observability.taylor import Series, convolve
 
-MOST_NODES = 20_000  # of the plant's equations with their derivatives
-WORK = 3_000_000  # products, in all
-_IDLE = 3  # orders without a new rank after which there is none to come, where nothing switches
-_LONGER = 3  # times as many of a discrete plant that does: what a fault does may show only after a switch
+MOST_NODES = 20_000  # limit for the plant's equations with their derivatives
+WORK = 3_000_000  # limit for the number of products
+_IDLE = 3  # orders without a higher rank after which the rank is final, where nothing switches
+_LONGER = 3  # times as many for a discrete plant that switches: a fault may take effect only after a switch
 SWITCHES = {"where", "min", "max", "abs", "sign", "floor", "lt", "le"}
 
 
 class TooLarge(Exception):
-    """More work than is allowed."""
+    """The plant requires more work than is allowed."""
 
 
 @dataclass(frozen=True)
 class Point:
-    """Where to look: values of states, parameters, faults and t, and inputs as Taylor coefficients (values a step)."""
+    """A point of evaluation: states, parameters, faults and t as values, inputs as Taylor coefficients (one per step)."""
 
     values: Mapping[str, Decimal]
     inputs: Mapping[str, list[Decimal]]
@@ -38,7 +38,7 @@ class Point:
 
 @dataclass(frozen=True)
 class Found:
-    """Rank at one point, and the null space: vectors over the unknown x, and θ. ``states``: rank were θ known."""
+    """Rank at a point, and the null space: vectors over the unknown x, and θ. ``states``: the rank if θ were known."""
 
     rank: int
     states: int
@@ -48,8 +48,8 @@ class Found:
 class Lie:
     """The observability matrix of a program, with θ of the given channels, at any point.
 
-    ``unknown``: the states that are to be told from the outputs; the others are taken to be known. Use it within
-    `series.precise`. Raises TooLarge.
+    ``unknown``: the states to be determined from the outputs; the others are assumed to be known. Use it within
+    `taylor.precise`. Raises TooLarge.
     """
 
     def __init__(self, program: Program, channels: tuple[str, ...], unknown: tuple[str, ...] | None = None):
@@ -74,7 +74,7 @@ class Lie:
             raise TooLarge
 
     def at(self, point: Point) -> Found:
-        """Raises one of NO_VALUE where the equations have no value, TooLarge after too much work."""
+        """Return rank and null space at a point. Raises one of NO_VALUE where the equations have none, or TooLarge."""
         known = len(self.unknown)
         whole, states, idle = Elimination(self.columns), Elimination(known), 0
         for block in (self._steps if self.program.time == DISCRETE else self._derivatives)(point):
@@ -86,7 +86,7 @@ class Lie:
         return Found(whole.rank, states.rank, whole.null_space())
 
     def _beginning(self) -> list[list[list[Decimal]]]:
-        """∂x(0)/∂(unknown x(0), θ)."""
+        """Return ∂x(0)/∂(unknown x(0), θ)."""
         return [
             [[Decimal(int(j < len(self.unknown) and self.unknown[j] == i))] for j in range(self.columns)]
             for i in range(self.n)
@@ -98,7 +98,7 @@ class Lie:
             raise TooLarge
 
     def _derivatives(self, point: Point) -> Iterator[list[list[Decimal]]]:
-        """For k = 0, 1, …: the k-th Taylor coefficient of ∂y/∂(x, θ), one row an output."""
+        """Yield, for k = 0, 1, …, the k-th Taylor coefficient of ∂y/∂(x, θ), one row per output."""
         series = Series(self.graph, self.roots, self.still)
         states = {name: i for i, name in enumerate(self.program.states)}
         X = self._beginning()
@@ -119,7 +119,7 @@ class Lie:
                     X[i][j].append(v / (k + 1))
 
     def _row(self, series: Series, slopes: Mapping[int, int], X: list, k: int) -> list[Decimal]:
-        """Coefficient k of Σ slope · ∂x/∂(x, θ), and of what enters directly."""
+        """Return coefficient k of Σ slope · ∂x/∂(x, θ) plus the direct terms."""
         row, shift = [], self.n - len(self.unknown)
         for j in range(self.columns):
             direct = slopes.get(j + shift) if j >= len(self.unknown) else None
@@ -131,7 +131,7 @@ class Lie:
         return row
 
     def _steps(self, point: Point) -> Iterator[list[list[Decimal]]]:
-        """For k = 0, 1, …: ∂y/∂(x, θ) after k steps."""
+        """Yield, for k = 0, 1, …, ∂y/∂(x, θ) after k steps."""
         x = {name: point.values[name] for name in self.program.states}
         X = self._beginning()
         for k in range(self.orders):

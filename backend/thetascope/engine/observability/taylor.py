@@ -1,7 +1,7 @@
-"""A program's graph in power series of time, with many digits: derivatives of any order, without rounding worth a name.
+"""A program's graph in power series of time with many digits: derivatives of any order without significant rounding.
 
 Every node becomes its Taylor coefficients, order by order, by the recurrences of automatic differentiation (Griewank &
-Walther, Evaluating Derivatives, 2008, ch. 13). Branches are taken by the value at the expansion point.
+Walther, Evaluating Derivatives, 2008, ch. 13). Branches are chosen by the value at the expansion point.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -14,7 +14,7 @@ from thetascope.engine.language.lazy_sympy import sympy
 
 DIGITS = 120
 ARITHMETIC = Context(prec=DIGITS, traps=[InvalidOperation, DivisionByZero, Overflow])
-NO_VALUE = (ArithmeticError, ValueError)  # what is raised where a function has none
+NO_VALUE = (ArithmeticError, ValueError)  # raised where a function has no value
 Coefficients = list[Decimal]
 
 _ZERO, _ONE = Decimal(0), Decimal(1)
@@ -22,17 +22,17 @@ _FLAT = {"lt", "le", "and", "or", "sign", "floor"}  # constant wherever they hav
 
 
 def exact(value: float) -> Decimal:
-    """The decimal number that a double was written as: 0.3 is three tenths."""
+    """Return the decimal number that a double was written as: 0.3 is three tenths."""
     return Decimal(repr(float(value)))
 
 
 def precise() -> AbstractContextManager[Context]:
-    """Within it decimals have many digits, and what has no value raises."""
+    """Return a context in which decimals have many digits and undefined operations raise."""
     return localcontext(ARITHMETIC)
 
 
 def convolve(a: Sequence[Decimal], b: Sequence[Decimal], k: int, first: int = 0, last: int | None = None) -> Decimal:
-    """Σ a_i b_{k−i} over i = first … last (k)."""
+    """Return Σ a_i b_{k−i} over i = first … last (k by default)."""
     last = k if last is None else last
     if last < first:
         return _ZERO
@@ -42,7 +42,7 @@ def convolve(a: Sequence[Decimal], b: Sequence[Decimal], k: int, first: int = 0,
 class Series:
     """Coefficients of the nodes that ``roots`` need. ``still``: variables that do not depend on time.
 
-    ``at[i]`` are the coefficients of node i so far.
+    ``at[i]`` holds the coefficients of node i computed so far.
     """
 
     def __init__(self, graph: Graph, roots: Sequence[int], still: set[str]):
@@ -50,7 +50,7 @@ class Series:
         self.at: dict[int, Coefficients] = {i: [] for i in self.order}
         self.beside: dict[
             int, list[Coefficients]
-        ] = {}  # of a sine its cosine, of an arctangent what its slope divides by
+        ] = {}  # the cosine of a sine, the denominator of an arctangent's slope
         self.still: set[int] = set()
         for i in self.order:
             op, *args = graph.nodes[i]
@@ -60,7 +60,7 @@ class Series:
         self.moving = len(self.order) - len(self.still)
 
     def extend(self, values: Callable[[str, int], Decimal]) -> None:
-        """One more coefficient for every node. ``values(name, k)``: that of a variable. Raises one of ``NO_VALUE``."""
+        """Add one coefficient to every node; ``values(name, k)`` is that of a variable. Raises one of ``NO_VALUE``."""
         for i in self.order:
             op, *args = self.graph.nodes[i]
             mine = self.at[i]
@@ -144,7 +144,7 @@ def _logarithm(s: Series, i: int, k: int, c: Coefficients, a: Coefficients) -> D
 
 
 def _power(s: Series, i: int, k: int, c: Coefficients, a: Coefficients, b: Coefficients) -> Decimal:
-    """exp(b log a), for positive a."""
+    """Return exp(b log a), for positive a."""
     log, product = s.companions(i, 2)
     log.append(_logarithm(s, i, k, log, a))
     product.append(convolve(b, log, k))
@@ -158,12 +158,12 @@ def _signed_power(s: Series, i: int, k: int, c: Coefficients, a: Coefficients, b
 
 
 def _slopes(a: Coefficients, k: int) -> Coefficients:
-    """i·a_i."""
+    """Return i·a_i for i up to k."""
     return [j * v for j, v in enumerate(a[: k + 1])]
 
 
 def _circular(name: str, sign: int) -> Callable[..., Decimal]:
-    """Sine and cosine, each with the other beside it (sign −1); hyperbolic ones (sign 1)."""
+    """Return the recurrence of sine and cosine (sign −1) or of sinh and cosh (sign 1), each by the other."""
     sine = name in ("sin", "sinh")
     other = {"sin": "cos", "cos": "sin", "sinh": "cosh", "cosh": "sinh"}[name]
 
@@ -181,7 +181,7 @@ def _circular(name: str, sign: int) -> Callable[..., Decimal]:
 
 
 def _tangent(name: str, sign: int) -> Callable[..., Decimal]:
-    """c' = (1 ± c²) a'."""
+    """Return the recurrence c' = (1 ± c²) a'."""
 
     def coefficient(s: Series, i: int, k: int, c: Coefficients, a: Coefficients) -> Decimal:
         (square,) = s.companions(i, 1)
@@ -194,7 +194,7 @@ def _tangent(name: str, sign: int) -> Callable[..., Decimal]:
 
 
 def _inverse(name: str) -> Callable[..., Decimal]:
-    """c' = a'/w: w = 1 + a² of the arctangent, ±√(1 − a²) of arcsine and arccosine."""
+    """Return the recurrence c' = a'/w: w = 1 + a² of the arctangent, ±√(1 − a²) of arcsine and arccosine."""
 
     def coefficient(s: Series, i: int, k: int, c: Coefficients, a: Coefficients) -> Decimal:
         inner, w = s.companions(i, 2)
@@ -210,7 +210,7 @@ def _inverse(name: str) -> Callable[..., Decimal]:
 
 
 def _angle(s: Series, i: int, k: int, c: Coefficients, y: Coefficients, x: Coefficients) -> Decimal:
-    """atan2(y, x): (x² + y²) c' = x y' − y x'."""
+    """Return a coefficient of atan2(y, x): (x² + y²) c' = x y' − y x'."""
     (w,) = s.companions(i, 1)
     w.append(convolve(x, x, k) + convolve(y, y, k))
     if not k:
@@ -236,7 +236,7 @@ _RECURSIVE: Mapping[str, Callable[..., Decimal]] = {
 
 
 def _known(name: str, *a: Decimal) -> Decimal:
-    """A function at a number, by SymPy's arithmetic of many digits."""
+    """Return a function of a number, by SymPy's arithmetic of many digits."""
     value = getattr(sympy, name)(*(sympy.Float(str(v), DIGITS) for v in a))
     if not value.is_real:
         raise ValueError(f"{name} has no real value there")

@@ -1,1 +1,1 @@
-"""Plant, measurement and observers advanced together, one run or many in lanes."""
+"""Simulation of plant, measurement and observers, for one run or for many runs in SIMD lanes."""

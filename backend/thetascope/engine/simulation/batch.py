@@ -1,7 +1,7 @@
-"""Many runs of one shape at once, in SIMD lanes: the batch entry point of the engine.
+"""Run many experiments of one shape together in SIMD lanes: the batch entry point of the engine.
 
-A batch is a list of experiments with the same plant and observer programs, step, horizon and record; seeds,
-parameters, gains, initial states, signals may differ. Result i has the bits of running experiment i alone.
+A batch is a list of experiments with the same plant and observer programs, step, horizon and recording interval. Seeds,
+parameters, gains, initial states and signals may differ. Result i is bit-identical to running experiment i alone.
 """
 
 from collections.abc import Callable, Sequence
@@ -21,26 +21,27 @@ from thetascope.engine.simulation.initial_states import observer_states
 from thetascope.engine.simulation.lanes import Blocks, Column, Levels, Noise, Separate, table
 from thetascope.engine.simulation.simulation import Simulation, Tables, joined
 
-FEW_STATES = 8  # up to this many states two vectors a value hide latency; beyond, registers run out
-FEWEST, MOST = 1024, 16384  # base steps taken at once
-HANDED = 1 << 22  # bytes that the shared part hands over at once: they stay in the cache while the lanes take turns
+FEW_STATES = 8  # up to this many states, two vectors per value hide latency; with more, registers run out
+FEWEST, MOST = 1024, 16384  # base steps per kernel call
+HANDED = 1 << 22  # bytes of stage values per call of the shared kernel: they stay in cache while lanes read them
 
 
 @dataclass(frozen=True)
 class Batch:
-    """Recorded states: ``plant`` (runs × rows × states) and for each observer ``observers[i]`` (runs × rows × states)."""
+    """Recorded states: ``plant`` (runs × rows × states); ``observers[i]`` for observer i (runs × rows × states)."""
 
-    index: np.ndarray  # base steps of the rows
+    index: np.ndarray  # base-step index of each row
     plant: np.ndarray
     observers: tuple[np.ndarray, ...]
 
 
 def run_batch(experiments: Sequence[Experiment], cancelled: Callable[[], bool] | None = None) -> Batch:
-    """Run all experiments. Raises ValueError where their shapes differ, Cancelled when asked to stop.
+    """Run all experiments. Raises ValueError where their shapes differ, and Cancelled when cancelled.
 
-    Where something cannot go in lanes (faults of the measurement itself, sampled measurement, observers at a sample
-    period), the runs are made one after the other; runs that divide a step at different times go in separate groups.
-    Steps are divided as each experiment says (``substeps``), once if it does not say.
+    Experiments that cannot run in lanes (faults of the measurement, sampled measurement, observers at a sample period)
+    run
+    one after the other. Runs whose steps are divided at different times form separate groups. Each base step has
+    ``substeps`` substeps as the experiment specifies, one by default.
     """
     first = experiments[0]
     groups: dict[tuple, list[int]] = {}
@@ -77,7 +78,7 @@ def _shape(e: Experiment) -> tuple:
 
 
 def _divisions(e: Experiment, first: Experiment) -> tuple:
-    """What decides where base steps are divided, signals that are the first experiment's own apart."""
+    """Return all that determines where base steps are divided, leaving out signals that the first experiment shares."""
     end = (e.steps + 1) * e.step
     signals = [s for n, s in e.signals.items() if s is not first.signals[n]]
     signals += e.measurement.noises if e.measurement.faults else ()
@@ -142,7 +143,7 @@ class _Lanes:
         )
 
     def _source(self, name: str) -> Noise | Levels | Separate:
-        """Where the columns of a held signal that differs come from."""
+        """Return the source of a held signal's columns, for a signal that differs between runs."""
         measurements = [e.measurement for e in self.experiments]
         outputs = [f"noise.{n}" for n in self.first.plant.outputs]
         if name in outputs:
@@ -158,7 +159,7 @@ class _Lanes:
     # ---- running -----------------------------------------------------------------------------------------------------
 
     def run(self, cancelled: Callable[[], bool] | None) -> np.ndarray:
-        """All states of all runs at the rows: runs × rows × states."""
+        """Return the states of all runs at the recorded rows (runs × rows × states)."""
         first, runs, names = self.first, len(self.experiments), list(self.program.states)
         mine = _consecutive([names.index(s) for s in self.parts.lanes.states])
         common = _consecutive([names.index(s) for s in self.parts.shared.states] if self.parts.shared else [])
@@ -180,7 +181,7 @@ class _Lanes:
         return result
 
     def _by_block(self, values: np.ndarray) -> np.ndarray:
-        """Quantities × runs → blocks × quantities × lanes."""
+        """Reshape quantities × runs into blocks × quantities × lanes."""
         padded = values[:, self.blocks.padded].reshape(len(values), self.blocks.count, self.blocks.width)
         return np.ascontiguousarray(padded.transpose(1, 0, 2))
 
@@ -191,12 +192,12 @@ class _Lanes:
             source = self.sources.get(name)
             if isinstance(source, Levels):
                 parts.append(source.edges[(source.edges > a) & (source.edges < b)])
-            elif not isinstance(source, Noise):  # noise switches at the same times in all runs
+            elif not isinstance(source, Noise):  # noise changes at the same times in all runs
                 parts += [s[name].breaks(a, b) for s in self.signals[1:]]
         return cut(first, last, self.first.step, np.concatenate(parts), self.first.every, self.substeps)
 
     def _shared(self, grid: Grid, state: np.ndarray, rows: int) -> tuple[np.ndarray, np.ndarray]:
-        """Advance what the runs share; give its rows and the values it hands over at every stage."""
+        """Advance the part that all runs share; return its rows and the values it passes on at every stage."""
         shared, handed = self.parts.shared, self.parts.handed
         out = np.empty((rows, 0 if shared is None else len(shared.states)))
         emitted = np.empty((grid.count, self.stages, max(1, len(handed))))
@@ -220,7 +221,7 @@ class _Lanes:
         return np.array([self.values[0][p] for p in layout.shared_params(program)] or [0.0])
 
     def _lane_rows(self, grid: Grid, state: np.ndarray, handed: np.ndarray, rows: int) -> np.ndarray:
-        """Advance the lanes, block by block; give their rows: runs × rows × states."""
+        """Advance the lanes block by block; return their rows (runs × rows × states)."""
         layout, lanes, blocks = self.layout, self.parts.lanes, self.blocks
         tables = Tables(grid, self.signals[0], self.stages)
         staged = layout.staged[len(self.parts.names) :]
@@ -264,18 +265,18 @@ def _with_noise(e: Experiment) -> dict[str, Signal]:
 
 
 def _divide(program: Program, roots: list[int], signals: dict[str, Signal], staged: frozenset[str]):
-    """Of the signals that a program uses, which are held and which staged."""
+    """Divide the signals that a program uses into held and staged ones."""
     used = sorted(variables(program.graph, roots) & set(signals))
     return tuple(n for n in used if n not in staged), tuple(n for n in used if n in staged)
 
 
 def _consecutive(places: list[int]) -> slice | list[int]:
-    """A slice where it can be one: quicker to assign to."""
+    """Return consecutive indices as a slice, which is faster to assign to; other indices unchanged."""
     if places and places == list(range(places[0], places[-1] + 1)):
         return slice(places[0], places[-1] + 1)
     return places
 
 
 def with_seed(experiment: Experiment, seed: int) -> Experiment:
-    """The same experiment with other noise (its random fault shapes keep theirs)."""
+    """Return the same experiment with another noise seed; random fault shapes keep their own seeds."""
     return replace(experiment, measurement=replace(experiment.measurement, seed=seed))

@@ -1,4 +1,4 @@
-"""What a simulation advances: the experiment as engine objects, its state, and the rows that it records."""
+"""The data of a simulation: the experiment as engine objects, its state, and the rows it records."""
 
 from dataclasses import dataclass, field
 
@@ -14,7 +14,7 @@ from thetascope.messages import Message
 
 @dataclass(frozen=True)
 class Estimator:
-    """One observer of an experiment: its program and the numbers for it."""
+    """One observer of an experiment: its program, parameters and initial values."""
 
     label: str
     kind: Observer
@@ -23,13 +23,13 @@ class Estimator:
     parameters: dict[str, float]  # g.*, m.*, x0.*, theta0.*
     facts: dict
     context: Context
-    every: int | None = None  # base steps in its sample period; None: runs in the plant's own time
-    since: int = 0  # base step at which it began to watch
+    every: int | None = None  # base steps per sample period; None: it runs in the plant's time
+    since: int = 0  # base step at which it was added
 
 
 @dataclass(frozen=True)
 class Experiment:
-    """Everything a run is made of, as engine objects. ``signals`` holds u.*, signal.* and theta.* by name."""
+    """All inputs of a run as engine objects. ``signals`` holds u.*, signal.* and theta.* by name."""
 
     plant: Program
     parameters: dict[str, float]  # p.*
@@ -40,14 +40,14 @@ class Experiment:
     step: float
     steps: int
     every: int  # base steps between recorded rows
-    context: Context  # of the plant with all its channels, for filters of the plant itself
-    substeps: int | None = None  # in each base step; None: one, or what stiff gains need
+    context: Context  # of the plant with all its fault channels, for filters that estimate all of them
+    substeps: int | None = None  # per base step; None: one, or as many as stiff gains need
     notes: tuple[Message, ...] = ()
 
 
 @dataclass(frozen=True)
 class State:
-    """Where a simulation stands: copy it to rewind or fork."""
+    """The complete state of a simulation at a base step; copy it to rewind or to fork."""
 
     k: int
     plant: np.ndarray
@@ -59,7 +59,7 @@ class State:
 class Rows:
     """Recorded rows of a span: base-step indices, plant states (rows × n), measured y (rows × m), observer states.
 
-    ``spent`` is measured, not computed: it differs each time, and no number of a run depends on it.
+    ``spent`` is measured processor time, so it differs each time; no number of a run depends on it.
     """
 
     index: np.ndarray
@@ -67,10 +67,10 @@ class Rows:
     y: np.ndarray
     observers: tuple[np.ndarray, ...]
     spent: Spent = field(default_factory=dict)
-    passed: np.ndarray | None = None  # rows × m: what was measured just before; where it is remembered
+    passed: np.ndarray | None = None  # rows × m: the measurement before each row, where it is recorded
 
     def part(self, first: int, last: int | None = None) -> "Rows":
-        """Some of the rows."""
+        """Return the rows from ``first`` up to ``last`` (exclusive)."""
         index, plant, y = (part[first:last] for part in (self.index, self.plant, self.y))
         passed = None if self.passed is None else self.passed[first:last]
         return Rows(index, plant, y, tuple(o[first:last] for o in self.observers), self.spent, passed)

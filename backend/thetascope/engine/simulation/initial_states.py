@@ -1,4 +1,4 @@
-"""Where observers start: their initial states, from the numbers given and, where they ask for it, the first measurement."""
+"""Initial states of observers, computed from given values and, where the observer uses it, the first measurement."""
 
 from collections.abc import Sequence
 
@@ -11,9 +11,9 @@ from thetascope.engine.simulation.experiment import Experiment
 def observer_states(
     experiments: Sequence[Experiment], i: int, k: int = 0, plant: np.ndarray | None = None
 ) -> np.ndarray:
-    """States from which observer i starts at base step k, in experiments of one shape: states × experiments.
+    """Return the initial states of observer i at base step k, for experiments of one shape (states × experiments).
 
-    ``plant`` holds the plant's states there (states × experiments); the initial ones if not given.
+    ``plant``: the plant's states at step k (states × experiments); by default its initial states.
     """
     first = experiments[0]
     program = first.estimators[i].program
@@ -25,14 +25,14 @@ def observer_states(
         plant = np.stack([e.x0 for e in experiments], axis=1) if plant is None else plant
         outside = _signals(experiments, k) | _measurement(experiments, k, plant)
     values |= {f"{when}{n}": v for when in ("", "mid.", "end.", "now.") for n, v in outside.items()}
-    found = evaluate(program.graph, roots, values)
-    return np.array([np.broadcast_to(np.asarray(v, dtype=float), len(experiments)) for v in found]).reshape(
+    initial = evaluate(program.graph, roots, values)
+    return np.array([np.broadcast_to(np.asarray(v, dtype=float), len(experiments)) for v in initial]).reshape(
         len(roots), len(experiments)
     )
 
 
 def _same_or_stacked(many: list[dict[str, float]]) -> dict[str, np.ndarray | float]:
-    """One number where all agree, else an array over the experiments."""
+    """Return each value as one number where all experiments agree, else as an array over the experiments."""
     first = many[0]
     if len(many) == 1:
         return dict(first)
@@ -40,7 +40,7 @@ def _same_or_stacked(many: list[dict[str, float]]) -> dict[str, np.ndarray | flo
 
 
 def _signals(experiments: Sequence[Experiment], k: int) -> dict[str, np.ndarray | float]:
-    """Right limits at base step k."""
+    """Return the right limits of all signals at base step k."""
     first = experiments[0]
     at = np.array([k * first.step])
     anchor = at + 1e-4 * first.step
@@ -53,7 +53,7 @@ def _signals(experiments: Sequence[Experiment], k: int) -> dict[str, np.ndarray 
 
 
 def _measurement(experiments: Sequence[Experiment], k: int, plant: np.ndarray) -> dict[str, np.ndarray]:
-    """y at base step k as a sensor with noise gives it."""
+    """Return y at base step k with the sensors' noise."""
     first = experiments[0]
     values = _signals(experiments, k) | _same_or_stacked([e.parameters for e in experiments])
     values |= {"t": k * first.step} | {s: plant[j] for j, s in enumerate(first.plant.states)}

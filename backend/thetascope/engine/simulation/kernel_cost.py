@@ -1,9 +1,10 @@
-"""What an observer costs to compute: the processor time of its kernel's calls, measured in the run itself.
+"""The computational cost of an observer: the processor time of its kernel calls, measured during the run.
 
-Where plant and first observer are one kernel there is one time for both, which is divided by their operations, counted
-on their graphs. That flatters it: over the library's experiments its part is 0.6 to 1.0 of the time that it takes in a
-kernel of its own, 0.88 in the middle, as a processor works on both at once. So where there are others to compare it
-with, it is measured once more in a kernel of its own, as they are (`alone` in run.py).
+A kernel that joins the plant and the first observer has one time for both. It is divided between them by the number of
+operations of their graphs. This underestimates the observer: over the library's experiments its share is 0.6 to 1.0
+(median 0.88) of the time that it takes in a separate kernel, because a processor interleaves both. Where there are
+other
+observers to compare it with, it is therefore measured again in a separate kernel (`alone` in run_experiment.py).
 """
 
 from collections.abc import Iterable, Mapping
@@ -13,9 +14,9 @@ from thetascope.engine.compiler.graph import LEAVES, topological
 from thetascope.engine.compiler.system import Program
 
 PLANT = ""  # no observer's label is empty
-Spent = dict[str, tuple[float, float]]  # by observer's label: seconds of the processor, seconds simulated
+Spent = dict[str, tuple[float, float]]  # observer's label → processor seconds, simulated seconds
 
-_SLOW = {"div": 4, "sqrt": 4}  # of what an addition takes, about
+_SLOW = {"div": 4, "sqrt": 4}  # approximate cost in additions
 _ONE_INSTRUCTION = {
     "add",
     "sub",
@@ -38,13 +39,13 @@ _LIBRARY = 20  # a call of the C library
 
 @lru_cache(maxsize=256)
 def operations(program: Program) -> int:
-    """Operations of one evaluation of the update law, in additions: a quotient counts 4, a call of the C library 20."""
+    """Return the cost of one evaluation of the update law in additions: a quotient counts 4, a C library call 20."""
     nodes = (program.graph.nodes[i][0] for i in topological(program.graph, program.update))
     return sum(1 if op in _ONE_INSTRUCTION else _SLOW.get(op, _LIBRARY) for op in nodes if op not in LEAVES)
 
 
 def divided(seconds: float, parts: Mapping[str, Program]) -> dict[str, float]:
-    """The time of one kernel, divided among the programs it is made of by their operations."""
+    """Divide the time of one kernel among its programs in proportion to their operations."""
     weights = (
         {name: operations(program) for name, program in parts.items()} if len(parts) > 1 else dict.fromkeys(parts, 1)
     )
@@ -53,7 +54,7 @@ def divided(seconds: float, parts: Mapping[str, Program]) -> dict[str, float]:
 
 
 def costs(spans: Iterable[Spent]) -> dict[str, float]:
-    """Processor seconds per simulated second over all spans, of each observer by label."""
+    """Return the processor seconds per simulated second over all spans, by observer's label."""
     total: dict[str, tuple[float, float]] = {}
     for spent in spans:
         for name, (seconds, simulated) in spent.items():

@@ -1,6 +1,7 @@
-"""Held inputs that differ from run to run, as tables for kernels in lanes: segments × names × lanes.
+"""Held inputs that differ from run to run, as tables for kernels in lanes (segments × names × lanes).
 
-Noise is drawn for all lanes of a block at once; other signals are looked up in levels found once for all runs.
+Noise is drawn for all lanes of a block together. Other signals are looked up in levels that are computed once for all
+runs.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,14 +14,14 @@ from thetascope.engine.inputs.random_streams import Streams
 from thetascope.engine.inputs.sensors import noise_key
 from thetascope.engine.inputs.signals import Signal
 
-MOST_LEVELS = 20_000_000  # numbers kept for one signal over all runs
+MOST_LEVELS = 20_000_000  # most numbers stored for one signal over all runs
 
 Column = Callable[[int], np.ndarray]  # block → segments × lanes
 
 
 @dataclass(frozen=True)
 class Blocks:
-    """Runs dealt out to blocks of ``width`` lanes; the last run fills what is left over."""
+    """Runs distributed over blocks of ``width`` lanes; the last run fills the unused lanes of the last block."""
 
     runs: int
     width: int
@@ -32,7 +33,7 @@ class Blocks:
 
     @cached_property
     def padded(self) -> np.ndarray:
-        """The run in each lane of each block, one block after the other."""
+        """Return the run in each lane of each block, block after block."""
         return np.minimum(np.arange(self.count * self.width), self.runs - 1)
 
     def slice(self, block: int) -> slice:
@@ -41,7 +42,7 @@ class Blocks:
 
 
 class Noise:
-    """Noise of one output and nothing else: std · draw j on [j·hold, (j+1)·hold), a stream a run."""
+    """Noise of one output without other terms: std · draw j on [j·hold, (j+1)·hold), with one random stream per run."""
 
     def __init__(self, blocks: Blocks, output: int, std: Sequence[float], seeds: Sequence[int], hold: float):
         self.hold = hold
@@ -51,7 +52,7 @@ class Noise:
 
     def over(self, at: np.ndarray) -> Column:
         """Return the noise at these times, block by block."""
-        index = np.floor(at / self.hold).astype(np.int64)  # as the signal itself does, see signals.random_held
+        index = np.floor(at / self.hold).astype(np.int64)  # the same rounding as in signals.random_held
         low, count = int(index.min()), int(index.max() - index.min()) + 1
         picked = None if count == len(index) and (np.diff(index) == 1).all() else index - low
 
@@ -64,7 +65,7 @@ class Noise:
 
 
 class Levels:
-    """A held signal in all runs: ``levels[i]`` (one number a lane) between edges i−1 and i."""
+    """A held signal in all runs: ``levels[i]`` (one number per lane) between edges i−1 and i."""
 
     def __init__(self, blocks: Blocks, edges: np.ndarray, levels: np.ndarray):
         self.edges = edges
@@ -72,7 +73,7 @@ class Levels:
 
     @classmethod
     def of(cls, blocks: Blocks, signals: Sequence[Signal], end: float) -> "Levels | None":
-        """None where they are too many to keep."""
+        """Return the levels of the signals up to ``end``; None if there are too many to store."""
         edges = np.unique(np.concatenate([s.breaks(0.0, end) for s in signals]))
         if (len(edges) + 1) * len(signals) > MOST_LEVELS:
             return None
@@ -89,7 +90,7 @@ class Levels:
 
 
 class Separate:
-    """A held signal of which nothing is known in advance: evaluated run by run."""
+    """A held signal without a known structure: it is evaluated run by run."""
 
     def __init__(self, blocks: Blocks, signals: Sequence[Signal]):
         self.blocks, self.signals = blocks, signals
@@ -105,12 +106,12 @@ class Separate:
 
 
 def table(columns: list[Column], segments: int, block: int, width: int) -> np.ndarray | None:
-    """The table of one block."""
+    """Return the table of one block."""
     if not columns:
         return None
     if len(columns) == 1:
         return np.ascontiguousarray(np.broadcast_to(columns[0](block), (segments, width)))
-    made = np.empty((segments, len(columns), width))
+    values = np.empty((segments, len(columns), width))
     for j, column in enumerate(columns):
-        made[:, j, :] = column(block)
-    return made
+        values[:, j, :] = column(block)
+    return values

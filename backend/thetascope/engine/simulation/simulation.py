@@ -1,11 +1,11 @@
-"""Plant, measurement and observers advanced together: state in, state out.
+"""Advance plant, measurement and observers together: state in, state out.
 
-The plant's kernel hands over y at the four stages of each Runge–Kutta step; the measurement makes of it what sensors
-give; observers' kernels take that. Where the measurement only adds noise, plant and first observer are joined into one
-kernel: the same numbers, sooner. An observer that works at a sample period gets the samples at its own instants.
+The plant's kernel emits y at the four stages of each Runge–Kutta step, the measurement turns it into sensor values, and
+the observers' kernels read those. Where the measurement only adds noise, plant and first observer are joined into one
+kernel, which gives the same numbers faster. An observer with a sample period gets the samples at its own instants.
 
-Advancing over base steps [k, k+n) gives the recorded rows at base steps in that half-open span: everything that holds
-at t_k, the measured y included, is known when the step from t_k on begins.
+Advancing over base steps [k, k+n) returns the recorded rows in that half-open span: all values at t_k, including the
+measured y, are known when the step from t_k begins.
 """
 
 from collections.abc import Iterator
@@ -27,20 +27,21 @@ from thetascope.engine.simulation.experiment import Experiment, Rows, State
 from thetascope.engine.simulation.initial_states import observer_states
 from thetascope.engine.simulation.kernel_cost import PLANT, divided
 
-CHUNK = 1 << 15  # base steps taken at once: tables of stages stay small
+CHUNK = 1 << 15  # base steps per chunk, which keeps the tables of stages small
 
 
 @lru_cache(maxsize=128)
 def joined(plant: Program, observer: Program) -> Program:
-    """Plant and observer in one program; each output y gets the input ``noise.y`` added on its way."""
+    """Return plant and observer as one program; ``noise.y`` is added to each output y before the observer reads it."""
     return join(plant, observer, {name: (name, f"noise.{name}") for name in plant.outputs})
 
 
 class Simulation:
     """Advances an experiment. ``substeps`` divides every base step (for stiff observers).
 
-    ``remember``: keep what was measured last even where nothing needs it yet, because a fault that does (freeze,
-    dropout) may still be added.
+    ``remember``: keep the last measurement even where nothing needs it yet, because a fault that needs it (freeze,
+    dropout)
+    may be added later.
     """
 
     def __init__(self, experiment: Experiment, substeps: int = 1, remember: bool = False):
@@ -49,14 +50,14 @@ class Simulation:
         self.stages = 1 if plant.time == DISCRETE else 4
         self.lockstep = [i for i, e in enumerate(experiment.estimators) if e.every is None]
         self.sampled = [i for i, e in enumerate(experiment.estimators) if e.every is not None]
-        # only an observer that runs in the plant's time can be joined to it
+        # only an observer that runs in the plant's time can be joined to the plant
         self.joined = bool(self.lockstep) and experiment.measurement.direct
         self.spent: dict[str, float] = {}  # processor seconds of the kernels in one span
 
     # ---- states ------------------------------------------------------------------------------------------------------
 
     def initial(self) -> State:
-        """The state at t = 0; observers may start from the first measurement."""
+        """Return the state at t = 0; observers may start from the first measurement."""
         e = self.experiment
         observers = tuple(observer_states([e], i)[:, 0].copy() for i in range(len(e.estimators)))
         return State(0, e.x0.astype(float).copy(), observers, e.measurement.start())
@@ -64,13 +65,13 @@ class Simulation:
     # ---- advancing ---------------------------------------------------------------------------------------------------
 
     def advance(self, state: State, count: int) -> tuple[State, Rows]:
-        """Advance by ``count`` base steps; give the new state and the rows of [k, k + count)."""
+        """Advance by ``count`` base steps; return the new state and the rows of [k, k + count)."""
         e, first, last = self.experiment, state.k, state.k + count
         grid = cut(first, last, e.step, self._breaks(first, last), e.every, self.substeps)
         index = np.arange(-(-first // e.every) * e.every, last, e.every)
         tables = Tables(grid, e.signals, self.stages)
         observers, self.spent = list(state.observers), {}
-        recorded: dict[int, np.ndarray] = {}  # by the observer's place
+        recorded: dict[int, np.ndarray] = {}  # by the observer's index
         if self.joined:
             plant, plant_rows, y, memory = self._joint(state, tables, index, observers, recorded)
         else:
@@ -97,7 +98,7 @@ class Simulation:
         )
 
     def state_at(self, start: State, rows: Rows, r: int) -> State | None:
-        """The state at recorded row r of the span that began at ``start``; None where the rows do not tell it."""
+        """Return the state at recorded row r of the span that began at ``start``; None where the rows do not give it."""
         if rows.passed is None or self.sampled:
             return None
         memory = replace(start.memory, passed=rows.passed[r].copy())
@@ -118,7 +119,7 @@ class Simulation:
         return np.concatenate(parts)
 
     def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
-        """States at the rows of the span: the kernel records at the ends of steps, the first row may be the start."""
+        """Return the states at the rows of the span: kernels record at ends of steps; the first row can be the start."""
         rows = np.vstack([start[None, :], out]) if first % self.experiment.every == 0 else out
         return rows[: len(index)]
 
@@ -136,7 +137,7 @@ class Simulation:
         staged: np.ndarray | None = None,
         emitted: np.ndarray | None = None,
     ):
-        """One call of a kernel; its time is that of ``parts``, the programs it is made of."""
+        """Call a kernel and divide its processor time among ``parts``, the programs that it contains."""
         state, grid = start.copy(), tables.grid
         params = np.array([values[p] for p in plan.params] or [0.0])
         out = self._out(grid.first, grid.last, len(plan.program.states))
@@ -162,15 +163,15 @@ class Simulation:
         return new, self._rows(state.plant, out, state.k, index), emitted[:, :, : len(roots)]
 
     def _joint(self, state: State, tables: "Tables", index: np.ndarray, observers: list, recorded: dict):
-        """Plant and first lockstep observer in one kernel; y is emitted only if another observer wants it."""
+        """Advance plant and first lockstep observer in one kernel; y is emitted only if another observer needs it."""
         e, i = self.experiment, self.lockstep[0]
         estimator = e.estimators[i]
         program = joined(e.plant, estimator.program)
-        wanted = len(e.estimators) > 1 or self.remember
+        emits = len(e.estimators) > 1 or self.remember
         graph = program.graph
         roots = (
             tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs)
-            if wanted
+            if emits
             else ()
         )
         noise = dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
@@ -184,11 +185,11 @@ class Simulation:
             np.concatenate([state.plant, state.observers[i]]),
             emitted=emitted,
         )
-        memory = replace(state.memory, passed=emitted[-1, -1].copy()) if wanted else state.memory
+        memory = replace(state.memory, passed=emitted[-1, -1].copy()) if emits else state.memory
         n = len(e.plant.states)
         observers[i] = new[n:]
         recorded[i] = self._rows(state.observers[i], out[:, n:], state.k, index)
-        return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if wanted else None, memory
+        return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if emits else None, memory
 
     def _observer(self, i: int, state: State, tables: "Tables", index: np.ndarray, y: np.ndarray):
         estimator = self.experiment.estimators[i]
@@ -204,7 +205,7 @@ class Simulation:
         return new, self._rows(state.observers[i], out, state.k, index)
 
     def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray):
-        """An observer at its own sample period: one step for every sample instant t_j = j·period in [t_k, t_k+n)."""
+        """Advance an observer with a sample period: one step for each sample instant t_j = j·period in [t_k, t_k+n)."""
         e, estimator = self.experiment, self.experiment.estimators[i]
         program, q, first = estimator.program, estimator.every, state.k
         assert q is not None, "the observer works at a sample period"
@@ -230,7 +231,7 @@ class Simulation:
     def _sample_table(
         self, program: Program, k: np.ndarray, q: int, now_y: np.ndarray
     ) -> tuple[tuple[str, ...], np.ndarray]:
-        """Inputs over each sample interval: at its start, middle, end (left limit) and at the instant now (right limit)."""
+        """Return inputs over each sample interval: start, middle, end (left limit), sample instant (right limit)."""
         e, h, tiny = self.experiment, self.experiment.step, 1e-4
         begin, end = (k - q) * h, k * h
         middle = 0.5 * (begin + end)
@@ -262,7 +263,7 @@ class Simulation:
 
 
 def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict[str, np.ndarray | float]:
-    """Time, signals (right limits), parameters and plant states at recorded rows."""
+    """Return time, signals (right limits), parameters and plant states at recorded rows."""
     t = index * e.step
     values: dict[str, np.ndarray | float] = {n: at_rows(s, t, e.step) for n, s in e.signals.items()}
     values |= row_numbers(e) | {"t": t}
@@ -270,22 +271,24 @@ def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict
 
 
 def at_rows(signal: Signal, t: np.ndarray, step: float) -> np.ndarray:
-    """A signal at recorded rows: right limits."""
+    """Return a signal at recorded rows, as right limits."""
     return signal(t, t + 1e-4 * step)
 
 
 def row_numbers(e: Experiment) -> dict[str, float]:
-    """What holds at every row: the plant's parameters, and the intensity of the noise."""
+    """Return the values that hold at every row: the plant's parameters and the intensity of the noise."""
     m = e.measurement
     noise = zip(m.outputs, m.std, m.sample_time, strict=True)
     return e.parameters | {f"intensity.{n}": std * std * hold for n, std, hold in noise}
 
 
 def observed_values(e: Experiment, parameters: dict, values: dict, y: np.ndarray) -> dict:
-    """What an observer may know along the rows: its parameters, t, u.*, signal.*, y.*; no x, no θ."""
-    seen = {n: v for n, v in values.items() if n == "t" or n.startswith(("u.", "signal."))}
-    known = list(seen)
-    seen |= {n: v for n, v in values.items() if n.startswith("intensity.")}
-    seen |= {name: y[:, i] for i, name in enumerate(e.plant.outputs)}
-    seen |= {f"{when}{n}": seen[n] for when in ("mid.", "end.", "now.") for n in (*known, *e.plant.outputs) if n != "t"}
-    return seen | dict(parameters)
+    """Return the values that an observer may use along the rows: its parameters, t, u.*, signal.*, y.*; no x or θ."""
+    observed = {n: v for n, v in values.items() if n == "t" or n.startswith(("u.", "signal."))}
+    known = list(observed)
+    observed |= {n: v for n, v in values.items() if n.startswith("intensity.")}
+    observed |= {name: y[:, i] for i, name in enumerate(e.plant.outputs)}
+    observed |= {
+        f"{when}{n}": observed[n] for when in ("mid.", "end.", "now.") for n in (*known, *e.plant.outputs) if n != "t"
+    }
+    return observed | dict(parameters)

@@ -1,7 +1,8 @@
-"""Whether the step suits the equations: RK4 is stable for eigenvalues λ with |h·λ| inside about 2.78 (real axis).
+"""Check the step against RK4's stability region: eigenvalues λ must satisfy |h·λ| ≲ 2.78 (on the real axis).
 
-High gains make observers stiff, Γ in its initial transient most of all. The eigenvalues are those of the observer's
-(or plant's) own Jacobian along the run, by central differences.
+High gains make observers stiff, most of all the gain matrix Γ in its initial transient. The eigenvalues are those of
+the
+Jacobian of the observer's (or plant's) equations along the run, by central differences.
 """
 
 import numpy as np
@@ -9,15 +10,15 @@ import numpy as np
 from thetascope.engine.compiler.graph import evaluate
 from thetascope.engine.compiler.system import Program
 
-LIMIT = 2.6  # of |h·λ|, a little inside RK4's 2.785 on the negative real axis and 2.828 on the imaginary one
-TARGET = 2.0  # what substeps aim at
+LIMIT = 2.6  # limit of |h·λ|, slightly inside RK4's 2.785 on the negative real axis and 2.828 on the imaginary one
+TARGET = 2.0  # target of |h·λ| when substeps are chosen
 MOST_SUBSTEPS = 64
 _POINTS = 16
 _DENSE = 40  # states up to which all eigenvalues are computed
 
 
 def fastest(program: Program, values: dict[str, np.ndarray | float], rows: np.ndarray) -> float:
-    """The largest |λ| among stable eigenvalues of ∂(update)/∂(states) over the given rows, in 1/s; 0 if none is finite."""
+    """Return the largest |λ| of stable eigenvalues of ∂(update)/∂(states) over the rows (1/s); 0 if none is finite."""
     n = len(program.states)
     if not n or not len(rows):
         return 0.0
@@ -32,7 +33,7 @@ def fastest(program: Program, values: dict[str, np.ndarray | float], rows: np.nd
     for j, s in enumerate(program.states):
         moved[s] = flat[:, j]
     rates = [np.broadcast_to(r, len(flat)) for r in evaluate(program.graph, list(program.update), moved)]
-    slopes = np.stack(rates, axis=-1).reshape(len(rows), 2, n, n)  # [point, side, moved state, rate]
+    slopes = np.stack(rates, axis=-1).reshape(len(rows), 2, n, n)  # [point, side, perturbed state, rate]
     jacobians = ((slopes[:, 0] - slopes[:, 1]) / (2 * width[:, :, None])).transpose(0, 2, 1)
     finite = jacobians[np.isfinite(jacobians).all(axis=(1, 2))]
     if not len(finite):
@@ -43,20 +44,20 @@ def fastest(program: Program, values: dict[str, np.ndarray | float], rows: np.nd
 
 
 def _largest(jacobian: np.ndarray) -> np.ndarray:
-    """The few largest eigenvalues of a large matrix by Arnoldi iteration; all of them where that does not converge."""
+    """Return the few largest eigenvalues of a large matrix by Arnoldi iteration; all if that does not converge."""
     from scipy.sparse.linalg import ArpackError, eigs
 
     try:
         begin = np.ones(len(jacobian))
-        # pyright takes the type of tol from its default, 0
-        found = eigs(jacobian, k=6, which="LM", return_eigenvectors=False, v0=begin, tol=1e-3)  # pyright: ignore[reportArgumentType]
-        return np.asarray(found)
+        # pyright infers the type of tol from its default, 0
+        eigenvalues = eigs(jacobian, k=6, which="LM", return_eigenvectors=False, v0=begin, tol=1e-3)  # pyright: ignore[reportArgumentType]
+        return np.asarray(eigenvalues)
     except ArpackError:
         return np.linalg.eigvals(jacobian)
 
 
 def sample_rows(count: int, size: int, opening: bool) -> np.ndarray:
-    """Rows at which to look: dense in the initial transient (``opening``), sparse later; fewer for large systems."""
+    """Return the rows to test: dense in the initial transient (``opening``), sparse later; fewer for large systems."""
     if count <= 0:
         return np.empty(0, dtype=int)
     points = max(2, min(_POINTS if opening else 3, 600 // max(1, size)))
@@ -65,5 +66,5 @@ def sample_rows(count: int, size: int, opening: bool) -> np.ndarray:
 
 
 def substeps_needed(step: float, rate: float) -> int:
-    """How many steps a base step must be divided into for eigenvalues of this size; 1 if it suits as it is."""
+    """Return the number of substeps per base step for eigenvalues of this size; 1 if the base step is small enough."""
     return 1 if step * rate <= LIMIT else int(np.ceil(step * rate / TARGET))

@@ -1,1 +1,1 @@
-"""Canonical forms and structures that observers stand on."""
+"""Canonical forms and structural conditions on which observers are based."""

@@ -26,21 +26,21 @@ if TYPE_CHECKING:
 
 
 def shift(n: int) -> np.ndarray:
-    """A of (1): the chain of integrators."""
+    """Return A of (1), the chain of integrators."""
     return np.eye(n, k=1)
 
 
 def closed(K: Sequence[float] | np.ndarray) -> np.ndarray:
-    """A − KC, with C the first state (n×n)."""
+    """Return A − KC, with C the first state (n×n)."""
     matrix = shift(len(K))
     matrix[:, 0] -= K
     return matrix
 
 
 def direction(model: Model, channels: Sequence[str]) -> tuple[list[Expr] | None, Message | None]:
-    """The direction d with Φ = d·(CΦ), its entries free of x, u, signals and t; or None and the reason.
+    """Return the direction d with Φ = d·(CΦ), with entries free of x, u, signals and t; or None and the reason.
 
-    Raises SpecError if a column of CΦ is zero: then g is zero there and (12) never moves its θ̂.
+    Raises SpecError if a column of CΦ is zero: then g is zero there and (12) never changes its θ̂.
     """
     Phi = model.Phi(channels).xreplace(model.expansion)
     for j, channel in enumerate(channels):
@@ -66,9 +66,9 @@ def _ratio(a: Expr, b: Expr) -> Expr:
 
 
 def find_P(K: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> np.ndarray | None:
-    """P > 0 with P d = Cᵀ and (A − KC)ᵀP + P(A − KC) < 0, or None if there is none (n×n; d1 = 1).
+    """Return P > 0 with P d = Cᵀ and (A − KC)ᵀP + P(A − KC) < 0 (n×n; d1 = 1), or None if it does not exist.
 
-    There is one exactly if C(sI − A + KC)⁻¹d is strictly positive real (Kalman, Yakubovich and Popov).
+    It exists exactly if C(sI − A + KC)⁻¹d is strictly positive real (Kalman, Yakubovich and Popov).
     """
     n = len(K)
     T = np.eye(n)
@@ -86,7 +86,7 @@ def find_P(K: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> 
 
 
 def _riccati(moved: np.ndarray) -> np.ndarray | None:
-    """P2 with [[2 a11, a12 + a21ᵀP2], [·, P2 A22 + A22ᵀP2]] < 0, by its Schur complement in a11 < 0:
+    """Return P2 with [[2 a11, a12 + a21ᵀP2], [·, P2 A22 + A22ᵀP2]] < 0, by its Schur complement in a11 < 0:
 
     P2 A22 + A22ᵀP2 + γ(P2 a21 + a12ᵀ)(·)ᵀ + ε I = 0,   γ = −1/(2 a11), for the largest ε > 0 tried that has a solution.
     """
@@ -100,10 +100,8 @@ def _riccati(moved: np.ndarray) -> np.ndarray | None:
         Q = gamma * np.outer(c, c) + epsilon * np.eye(size)
         H = np.block([[drift, gamma * np.outer(b, b)], [-Q, -drift.T]])
         try:
-            _, U, stable = scipy.linalg.schur(H, sort="lhp")  # pyright: ignore[reportAssignmentType] three, as it sorts
-        except (
-            np.linalg.LinAlgError
-        ):  # eigenvalues so near the imaginary axis that they cannot be told apart: ε is too large
+            _, U, stable = scipy.linalg.schur(H, sort="lhp")  # pyright: ignore[reportAssignmentType] three values, since it sorts
+        except np.linalg.LinAlgError:  # eigenvalues too near the imaginary axis to be separated: ε is too large
             continue
         if stable == size and np.linalg.cond(U[:size, :size]) < 1e12:
             P2 = U[size:, :size] @ np.linalg.inv(U[:size, :size])
@@ -113,6 +111,6 @@ def _riccati(moved: np.ndarray) -> np.ndarray | None:
 
 
 def lyapunov_margin(P: np.ndarray, K: Sequence[float] | np.ndarray) -> float:
-    """Largest eigenvalue of (A − KC)ᵀP + P(A − KC)."""
+    """Return the largest eigenvalue of (A − KC)ᵀP + P(A − KC)."""
     matrix = P @ closed(K)
     return float(np.linalg.eigvalsh(matrix + matrix.T)[-1])

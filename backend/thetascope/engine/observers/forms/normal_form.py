@@ -1,12 +1,15 @@
-"""The normal form of a MIMO nonlinear time-varying plant, by time-varying Lie derivatives: eqs. (3)–(7) of the paper on
-reduced-order observers for MIMO nonlinear time-varying systems (Control Theory & Applications 17, 2000).
+"""The normal form of a MIMO nonlinear time-varying plant by time-varying Lie derivatives.
+
+Equations (3)–(7) of the paper on reduced-order observers for MIMO nonlinear time-varying systems (Control Theory &
+Applications 17, 2000):
 
     z = T(x, t) = (h1, L h1, …, L^{ρ1−1} h1, h2, …),   L φ = ∂φ/∂t + (∂φ/∂x) f                          (3), (5)
-    z' = A z + B [α(z, t) + F(z, t) u],   y = C z,   one chain of ρi integrators an output             (6), (7)
+    z' = A z + B [α(z, t) + F(z, t) u],   y = C z,   one chain of ρi integrators per output             (6), (7)
 
-ρi, the relative degree of output i, is the order of its first derivative that an input or a known signal enters. Their
-sum must be n. Observers compute α + F u as L^{ρi} hi at x̂, so T is needed at the start and its inverse at every step.
-The inverse is found symbolically, one state at a time (invert).
+ρi, the relative degree of output i, is the order of its first derivative that an input or a known signal enters. The
+sum
+of all ρi must be n. Observers compute α + F u as L^{ρi} hi at x̂, so T is needed at the start and its inverse at every
+step. The inverse is computed symbolically, one state at a time (invert).
 """
 
 from __future__ import annotations
@@ -44,19 +47,19 @@ class NormalForm:
 
     @property
     def firsts(self) -> tuple[int, ...]:
-        """Positions of y1, y2, … in z."""
+        """Return the positions of y1, y2, … in z."""
         return tuple(sum(self.blocks[:i]) for i in range(len(self.blocks)))
 
     @property
     def coordinate_names(self) -> list[str]:
-        """Labels of the coordinates z: ``y1``, ``L y1``, ``L² y1`` … by output, L the derivative (3)."""
+        """Return labels of the coordinates z: ``y1``, ``L y1``, ``L² y1`` … by output, with L the derivative (3)."""
         powers = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
         orders = [(y, k) for y, rho in zip(self.outputs, self.blocks, strict=True) for k in range(rho)]
         return [y if k == 0 else f"L {y}" if k == 1 else f"L{str(k).translate(powers)} {y}" for y, k in orders]
 
     @property
     def unmeasured(self) -> tuple[int, ...]:
-        """Positions in z of all but the outputs."""
+        """Return the positions in z of all coordinates except the outputs."""
         return tuple(k for k in range(sum(self.blocks)) if k not in self.firsts)
 
     def from_z(self, z: Iterable[Expr]) -> ImmutableMatrix:
@@ -66,7 +69,7 @@ class NormalForm:
 
     @property
     def from_outputs(self) -> dict[Symbol, Expr]:
-        """The states that the outputs alone determine, each as a function of the outputs' entries of z and t."""
+        """Return the states that the outputs alone determine, each as a function of the outputs' entries of z and t."""
         hidden = {self.z[k] for k in self.unmeasured}
         return {x: e for x, e in self.inverse.items() if not (e.free_symbols & hidden)}
 
@@ -91,12 +94,12 @@ def block_column(gain: Matrix, blocks: Sequence[int]) -> Matrix:
 
 
 def normal_form(model: Model) -> NormalForm:
-    """Find the normal form. Raises SpecError that says why where there is none."""
+    """Return the normal form of a model. Raises SpecError with the reason where it does not exist."""
     return _cached(_Key(model))
 
 
 class _Key:
-    """A model as a dictionary key by its data: writing an observer and the default of its gain share the work."""
+    """A model as a dictionary key by its data: an observer and the default of its gain share the computation."""
 
     def __init__(self, model: Model):
         self.model = model
@@ -122,7 +125,7 @@ def _cached(key: _Key) -> NormalForm:
     jacobian = map_.jacobian(sympy.Matrix(model.x))
     if max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) < model.n:
         raise _refused(model, Message("observer.reason.dependent"))
-    z = tuple(sympy.Symbol(f"z[{k + 1}]", real=True) for k in range(model.n))  # no name that a plant can have
+    z = tuple(sympy.Symbol(f"z[{k + 1}]", real=True) for k in range(model.n))  # a name that no plant can use
     try:
         inverse = invert(list(zip(z, map_, strict=True)), model)
     except NoInverse as why:
@@ -132,9 +135,9 @@ def _cached(key: _Key) -> NormalForm:
 
 
 def _chain(model: Model, i: int) -> list[Expr]:
-    """h_i and its derivatives up to the first that an input or a known signal enters (Definition 2).
+    """Return h_i and its derivatives up to the first that an input or a known signal enters (Definition 2).
 
-    Where none ever enters, up to the first that brings no new coordinate.
+    If none ever enters, return them up to the first that adds no new coordinate.
     """
     x = sympy.Matrix(model.x)
     f = model.f.xreplace(model.expansion)

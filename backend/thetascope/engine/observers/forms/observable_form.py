@@ -1,8 +1,9 @@
 """The uniformly observable canonical form of Zhao, Li & Li 2012, eqs. (2)–(5), by Lie derivatives.
 
-The map z = T(x) = (h, L_f h, …, L_f^{n−1} h), with f the drift (inputs at zero), is never inverted: an observer that
-is ẑ' = F(ẑ) + G r in the canonical coordinates is x̂' = f(x̂) + (∂T/∂x)⁻¹ G r in the user's own. A plant that has the
-triangular form (3)–(5) as it is written keeps its coordinates.
+The map z = T(x) = (h, L_f h, …, L_f^{n−1} h), where f is the drift (zero inputs), is never inverted: the observer
+ẑ' = F(ẑ) + G r in canonical coordinates is x̂' = f(x̂) + (∂T/∂x)⁻¹ G r in the plant's coordinates. A plant written in
+the
+triangular form (3)–(5) keeps its coordinates.
 """
 
 from __future__ import annotations
@@ -25,16 +26,16 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class CanonicalForm:
-    """T (n×1) and its Jacobian J (n×n) in the model's symbols; ``identity`` if the plant is in the form already."""
+    """T (n×1) and its Jacobian J (n×n) in the model's symbols; ``identity`` if the plant already has the form."""
 
     T: ImmutableMatrix
     J: ImmutableMatrix
     identity: bool
-    triangular: bool | None  # whether inputs enter as (5) asks; None: could not be decided
+    triangular: bool | None  # whether inputs enter as (5) requires; None: not decided
 
 
 def canonical_form(model: Model) -> CanonicalForm:
-    """Find T for a plant with one output. Raises SpecError that says why where there is none."""
+    """Return T for a plant with one output. Raises SpecError with the reason where it does not exist."""
     if model.m != 1:
         raise _refused(model, Message("observer.reason.outputs", outputs=model.m))
     if model.time != "continuous":
@@ -66,7 +67,7 @@ def canonical_form(model: Model) -> CanonicalForm:
 
 
 def _is_chain(model: Model, f: Matrix) -> bool:
-    """Whether the plant is in the form (3)–(5) as it stands: y = x1, x_i' = x_{i+1} + f_i(x1…xi, u, φ, t)."""
+    """Return whether the plant is written in the form (3)–(5): y = x1, x_i' = x_{i+1} + f_i(x1…xi, u, φ, t)."""
     if model.h.xreplace(model.expansion)[0] != model.x[0]:
         return False
     rest = [sympy.expand(f[i] - model.x[i + 1]) for i in range(model.n - 1)]
@@ -83,7 +84,7 @@ def tidy(e: sympy.Expr) -> sympy.Expr:
 
 
 def sample(model: Model, seed: int) -> dict[str, float]:
-    """A point near the plant's initial state, inside its domain, with parameters as given."""
+    """Return a point near the plant's initial state and inside its domain, with the given parameters."""
     draw = random.Random(seed)
     point = {p["name"]: p["value"] for p in model.data["parameters"]}
     for s in model.data["states"]:
@@ -107,7 +108,7 @@ def rank_at(M: Matrix, point: dict[str, float]) -> int:
 
 
 def _triangular(model: Model, f: Matrix, J: Matrix, lie: list, points: list[dict[str, float]]) -> bool | None:
-    """(5): in canonical coordinates the i-th input term may depend on z1 … zi only; checked at several points."""
+    """Return whether (5) holds: input term i depends on the canonical z1 … zi only. Tested at several points."""
     x = sympy.Matrix(model.x)
     undecided = False
     for u in model.u:

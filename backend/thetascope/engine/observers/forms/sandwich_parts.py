@@ -1,8 +1,8 @@
-"""The parts of a sandwich system in a plant's text: Zhou & Tan 2012, eqs. (1)–(12).
+"""The parts of a sandwich system in a plant's equations: Zhou & Tan 2012, eqs. (1)–(12).
 
-A front part L1 drives backlash operators in parallel (the hysteresis), whose sum drives a back part L2, which is
-measured. An operator ``backlash(x, x - x_before, z_before, m1, m2, D1, D2)`` needs two states to remember by: the
-previous x, and its own previous z. All others are states of L1 (those that x depends on) or of L2.
+A front part L1 drives parallel backlash operators (the hysteresis), whose sum drives a back part L2, which is measured.
+An operator ``backlash(x, x - x_before, z_before, m1, m2, D1, D2)`` needs two memory states: the previous x and its
+previous z. All other states belong to L1 (those that x depends on) or to L2.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Sandwich:
-    """Positions of the states of L1, of L2 and of the memory, and the operators (definitions written out)."""
+    """Positions of the states of L1, of L2 and of the memory, and the operators (with definitions expanded)."""
 
     front: tuple[int, ...]
     back: tuple[int, ...]
@@ -35,15 +35,15 @@ class Sandwich:
 
     @property
     def linear_states(self) -> tuple[int, ...]:
-        """Positions of the states of L1 and L2, in the plant's order: those that K corrects."""
+        """Return the positions of the states of L1 and L2 in the plant's order; K corrects these."""
         return tuple(sorted((*self.front, *self.back)))
 
 
-# ---- the states that remember, from the text alone: a gain's size must be known without SymPy ------------------------
+# ---- memory states, from the text alone: a gain's size must be known without SymPy -----------------------------------
 
 
 def memory_names(data: Mapping) -> tuple[str, ...]:
-    """States that stand in an operator's Δx or z, but not in the x of any."""
+    """Return the states that occur in an operator's Δx or z, but not in the x of any operator."""
     definitions = {d["name"]: d["expression"] for d in data["definitions"]}
     others = [*data["dynamics"].values(), *(o["expression"] for o in data["outputs"])]
     groups = ("states", "inputs", "signals", "parameters")
@@ -65,23 +65,23 @@ def _calls(node: Node) -> Iterator[Node]:
 
 
 def _mentioned(nodes: Iterable[Node], definitions: Mapping[str, str], names: set[str]) -> set[str]:
-    """Names under the nodes, definitions followed."""
-    found, todo = set(), list(nodes)
+    """Return the names under the nodes, with definitions expanded."""
+    names_below, todo = set(), list(nodes)
     while todo:
         node = todo.pop()
         todo.extend(node.args)
-        if node.kind == "name" and node.name not in found:
-            found.add(node.name)
+        if node.kind == "name" and node.name not in names_below:
+            names_below.add(node.name)
             if node.name in definitions:
                 todo.append(parse(definitions[node.name], names).tree)
-    return found
+    return names_below
 
 
 # ---- the structure ---------------------------------------------------------------------------------------------------
 
 
 def sandwich(model: Model) -> Sandwich:
-    """Find the parts. Raises SpecError that says why where the plant is no sandwich system."""
+    """Return the parts of a plant. Raises SpecError with the reason where the plant is not a sandwich system."""
     if model.time != "discrete":
         raise refused(model, Message("observer.reason.sandwich.continuous"))
     f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
@@ -105,15 +105,15 @@ def _first(f: Matrix, operator: Backlash) -> int:
 
 
 def _ancestors(model: Model, f: Matrix, start: set) -> set[int]:
-    """States from which one of the start symbols can be reached in the graph of the dynamics."""
-    found: set[int] = set()
+    """Return the states from which one of the start symbols can be reached in the graph of the dynamics."""
+    ancestors: set[int] = set()
     todo = [i for i, s in enumerate(model.x) if s in start]
     while todo:
         i = todo.pop()
-        if i not in found:
-            found.add(i)
+        if i not in ancestors:
+            ancestors.add(i)
             todo += [j for j, s in enumerate(model.x) if s in f[i].free_symbols]
-    return found
+    return ancestors
 
 
 def _check_memory(model: Model, f: Matrix, h: Matrix, operators: tuple[Backlash, ...], memory: tuple[int, ...]) -> None:
@@ -134,15 +134,15 @@ def _check_memory(model: Model, f: Matrix, h: Matrix, operators: tuple[Backlash,
 
 
 def refused(model: Model, why: Message) -> SpecError:
-    """Return the refusal of a plant that is not a sandwich system."""
+    """Return the error for a plant that is not a sandwich system."""
     return SpecError("observers.kind", model.id, Message("observer.sandwich.none", why=why))
 
 
-# ---- what the observers and their checks need ------------------------------------------------------------------------
+# ---- parts used by the observers and their checks --------------------------------------------------------------------
 
 
 def before(o: Backlash) -> Expr:
-    """The previous x of an operator: x − Δx."""
+    """Return the previous x of an operator, x − Δx."""
     return sympy.expand(o.args[0] - o.args[1])
 
 
@@ -152,18 +152,18 @@ def input_matrix(model: Model) -> ImmutableMatrix:
 
 
 def slope(o: Backlash) -> Expr:
-    """Mean slope of the linear zones of an operator."""
+    """Return the mean slope of an operator's linear zones."""
     return (o.args[3] + o.args[4]) / 2
 
 
 def smooth(model: Model) -> Model:
-    """The plant without hysteresis: each operator replaced by its slope times x."""
+    """Return the plant without hysteresis: each operator replaced by its slope times x."""
 
     def straight(e: Expr) -> Expr:
         return e.replace(lambda part: isinstance(part, functions.Backlash), lambda o: slope(o) * o.args[0])
 
     believed = copy.copy(model)
-    for name in ("expansion", "_slopes", "is_affine"):  # cached for the model with operators
+    for name in ("expansion", "_slopes", "is_affine"):  # caches computed for the model with operators
         believed.__dict__.pop(name, None)
     believed.definitions = tuple(replace(d, expression=straight(d.expression)) for d in model.definitions)
     believed.f, believed.h = model.f.applyfunc(straight), model.h.applyfunc(straight)
@@ -171,7 +171,7 @@ def smooth(model: Model) -> Model:
 
 
 def blocks(model: Model, parts: Sandwich) -> dict[str, ImmutableMatrix]:
-    """A11, A22, C11, C22 of (11), and A21 = W·diag(active)·X: W is how the operators drive L2, X what drives them."""
+    """Return A11, A22, C11, C22 of (11), and A21 = W·diag(active)·X: W maps operators to L2, X maps L1 to them."""
     f, h = (m.xreplace(model.expansion) for m in (model.f, model.h))
     outputs = [sympy.Dummy() for _ in parts.operators]
     cut = dict(zip(parts.operators, outputs, strict=True))

@@ -1,4 +1,4 @@
-"""Solving z = T(x, t) for x, one state at a time: slow general solvers are never let loose on a user's text."""
+"""Solve z = T(x, t) for x, one state at a time; slow general solvers are never applied to a user's equations."""
 
 from __future__ import annotations
 
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
     Known = dict[Symbol, Expr]  # states solved for already
     Solved = tuple[set[Symbol], dict[Symbol, Expr]]  # the equations used, and the states they give
 
-MAX_JOINT = 4  # states that are solved for together, where no equation has a single unknown left
+MAX_JOINT = 4  # most states to solve for jointly where no equation has a single unknown left
 
 
 class NoInverse(Exception):
-    """States could not be solved for; ``message`` says which, and why."""
+    """Raised when states cannot be solved for; ``message`` names them and gives the reasons."""
 
     def __init__(self, message: Message) -> None:
         super().__init__(message)
@@ -28,21 +28,22 @@ class NoInverse(Exception):
 
 
 def invert(equations: Sequence[tuple[Symbol, Expr]], model: Model) -> dict[Symbol, Expr]:
-    """Each state of the model as a function of the left-hand sides z_k, t and parameters.
+    """Return each state of the model as a function of the left-hand sides z_k, t and parameters.
 
-    Takes, again and again, an equation in which a single unknown state is left and isolates it; where there is none,
-    a few equations that are jointly affine in as many unknowns. Raises NoInverse.
+    Repeatedly isolates the unknown of an equation with a single unknown state; if there is no such equation, solves a
+    few
+    equations that are jointly affine in as many unknowns. Raises NoInverse.
     """
     rest, known = list(equations), {}
     unknown = set(model.x)
     while unknown:
         why: list[Message] = []
-        found = _single(rest, known, unknown, model, why) or _joint(rest, known, unknown)
-        if not found:
+        solution = _single(rest, known, unknown, model, why) or _joint(rest, known, unknown)
+        if not solution:
             names = [s.name for s in model.x if s in unknown]
             none = Message("observer.inverse.none", names=names)
             raise NoInverse(Message("observer.inverse.none-because", names=names, why=why) if why else none)
-        used, solved = found
+        used, solved = solution
         known |= solved
         unknown -= set(solved)
         rest = [equation for equation in rest if equation[0] not in used]
@@ -50,7 +51,7 @@ def invert(equations: Sequence[tuple[Symbol, Expr]], model: Model) -> dict[Symbo
 
 
 def _single(rest: Rest, known: Known, unknown: set[Symbol], model: Model, why: list[Message]) -> Solved | None:
-    """An equation with one unknown state, solved; what stood in the way of others goes to ``why``."""
+    """Return the solution of an equation with one unknown state; ``why`` collects the reasons that others failed."""
     for z, expression in rest:
         left = expression.free_symbols & unknown
         if len(left) != 1:
@@ -66,7 +67,7 @@ def _single(rest: Rest, known: Known, unknown: set[Symbol], model: Model, why: l
 
 
 def _joint(rest: Rest, known: Known, unknown: set[Symbol]) -> Solved | None:
-    """Equations that are affine in the unknowns together: the smallest square set that determines them."""
+    """Return the solution of the smallest square set of equations that are jointly affine in the unknowns."""
     for start in rest:
         members, states = [start], start[1].free_symbols & unknown
         while len(members) < len(states) <= MAX_JOINT:
@@ -90,10 +91,10 @@ def _joint(rest: Rest, known: Known, unknown: set[Symbol]) -> Solved | None:
 
 
 def isolate(expression: Expr, x: Symbol, z: Expr, model: Model) -> Expr:
-    """The x for which ``expression`` equals z. Raises NoInverse where that is not one value.
+    """Return the x for which ``expression`` equals z. Raises NoInverse where it is not unique.
 
-    Affine expressions, or x in one place under functions that have an inverse; an even power or a root of several
-    branches takes the branch in the physical domain of x.
+    Handles affine expressions, and x in one place under invertible functions. An even power, or a root with several
+    branches, uses the branch in the physical domain of x.
     """
     slope = expression.diff(x)
     if x in slope.free_symbols:
@@ -110,7 +111,7 @@ def isolate(expression: Expr, x: Symbol, z: Expr, model: Model) -> Expr:
 
 
 def _undone(e: Expr, inside: Expr, outside: list[Expr], z: Expr, x: Symbol, model: Model) -> Expr:
-    """z with the outermost operation of e undone."""
+    """Return z with the outermost operation of e inverted."""
     if e.is_Add:
         return z - sympy.Add(*outside)
     if e.is_Mul:
@@ -133,12 +134,12 @@ def _undone(e: Expr, inside: Expr, outside: list[Expr], z: Expr, x: Symbol, mode
 
 
 def _root(inside: Expr, exponent: sympy.Rational, z: Expr, x: Symbol, model: Model) -> Expr:
-    """The base b for which b**exponent = z."""
+    """Return the base b for which b**exponent = z."""
     if exponent.p % 2 == 0:
         low, _ = model.domain(x.name)
         if inside != x or low is None or low < 0:
             raise NoInverse(Message("observer.inverse.even", name=x.name))
         return sympy.Pow(z, 1 / exponent)
-    if exponent.q % 2 == 0:  # a root: its base is not negative, and neither is z
+    if exponent.q % 2 == 0:  # a root: neither its base nor z is negative
         return sympy.Pow(z, 1 / exponent)
     return functions.SignedPower(z, 1 / exponent)

@@ -1,4 +1,4 @@
-"""Checks that several observers share. Each takes numbers from a run and returns a Check that holds the number."""
+"""Checks shared by several observers. Each computes a number from a run and returns it in a Check."""
 
 import numpy as np
 
@@ -12,12 +12,12 @@ _GREEK = {"Gamma": "Γ", "Upsilon": "Υ", "Omega": "Ω"}
 
 
 def verdict(condition: bool | np.bool | None) -> Verdict:
-    """Return holds, fails, or cannot tell for None."""
+    """Return the verdict on a condition: holds, fails, or cannot tell for None."""
     return CANNOT_TELL if condition is None else (HOLDS if condition else FAILS)
 
 
 def stable(matrix: str, values: np.ndarray, source: str, discrete: bool = False) -> Check:
-    """Check that all eigenvalues lie in the open left half plane, or in discrete time in the open unit disc.
+    """Check that all eigenvalues lie in the open left half plane or, in discrete time, in the open unit disc.
 
     Args:
         matrix: the matrix as the paper writes it, for example ``A − KC``.
@@ -45,10 +45,10 @@ def stability(matrix: str, discrete: bool) -> Message:
 
 
 def windowed_gramian(omega: np.ndarray, run: Observed) -> np.ndarray:
-    """∫ ΩᵀΩ over the last window (gain ``window``, s) at every row: Ω has shape (time, m, p), the answer (time, p, p).
+    """Return ∫ ΩᵀΩ over the last window (gain ``window``, s) at every row (time, p, p); Ω has shape (time, m, p).
 
-    Zhao, Li & Li 2012, eq. (36). Until a whole window has passed the rows are NaN. Sums are taken within stretches of
-    one window each, counted from t = 0: what stands in a row depends on the last two stretches only, bit for bit.
+    Zhao, Li & Li 2012, eq. (36). Rows are NaN until a whole window has passed. Sums are accumulated in stretches of one
+    window each, counted from t = 0, so that a row depends bit for bit on the last two stretches only.
     """
     products = np.einsum("tki,tkj->tij", omega, omega) * run.record
     length = window_rows(run)
@@ -61,29 +61,29 @@ def windowed_gramian(omega: np.ndarray, run: Observed) -> np.ndarray:
         begin = end
     gramian = np.full_like(products, np.nan)
     whole = np.arange(max(run.born + length - run.first_row, length, _earliest(run)), len(rows))
-    last = rows[whole] // length * length - 1 - run.first_row  # the end of the stretch before
+    last = rows[whole] // length * length - 1 - run.first_row  # the end of the preceding stretch
     gramian[whole] = prefix[whole] + (prefix[last] - prefix[whole - length])
     return gramian
 
 
 def window_rows(run: Observed) -> int:
-    """Rows in the window of the excitation level."""
+    """Return the number of rows in the window of the excitation level."""
     return max(1, round(run.gain("window") / run.record))
 
 
 def _stride(run: Observed) -> int:
-    """λmin is found at rows that are multiples of this."""
+    """Return the stride in rows at which λmin is computed."""
     return max(1, window_rows(run) // 100)
 
 
 def _earliest(run: Observed) -> int:
-    """The first row whose Gramian matters: λmin at the first wanted row may be held since then."""
+    """Return the first row whose Gramian matters: λmin at the first requested row may be held since then."""
     stride = _stride(run)
     return max(0, (run.first_row + run.wanted) // stride * stride - run.first_row)
 
 
 def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
-    """λmin at about a hundred rows a window, held in between."""
+    """Return λmin at about a hundred rows per window, held in between."""
     values = np.full(len(gramian), np.nan)
     begin = _earliest(run)
     rows = np.arange(begin, len(gramian))
@@ -98,7 +98,7 @@ def smallest_eigenvalue(gramian: np.ndarray, run: Observed) -> np.ndarray:
 
 
 def excitation(run: Observed) -> np.ndarray:
-    """λmin of the windowed Gramian of Ω along the run (rows of the record)."""
+    """Return λmin of the windowed Gramian of Ω along the run (rows of the record)."""
     if not run.channels:
         return np.full(len(run.values["t"]), np.nan)
     omega = run.matrix("Omega", run.context.m, len(run.channels))
@@ -106,7 +106,7 @@ def excitation(run: Observed) -> np.ndarray:
 
 
 def persistent_excitation(run: Observed, level: np.ndarray, source: str) -> Check:
-    """Check that λmin of the windowed Gramian of Ω stays above the level δ, once Υ, which starts at zero, has settled.
+    """Check that λmin of the windowed Gramian of Ω stays above the level δ, after Υ (zero at the start) has settled.
 
     Args:
         level: λmin at every row (``excitation``).
@@ -121,7 +121,7 @@ def excitation_above(run: Observed, level: np.ndarray, source: str, found: str) 
     finite = level[np.isfinite(level)]
     if not len(finite):
         return Check(name, CANNOT_TELL, Message("check.window.short", window=window), None, delta, source)
-    value = float(finite[len(finite) // 10 :].min())  # the first windows are not yet those of the theorem
+    value = float(finite[len(finite) // 10 :].min())  # the theorem does not apply to the first windows
     text = Message(found, window=window, value=value, level=delta)
     return Check(name, verdict(value >= delta), text, value, delta, source)
 
@@ -139,15 +139,18 @@ def positive_definite(run: Observed, name: str, size: int, source: str) -> Check
 
 
 def gain_at_least(run: Observed, name: str, symbol: str, least: float, source: str, why: Message) -> Check:
-    """Check that a scalar gain is at least a bound; ``why`` says what the bound is for."""
+    """Check that a scalar gain is at least a bound; ``why`` gives the purpose of the bound."""
     value = run.gain(name)
     text = Message("check.gain.value", gain=symbol, value=value, why=why)
     return Check(Message("check.gain", gain=symbol, least=least), verdict(value >= least), text, value, least, source)
 
 
 def claimed_sigma(run: Observed, name: str, scale: float | np.ndarray = 1.0) -> dict[str, np.ndarray]:
-    """Columns ``claimed.<channel>``: the standard deviation of θ̂ that the observer's own equations claim, the root of the
-    diagonal of a recorded covariance times ``scale``. What noise really makes of θ̂ is in ``sigma.<channel>`` (covariance.py).
+    """Return columns ``claimed.<channel>``: the standard deviation of θ̂ according to the observer's equations.
+
+    It is the square root of the diagonal of a recorded covariance times ``scale``. The standard deviation that noise
+    really
+    causes is in ``sigma.<channel>`` (covariance.py).
     """
     return {
         f"claimed.{channel}": scale * np.sqrt(np.maximum(run.values[f"{name}.{j}.{j}"], 0.0))

@@ -1,8 +1,8 @@
-"""Gains that the Kalman-type observers share, with defaults in the plant's own units and at its own pace.
+"""Gains shared by the Kalman-type observers, with defaults in the plant's units and at its time scale.
 
-The defaults take what the plant and the experiment declare: a state's initial value or physical range as its scale, a
-channel's typical size, the noise. With them and the plant's slowest eigenvalue (time_constant.py) they are a start that works,
-not a tuning.
+The defaults use declarations of the plant and the experiment: a state's initial value or physical range as its scale, a
+channel's typical size, the noise. Together with the plant's slowest eigenvalue (time_constant.py) they give a working
+start, not a tuned filter.
 """
 
 import re
@@ -10,12 +10,12 @@ import re
 from thetascope.engine.observers.support.declaration import Context, Gain
 from thetascope.engine.observers.support.time_constant import pace
 
-DOUBT = 0.01  # a state equation is trusted to one per cent of the state's scale over the plant's time constant
-HOLD = 0.01  # s, for which noise is taken to be held where its sample time is not known
+DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
+HOLD = 0.01  # s, assumed hold time of noise whose sample time is not known
 
 
 def state_scales(c: Context) -> list[float]:
-    """The size that each state has, roughly: its initial value, else a quarter of its physical range, else 1."""
+    """Return the approximate size of each state: its initial value, else a quarter of its physical range, else 1."""
     scales = []
     for state in c.model.get("states", [{}] * c.n):
         low, high = state.get("domain") or (None, None)
@@ -25,22 +25,22 @@ def state_scales(c: Context) -> list[float]:
 
 
 def output_scales(c: Context) -> list[float]:
-    """The same for the outputs: the largest of the states that the text mentions."""
+    """Return the approximate size of each output: the largest scale of the states in its expression."""
     scale = dict(zip((s["name"] for s in c.model.get("states", [])), state_scales(c), strict=True))
     texts = [o["expression"] for o in c.model.get("outputs", [{"expression": ""}] * c.m)]
     words = [re.findall(r"[A-Za-z_]\w*", text) for text in texts]
-    return [max((scale[w] for w in found if w in scale), default=max(scale.values(), default=1.0)) for found in words]
+    return [max((scale[w] for w in names if w in scale), default=max(scale.values(), default=1.0)) for names in words]
 
 
 def typical_sizes(c: Context) -> list[float]:
-    """The typical size of each fault to be estimated."""
+    """Return the typical size of each fault to be estimated."""
     typical = {ch["name"]: float(ch.get("typical", 1.0)) for ch in c.model.get("channels", [])}
     names = c.channels or (tuple(typical) if len(typical) == c.p else ("",) * c.p)
     return [typical.get(name, 1.0) for name in names]
 
 
 def noise_std(c: Context) -> list[float]:
-    """The noise of each output: as declared, else one per cent of the output's scale."""
+    """Return the noise of each output: as declared, else one per cent of the output's scale."""
     return [std or 0.01 * scale for std, scale in zip(c.noise_std, output_scales(c), strict=True)]
 
 
@@ -55,7 +55,7 @@ def _noise_intensity(c: Context) -> list[float]:
 
 
 def _quiet_start(c: Context) -> list[float]:
-    # √(q r), about where the Riccati equation settles: a larger P(0) makes a stiff transient in continuous time
+    # √(q r), near the steady state of the Riccati equation: a larger P(0) causes a stiff transient in continuous time
     noise = min(r**0.5 / scale for r, scale in zip(_noise_intensity(c), output_scales(c), strict=True))
     return [q**0.5 * noise * s for q, s in zip(process_noise(c), state_scales(c), strict=True)]
 

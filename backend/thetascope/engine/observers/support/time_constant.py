@@ -1,4 +1,4 @@
-"""How fast a plant is, from its text alone and without SymPy: gains that follow it get sensible defaults."""
+"""The slowest rate of a plant, computed from its equations without SymPy, for the default gains."""
 
 import json
 import math
@@ -15,7 +15,7 @@ SLOWEST = 1e-3  # eigenvalues below this fraction of the largest count as integr
 
 
 def pace(model: Mapping) -> float:
-    """The slowest eigenvalue of ∂f/∂x at the initial state, in 1/s (integrators apart); 1 where there is none.
+    """Return the slowest eigenvalue of ∂f/∂x at the initial state, in 1/s, without integrators; 1 if there is no other.
 
     ``model`` is the plant's data. Inputs are at their defaults, known signals and t at zero.
     """
@@ -30,7 +30,7 @@ def _pace(text: str) -> float:
     model = json.loads(text)
     try:
         A = _jacobian(model)
-    except (ArithmeticError, ValueError):  # the text has no value there
+    except (ArithmeticError, ValueError):  # the equations have no value at this point
         return 1.0
     if model["time"]["kind"] == "discrete":
         with np.errstate(all="ignore"):
@@ -43,7 +43,7 @@ def _pace(text: str) -> float:
 
 
 def _jacobian(model: Mapping) -> np.ndarray:
-    """∂f/∂x by central differences."""
+    """Return ∂f/∂x by central differences."""
     states = [s["name"] for s in model["states"]]
     x = np.array([float(s["initial"]) for s in model["states"]])
     values = {i["name"]: float(i["default"]) for i in model["inputs"]} | {s["name"]: 0.0 for s in model["signals"]}
