@@ -1,1 +1,1 @@
-"""From a System of equations to machine code."""
+"""Compilation of a System of equations to machine code."""

@@ -1,41 +1,41 @@
-"""Derivatives of a program's graph: forward differentiation, node by node, so that no SymPy is needed.
+"""Automatic differentiation of a program's graph in forward mode, without SymPy.
 
-The derivative of what a program computes, saturations and branches included; at a corner it is that of one side.
+It differentiates the program itself, including saturations and branches; at a kink the derivative is one-sided.
 """
 
 from collections.abc import Callable, Iterable, Sequence
 
 from thetascope.engine.compiler.graph import Graph, topological
 
-Tangent = dict[str, int]  # variable → node of the derivative in it; zeros are left out
+Tangent = dict[str, int]  # variable → node of the derivative with respect to it; zeros are left out
 
-_STEEPEST = 1e-6  # |x| below which the slope of |x|^a, which has no bound, is taken to be that at this size
+_STEEPEST = 1e-6  # lower limit of |x| in the slope of |x|^a, which is unbounded at 0
 
 
 def derivatives(graph: Graph, roots: Sequence[int], names: Iterable[str]) -> list[Tangent]:
-    """For each root its partial derivatives in the named variables, as nodes added to the graph."""
-    wanted, found = set(names), {}
+    """Return, for each root, its partial derivatives with respect to the named variables, as nodes added to the graph."""
+    wanted, tangents = set(names), {}
     for i in list(topological(graph, roots)):
         op, *args = graph.nodes[i]
         if op == "var":
-            found[i] = {args[0]: graph.const(1.0)} if args[0] in wanted else {}
+            tangents[i] = {args[0]: graph.const(1.0)} if args[0] in wanted else {}
         elif op == "const":
-            found[i] = {}
+            tangents[i] = {}
         else:
-            found[i] = _through(graph, i, op, args, [found[a] for a in args])
-    return [found[r] for r in roots]
+            tangents[i] = _through(graph, i, op, args, [tangents[a] for a in args])
+    return [tangents[r] for r in roots]
 
 
 def _through(graph: Graph, i: int, op: str, args: list[int], inner: list[Tangent]) -> Tangent:
-    """The chain rule at one node."""
+    """Return the derivatives of node i by the chain rule; `inner` holds those of its arguments."""
     if not any(inner):
         return {}
     if op == "where":
         return _either(graph, args[0], inner[1], inner[2])
     if op in ("min", "max"):
         a, b = args
-        first = graph.call("lt", b, a) if op == "min" else graph.call("lt", a, b)  # whether the second is taken
-        return _either(graph, first, inner[1], inner[0])
+        second = graph.call("lt", b, a) if op == "min" else graph.call("lt", a, b)  # whether b is selected
+        return _either(graph, second, inner[1], inner[0])
     if op not in SLOPES:
         return {}  # comparisons, floor, sign: constant wherever they have a derivative
     slopes = SLOPES[op](graph, i, *args)
@@ -48,6 +48,7 @@ def _through(graph: Graph, i: int, op: str, args: list[int], inner: list[Tangent
 
 
 def _either(graph: Graph, condition: int, yes: Tangent, no: Tangent) -> Tangent:
+    """Return the derivatives of a branch: those of `yes` where the condition holds, else those of `no`."""
     zero = graph.const(0.0)
     return {n: graph.call("where", condition, yes.get(n, zero), no.get(n, zero)) for n in (*yes, *no)}
 
@@ -82,7 +83,7 @@ def _inverse_root(graph: Graph, square: int) -> int:
 
 
 def _less(graph: Graph, a: int, sign: float) -> int:
-    """1 ± a²."""
+    """Return the node of 1 + sign·a²; `sign` is 1 or −1."""
     return graph.add(graph.const(1.0), graph.mul(graph.const(sign), graph.mul(a, a)))
 
 
@@ -110,4 +111,4 @@ SLOPES: dict[str, Callable[..., tuple[int, ...]]] = {
     "log": lambda g, i, a: (g.div(g.const(1.0), a),),
     "abs": lambda g, i, a: (g.call("sign", a),),
 }
-"""How each operation's value changes with each of its arguments; ``i`` is the node itself."""
+"""Partial derivatives of each operation with respect to its arguments, as nodes; ``i`` is the node of the operation."""

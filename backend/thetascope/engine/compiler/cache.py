@@ -1,4 +1,4 @@
-"""Files that can be made again: compiled object code and lowered programs, by the hash of what they come from."""
+"""Disk cache of compiled object code and lowered programs, by the hash of their source. It can be deleted at any time."""
 
 import contextlib
 import hashlib
@@ -10,13 +10,13 @@ from pathlib import Path
 
 @lru_cache(maxsize=1)
 def folder() -> Path:
-    """THETASCOPE_CACHE, else the user's cache folder."""
+    """Return the cache folder: THETASCOPE_CACHE, else `thetascope` in the user's cache folder."""
     named = os.environ.get("THETASCOPE_CACHE")
     return Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thetascope"
 
 
 def read(kind: str, key: str) -> bytes | None:
-    """The bytes kept under a key, or None. A file that cannot be read, or was cut short, counts as absent."""
+    """Return the bytes stored under a key, or None. An unreadable or damaged file counts as absent."""
     try:
         content = (folder() / kind / key).read_bytes()
     except OSError:
@@ -26,7 +26,7 @@ def read(kind: str, key: str) -> bytes | None:
 
 
 def write(kind: str, key: str, body: bytes) -> None:
-    """Keep bytes under a key: whole or not at all, also with several writers. A full or read-only disk is no error."""
+    """Store bytes under a key, atomically even with concurrent writers. A full or read-only disk is not an error."""
     place = folder() / kind
     with contextlib.suppress(OSError):
         place.mkdir(parents=True, exist_ok=True)
@@ -41,7 +41,7 @@ def write(kind: str, key: str, body: bytes) -> None:
 
 
 def digest_of(folder: Path, pattern: str = "*.py") -> str:
-    """Hash of the files in a folder and below it, with their names."""
+    """Return the SHA-256 of all files below a folder and their names, as hexadecimal digits."""
     digest = hashlib.sha256()
     for path in sorted(folder.rglob(pattern)):
         digest.update(path.relative_to(folder).as_posix().encode() + b"\0" + path.read_bytes())
@@ -50,5 +50,5 @@ def digest_of(folder: Path, pattern: str = "*.py") -> str:
 
 @lru_cache(maxsize=1)
 def package_digest() -> str:
-    """Hash of the source of the whole engine: what other code has made is not found again."""
+    """Return the hash of the engine's source. It is part of every key, so that a change of the code invalidates the cache."""
     return digest_of(Path(__file__).parents[1])

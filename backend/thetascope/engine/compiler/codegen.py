@@ -1,17 +1,17 @@
-"""Program → LLVM IR text for the whole time loop: scalar, or SIMD lanes over runs.
+"""Code generator: the LLVM IR of a Program's whole time loop, scalar or with SIMD lanes over runs.
 
-The function that comes out has this shape (all pointers to float64 unless said):
+The generated function has this signature (pointers are to float64 unless stated otherwise):
 
     run(i64 segments, i64* seg_steps, i64* seg_first, seg_t, seg_index, seg_h,
         held, lane_held, staged, lane_staged, params, lane_params, state, out, emitted, i64 every)
 
-Time is cut into segments of equal steps on which held inputs are constant. Step k of a segment begins at
-seg_t + (seg_index + k)·seg_h, rounded once, so that a segment may be cut anywhere. Staged inputs have one value for each of
-the four Runge–Kutta stages of each step (one for discrete time). ``seg_first`` is the number of steps until the first
-recorded one in that segment; then every ``every``-th is recorded, as one row of all states, in ``out``. ``emitted``
-takes the values of chosen nodes at every stage. What is called lane_* holds one value per lane, lanes innermost.
-The numbers do not depend on how steps are dealt out over calls and segments, nor on the number of lanes: no
-fast-math flag is set, and the multiply-adds are those of the graph.
+Time is divided into segments of equal steps on which held inputs are constant. Step k of a segment begins at
+seg_t + (seg_index + k)·seg_h, rounded once, so that a segment may be split anywhere. Staged inputs have one value for each
+of the four Runge–Kutta stages of each step (one for discrete time). ``seg_first`` is the number of steps until the first
+recorded one in that segment; then every ``every``-th step is recorded in ``out``, as one row of all states. ``emitted``
+receives the values of selected nodes at every stage. Arrays named lane_* hold one value per lane, lanes innermost.
+The results depend neither on how the steps are distributed over calls and segments nor on the number of lanes: no
+fast-math flag is set, and the fused multiply-adds are those of the graph.
 """
 
 from dataclasses import dataclass
@@ -20,14 +20,14 @@ from thetascope.engine.compiler.graph import topological
 from thetascope.engine.compiler.ir_builder import LIBM, Writer
 from thetascope.engine.compiler.system import DISCRETE, Program
 
-# Nodes times stages; above it the right-hand side is a function of its own, called once a stage: the compiler then takes a
-# third of the time, and runs are as quick, because most values are in memory either way.
+# Nodes times stages. Above it the right-hand side becomes a separate function, called once per stage: compiling takes a
+# third of the time, and runs are equally fast, because most values are in memory either way.
 INLINE_LIMIT = 2500
 
 
 @dataclass(frozen=True)
 class Layout:
-    """Where a kernel finds its inputs and what it emits: the part of a kernel's identity beside its Program."""
+    """The order of a kernel's inputs, and the nodes that it emits. With its Program, it identifies a kernel."""
 
     held: tuple[str, ...] = ()
     staged: tuple[str, ...] = ()
@@ -38,18 +38,18 @@ class Layout:
     lanes: int = 1
 
     def shared_params(self, program: Program) -> tuple[str, ...]:
-        """Return the parameters that are the same in all lanes."""
+        """Return the parameters that have one value for all lanes, in the program's order."""
         return tuple(p for p in program.parameters if p not in self.lane_params)
 
 
 def fits_inline(program: Program, layout: Layout) -> bool:
-    """Whether a program is small enough for its right-hand side to be written out in the loop, at every stage."""
+    """Return whether a program is small enough to inline its right-hand side in the loop at every stage."""
     stages = 1 if program.time == DISCRETE else 4
     return stages * len(topological(program.graph, [*program.update, *layout.emitted])) <= INLINE_LIMIT
 
 
 def emit(program: Program, layout: Layout) -> str:
-    """The IR text of one module with one function, ``run``."""
+    """Return the IR text of a module with one function, ``run``."""
     return _Module(program, layout).text()
 
 
@@ -76,6 +76,8 @@ _HEAD = (
 
 
 class _Module:
+    """Generator of the module of one program and layout. A method named after a part of the loop appends its IR."""
+
     def __init__(self, program: Program, layout: Layout):
         self.program, self.layout = program, layout
         self.roots = [*program.update, *layout.emitted]
@@ -85,6 +87,7 @@ class _Module:
         self.params = layout.shared_params(program)
 
     def text(self) -> str:
+        """Return the IR text of the module."""
         w = Writer(self.layout.lanes)
         body = self._main(w)
         suffix, t = w.suffix, w.type
@@ -93,7 +96,7 @@ class _Module:
         ]
         declared += [f"declare {t} @llvm.{f}.{suffix}({t})" for f in ("sqrt", "floor", "fabs")]
         declared += [f"declare {t} @llvm.copysign.{suffix}({t}, {t})", f"declare {t} @llvm.fma.{suffix}({t}, {t}, {t})"]
-        # alignstack: a vector that does not fit in the registers waits within one cache line
+        # alignstack: a vector that is spilled from the registers stays within one cache line
         wide = 'nounwind alignstack=64 "prefer-vector-width"="512" "min-legal-vector-width"="512"'
         attributes = [
             "attributes #0 = { nounwind willreturn memory(none) nobuiltin }",
@@ -107,7 +110,7 @@ class _Module:
     # ---- the values of one stage -------------------------------------------------------------------------------
 
     def _leaf(self, w: Writer, name: str, where: dict) -> str:
-        """Load a variable. ``where`` holds the base pointers: params, held rows and staged rows."""
+        """Load a variable and return its value. ``where`` maps params, held, staged and lane_* to their base pointers."""
         lay = self.layout
         for group, base, load in (
             (self.params, "params", w.load_shared),
@@ -122,7 +125,7 @@ class _Module:
         raise ValueError(f"kernel of {self.program.name}: nothing supplies {name!r}")
 
     def _values(self, w: Writer, leaves: dict[str, str], where: dict, memo: dict[int, str]) -> list[str]:
-        """Emit all roots; ``leaves`` maps states and t to values, ``memo`` keeps what is already computed."""
+        """Emit all roots and return their values; ``leaves`` maps states and t to values, ``memo`` holds nodes already emitted."""
         graph = self.program.graph
         for i in self.order:
             if i in memo:
@@ -137,13 +140,14 @@ class _Module:
         return [memo[r] for r in self.roots]
 
     def _split(self, values: list[str]) -> tuple[list[str], list[str]]:
+        """Return the values of the update and those of the emitted nodes."""
         n = len(self.program.states)
         return values[:n], values[n:]
 
     # ---- the loop ----------------------------------------------------------------------------------------------
 
     def _main(self, w: Writer) -> list[str]:
-        """The whole function: segments around steps, the states carried along in phi nodes."""
+        """Return the lines of ``run``: a loop over segments around a loop over steps, with the states in phi nodes."""
         n, t = len(self.program.states), w.type
         start = [w.load_lanes("%state", i) for i in range(n)]
         constants: dict[int, str] = {}
@@ -175,7 +179,7 @@ class _Module:
         return [*_HEAD, *w.lines, "}"]
 
     def _next_segment(self, w: Writer, new: list[str]) -> None:
-        """After a segment's steps: on to the next one, or store the states and return."""
+        """Append the end of a segment: continue with the next one, or store the states and return."""
         w.lines.append("next:")
         w.put("%row2 = phi i64 [%row0, %segment], [%row1, %cont]")
         w.put("%at1 = phi i64 [%at0, %segment], [%atn, %cont]")
@@ -192,10 +196,12 @@ class _Module:
         w.put("ret void")
 
     def _mark(self, w: Writer) -> int:
+        """Reserve a line for phi nodes, which are known later, and return its index."""
         w.lines.append("")
         return len(w.lines) - 1
 
     def _preload(self, w: Writer, memo: dict[int, str], names: tuple[str, ...], base: str, load) -> None:
+        """Load the variables that the program uses before the loop, into ``memo``."""
         graph = self.program.graph
         for j, name in enumerate(names):
             i = graph.index.get(("var", name))
@@ -203,6 +209,7 @@ class _Module:
                 memo[i] = load(base, j)
 
     def _segment_head(self, w: Writer, constants: dict[int, str]) -> dict:
+        """Append the loads at the head of a segment, and return its values: memo, held rows, h, h/2 and h/6."""
         lay, lanes = self.layout, self.layout.lanes
         w.put(f"%steps = load i64, ptr {w.address('%seg_steps', '%s', 'i64')}")
         w.put(f"%first = load i64, ptr {w.address('%seg_first', '%s', 'i64')}")
@@ -224,12 +231,14 @@ class _Module:
         return {"memo": memo, "held": held, "lane_held": lane_held, **sizes}
 
     def _scratch(self, w: Writer) -> dict:
+        """Allocate the arguments of a separate right-hand side: z (states), d (their update), e (emitted nodes)."""
         if self.inline:
             return {}
         n, m = len(self.program.states), max(1, len(self.layout.emitted))
         return {k: w.let(f"alloca [{size} x {w.type}], align 64") for k, size in (("z", n), ("d", n), ("e", m))}
 
     def _record(self, w: Writer, new: list[str]) -> None:
+        """Append the end of a step: store a row of ``out`` if it is due, and continue with the next step."""
         n = len(new)
         w.put("%left1 = sub i64 %left, 1")
         w.put("%due = icmp eq i64 %left1, 0")
@@ -251,6 +260,7 @@ class _Module:
     # ---- one step ----------------------------------------------------------------------------------------------
 
     def _step(self, w: Writer, state: list[str], segment: dict, scratch: dict) -> list[str]:
+        """Append one Runge–Kutta step (or one step of discrete time), and return the new states."""
         kd = w.let("sitofp i64 %k to double")
         count = w.let(f"fadd double %i0, {kd}")
         t = w.let(f"fadd double %t0, {w.let(f'fmul double {count}, %h')}")
@@ -263,13 +273,14 @@ class _Module:
         k2 = self._stage(w, 1, [w.fma(half, k, s) for k, s in zip(k1, state, strict=True)], middle, segment, scratch)
         k3 = self._stage(w, 2, [w.fma(half, k, s) for k, s in zip(k2, state, strict=True)], middle, segment, scratch)
         z = [w.fma(h, k, s) for k, s in zip(k3, state, strict=True)]
-        # k2 + k3 before the last stage, so that fewer values are waiting; sums are quicker than multiply-adds
+        # k2 + k3 before the last stage, so that fewer values stay live; sums are faster than multiply-adds
         inner = [w.add(a, b) for a, b in zip(k2, k3, strict=True)]
         k4 = self._stage(w, 3, z, end, segment, scratch)
         total = [w.fma(w.const(2.0), a, w.add(b, c)) for a, b, c in zip(inner, k1, k4, strict=True)]
         return [w.fma(sixth, k, s) for k, s in zip(total, state, strict=True)]
 
     def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
+        """Append one stage at the states z and time t, store its emitted nodes, and return the update."""
         lay, lanes = self.layout, self.layout.lanes
 
         def row(base: str, width: int) -> str:
@@ -298,6 +309,7 @@ class _Module:
     # ---- large programs ----------------------------------------------------------------------------------------
 
     def _called(self, w: Writer, z: list[str], t: str, where: dict, scratch: dict) -> tuple[list[str], list[str]]:
+        """Append a call of the separate right-hand side; return the update and the emitted nodes."""
         for i, value in enumerate(z):
             w.store(value, scratch["z"], i)
         names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
@@ -307,6 +319,7 @@ class _Module:
         return values, [w.load_lanes(scratch["e"], j) for j in range(len(self.layout.emitted))]
 
     def _right_hand_side(self) -> list[str]:
+        """Return the lines of the separate right-hand side, ``rhs``."""
         w = Writer(self.layout.lanes)
         names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
         where = {k: f"%{k}" for k in names}

@@ -1,8 +1,8 @@
-"""Hash-consed expression graph: what a System becomes before it is compiled.
+"""Hash-consed expression graph, the form of a System from which kernels are compiled.
 
 A node is a tuple ``(op, a, b, ...)`` whose arguments are indices of earlier nodes; ``("const", value)`` and
-``("var", name)`` are the leaves. Equal nodes are stored once, so shared subexpressions fall out without a search.
-Comparisons give 1.0 or 0.0, so that every node is a real number.
+``("var", name)`` are the leaves. Equal nodes are stored once, so common subexpressions are shared without a search.
+The value of a comparison is 1.0 or 0.0, so that every node is a real number.
 """
 
 import math
@@ -31,39 +31,41 @@ LEAVES = ("const", "var")
 
 
 class Graph:
-    """A growing list of nodes. The building methods fold constants and drop additions of 0 and products with 0 or 1."""
+    """A list of nodes. Methods that add nodes return the index; they fold constants and simplify sums and products with 0 or 1."""
 
     def __init__(self, nodes: Iterable[tuple] = ()):
         self.nodes: list[tuple] = list(nodes)
         self.index: dict[tuple, int] = {node: i for i, node in enumerate(self.nodes)}
-        self.orders: dict[tuple[int, ...], list[int]] = {}  # see topological: nodes never change, so orders do not
+        self.orders: dict[
+            tuple[int, ...], list[int]
+        ] = {}  # cache of `topological`; nodes never change, so it stays valid
 
     def raw(self, op: str, *args) -> int:
-        """Store a node as it is (no simplification) and return its index."""
-        # 0.0 == -0.0 and True == 1 as dictionary keys: the sign of a zero must survive
+        """Return the index of a node, added without simplification if it is new."""
+        # as dictionary keys 0.0 == -0.0: the sign distinguishes them
         key = (op, *args, math.copysign(1.0, args[0])) if op == "const" else (op, *args)
-        found = self.index.get(key)
-        if found is None:
-            found = len(self.nodes)
+        position = self.index.get(key)
+        if position is None:
+            position = len(self.nodes)
             self.nodes.append((op, *args))
-            self.index[key] = found
-        return found
+            self.index[key] = position
+        return position
 
     def const(self, value: float) -> int:
-        """Return the node of a number."""
+        """Return the index of a constant."""
         return self.raw("const", float(value))
 
     def var(self, name: str) -> int:
-        """Return the node of a variable."""
+        """Return the index of a variable."""
         return self.raw("var", name)
 
     def value(self, i: int) -> float | None:
-        """The number a constant node holds, else None."""
+        """Return the number of a constant node, None for other nodes."""
         node = self.nodes[i]
         return node[1] if node[0] == "const" else None
 
     def add(self, a: int, b: int) -> int:
-        """Return the node of a + b, simplified for constants, zeros and negations."""
+        """Return the index of a + b."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.const(x + y)
@@ -78,7 +80,7 @@ class Graph:
         return self.raw("add", *sorted((a, b)))
 
     def sub(self, a: int, b: int) -> int:
-        """Return the node of a − b, simplified for constants, zeros and negations."""
+        """Return the index of a − b."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.const(x - y)
@@ -89,7 +91,7 @@ class Graph:
         return self.raw("sub", a, b)
 
     def mul(self, a: int, b: int) -> int:
-        """Return the node of a · b, simplified for constants, 0, 1 and −1."""
+        """Return the index of a·b; a minus sign of a factor moves to the product."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None:
             return self.const(x * y)
@@ -108,7 +110,7 @@ class Graph:
         return self.raw("mul", *sorted((a, b)))
 
     def div(self, a: int, b: int) -> int:
-        """Return the node of a / b, simplified for constants and for 0 and 1."""
+        """Return the index of a/b; division by a power of two becomes a product, which is exact."""
         x, y = self.value(a), self.value(b)
         if x is not None and y is not None and y != 0:
             return self.const(x / y)
@@ -119,14 +121,14 @@ class Graph:
         return self.raw("div", a, b)
 
     def neg(self, a: int) -> int:
-        """Return the node of −a; of −(−a) it is a."""
+        """Return the index of −a."""
         x = self.value(a)
         if x is not None:
             return self.const(-x)
         return self.nodes[a][1] if self.nodes[a][0] == "neg" else self.raw("neg", a)
 
     def power(self, base: int, exponent: float) -> int:
-        """base**exponent: products for integers up to 64, square roots for halves, else the C library's pow."""
+        """Return base**exponent: products for integers up to 64, square roots for halves, otherwise the C library's pow."""
         if exponent < 0:
             return self.div(self.const(1.0), self.power(base, -exponent))
         if exponent == int(exponent) and exponent <= 64:
@@ -138,6 +140,7 @@ class Graph:
         return self.call("pow", base, self.const(exponent))
 
     def _integer_power(self, base: int, exponent: int) -> int:
+        """Return base**exponent by repeated squaring."""
         result, square = self.const(1.0), base
         while exponent:
             if exponent & 1:
@@ -148,7 +151,7 @@ class Graph:
         return result
 
     def call(self, op: str, *args: int) -> int:
-        """A function node; folded when every argument is a constant and the value is finite."""
+        """Return the index of a function node, or of its value if all arguments are constant and the value is finite."""
         values = [self.value(a) for a in args]
         if all(v is not None for v in values):
             with np.errstate(all="ignore"):
@@ -158,9 +161,10 @@ class Graph:
         return self.raw(op, *args)
 
     def absorb(self, other: "Graph", roots: Iterable[int], replace: Mapping[str, int] | None = None) -> dict[int, int]:
-        """Copy what ``roots`` need from another graph, unsimplified; variables named in ``replace`` become those nodes.
+        """Copy the nodes that ``roots`` need from another graph, and return the new index of each.
 
-        Unsimplified, because a program must give the same bits alone and joined to another.
+        Variables named in ``replace`` become those nodes. Nothing is simplified, because a program must compute the same
+        bits alone and joined to another.
         """
         replace, moved = replace or {}, {}
         for i in topological(other, roots):
@@ -175,13 +179,13 @@ class Graph:
 
 
 def topological(graph: Graph, roots: Iterable[int]) -> list[int]:
-    """Indices that the roots need, each after its arguments (iterative: expressions may be deep)."""
+    """Return the nodes that the roots need, each after its arguments. Iterative, because expressions may be deep."""
     roots = tuple(roots)
-    known = graph.orders.get(roots)
-    if known is not None:
-        return known
+    cached = graph.orders.get(roots)
+    if cached is not None:
+        return cached
     order: list[int] = []
-    seen: set[int] = set()
+    visited: set[int] = set()
     for root in roots:
         stack = [(root, False)]
         while stack:
@@ -189,27 +193,27 @@ def topological(graph: Graph, roots: Iterable[int]) -> list[int]:
             if ready:
                 order.append(i)
                 continue
-            if i in seen:
+            if i in visited:
                 continue
-            seen.add(i)
+            visited.add(i)
             stack.append((i, True))
             node = graph.nodes[i]
             if node[0] not in LEAVES:
-                stack.extend((a, False) for a in reversed(node[1:]) if a not in seen)
+                stack.extend((a, False) for a in reversed(node[1:]) if a not in visited)
     graph.orders[roots] = order
     return order
 
 
 def variables(graph: Graph, roots: Iterable[int]) -> set[str]:
-    """Names of the variables that the roots depend on."""
+    """Return the names of the variables that the roots depend on."""
     return {graph.nodes[i][1] for i in topological(graph, roots) if graph.nodes[i][0] == "var"}
 
 
 def contract(graph: Graph, roots: list[int], rank: Callable[[int], int] = lambda i: 0) -> tuple[Graph, list[int]]:
-    """Turn a·b + c into one fused multiply-add wherever the product is used once; of two products that of higher rank.
+    """Return a graph and its roots with a·b + c as one fused multiply-add wherever the product is used only once.
 
-    It is done here, once and for good, rather than by the compiler: so a lane, a single run and a joined program
-    all round in the same places and agree bit for bit.
+    Of two products the one of higher rank is fused. This happens in the graph and not in the compiler, so that a lane, a
+    single run and a joined program round in the same places and agree bit for bit.
     """
     order = topological(graph, roots)
     uses = Counter(a for i in order if graph.nodes[i][0] not in LEAVES for a in graph.nodes[i][1:])
@@ -231,12 +235,13 @@ def contract(graph: Graph, roots: list[int], rank: Callable[[int], int] = lambda
 def _fuse(
     graph: Graph, result: Graph, moved: dict[int, int], uses: Counter, rank: Callable, op: str, a: int, b: int
 ) -> int:
+    """Return the sum or difference of a and b in the new graph, fused if one of them is a product that is used once."""
     products = [i for i in (a, b) if graph.nodes[i][0] == "mul" and uses[i] == 1]
     if not products:
         return result.raw(op, moved[a], moved[b])
-    picked = max(products, key=rank)
-    x, y = (moved[k] for k in graph.nodes[picked][1:])
-    if picked == a:
+    product = max(products, key=rank)
+    x, y = (moved[k] for k in graph.nodes[product][1:])
+    if product == a:
         return result.raw("fma", x, y, moved[b] if op == "add" else result.raw("neg", moved[b]))
     return result.raw("fma", x if op == "add" else result.raw("neg", x), y, moved[a])
 
@@ -245,7 +250,7 @@ def _spow(x, a):
     return np.copysign(np.abs(x) ** a, x)
 
 
-# How each operation is evaluated on NumPy arrays (diagnostics, checks, tests; the compiled kernels do the runs).
+# Evaluation of each operation on NumPy arrays, for checks, analyses and tests; runs use compiled kernels.
 NUMPY = {
     "add": lambda a, b: a + b,
     "sub": lambda a, b: a - b,
@@ -282,15 +287,15 @@ NUMPY = {
 
 
 def evaluate(graph: Graph, roots: list[int], values: Mapping[str, object]) -> list:
-    """Evaluate nodes on NumPy arrays or numbers, broadcasting: ``values`` maps variable names to them."""
-    done: dict[int, object] = {}
+    """Return the values of the roots; ``values`` maps variable names to numbers or arrays, which are broadcast."""
+    computed: dict[int, object] = {}
     with np.errstate(all="ignore"):
         for i in topological(graph, roots):
             node = graph.nodes[i]
             if node[0] == "const":
-                done[i] = np.float64(node[1])
+                computed[i] = np.float64(node[1])
             elif node[0] == "var":
-                done[i] = np.asarray(values[node[1]], dtype=float)
+                computed[i] = np.asarray(values[node[1]], dtype=float)
             else:
-                done[i] = NUMPY[node[0]](*(done[a] for a in node[1:]))
-    return [done[r] for r in roots]
+                computed[i] = NUMPY[node[0]](*(computed[a] for a in node[1:]))
+    return [computed[r] for r in roots]

@@ -1,4 +1,4 @@
-"""LLVM instructions, one method each, for scalars or SIMD lanes: every graph operation has its counterpart here."""
+"""Writer of LLVM instructions, for scalars or SIMD lanes: one method for each instruction and graph operation."""
 
 import struct
 
@@ -7,7 +7,7 @@ _COMPARE = {"lt": "olt", "le": "ole"}
 
 
 class Writer:
-    """Appends instructions of one function; every method that computes returns the name of its value."""
+    """Writer of the instructions of one function. A method that computes a value returns the value's name."""
 
     def __init__(self, lanes: int):
         self.lanes = lanes
@@ -18,23 +18,23 @@ class Writer:
         self.count = 0
 
     def put(self, text: str) -> None:
-        """Write one instruction."""
+        """Append an instruction without a value."""
         self.lines.append("  " + text)
 
     def let(self, text: str) -> str:
-        """Write an instruction that has a value, and return the value's name."""
+        """Append an instruction and return the name of its value."""
         self.count += 1
         name = f"%v{self.count}"
         self.put(f"{name} = {text}")
         return name
 
     def const(self, value: float) -> str:
-        """Return a double as text, bit for bit, in every lane."""
+        """Return a literal, the same in all lanes."""
         text = "0x" + struct.pack(">d", value).hex().upper()
         return text if self.lanes == 1 else "<" + ", ".join([f"double {text}"] * self.lanes) + ">"
 
     def splat(self, scalar: str) -> str:
-        """Return a vector that holds a scalar in every lane."""
+        """Copy a scalar to all lanes."""
         if self.lanes == 1:
             return scalar
         one = self.let(f"insertelement {self.type} poison, double {scalar}, i32 0")
@@ -50,23 +50,23 @@ class Writer:
         return self.let(f"fadd {self.type} {a}, {b}")
 
     def address(self, base: str, index: str | int, kind: str = "double") -> str:
-        """Return the address of an entry of an array."""
+        """Return the address of element `index` of an array of `kind`."""
         return self.let(f"getelementptr {kind}, ptr {base}, i64 {index}")
 
     def load_shared(self, base: str, index: int) -> str:
-        """Return an entry that all lanes share."""
+        """Load one number for all lanes."""
         return self.splat(self.let(f"load double, ptr {self.address(base, index)}"))
 
     def load_lanes(self, base: str, index: int) -> str:
-        """Return an entry of which each lane has its own."""
+        """Load one number for each lane."""
         return self.let(f"load {self.type}, ptr {self.address(base, index * self.lanes)}, align 8")
 
     def store(self, value: str, base: str, index: int) -> None:
-        """Store a value, each lane in its own place."""
+        """Store one number for each lane."""
         self.put(f"store {self.type} {value}, ptr {self.address(base, index * self.lanes)}, align 8")
 
     def libm(self, name: str, *args: str) -> str:
-        """Call the C library, lane by lane, so that every lane gets the scalar run's bits."""
+        """Call the C library lane by lane, so that every lane has the same bits as a scalar run."""
         if self.lanes == 1:
             return self.let(f"call double @{name}(" + ", ".join(f"double {a}" for a in args) + ") #1")
         result = "poison"
@@ -77,7 +77,7 @@ class Writer:
         return result
 
     def flag(self, comparison: str) -> str:
-        """Return 1.0 where a comparison holds, else 0.0."""
+        """Convert a boolean to 1.0 or 0.0."""
         return self.let(
             f"select {self.bool} {comparison}, {self.type} {self.const(1.0)}, {self.type} {self.const(0.0)}"
         )
@@ -96,7 +96,7 @@ class Writer:
         return self.let(f"call {t} @llvm.{name}.{self.suffix}(" + ", ".join(f"{t} {a}" for a in args) + ")")
 
     def operation(self, op: str, args: list[str]) -> str:
-        """One graph node; the counterpart of graph.NUMPY."""
+        """Append the operation of a graph node, as in graph.NUMPY, and return its value. Raises ValueError for an unknown one."""
         t = self.type
         if op in ("add", "sub", "mul", "div"):
             return self.let(f"f{op} {t} {args[0]}, {args[1]}")

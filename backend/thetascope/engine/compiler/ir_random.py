@@ -1,13 +1,13 @@
-"""The random generator as LLVM IR: Threefry-2x64 with 20 rounds, and normal numbers from it by Box and Muller.
+"""Random number generator as LLVM IR: Threefry-2x64 with 20 rounds, and normal numbers by the Box–Muller transform.
 
 Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011. Word pair c of a stream is a function
-of (key, c) alone. Everything is made of integer operations, + − × ÷, √ and multiply-adds, eight at a time, so that the
-numbers are the same on every processor; log, sin and cos are the polynomials of fdlibm (Sun Microsystems, 1993), good to
-the last bit or two.
+of (key, c) alone. All operations are on integers, + − × ÷, √ or multiply-adds, on vectors of eight, so that the numbers
+are the same on every processor; log, sin and cos are the polynomials of fdlibm (Sun Microsystems, 1993), accurate to one
+or two units in the last place.
 
-    uniform(i64 k0, i64 k1, i64 first, i64 blocks, out)            16 numbers a block, from pair `first` on
+    uniform(i64 k0, i64 k1, i64 first, i64 blocks, out)            16 numbers per block, from pair `first` on
     normal(i64 k0, i64 k1, i64 first, i64 blocks, out)             the same, standard normal
-    normal_lanes(k0*, k1*, i64 first, i64 pairs, out, i64 width)   eight streams: number j of each side by side in row j
+    normal_lanes(k0*, k1*, i64 first, i64 pairs, out, i64 width)   eight streams: number j of each stream in row j
 """
 
 import math
@@ -17,7 +17,7 @@ from collections.abc import Callable
 ROTATIONS = (16, 42, 12, 31, 16, 32, 24, 21)
 PARITY = 0x1BD11BDAA9FC1A22
 ROUNDS = 20
-BLOCK = 16  # numbers in a block: eight pairs
+BLOCK = 16  # numbers per block: eight pairs
 _I, _D = "<8 x i64>", "<8 x double>"
 _ONE = 0x3FF0000000000000  # bits of 1.0
 _ROOT_HALF = 0x3FE6A09E667F3BCD  # bits of √½
@@ -51,7 +51,7 @@ _COS = (
 
 
 class _Text:
-    """Instructions on vectors of eight; every method gives the name of its value."""
+    """Writer of instructions on vectors of eight. A method that computes a value returns the value's name."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
@@ -81,6 +81,7 @@ class _Text:
         return self.let(f"shufflevector {_I} {one}, {_I} poison, <8 x i32> zeroinitializer")
 
     def polynomial(self, x: str, coefficients: tuple[float, ...]) -> str:
+        """Evaluate a polynomial by Horner's rule, coefficients from the constant one on."""
         result = _real(coefficients[-1])
         for c in reversed(coefficients[:-1]):
             result = self.fma(result, x, _real(c))
@@ -88,15 +89,17 @@ class _Text:
 
 
 def _whole(value: int) -> str:
+    """Return a vector of eight equal integers."""
     return "<" + ", ".join([f"i64 {value}"] * 8) + ">"
 
 
 def _real(value: float) -> str:
+    """Return a vector of eight equal doubles."""
     return "<" + ", ".join([f"double 0x{struct.pack('>d', value).hex().upper()}"] * 8) + ">"
 
 
 def _words(w: _Text, k0: str, k1: str, counter: str) -> tuple[str, str]:
-    """Threefry-2x64 of the counter (counter, 0) under the key (k0, k1)."""
+    """Return both words of Threefry-2x64 for the counter (counter, 0) and the key (k0, k1)."""
     keys = (k0, k1, w.op("xor", w.op("xor", k0, k1), _whole(PARITY)))
     x0, x1 = w.op("add", counter, k0), k1
     for i in range(ROUNDS):
@@ -111,18 +114,18 @@ def _words(w: _Text, k0: str, k1: str, counter: str) -> tuple[str, str]:
 
 
 def _from_one(w: _Text, word: str) -> str:
-    """The upper 52 bits of a word as a number in [1, 2)."""
+    """Return the upper 52 bits of a word as a number in [1, 2)."""
     return w.cast(w.op("or", w.op("lshr", word, _whole(12)), _whole(_ONE)), _D)
 
 
 def _uniforms(w: _Text, x0: str, x1: str) -> tuple[str, str]:
-    """Two numbers in [0, 1), multiples of 2⁻⁵²."""
+    """Return two numbers in [0, 1), multiples of 2⁻⁵², from two words."""
     return w.op("fsub", _from_one(w, x0), _real(1.0)), w.op("fsub", _from_one(w, x1), _real(1.0))
 
 
 def _normals(w: _Text, x0: str, x1: str) -> tuple[str, str]:
-    """Box and Muller: √(−2 ln u)·(cos, sin) of a random angle: one within ±45°, then a random quarter turn."""
-    u = w.op("fsub", _from_one(w, x0), _real(1.0 - 2.0**-53))  # odd multiples of 2⁻⁵³: never 0 nor 1
+    """Return √(−2 ln u)·(cos, sin) of a random angle (Box and Muller): one within ±45°, then a random quarter turn."""
+    u = w.op("fsub", _from_one(w, x0), _real(1.0 - 2.0**-53))  # odd multiples of 2⁻⁵³: neither 0 nor 1
     radius = w.call("sqrt", w.op("fmul", _log(w, u), _real(-2.0)))
     angle = w.op("fmul", w.op("fsub", _from_one(w, x1), _real(1.5)), _real(math.pi / 2))
     square = w.op("fmul", angle, angle)
@@ -131,16 +134,16 @@ def _normals(w: _Text, x0: str, x1: str) -> tuple[str, str]:
     cosine = w.fma(w.op("fmul", square, square), w.polynomial(square, _COS), half)
     aside = w.let(f"icmp ne {_I} {w.op('and', x1, _whole(1))}, zeroinitializer")
     sign = w.op("and", w.op("shl", x1, _whole(62)), _whole(-(1 << 63)))
-    found = []
+    pair = []
     for straight, turned in ((cosine, sine), (sine, cosine)):
         part = w.let(f"select <8 x i1> {aside}, {_D} {turned}, {_D} {straight}")
         part = w.cast(w.op("xor", w.cast(part, _I), sign), _D)
-        found.append(w.op("fmul", radius, part))
-    return found[0], found[1]
+        pair.append(w.op("fmul", radius, part))
+    return pair[0], pair[1]
 
 
 def _log(w: _Text, x: str) -> str:
-    """ln x of normal numbers x > 0, as in fdlibm's e_log.c: x = 2ᵏ(1 + f), s = f/(2 + f), a polynomial in s²."""
+    """Return ln x for x > 0 (not subnormal), as in fdlibm's e_log.c: x = 2ᵏ(1 + f), s = f/(2 + f), a polynomial in s²."""
     bits = w.cast(x, _I)
     k = w.op("ashr", w.op("sub", bits, _whole(_ROOT_HALF)), _whole(52))
     f = w.op("fsub", w.cast(w.op("sub", bits, w.op("shl", k, _whole(52))), _D), _real(1.0))
@@ -154,7 +157,7 @@ def _log(w: _Text, x: str) -> str:
 
 
 def _sequence(name: str, numbers: Callable[[_Text, str, str], tuple[str, str]]) -> list[str]:
-    """One stream in order: pairs first, first + 1, …, sixteen numbers at a time."""
+    """Return a function that writes one stream in order: pairs first, first + 1, …, sixteen numbers per pass."""
     w = _Text()
     counter = w.op("add", w.splat("%at"), "<i64 0, i64 1, i64 2, i64 3, i64 4, i64 5, i64 6, i64 7>")
     a, b = numbers(w, *_words(w, w.splat("%k0"), w.splat("%k1"), counter))
@@ -167,7 +170,7 @@ def _sequence(name: str, numbers: Callable[[_Text, str, str], tuple[str, str]]) 
 
 
 def _lanes() -> list[str]:
-    """Eight streams side by side: rows 2i and 2i + 1 from pair first + i of each, rows ``width`` numbers apart."""
+    """Return the function of eight streams: rows 2i and 2i + 1 hold pair first + i of each, rows ``width`` numbers apart."""
     w = _Text()
     k0, k1 = (w.let(f"load {_I}, ptr %{name}, align 8") for name in ("k0", "k1"))
     a, b = _normals(w, *_words(w, k0, k1, w.splat("%at")))
@@ -183,7 +186,7 @@ def _lanes() -> list[str]:
 
 
 def _loop(head: str, start: list[str], w: _Text) -> list[str]:
-    """A function that does the body for i = 0 … count − 1."""
+    """Return the lines of a function that runs the body for i = 0 … count − 1."""
     return [
         head,
         "entry:\n  %any = icmp sgt i64 %count, 0\n  br i1 %any, label %body, label %end",
@@ -196,7 +199,7 @@ def _loop(head: str, start: list[str], w: _Text) -> list[str]:
 
 
 def emit() -> str:
-    """The IR text of the module with the three functions."""
+    """Return the IR text of the module with the three functions."""
     declared = [
         f"declare {_I} @llvm.fshl.v8i64({_I}, {_I}, {_I})",
         f"declare {_D} @llvm.fma.v8f64({_D}, {_D}, {_D})",

@@ -1,4 +1,4 @@
-"""Compile Programs to machine code with LLVM, and call them on NumPy arrays. Object files are cached on disk."""
+"""Compilation of Programs to machine code with LLVM, and calls with NumPy arrays. Object files are cached on disk."""
 
 import ctypes
 import hashlib
@@ -15,16 +15,16 @@ from thetascope.engine.compiler import cache
 from thetascope.engine.compiler.codegen import Layout, emit, fits_inline
 from thetascope.engine.compiler.system import Program
 
-_lock = threading.Lock()  # LLVM's compiler is entered by one thread at a time; compiled kernels run in parallel
+_lock = threading.Lock()  # one thread at a time uses LLVM's compiler; compiled kernels run in parallel
 _SIGNATURE = ctypes.CFUNCTYPE(None, ctypes.c_int64, *[ctypes.c_void_p] * 14, ctypes.c_int64)
-NEVER = np.int64(1) << 60  # "first" of a segment in which nothing is recorded
+NEVER = np.int64(1) << 60  # `first` of a segment in which nothing is recorded
 
 
 @dataclass(frozen=True)
 class Segments:
-    """Runs of equal steps: step k of segment i begins at ``t[i] + (index[i] + k)·h[i]`` seconds.
+    """Segments of equal steps: step k of segment i begins at ``t[i] + (index[i] + k)·h[i]`` seconds.
 
-    ``steps[i]`` counts them; after ``first[i]`` of them the first is recorded (NEVER: none).
+    Segment i has ``steps[i]`` steps; the first recorded row follows ``first[i]`` of them (NEVER: none).
     """
 
     steps: np.ndarray  # int64
@@ -46,19 +46,19 @@ def _machine() -> llvm.TargetMachine:
 
 @lru_cache(maxsize=1)
 def platform_key() -> str:
-    """What machine code depends on beside the program: compiler version, processor, and the engine's source."""
+    """Return a hash of everything but the program that machine code depends on: processor, compiler, engine's source."""
     _machine()
     cpu = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), llvmlite.__version__)
     return hashlib.sha256(repr((cpu, cache.package_digest())).encode()).hexdigest()
 
 
 class Kernel:
-    """A compiled Program. Call it with arrays; ``state`` is advanced in place."""
+    """A compiled Program. A call advances ``state`` in place."""
 
     def __init__(self, program: Program, layout: Layout):
         self.program, self.layout = program, layout
         key = hashlib.sha256(repr((program.digest, layout, platform_key())).encode()).hexdigest()
-        # passes over a large straight-line function take long and find nothing
+        # optimising a large straight-line function takes long and gains nothing
         self._engine = load(key, lambda: emit(program, layout), optimised=fits_inline(program, layout))
         self._run = _SIGNATURE(self._engine.get_function_address("run"))
 
@@ -83,7 +83,8 @@ class Kernel:
         """
 
         def at(array: np.ndarray | None):
-            # quicker than array.ctypes.data: batches make many short calls
+            """Return the address of an array."""
+            # faster than array.ctypes.data: batches make many short calls
             return None if array is None else array.__array_interface__["data"][0]
 
         self._run(
@@ -108,12 +109,12 @@ class Kernel:
 
 @lru_cache(maxsize=256)
 def kernel(program: Program, layout: Layout) -> Kernel:
-    """The kernel for a program and layout: from memory, else from the object cache, else compiled."""
+    """Return the kernel of a program and layout: from memory, else from the object cache, else compiled."""
     return Kernel(program, layout)
 
 
 def load(key: str, text: Callable[[], str], optimised: bool = True) -> llvm.ExecutionEngine:
-    """A module ready to be called: its machine code from the object cache, else compiled from its IR text and kept."""
+    """Return a loaded module: machine code from the object cache, else compiled from the IR text and stored there."""
     with _lock:
         code = cache.read("kernel", key)
         if code is None:
@@ -126,6 +127,7 @@ def load(key: str, text: Callable[[], str], optimised: bool = True) -> llvm.Exec
 
 
 def _object_code(text: str, optimised: bool) -> bytes:
+    """Compile IR text to object code."""
     module = llvm.parse_assembly(text)
     if optimised:
         builder = llvm.create_pass_builder(_machine(), llvm.create_pipeline_tuning_options(speed_level=2))
@@ -134,6 +136,6 @@ def _object_code(text: str, optimised: bool) -> bytes:
 
 
 def _machine_for_engine() -> llvm.TargetMachine:
-    # an engine takes ownership of its target machine, so each gets one of its own
+    # an engine takes ownership of its target machine, so each needs a new one
     _machine()
     return llvm.Target.from_default_triple().create_target_machine(opt=2)

@@ -1,4 +1,4 @@
-"""SymPy expressions → expression graph. The only module that knows both."""
+"""Lowering of SymPy expressions to the expression graph. No other module depends on both."""
 
 from __future__ import annotations
 
@@ -22,28 +22,28 @@ _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
 
 
 class Ranks:
-    """The rank of each node: that of the highest of its variables; a constant has −1, a name without a rank 0."""
+    """Rank of each node: the highest rank among its variables; −1 for a constant, 0 for a name without a rank."""
 
     def __init__(self, graph: Graph, names: Mapping[str, int]):
         self.graph, self.names = graph, names
-        self.found: list[int] = []
+        self.ranks: list[int] = []
 
     def __call__(self, i: int) -> int:
-        """Return the rank of a node: the highest of the variables in it."""
-        for op, *args in self.graph.nodes[len(self.found) :]:
+        """Return the rank of a node."""
+        for op, *args in self.graph.nodes[len(self.ranks) :]:
             if op in LEAVES:
-                self.found.append(-1 if op == "const" else self.names.get(args[0], 0))
+                self.ranks.append(-1 if op == "const" else self.names.get(args[0], 0))
             else:
-                self.found.append(max(self.found[a] for a in args))
-        return self.found[i]
+                self.ranks.append(max(self.ranks[a] for a in args))
+        return self.ranks[i]
 
 
 class Lowering:
-    """Lowers expressions into one graph. Names that are neither known nor defined are refused.
+    """Lowering of expressions into one graph. Raises ValueError for a name that is neither known nor defined.
 
-    Sums and products are formed from the lowest rank to the highest. With ranks by how widely a quantity is shared
-    (parameters, inputs, Υ and Γ, estimates, y) what is fixed is found once and not in every step, a batch finds once
-    what its runs have in common, and the innovation, which is known last, comes last.
+    Sums and products are formed from the lowest rank to the highest. Ranks follow how widely a quantity is shared
+    (parameters, inputs, Υ and Γ, estimates, y). So fixed values are computed once and not in every step, a batch computes
+    values common to its runs once, and the innovation, which depends on all others, comes last.
     """
 
     def __init__(
@@ -60,16 +60,16 @@ class Lowering:
         self.memo: dict[sympy.Basic, int] = {}
 
     def define(self, symbol: sympy.Symbol, expression: sympy.Expr) -> None:
-        """Let a symbol stand for an expression from now on."""
+        """Define a symbol as an abbreviation of an expression, for all later expressions."""
         self.memo[symbol] = self(expression)
 
     def __call__(self, expression: sympy.Expr) -> int:
-        """Return the node of an expression; equal expressions have one node."""
+        """Return the node of an expression."""
         expression = sympy.sympify(expression)
-        found = self.memo.get(expression)
-        if found is None:
-            found = self.memo[expression] = self._lower(expression)
-        return found
+        node = self.memo.get(expression)
+        if node is None:
+            node = self.memo[expression] = self._lower(expression)
+        return node
 
     def _lower(self, e: sympy.Expr) -> int:
         g = self.graph
@@ -88,7 +88,7 @@ class Lowering:
         return self._function(e)
 
     def _sum(self, e: sympy.Add) -> int:
-        # a leading positive term lets later negative ones be subtractions
+        # positive terms first, so that negative ones become subtractions
         terms = [self(a) for a in sorted(e.args, key=lambda a: a.could_extract_minus_sign())]
         return reduce(self.graph.add, sorted(terms, key=self.rank))
 
@@ -96,16 +96,16 @@ class Lowering:
         return reduce(self.graph.mul, sorted(factors, key=self.rank), self.graph.const(1.0))
 
     def _product(self, e: sympy.Mul) -> int:
-        above = [a for a in e.args if not _is_reciprocal(a)]
-        below = [1 / a for a in e.args if _is_reciprocal(a)]
-        # 1/parameter is the same in every step: found once, and a product is much quicker than a division
-        fixed = [b for b in below if b.free_symbols and {s.name for s in b.free_symbols} <= self.parameters]
-        below = [b for b in below if b not in fixed]
-        factors = [self(a) for a in above]
+        numerator = [a for a in e.args if not _is_reciprocal(a)]
+        denominator = [1 / a for a in e.args if _is_reciprocal(a)]
+        # 1/parameter is the same in every step: it is computed once, and a product is much faster than a division
+        fixed = [b for b in denominator if b.free_symbols and {s.name for s in b.free_symbols} <= self.parameters]
+        denominator = [b for b in denominator if b not in fixed]
+        factors = [self(a) for a in numerator]
         if fixed:
             factors.append(self.graph.div(self.graph.const(1.0), self._multiply([self(b) for b in fixed])))
         top = self._multiply(factors)
-        return self.graph.div(top, self._multiply([self(b) for b in below])) if below else top
+        return self.graph.div(top, self._multiply([self(b) for b in denominator])) if denominator else top
 
     def _power(self, e: sympy.Pow) -> int:
         if e.base == sympy.E:
@@ -122,11 +122,11 @@ class Lowering:
         if name == "Backlash":
             return self._backlash(*args)
         if name not in _BY_NAME:
-            raise ValueError(f"{name} is not one of the functions the engine computes")
+            raise ValueError(f"{name} is not a function of the engine")
         return self.graph.call(_BY_NAME[name], *args)
 
     def _backlash(self, x: int, dx: int, z: int, m1: int, m2: int, d1: int, d2: int) -> int:
-        """One backlash operator, Zhou & Tan (6)–(9): follows m1·(x − D1) rising, m2·(x + D2) falling, else keeps z."""
+        """Return the backlash operator of Zhou & Tan (6)–(9): m1·(x − D1) rising, m2·(x + D2) falling, otherwise z."""
         g, zero = self.graph, self.graph.const(0.0)
         rising = g.call("and", g.call("lt", g.add(g.div(z, m1), d1), x), g.call("lt", zero, dx))
         falling = g.call("and", g.call("lt", x, g.sub(g.div(z, m2), d2)), g.call("lt", dx, zero))

@@ -1,4 +1,4 @@
-"""Numbers from expressions: SymPy expressions evaluated at a point with NumPy, through the expression graph."""
+"""Numerical evaluation of SymPy expressions at a point, with NumPy and the expression graph."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""Which part of a program all runs of a batch share, and which differs: found by reachability in the graph.
+"""Partition of a program into a part that all runs of a batch share and a part that differs between runs.
 
-What noise, a parameter or a starting value cannot reach (Υ and Γ, often the plant) is integrated once; its values at
-every Runge–Kutta stage are handed to the rest, which is integrated in SIMD lanes over runs.
+States that do not depend on noise, differing parameters or differing initial values (Υ and Γ, often the plant) are
+integrated once. Their values at every Runge–Kutta stage are inputs of the rest, which is integrated in SIMD lanes over runs.
 """
 
 from dataclasses import dataclass, replace
@@ -12,7 +12,7 @@ from thetascope.engine.compiler.system import Program
 
 @dataclass(frozen=True)
 class Partition:
-    """``shared`` emits the nodes ``handed``; ``lanes`` takes them as staged inputs called ``handed.<i>``."""
+    """The two parts: ``shared`` emits the nodes ``handed``, which are the staged inputs ``handed.<i>`` of ``lanes``."""
 
     shared: Program | None
     lanes: Program
@@ -21,7 +21,13 @@ class Partition:
 
 
 def partition(program: Program, differing: frozenset[str], staged: frozenset[str]) -> Partition:
-    """Split by the inputs, parameters and initial states that differ between runs; ``staged`` inputs move within a step."""
+    """Split a program by the names that differ between runs.
+
+    Args:
+        program: the program.
+        differing: inputs, parameters and states (by their initial values) that differ between runs.
+        staged: inputs that change within a step.
+    """
     graph = program.graph
     reached = _reached(program, set(differing))
     mine = [i for i, s in enumerate(program.states) if s in reached]
@@ -55,16 +61,17 @@ def partition(program: Program, differing: frozenset[str], staged: frozenset[str
 
 
 def _depends(graph: Graph, roots: tuple[int, ...] | list[int], names: set[str]) -> set[int]:
-    found: set[int] = set()
+    """Return the nodes below the roots that depend on any of the names."""
+    dependent: set[int] = set()
     for i in topological(graph, roots):
         op, *args = graph.nodes[i]
-        if (op == "var" and args[0] in names) or (op not in LEAVES and any(a in found for a in args)):
-            found.add(i)
-    return found
+        if (op == "var" and args[0] in names) or (op not in LEAVES and any(a in dependent for a in args)):
+            dependent.add(i)
+    return dependent
 
 
 def _reached(program: Program, reached: set[str]) -> set[str]:
-    """The names, and all states whose value they can change."""
+    """Return the names and all states that depend on them."""
     while True:
         differs = _depends(program.graph, program.update, reached)
         more = {s for s, u in zip(program.states, program.update, strict=True) if u in differs} - reached
@@ -74,38 +81,43 @@ def _reached(program: Program, reached: set[str]) -> set[str]:
 
 
 def _frontier(graph: Graph, roots: list[int], differs: set[int], moving: set[int]) -> list[int]:
-    """Shared nodes that differing ones use directly and that move within a step (the rest is cheap to compute again)."""
-    found: dict[int, None] = {}
+    """Return the shared nodes that differing ones use directly and that change within a step (others are cheap to recompute)."""
+    frontier: dict[int, None] = {}
     for i in topological(graph, roots):
         if i in differs and graph.nodes[i][0] not in LEAVES:
-            found.update(dict.fromkeys(a for a in graph.nodes[i][1:] if a in moving and a not in differs))
-    found.update(dict.fromkeys(r for r in roots if r in moving and r not in differs))
-    return list(found)
+            frontier.update(dict.fromkeys(a for a in graph.nodes[i][1:] if a in moving and a not in differs))
+    frontier.update(dict.fromkeys(r for r in roots if r in moving and r not in differs))
+    return list(frontier)
 
 
 def _copy(graph: Graph, roots: list[int], cut: dict[int, str]) -> tuple[Graph, dict[int, int]]:
-    """A graph of what the roots need, with the nodes in ``cut`` replaced by variables; nothing is simplified."""
-    made, moved = Graph(), {}
+    """Copy the nodes that the roots need, with those in ``cut`` replaced by variables; nothing is simplified.
+
+    Returns:
+        the new graph, and the new index of each node.
+    """
+    result, moved = Graph(), {}
     needed = _needed(graph, roots, cut)
     for i in sorted(needed):
         op, *args = graph.nodes[i]
         if i in cut:
-            moved[i] = made.var(cut[i])
+            moved[i] = result.var(cut[i])
         elif op in LEAVES:
-            moved[i] = made.raw(op, *args)
+            moved[i] = result.raw(op, *args)
         else:
-            moved[i] = made.raw(op, *(moved[a] for a in args))
-    return made, moved
+            moved[i] = result.raw(op, *(moved[a] for a in args))
+    return result, moved
 
 
 def _needed(graph: Graph, roots: list[int], cut: dict[int, str]) -> set[int]:
-    seen: set[int] = set()
+    """Return the nodes that the roots need, down to those in ``cut``."""
+    visited: set[int] = set()
     stack = list(roots)
     while stack:
         i = stack.pop()
-        if i in seen:
+        if i in visited:
             continue
-        seen.add(i)
+        visited.add(i)
         if i not in cut and graph.nodes[i][0] not in LEAVES:
             stack.extend(graph.nodes[i][1:])
-    return seen
+    return visited

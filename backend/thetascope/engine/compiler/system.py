@@ -1,7 +1,7 @@
-"""System: states, inputs, parameters, an update law and outputs, written once in SymPy; and its lowered form, Program.
+"""System: states, inputs, parameters, update law and outputs, written in SymPy; and its lowered form, Program.
 
-A plant is a System; so is an observer. Lowering turns it into an expression graph (see graph.py), which is what
-kernels are compiled from, what NumPy evaluates and what is cached: a Program needs no SymPy.
+Plants and observers are Systems. Lowering turns a System into an expression graph (see graph.py), from which kernels are
+compiled, which NumPy evaluates, and which is cached. A Program does not need SymPy.
 """
 
 import hashlib
@@ -21,9 +21,9 @@ CONTINUOUS, DISCRETE = "continuous", "discrete"
 
 @dataclass(frozen=True)
 class System:
-    """Equations of a plant or an observer.
+    """The equations of a plant or an observer.
 
-    ``update`` holds one expression a state: its derivative (continuous time) or its next value (discrete time).
+    ``update`` holds one expression per state: its derivative (continuous time) or its next value (discrete time).
     ``definitions`` are intermediate quantities in order; later ones, the update and the outputs may use them.
     Symbols are matched by name. ``t`` is time in seconds and is always available.
     """
@@ -38,7 +38,7 @@ class System:
     definitions: tuple[tuple["sympy.Symbol", "sympy.Expr"], ...] = ()
 
     def lower(self) -> "Program":
-        """Lower to a Program. Raises ValueError for a symbol that is not a state, input, parameter, definition or t."""
+        """Return the Program. Raises ValueError for a symbol that is not a state, input, parameter, definition or t."""
         from thetascope.engine.compiler.lowering import Lowering
 
         known = {s.name for s in (*self.states, *self.inputs, *self.parameters)} | {"t"}
@@ -60,7 +60,10 @@ class System:
         )
 
     def _ranks(self) -> dict[str, int]:
-        """Who comes first in sums and products, see Lowering: parameters, inputs, t, states as declared, measured outputs."""
+        """Return the ranks of names in sums and products (see Lowering): inputs, t, states as declared, measured outputs.
+
+        Parameters have no entry, which is rank 0: they come first.
+        """
         measured = [s.name for s in self.inputs if s.name.startswith("y.")]
         given = [s.name for s in self.inputs if s.name not in measured]
         order = [*given, "t", *(s.name for s in self.states), *measured]
@@ -69,7 +72,7 @@ class System:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A lowered System. ``update`` and ``outputs`` are node indices into ``graph``. Equal if the digests are."""
+    """A lowered System. ``update`` and ``outputs`` are node indices into ``graph``. Programs with equal digests are equal."""
 
     name: str
     time: str
@@ -88,16 +91,16 @@ class Program:
 
     @cached_property
     def digest(self) -> str:
-        """SHA-256 of everything that decides the numbers."""
+        """Return the SHA-256 of everything that determines the results."""
         return hashlib.sha256(json.dumps(self.to_json(), separators=(",", ":")).encode()).hexdigest()
 
     @cached_property
     def used_inputs(self) -> frozenset[str]:
-        """Inputs that the update law depends on (outputs apart)."""
+        """Return the inputs, t included, that the update law depends on; outputs do not count."""
         return frozenset(graphs.variables(self.graph, self.update)) & frozenset((*self.inputs, "t"))
 
     def to_json(self) -> dict:
-        """Return the program as plain data, doubles as hexadecimal text, so that they keep every bit."""
+        """Return the program as JSON values; constants are hexadecimal floats, which are exact."""
         return {
             "name": self.name,
             "time": self.time,
@@ -127,17 +130,17 @@ class Program:
         )
 
     def evaluate(self, names: list[str] | tuple[str, ...], values: dict) -> list:
-        """Evaluate outputs (by name), or the update of a state (``"d." + state``), with NumPy; see graph.evaluate."""
+        """Return the values of outputs (by name) or of a state's update (``"d." + state``), with NumPy; see graph.evaluate."""
         position = {s: i for i, s in enumerate(self.states)}
         roots = [self.update[position[n[2:]]] if n.startswith("d.") else self.outputs[n] for n in names]
         return graphs.evaluate(self.graph, roots, values)
 
 
 def join(first: Program, second: Program, links: dict[str, tuple[str, str | None]]) -> Program:
-    """One program that runs two in step: ``links`` feeds inputs of the second from outputs of the first.
+    """Return one program that runs two together; ``links`` connects inputs of the second to outputs of the first.
 
     A link is ``{input: (output, noise)}``: the input becomes the output plus the input called ``noise`` (if given).
-    The equations are not touched, so the joined program gives the bits of the two run apart.
+    The equations stay unchanged, so the joined program computes the same bits as the two separate ones.
     """
     graph = Graph()
     moved = graph.absorb(first.graph, (*first.update, *first.outputs.values()))
@@ -158,6 +161,6 @@ def join(first: Program, second: Program, links: dict[str, tuple[str, str | None
         parameters=tuple(dict.fromkeys(first.parameters + second.parameters)),
         graph=graph,
         update=tuple(moved[u] for u in first.update) + tuple(later[u] for u in second.update),
-        # the first's win where both have a name: y.* is what is measured, not an observer's estimate of it
+        # of equal names the first program's output is kept: y.* is the measurement, not an observer's estimate of it
         outputs={**{k: later[v] for k, v in second.outputs.items()}, **{k: moved[v] for k, v in first.outputs.items()}},
     )

@@ -1,4 +1,4 @@
-"""The functions of the expression language: how many arguments each takes, and its value at numbers."""
+"""The functions of the expression language: number of arguments and numerical value of each."""
 
 import math
 from collections.abc import Callable
@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class LanguageFunction:
-    """One function: least and most arguments (None: any number), and its value at floats.
+    """A function: minimum and maximum number of arguments (None: unlimited), and its evaluation with floats.
 
-    `compute` raises ValueError or ArithmeticError outside its domain.
+    `compute` raises ValueError or ArithmeticError outside the function's domain.
     """
 
     least: int
@@ -18,29 +18,29 @@ class LanguageFunction:
 
 
 def sign(x: float) -> int:
-    """1, 0 or −1."""
+    """Return the sign of x: 1, 0 or −1."""
     return (x > 0) - (x < 0)
 
 
 def step(x: float) -> float:
-    """1 from x = 0 on, 0 before."""
+    """Return 1 for x ≥ 0, otherwise 0."""
     return float(x >= 0)
 
 
 def clip(x: float, low: float, high: float) -> float:
-    """x, held within [low, high]."""
+    """Return x limited to [low, high]. Raises ValueError if low > high."""
     if low > high:
         raise ValueError("the lower limit of clip is above the upper one")
     return min(max(x, low), high)
 
 
 def signed_power(x: float, a: float) -> float:
-    """|x|^a sign x."""
+    """Return |x|^a · sign(x)."""
     return abs(x) ** a * sign(x)
 
 
 def backlash(x: float, dx: float, z: float, m1: float, m2: float, D1: float, D2: float) -> float:
-    """Play operator, Zhou & Tan 2012 (6)–(9): the next z from x, Δx = x(k) − x(k−1) and z(k−1)."""
+    """Return z(k) of the play operator, Zhou & Tan 2012 (6)–(9), from x(k), Δx = x(k) − x(k−1) and z(k−1)."""
     if x > z / m1 + D1 and dx > 0:
         return m1 * (x - D1)
     return m2 * (x + D2) if x < z / m2 - D2 and dx < 0 else z

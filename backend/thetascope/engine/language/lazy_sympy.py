@@ -1,6 +1,7 @@
-"""SymPy, imported when it is first used: programs found in the cache need none of it, and it takes longer to import
-than everything else together. Write ``from thetascope.engine.language.lazy_sympy import sympy``, and ``sympy.Matrix`` in the code;
-likewise ``functions.Backlash`` for the project's own functions, which are SymPy classes.
+"""SymPy, imported on first use: programs from the cache do not need it, and it takes longer to import than all the rest.
+
+Write ``from thetascope.engine.language.lazy_sympy import sympy`` and use ``sympy.Matrix`` as usual; likewise
+``functions.Backlash`` for this project's own functions, which are SymPy classes.
 """
 
 import importlib
@@ -13,7 +14,7 @@ if TYPE_CHECKING:
 else:
 
     class _Lazy:
-        """Stands for a module; the first attribute that is asked for imports it."""
+        """A proxy of a module, which is imported at the first attribute access."""
 
         def __init__(self, name: str):
             self._name = name

@@ -1,8 +1,8 @@
-"""The text of an expression, read character by character before any parser sees it.
+"""Lexer of the expression language: it checks the text of an expression character by character before it is parsed.
 
-The scanner accepts a single line of numbers, known names, known functions, operators and commas in an admissible order, with
-balanced parentheses of limited depth. It refuses everything else at its place. So Python's parser, which comes next (parser.py),
-never reads text that could exhaust its stack or that means more than arithmetic.
+The scanner accepts a single line of numbers, known names, known functions, operators and commas in a valid order, with
+balanced parentheses of limited depth. It rejects everything else and reports the position. So Python's parser, which
+runs next (parser.py), never reads text that could exhaust its stack or that means more than arithmetic.
 """
 
 import keyword
@@ -69,12 +69,12 @@ _MARKS = {
 }
 _LOOK_ALIKES = dict.fromkeys("−–—", "-") | dict.fromkeys("×·⋅∙", "*") | dict.fromkeys("÷∕", "/")
 _LOOK_ALIKES |= {"≤": "<=", "≥": ">=", "²": "^2", "³": "^3", "√": "sqrt(…)", "π": "pi", "\u00a0": "a blank"}
-_TAIL = re.compile(r"[A-Za-z0-9_.]*")  # of a number: letters that do not belong there
+_TAIL = re.compile(r"[A-Za-z0-9_.]*")  # characters after a number that do not belong to it
 
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """One piece of the text: kind is number, name, function, operator, ( , ) or the comma itself."""
+    """A token of the text. Its kind is number, name, function, operator, or one of the characters ( ) and comma."""
 
     kind: str
     text: str
@@ -82,12 +82,12 @@ class Token:
 
     @property
     def end(self) -> int:
-        """The position after the last character."""
+        """Return the position after the last character."""
         return self.start + len(self.text)
 
 
 class Scanner:
-    """Reads one text. `names` are the quantities it may mention, `functions` the functions it may call."""
+    """Scanner of one text. `names` are the quantities that it may use, `functions` the functions that it may call."""
 
     def __init__(self, text: str, names: Collection[str], functions: Collection[str], field: str) -> None:
         self.text, self.names, self.functions, self.field = text, names, functions, field
@@ -97,32 +97,33 @@ class Scanner:
         raise ExpressionError(self.field, self.text, start, end, problem, remedy)
 
     def tokens(self) -> list[Token]:
-        """Return the tokens in order. Raises ExpressionError for one that cannot follow the token before it."""
+        """Return the tokens in order. Raises ExpressionError for a token that cannot follow the one before it."""
         if len(self.text) > MAX_LENGTH:
             problem = Message("expression.too-long", length=len(self.text), most=MAX_LENGTH)
             self.refuse(MAX_LENGTH, len(self.text), problem, SPLIT)
-        found: list[Token] = []
+        accepted: list[Token] = []
         opened: list[Token] = []
         signs = operations = 0
         for token in self._split():
-            self._check_order(found[-1] if found else None, token)
-            signs = signs + 1 if token.kind == "operator" and _operand_expected(found) else 0
+            self._check_order(accepted[-1] if accepted else None, token)
+            signs = signs + 1 if token.kind == "operator" and _operand_expected(accepted) else 0
             if signs > MAX_DEPTH:
                 self.refuse(token.start, token.end, Message("expression.signs", most=MAX_DEPTH))
             operations += token.kind not in ("(", ")", ",")
             if operations > MAX_TOKENS:
                 self.refuse(token.start, token.end, Message("expression.operations", most=MAX_TOKENS), SPLIT)
             self._balance(opened, token)
-            found.append(token)
-        if _operand_expected(found):
-            last = found[-1] if found else Token("blank", "", 0)
-            problem = Message("expression.missing-after", text=last.text) if found else Message("expression.empty")
+            accepted.append(token)
+        if _operand_expected(accepted):
+            last = accepted[-1] if accepted else Token("blank", "", 0)
+            problem = Message("expression.missing-after", text=last.text) if accepted else Message("expression.empty")
             self.refuse(last.start, last.end, problem, OPERAND)
         if opened:
             self.refuse(opened[-1].start, opened[-1].end, Message("expression.parenthesis.open"))
-        return found
+        return accepted
 
     def _split(self) -> Iterator[Token]:
+        """Yield the tokens of the text, without checking their order."""
         position = 0
         while position < len(self.text):
             match = _TOKEN.match(self.text, position)
@@ -152,6 +153,7 @@ class Scanner:
         self.refuse(position, position + 1, Message("expression.character.meaningless", char=shown), _MARKS.get(char))
 
     def _number(self, match: re.Match[str]) -> Token:
+        """Return the token of a number. Refuses numbers that are malformed or that a double cannot represent."""
         start, end, text = match.start(), match.end(), match.group()
         following = _TAIL.match(self.text, end)
         tail = following.group() if following else ""
@@ -174,7 +176,7 @@ class Scanner:
         return Token("number", text, start)
 
     def _name(self, match: re.Match[str]) -> Token:
-        """Read a name: a quantity, the constant, a word between conditions, or, before a parenthesis, a function."""
+        """Return the token of a name: a quantity, the constant pi, `and` or `or`, or a function before a parenthesis."""
         text, start, end = match.group(), match.start(), match.end()
         rest = self.text[end:].lstrip(" \t\r\n")
         called = rest.startswith("(")
@@ -191,6 +193,7 @@ class Scanner:
         return self._unknown(text, start, end, called)
 
     def _unknown(self, text: str, start: int, end: int, called: bool) -> NoReturn:
+        """Refuse a name that is not known, with the nearest known names as the remedy."""
         shown = text if len(text) <= 40 else text[:39] + "…"
         if keyword.iskeyword(text):
             self.refuse(start, end, Message("expression.name.reserved", name=shown), _HINTS.get(text))
@@ -213,6 +216,7 @@ class Scanner:
         self.refuse(start, end, Message(problem, name=shown), remedy)
 
     def _check_order(self, before: Token | None, token: Token) -> None:
+        """Refuse a token that cannot follow the token before it."""
         expected = before is None or before.kind in ("operator", "(", ",", "function")
         if expected and token.kind in (")", ",") or expected and token.kind == "operator" and token.text not in "+-":
             problem = Message("expression.missing-before", text=token.text)
@@ -225,6 +229,7 @@ class Scanner:
             self.refuse(token.start, token.end, problem)
 
     def _balance(self, opened: list[Token], token: Token) -> None:
+        """Update the open parentheses with a token. Refuses unbalanced or deep ones, and a comma outside a call."""
         if token.kind == "(":
             opened.append(token)
             if len(opened) > MAX_DEPTH:
@@ -237,5 +242,6 @@ class Scanner:
             self.refuse(token.start, token.end, Message("expression.comma"))
 
 
-def _operand_expected(found: list[Token]) -> bool:
-    return not found or found[-1].kind in ("operator", "(", ",", "function")
+def _operand_expected(tokens: list[Token]) -> bool:
+    """Return whether an operand must follow these tokens."""
+    return not tokens or tokens[-1].kind in ("operator", "(", ",", "function")

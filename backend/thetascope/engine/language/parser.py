@@ -1,11 +1,11 @@
-"""Text → mathematics, by a whitelist over Python's `ast`. Nothing that a user wrote is ever evaluated as code.
+"""Parser of the expression language: a whitelist over Python's `ast`. User text is never evaluated as code.
 
 The language: numbers, declared names, `pi`, + - * / ** ^ (both are powers), parentheses, the functions of
 builtins.py, and inside `where(condition, a, b)` the comparisons < <= > >= joined by `and`, `or`.
 
-Three steps, each of which refuses with the place in the text: the characters and their order (lexer.py), the tree
-that Python's parser gives, of which only arithmetic is taken over (here), and the SymPy expression (to_sympy.py).
-Reading needs no SymPy. Constants are folded in double precision while reading, so that no number can blow up.
+There are three steps, and each reports errors with their position in the text: the characters and their order
+(lexer.py), the tree of Python's parser, of which only arithmetic is accepted (this file), and the SymPy expression
+(to_sympy.py). Parsing does not need SymPy. Constants are folded in double precision while parsing, which bounds their size.
 """
 
 import ast
@@ -27,12 +27,12 @@ if TYPE_CHECKING:
 __all__ = ["FUNCTIONS", "MAX_DEPTH", "MAX_EXPONENT", "MAX_LENGTH", "MAX_TOKENS", "Node", "Parsed", "parse"]
 
 MAX_EXPONENT = 64
-SYMBOLIC_POWER = 8  # what an exponent that is no constant counts towards the degree
+SYMBOLIC_POWER = 8  # contribution of a non-constant exponent to the degree
 
 
 @dataclass(frozen=True)
 class Parsed:
-    """A checked expression: its text, the names it uses in order of appearance, and its tree."""
+    """A checked expression: its text, the names that it uses in order of appearance, and its tree."""
 
     text: str
     field: str
@@ -41,18 +41,18 @@ class Parsed:
 
     @property
     def degree(self) -> int:
-        """Bound on accumulated powers, 1 to 64; pass it on in `degrees` where this expression gets a name."""
+        """Return the bound on accumulated powers, 1 to 64. If the expression gets a name, pass it on in `degrees`."""
         return self.tree.degree
 
     def sympy(self, symbols: Mapping[str, "sympy.Symbol"]) -> "sympy.Expr":
-        """The SymPy expression. It holds Add, Mul, Pow, SymPy's elementary functions and those of sympy_functions.py.
+        """Return the SymPy expression, built of Add, Mul, Pow, SymPy's elementary functions and those of sympy_functions.py.
 
         Args:
             symbols: a real symbol for each of `names`.
 
         Raises:
-            ExpressionError: where it divides by what cancels to zero, or leaves the real numbers.
-            KeyError, TypeError: where a symbol is missing or not real (an error of the program, not of the text).
+            ExpressionError: if a divisor cancels to zero, or the result is not real.
+            KeyError, TypeError: if a symbol is missing or not real (an error of the caller, not of the text).
         """
         from thetascope.engine.language.to_sympy import to_sympy
 
@@ -62,16 +62,16 @@ class Parsed:
 def parse(
     text: str, names: Iterable[str], field: str = "expression", degrees: Mapping[str, int] | None = None
 ) -> Parsed:
-    """Check a text and read it.
+    """Return the checked expression of a text.
 
     Args:
         text: the expression.
-        names: what it may mention (`t` too, where it may).
+        names: the names that it may use, `t` included where time is allowed.
         field: path of the field, for error messages.
-        degrees: `Parsed.degree` of names that stand for expressions, where these will be put in.
+        degrees: `Parsed.degree` of each name for which an expression will be substituted.
 
     Raises:
-        ExpressionError: with the place, the problem and the remedy.
+        ExpressionError: with the position, the problem and the remedy.
     """
     if not isinstance(text, str):
         raise SpecError(field, text, Message("expression.no-text"))
@@ -83,14 +83,15 @@ def parse(
 
 
 class _Reader:
-    """Reads Python's tree into Nodes, with limits on size and depth and with constants folded."""
+    """Converter from Python's tree to Nodes. It limits size and depth, and folds constants."""
 
     def __init__(self, text: str, field: str, degrees: Mapping[str, int]) -> None:
         self.text, self.field, self.degrees = text, field, degrees
-        self.starts: list[int] = []  # position in the text of each character that Python's parser reads
+        self.starts: list[int] = []  # position in the text of each character that is passed to Python's parser
         self.ends: list[int] = []
 
     def read(self, tokens: list[Token]) -> Node:
+        """Return the tree of the tokens. Raises ExpressionError."""
         pieces = []
         for token in tokens:
             piece = ("**" if token.text == "^" else token.text) + " "
@@ -99,7 +100,7 @@ class _Reader:
             self.ends += [token.end] * len(piece)
         try:
             tree = ast.parse("".join(pieces), mode="eval").body
-        except SyntaxError as error:  # the scanner lets none through that is known; it is refused all the same
+        except SyntaxError as error:  # the scanner is expected to reject all of these first
             column = min(max((error.offset or 1) - 1, 0), len(self.starts) - 1)
             start, end = self.starts[column], self.ends[column]
             problem, remedy = Message("expression.syntax"), None
@@ -110,6 +111,7 @@ class _Reader:
         raise ExpressionError(self.field, self.text, start, end, problem, remedy)
 
     def place(self, node: ast.expr) -> tuple[int, int]:
+        """Return the range of a node in the text, as half-open character positions."""
         return self.starts[node.col_offset], self.ends[(node.end_col_offset or node.col_offset + 1) - 1]
 
     def refuse(self, node: ast.expr | Node, problem: Message, remedy: Message | None = None) -> NoReturn:
@@ -122,7 +124,7 @@ class _Reader:
             self.refuse(node, Message("expression.operations.deep", most=MAX_DEPTH), SPLIT)
 
     def number(self, node: ast.expr, depth: int) -> Node:
-        """Read a node that is a real number."""
+        """Return the tree of a real-valued node."""
         self.check_depth(node, depth)
         match node:
             case ast.Constant(value=int() | float() as value) if not isinstance(value, bool):
@@ -150,7 +152,7 @@ class _Reader:
         return self.refuse(node, Message("expression.no-arithmetic"))
 
     def chain(self, kind: str, operators: tuple[type, type], node: ast.expr, depth: int) -> Node:
-        """Read a + b − c … or a·b/c … as one node, so that a long sum is not deep."""
+        """Return a + b − c … or a·b/c … as one node, so that a long sum is not deep."""
         place, parts = self.place(node), []
         while isinstance(node, ast.BinOp) and isinstance(node.op, operators):
             parts.append((1 if isinstance(node.op, operators[0]) else -1, node.right))
@@ -166,6 +168,7 @@ class _Reader:
         return self.folded(Node(kind, args, *place, signs=signs))
 
     def power(self, node: ast.BinOp, depth: int) -> Node:
+        """Return the tree of a power. Refuses exponents and accumulated degrees above MAX_EXPONENT."""
         base, exponent = self.number(node.left, depth + 1), self.number(node.right, depth + 1)
         if exponent.value is None:
             if base.value is not None and base.value <= 0:
@@ -183,6 +186,7 @@ class _Reader:
         return self.folded(Node("power", (base, exponent), *self.place(node), degree=max(degree, exponent.degree)))
 
     def call(self, node: ast.Call, name: str, args: list[ast.expr], depth: int) -> Node:
+        """Return the tree of a function call. Refuses a wrong number of arguments."""
         function = FUNCTIONS[name]
         if len(args) < function.least or (function.most is not None and len(args) > function.most):
             code = "expression.arguments" if function.most == function.least else "expression.arguments.least"
@@ -192,7 +196,7 @@ class _Reader:
         return self.folded(Node("call", nodes, *self.place(node), name=name))
 
     def condition(self, node: ast.expr, depth: int) -> Node:
-        """Read a condition, the first argument of where."""
+        """Return the tree of a condition, the first argument of `where`."""
         self.check_depth(node, depth)
         match node:
             case ast.BoolOp(op=operator, values=values):

@@ -1,9 +1,9 @@
-"""The SymPy functions of the expression language that SymPy lacks or cannot keep tame.
+"""Functions of the expression language that SymPy lacks, or that SymPy would rewrite.
 
-All are real, opaque (no rewriting, only evaluation at numbers), and know their derivatives. Those named like
-SymPy's own (`Abs`, `sign`, `floor`, `Min`, `Max`, `atan2`) print like them but never turn into square roots,
-conjugates, Heaviside or Dirac terms, and cost nothing to build. Derivatives hold almost everywhere: at a kink or a
-jump they are the derivative of the branch taken. Conditions are the real numbers 1 and 0.
+All are real and opaque: SymPy does not rewrite them and evaluates them only with numbers. They define their derivatives.
+Those named like SymPy's own (`Abs`, `sign`, `floor`, `Min`, `Max`, `atan2`) print like them, but never turn into square
+roots, conjugates, Heaviside or Dirac terms, and are cheap to construct. Derivatives hold almost everywhere: at a kink or
+a jump they are the derivative of the selected branch. Conditions are the real numbers 1 and 0.
 """
 
 import math
@@ -20,17 +20,17 @@ ZERO, ONE = Integer(0), Integer(1)
 
 
 class Real(Function):
-    """A real function that evaluates only at numbers, by `compute`."""
+    """Base of the real functions; `compute` evaluates them, with numbers only."""
 
     is_real = True
     is_extended_real = True
     is_commutative = True
     compute: ClassVar[Callable[..., float]]
-    """The value at numbers."""
+    """Evaluation with floats; raises ValueError or ArithmeticError outside the domain."""
 
     @classmethod
     def eval(cls, *args: Expr) -> Expr | None:
-        """Return the value where all arguments are numbers; else None: it stays."""
+        """Return the value if all arguments are numbers, NaN outside the domain, else None: unevaluated."""
         if not all(isinstance(arg, Number) for arg in args):
             return None
         try:
@@ -41,11 +41,11 @@ class Real(Function):
 
     @classmethod
     def _should_evalf(cls, arg: Expr) -> int:
-        """A double among the arguments is no reason to look for a numerical routine."""
+        """Return −1: a double among the arguments does not start SymPy's search for a numerical routine."""
         return -1
 
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Derivative with respect to an argument; 0 for the piecewise constant ones."""
+        """Return the derivative with respect to an argument; 0 unless a subclass overrides it (piecewise constant)."""
         return ZERO
 
 
@@ -64,27 +64,27 @@ class LessEqual(Real):
 
 
 class And_(Real):
-    """Both conditions, as 1 or 0."""
+    """Conjunction of two conditions, as 1 or 0."""
 
     nargs = (2,)
     compute = staticmethod(lambda a, b: int(a != 0 and b != 0))
 
 
 class Or_(Real):
-    """Either condition, as 1 or 0."""
+    """Disjunction of two conditions, as 1 or 0."""
 
     nargs = (2,)
     compute = staticmethod(lambda a, b: int(a != 0 or b != 0))
 
 
 class Where(Real):
-    """a where the condition is not 0, otherwise b. Only the branch taken counts, in the derivative too."""
+    """a where the condition is not 0, otherwise b. The derivative is that of the selected branch."""
 
     nargs = (3,)
 
     @classmethod
     def eval(cls, *args: Expr) -> Expr | None:
-        """Return the branch where the condition is a number or both are the same; else None: it stays."""
+        """Return the branch if the condition is a number or both branches are equal, else None: unevaluated."""
         condition, a, b = args
         if isinstance(condition, Number):
             return a if condition else b  # not == 0: to SymPy a double 0.0 is not the integer 0
@@ -111,21 +111,21 @@ class Abs(Real):
 
 
 class sign(Real):
-    """1, 0 or −1."""
+    """Sign of x: 1, 0 or −1."""
 
     nargs = (1,)
     compute = staticmethod(builtins.sign)
 
 
 class floor(Real):
-    """The largest integer that is not above x."""
+    """The largest integer ≤ x."""
 
     nargs = (1,)
     compute = staticmethod(lambda x: float(math.floor(x)))
 
 
 class Min(Real):
-    """The smaller of two."""
+    """The smaller of two numbers."""
 
     nargs = (2,)
     compute = staticmethod(min)
@@ -141,7 +141,7 @@ class Min(Real):
 
 
 class Max(Real):
-    """The larger of two."""
+    """The larger of two numbers."""
 
     nargs = (2,)
     compute = staticmethod(max)
@@ -175,7 +175,7 @@ class SignedPower(Real):
 
     @classmethod
     def eval(cls, *args: Expr) -> Expr | None:
-        """Return x for a = 1, a number for numbers; else None: it stays."""
+        """Return x for a = 1, the value for numbers, else None: unevaluated."""
         x, a = args
         return x if a.is_Number and float(a) == 1 else super().eval(x, a)
 
@@ -188,10 +188,10 @@ class SignedPower(Real):
 
 
 class Backlash(Real):
-    """Play operator of Zhou & Tan 2012, (6)–(9): Backlash(x, Δx, z, m1, m2, D1, D2) is the next z.
+    """Play operator of Zhou & Tan 2012, (6)–(9): Backlash(x, Δx, z, m1, m2, D1, D2) is z(k).
 
-    In the linear zone it follows m1·(x − D1) (rising, x > z/m1 + D1) or m2·(x + D2) (falling, x < z/m2 − D2); in the
-    memory zone it keeps z. The thresholds use the operator's own z, not the sum v (READING §4).
+    In the linear zone its value is m1·(x − D1) (rising, x > z/m1 + D1) or m2·(x + D2) (falling, x < z/m2 − D2); in the
+    memory zone z is unchanged. The thresholds use the operator's own z, not the sum v (READING §4).
     """
 
     nargs = (7,)
@@ -199,7 +199,7 @@ class Backlash(Real):
     compute = staticmethod(builtins.backlash)
 
     def zones(self) -> tuple[Expr, Expr]:
-        """The switching functions g1 (rising, linear) and g2 (falling, linear) of (7), as 1 or 0."""
+        """Return the switching functions g1 (rising) and g2 (falling) of (7), each 1 or 0."""
         x, dx, z, m1, m2, D1, D2 = self.args
         return And_(Less(z / m1 + D1, x), Less(ZERO, dx)), And_(Less(x, z / m2 - D2), Less(dx, ZERO))
 
@@ -207,7 +207,7 @@ class Backlash(Real):
         """Return the derivative in the zone that the operator is in: rising, falling or memory."""
         x, _, _, m1, m2, D1, D2 = self.args
         rising, falling = self.zones()
-        # per argument: the slope in the rising, the falling and the memory zone
+        # for each argument: the derivative in the rising, falling and memory zone
         slopes: Sequence[tuple[Expr, Expr, Expr]] = (
             (m1, m2, ZERO),
             (ZERO, ZERO, ZERO),
@@ -222,7 +222,7 @@ class Backlash(Real):
 
 
 def in_pairs(pair: type[Real], *args: Expr) -> Expr:
-    """A function of two, applied to any number of arguments as a balanced tree (a long chain would be too deep)."""
+    """Apply a function of two arguments to any number of them, as a balanced tree: a chain would be too deep."""
     half = len(args) // 2
     return args[0] if not half else pair(in_pairs(pair, *args[:half]), in_pairs(pair, *args[half:]))
 
@@ -253,4 +253,4 @@ BUILDERS = {
     "spow": SignedPower,
     "backlash": Backlash,
 }
-"""What each function of the language becomes."""
+"""Constructor of the SymPy expression for each function of the language."""

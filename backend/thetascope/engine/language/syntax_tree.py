@@ -6,16 +6,17 @@ from fractions import Fraction
 
 from thetascope.engine.language.builtins import FUNCTIONS
 
-EXACT = 2**53  # integers and fractions of integers up to here stay exact
+EXACT = 2**53  # largest integer, numerator or denominator that is kept exactly
 
 
 @dataclass(frozen=True, slots=True)
 class Node:
     """One operation of a checked expression.
 
-    `kind` is number, name, sum, product, power, call, less, less_equal, and, or. `signs` tells for each argument
-    of a sum +1 or −1 and of a product +1 (factor) or −1 (divisor). A constant has its `value`, and is `exact` if
-    it is a small integer or fraction of integers. `degree` bounds the powers that can accumulate in it.
+    `kind` is number, name, sum, product, power, call, less, less_equal, and, or. `start` and `end` are the half-open
+    range of characters in the text. `signs` holds one entry for each argument: of a sum +1 or −1, of a product +1
+    (factor) or −1 (divisor). A constant has a `value`, and also `exact` if it is a small integer or a fraction of small
+    integers. `degree` bounds the powers that can accumulate in it.
     """
 
     kind: str
@@ -30,7 +31,7 @@ class Node:
 
 
 def value_of(node: Node) -> float:
-    """Value of an operation on constants. Raises ValueError or ArithmeticError where there is none."""
+    """Return the value of an operation on constants. Raises ValueError or ArithmeticError if it is undefined."""
     values = [arg.value for arg in node.args if arg.value is not None]
     match node.kind:
         case "sum":
@@ -52,7 +53,7 @@ def value_of(node: Node) -> float:
 
 
 def exact_of(node: Node) -> Fraction | None:
-    """The value as a fraction, if it is one of small integers, found by + − · / and whole powers."""
+    """Return the value as a fraction if + − · / and integer powers of small integers give it, else None."""
     parts = [arg.exact for arg in node.args if arg.exact is not None]
     if len(parts) < len(node.args):
         return None

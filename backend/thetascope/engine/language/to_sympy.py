@@ -1,4 +1,4 @@
-"""Checked expression tree → SymPy."""
+"""Conversion of a checked expression tree to SymPy."""
 
 import math
 from collections.abc import Mapping
@@ -16,35 +16,35 @@ from thetascope.messages import Message
 
 _NOT_REAL = (S.NaN, S.ComplexInfinity, S.Infinity, S.NegativeInfinity, S.ImaginaryUnit)
 _CONDITIONS = {"less": Less, "less_equal": LessEqual, "and": And_, "or": Or_}
-_MAX_INTEGER = 64  # in an exponent: SymPy multiplies out integer powers of numbers, whatever their size
+_MAX_INTEGER = 64  # in an exponent: SymPy computes integer powers of numbers in full, whatever their size
 
 
 class Parsed(Protocol):
-    """A checked expression, as the parser gives it."""
+    """A checked expression, as the parser returns it."""
 
     @property
     def text(self) -> str:
-        """The expression as it was written."""
+        """Return the text of the expression."""
         ...
 
     @property
     def field(self) -> str:
-        """The path of its field."""
+        """Return the path of its field."""
         ...
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names it uses."""
+        """Return the names that it uses."""
         ...
 
     @property
     def tree(self) -> Node:
-        """Its tree."""
+        """Return its tree."""
         ...
 
 
 def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol]) -> Expr:
-    """See `Parsed.sympy`."""
+    """Return the SymPy expression of a checked expression; see `Parsed.sympy` for arguments and errors."""
     for name in parsed.names:
         if not symbols[name].is_extended_real:
             raise TypeError(f"the symbol {name} must be declared with real=True")
@@ -59,20 +59,21 @@ def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol]) -> Expr:
 
 
 def _is_double(number: Number) -> bool:
-    """Whether a number, with numerator and denominator if it has them, fits in double precision."""
+    """Return whether a number, or both numerator and denominator of a rational, fit in double precision."""
     if isinstance(number, Rational):
         return max(number.p.bit_length(), number.q.bit_length()) < 1024
     return math.isfinite(float(number))
 
 
 def _takes_log(node: Node) -> bool:
+    """Return whether a tree contains a logarithm."""
     return node.name == "log" and node.kind == "call" or any(_takes_log(arg) for arg in node.args)
 
 
 class _Builder:
     def __init__(self, parsed: Parsed, symbols: Mapping[str, Symbol]) -> None:
         self.parsed, self.symbols = parsed, symbols
-        self.exponents = 0  # how many exponents the present node stands in
+        self.exponents = 0  # number of exponents around the current node
 
     def error(self, node: Node, problem: Message, remedy: Message | None = None) -> ExpressionError:
         """Return the error for the text of a node."""
@@ -83,6 +84,7 @@ class _Builder:
         raise self.error(node, problem)
 
     def build(self, node: Node) -> Expr:
+        """Return the SymPy expression of a node. Raises ExpressionError if it is not real."""
         if node.value is not None and node.kind in _CONDITIONS:
             return Integer(node.value)
         if node.value is not None:
@@ -97,7 +99,7 @@ class _Builder:
         return result
 
     def constant(self, node: Node) -> Expr:
-        """Whole numbers and small fractions exactly, others as doubles. In exponents doubles only: see `power`."""
+        """Return a constant: integers and small fractions exactly, others as doubles. Within exponents always a double."""
         if node.exact is not None and not self.exponents:
             return Rational(node.exact.numerator, node.exact.denominator)
         return Float(node.value)
@@ -113,6 +115,7 @@ class _Builder:
         return zip(node.signs, node.args, strict=True)
 
     def reciprocal(self, node: Node) -> Expr:
+        """Return 1/node. Refuses a divisor that cancels to zero."""
         divisor = self.build(node)
         if divisor.is_Number and not divisor:
             self.refuse(node, Message("expression.zero-cancelled"))
@@ -129,17 +132,17 @@ class _Builder:
 
     @staticmethod
     def exponent(node: Node) -> Expr:
-        """A constant exponent: whole and half numbers and fractions exactly, so that x^0.5 is the square root."""
+        """Return a constant exponent: integers, halves and fractions exactly, so that x^0.5 is the square root."""
         if node.exact is not None:
             return Rational(node.exact.numerator, node.exact.denominator)
-        assert node.value is not None, "only constants are given"
+        assert node.value is not None, "only constants have a value"
         half = Fraction(node.value)
         return Rational(half.numerator, half.denominator) if half.denominator <= 2 else Float(node.value)
 
     def inexact(self, node: Node) -> Expr:
-        """An expression in the exponent, with doubles for all constants.
+        """Return the expression of an exponent, with doubles for all constants.
 
-        Of integers SymPy would compute powers in full once other exponents cancel: (3*x)^(y + 1e9)*(3*x)^(-y).
+        With integers SymPy would compute powers in full once other exponents cancel: (3*x)^(y + 1e9)*(3*x)^(-y).
         """
         self.exponents += 1
         result = self.build(node)
@@ -150,6 +153,6 @@ class _Builder:
 
     def call(self, node: Node) -> Expr:
         if node.name == "exp":
-            # exp(n*log(x)) is x^n to SymPy
+            # SymPy turns exp(n*log(x)) into x^n
             return sympy.exp((self.inexact if _takes_log(node) else self.build)(node.args[0]))
         return BUILDERS[node.name](*(self.build(arg) for arg in node.args))

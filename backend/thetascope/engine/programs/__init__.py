@@ -1,1 +1,1 @@
-"""Programs of plants and observers: made once, found again, called."""
+"""Programs of plants and observers: creation, cache, and evaluation."""

@@ -1,4 +1,4 @@
-"""How a program is called again and again: its kernel and where its numbers come from, found once."""
+"""Call plans: the kernel of a program and the order of its inputs, determined once for many calls."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -10,7 +10,7 @@ from thetascope.engine.compiler.system import Program
 
 @dataclass(frozen=True)
 class Plan:
-    """``held`` and ``staged`` name the signals in the order in which the kernel wants them, ``params`` the parameters."""
+    """A kernel with the names of its ``held`` and ``staged`` signals and its ``params``, each in the kernel's order."""
 
     program: Program
     kernel: Kernel
@@ -23,9 +23,13 @@ class Plan:
 def plan(
     program: Program, emitted: tuple[int, ...], signals: tuple[tuple[str, bool], ...], given: tuple[str, ...] = ()
 ) -> Plan:
-    """The plan for a program that emits these nodes.
+    """Return the plan of a program that emits these nodes.
 
-    ``signals``: names, and whether they are held. ``given``: inputs that are staged behind the staged signals.
+    Args:
+        program: the program.
+        emitted: nodes whose values the kernel returns at every stage.
+        signals: names, and whether each signal is held over a segment.
+        given: inputs that follow the staged signals in each staged row.
     """
     used = variables(program.graph, [*program.update, *emitted]) - set(given)
     held = tuple(sorted(n for n, is_held in signals if n in used and is_held))

@@ -1,4 +1,4 @@
-"""Evaluate a program's outputs along recorded rows with compiled code: the very roundings of the run itself."""
+"""Evaluation of a program's outputs along recorded rows with compiled code, which rounds exactly as the run does."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,9 +12,9 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 
 
 def probe(program: Program, names: Sequence[str], values: dict[str, np.ndarray | float]) -> np.ndarray:
-    """Outputs (by name; ``d.<state>`` for an update) at each row: shape (names, rows).
+    """Return outputs (by name; ``d.<state>`` for an update) at each row: shape (names, rows).
 
-    ``values`` maps states, inputs, parameters and ``t`` to arrays over the rows, or to numbers that hold for all.
+    ``values`` maps states, inputs, parameters and ``t`` to arrays over the rows, or to numbers that apply to all rows.
     """
     needed = _needed(program, tuple(names))
     arrays = {n: np.asarray(values[n], dtype=float) for n in needed}
@@ -37,18 +37,19 @@ def probe(program: Program, names: Sequence[str], values: dict[str, np.ndarray |
 
 
 def _roots(program: Program, names: tuple[str, ...]) -> list[int]:
+    """Return the nodes of outputs and of updates (``d.<state>``)."""
     position = {s: i for i, s in enumerate(program.states)}
     return [program.update[position[n[2:]]] if n.startswith("d.") else program.outputs[n] for n in names]
 
 
 @lru_cache(maxsize=256)
 def _needed(program: Program, names: tuple[str, ...]) -> tuple[str, ...]:
-    """The variables that these outputs depend on."""
+    """Return the variables that these outputs depend on, without t."""
     return tuple(sorted(variables(program.graph, _roots(program, names)) - {"t"}))
 
 
 @lru_cache(maxsize=256)
 def _kernel(program: Program, names: tuple[str, ...], fixed: tuple[str, ...], moving: tuple[str, ...]) -> Kernel:
-    """Remembered by what is asked for: the program that is compiled has a digest of its own, and that takes time."""
+    """Return the kernel that emits these outputs. Cached by its arguments, because the digest of the new program takes time."""
     bare = replace(program, time=DISCRETE, states=(), update=(), parameters=fixed, inputs=moving)
     return kernel(bare, Layout(staged=moving, emitted=tuple(_roots(program, names))))

@@ -1,7 +1,7 @@
-"""Programs of plants and observers: from memory, from the disk cache, else written down and lowered with SymPy.
+"""Store of the programs of plants and observers: from memory, else from the disk cache, else lowered with SymPy.
 
-The cache key is made of the plant's mathematics, the structural choices and the source of this package, so it is found
-without SymPy, and never after the code has changed.
+The cache key is the hash of the plant's mathematics, the structural options and the engine's source. So a lookup does not
+need SymPy, and a change of the code invalidates the cache.
 """
 
 import hashlib
@@ -24,14 +24,14 @@ _KEPT = 256
 
 @dataclass(frozen=True)
 class Written:
-    """A lowered program and what was found out while writing it down (JSON values)."""
+    """A lowered program, and facts determined during its construction (JSON values)."""
 
     program: Program
     facts: dict
 
 
 def mathematics(plant: Mapping) -> dict:
-    """A plant's data without what neither an equation nor its design depends on: prose, units, defaults, bounds, signals."""
+    """Return the part of a plant's data that determines equations and design: no prose, units, defaults, bounds or signals."""
     kept = {k: v for k, v in plant.items() if k not in (*_PROSE, "id")}
     for part in ("states", "inputs", "outputs", "definitions", "channels"):
         kept[part] = [
@@ -43,7 +43,7 @@ def mathematics(plant: Mapping) -> dict:
 
 
 def plant_program(plant: Mapping) -> Written:
-    """The plant's program. Raises ExpressionError for text that is no admissible expression."""
+    """Return the plant's program. Raises ExpressionError for text that is not a valid expression."""
 
     def write() -> Written:
         from thetascope.engine.model.plant_model import Model
@@ -56,7 +56,7 @@ def plant_program(plant: Mapping) -> Written:
 def observer_program(
     plant: Mapping, kind: Observer, channels: tuple[str, ...], gains: Mapping[str, Size], options: dict
 ) -> Written:
-    """An observer's program for a plant. Raises SpecError where it cannot be built for that plant."""
+    """Return an observer's program for a plant. Raises SpecError if it cannot be built for that plant."""
 
     def write() -> Written:
         from thetascope.engine.model.plant_model import Model
@@ -71,7 +71,7 @@ def observer_program(
 
 
 def time_program(text: str) -> Program:
-    """A function of t given as text, as output ``value``. Raises ExpressionError."""
+    """Return a program whose output ``value`` is the function of t in the text. Raises ExpressionError."""
 
     def write() -> Written:
         from thetascope.engine.language.parser import parse
@@ -84,11 +84,12 @@ def time_program(text: str) -> Program:
 
 
 def derived(what: list, write: Callable[[], Program]) -> Program:
-    """A program made from another; ``what`` is the key, with the other's digest in it."""
+    """Return a program that `write` derives from another; the key ``what`` must contain the digest of the latter."""
     return _written(what, lambda: Written(write(), {})).program
 
 
 def _written(what: list, write: Callable[[], Written]) -> Written:
+    """Return the program of a key, in JSON values; `write` computes it if neither memory nor disk has it."""
     text = json.dumps([what, cache.package_digest()], sort_keys=True, separators=(",", ":"))
     key = hashlib.sha256(text.encode()).hexdigest()
     with _lock:
@@ -98,12 +99,12 @@ def _written(what: list, write: Callable[[], Written]) -> Written:
         stored = cache.read("program", key)
         if stored is not None:
             data = json.loads(stored)
-            made = Written(Program.from_json(data["program"]), data["facts"])
+            result = Written(Program.from_json(data["program"]), data["facts"])
         else:
-            made = write()
-            body = {"program": made.program.to_json(), "facts": made.facts}
+            result = write()
+            body = {"program": result.program.to_json(), "facts": result.facts}
             cache.write("program", key, json.dumps(body, separators=(",", ":")).encode())
-        _memory[key] = made
+        _memory[key] = result
         while len(_memory) > _KEPT:
             _memory.popitem(last=False)
-        return made
+        return result

@@ -1,1 +1,1 @@
-"""The mathematics in other forms: MathML for reading."""
+"""Rendering of equations as MathML."""

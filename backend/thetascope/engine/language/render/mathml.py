@@ -1,8 +1,7 @@
-"""A plant's text as MathML, in the order in which its author wrote it.
+"""The equations of a plant as MathML, in the order in which its author wrote them.
 
-The tree that is read here is the one that is lowered to the running program (parser.py), not SymPy's form of it:
-SymPy sorts terms and splits roots, and a reader looks for the equation as it stands in the paper. It needs no SymPy,
-so equations appear at once.
+The MathML is written from the parser's tree (parser.py), which is also the source of the running program. SymPy would sort
+terms and split roots, but a reader wants to recognise the equation of the paper. Not importing SymPy also saves time.
 """
 
 from collections.abc import Iterable, Mapping
@@ -25,36 +24,36 @@ MINUS, EQUALS = "<mo>−</mo>", "<mo>=</mo>"
 
 
 def row(*inner: str, css: str = "") -> str:
-    """Parts side by side."""
+    """Return parts side by side as one row; `css` is its class."""
     return f"<mrow{f' class={chr(34)}{css}{chr(34)}' if css else ''}>{''.join(inner)}</mrow>"
 
 
 def fenced(inner: str, left: str = "(", right: str = ")") -> str:
-    """Something in brackets that grow with it."""
+    """Return MathML between brackets that stretch with it."""
     return row(f'<mo fence="true" form="prefix">{left}</mo>', inner, f'<mo fence="true" form="postfix">{right}</mo>')
 
 
 def math(inner: str) -> str:
-    """A whole formula."""
+    """Return a complete display formula."""
     return f'<math xmlns="http://www.w3.org/1998/Math/MathML" display="block">{row(inner)}</math>'
 
 
 class Writer:
-    """One checked expression → MathML."""
+    """Writer of one checked expression as MathML; each kind of node has a method of that name."""
 
     def __init__(self, parsed: Parsed) -> None:
         self.parsed = parsed
 
     def write(self) -> str:
-        """Return the whole expression."""
+        """Return the MathML of the whole expression."""
         return self.of(self.parsed.tree)
 
     def of(self, node: Node) -> str:
-        """Return a node: the method of its kind writes it."""
+        """Return the MathML of a node."""
         return getattr(self, node.kind)(node)
 
     def number(self, node: Node) -> str:
-        """Return a number as it was written, powers of ten as powers."""
+        """Return a number as it was typed; 2e-3 becomes 2·10⁻³."""
         text = self.parsed.text[node.start : node.end]
         mantissa, e, power = text.lower().partition("e")
         if text == "pi":
@@ -80,7 +79,7 @@ class Writer:
         return row(*out)
 
     def product(self, node: Node) -> str:
-        """Divisors below one fraction line; a minus of the first factor in front of all."""
+        """Return a product: all divisors in one denominator, and the minus sign of the first factor in front."""
         sign, node = signed(node, 1)
         above = [arg for s, arg in zip(node.signs, node.args, strict=True) if s > 0]
         below = [arg for s, arg in zip(node.signs, node.args, strict=True) if s < 0]
@@ -89,7 +88,7 @@ class Writer:
         return row(MINUS, whole) if sign < 0 else whole
 
     def factors(self, args: list[Node]) -> str:
-        """Return factors side by side, with a dot where they would run together."""
+        """Return factors side by side, with a dot before digits and more space beside words."""
         if len(args) == 1:
             return row(self.of(args[0]))
         out = []
@@ -112,7 +111,7 @@ class Writer:
         return f"<msup>{row(below)}{row(self.of(exponent))}</msup>"
 
     def call(self, node: Node) -> str:
-        """Return a function: as its own notation where it has one, else by name."""
+        """Return a function call, by the method `call_<function>` if there is one."""
         written = getattr(self, f"call_{node.name}", None)
         if written:
             return written(*node.args)
@@ -154,7 +153,7 @@ class Writer:
         return row(self.of(node.args[0]), "<mo>≤</mo>", self.of(node.args[1]))
 
     def joined(self, node: Node, sign: str) -> str:
-        """Return conditions joined by a sign."""
+        """Return conditions joined by ∧ or ∨, with brackets around nested ones."""
         return row(
             f"<mo>{sign}</mo>".join(fenced(self.of(a)) if a.kind in ("and", "or") else self.of(a) for a in node.args)
         )
@@ -165,7 +164,7 @@ setattr(Writer, "or", lambda self, node: self.joined(node, "∨"))
 
 
 def signed(node: Node, sign: int) -> tuple[int, Node]:
-    """A term with the minus that it begins with taken out: −a·b is read as (−a)·b."""
+    """Return the sign of a term and the term without its leading minus: −a·b is parsed as (−a)·b."""
     from dataclasses import replace
 
     if node.kind == "sum" and len(node.args) == 1:
@@ -178,7 +177,7 @@ def signed(node: Node, sign: int) -> tuple[int, Node]:
 
 
 def first(node: Node) -> Node:
-    """What a factor begins with."""
+    """Return the first operand of a factor."""
     return first(node.args[0]) if node.kind in ("product", "power") and node.signs[:1] != (-1,) else node
 
 
@@ -186,22 +185,22 @@ def first(node: Node) -> Node:
 
 
 def expression(text: str, names: Iterable[str], field: str = "expression") -> str:
-    """A plant's text as MathML. Raises ExpressionError, which points into the text."""
+    """Return the text of an expression as MathML. Raises ExpressionError with the position in the text."""
     return Writer(parse(text, names, field)).write()
 
 
 def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
-    """The equations of a plant with all its faults in them.
+    """Return the equations of a plant, with the terms of its faults.
 
     Args:
         data: the plant as plain data (`shared.Plant` dumped).
 
     Returns:
-        ``states``, ``definitions``, ``outputs``: for each the name, what it is (description, unit) and ``math``, MathML.
-        In it what a fault adds (a column of Φ or Ψ times θ) has the class ``fault``.
+        ``states``, ``definitions``, ``outputs``: for each equation ``name``, ``unit``, ``description`` and ``math``,
+        MathML in which the term of a fault (a column of Φ or Ψ times θ) has the class ``fault``.
 
     Raises:
-        ExpressionError: with the place in the text.
+        ExpressionError: with the position in the text.
     """
     names = ["t"] + [item["name"] for group in ("states", "inputs", "signals", "parameters") for item in data[group]]
     definitions = []
@@ -230,7 +229,7 @@ def _line(item: Mapping, inner: str) -> dict[str, str]:
 
 
 def _rate(name: str, discrete: bool) -> str:
-    """ẋ, dx/dt for a word, x⁺ in discrete time."""
+    """Return the left-hand side of a state equation: ẋ, dx/dt if the name is a word, x⁺ in discrete time."""
     if discrete:
         return f"<msup>{symbol(name)}<mo>+</mo></msup>"
     if is_word(name):
@@ -239,7 +238,7 @@ def _rate(name: str, discrete: bool) -> str:
 
 
 def _faults(data: Mapping, where: str, names: Iterable[str]) -> str:
-    """+ coefficient·θ of every channel that enters here."""
+    """Return + coefficient·θ for every channel that enters the equation of `where`."""
     out = []
     for index, channel in enumerate(data["channels"]):
         if where not in channel["enters"]:

@@ -50,32 +50,32 @@ _UNDERSCORED = re.compile(r"([A-Za-z]+)_([A-Za-z0-9]+)\Z")
 
 
 def parts(name: str) -> tuple[str, str]:
-    """Letter (or word) and index of a name."""
+    """Return the letter (or word) and the index of a name; the index may be empty."""
     match = _INDEXED.match(name) or _UNDERSCORED.match(name)
     base, index = match.groups() if match and (len(match[1]) == 1 or match[1] in GREEK) else (name, "")
     return GREEK.get(base, base.replace("_", " ")), index.lstrip("_")
 
 
 def identifier(letter: str) -> str:
-    """A letter, in italics as MathML does it, or a word."""
+    """Return the MathML of a letter (MathML sets it in italics) or of a word."""
     return f"<mi>{escape(letter)}</mi>" if len(letter) == 1 else f'<mi class="word">{escape(letter)}</mi>'
 
 
 def accented(inner: str, accent: str) -> str:
-    """A letter with a hat, dot, tilde or bar over it."""
+    """Return a letter with a hat, dot, tilde or bar over it."""
     return f'<mover accent="true">{inner}<mo stretchy="false">{accent}</mo></mover>'
 
 
 def symbol(name: str, accent: str = "") -> str:
-    """One quantity by its name; the accent stands over its letter."""
+    """Return the MathML of a quantity from its name, with an accent over the letter if one is given."""
     letter, index = parts(name)
-    made = identifier(letter)
-    made = accented(made, accent) if accent else made
+    base = identifier(letter)
+    base = accented(base, accent) if accent else base
     if not index:
-        return made
-    return f"<msub>{made}{f'<mn>{index}</mn>' if index.isdigit() else f'<mi>{escape(index)}</mi>'}</msub>"
+        return base
+    return f"<msub>{base}{f'<mn>{index}</mn>' if index.isdigit() else f'<mi>{escape(index)}</mi>'}</msub>"
 
 
 def is_word(name: str) -> bool:
-    """Whether a name is written out, so that it wants room beside it."""
+    """Return whether a name is shown as a word, which needs space beside it."""
     return len(parts(name)[0]) > 1

@@ -1,4 +1,4 @@
-"""Mathematics as one types it in Unicode → MathML, for the equations of observers.
+"""Conversion of mathematics typed in Unicode to MathML, for the equations of observers.
 
     Υ̇ = ρ(A₀ − k₀c₀)Υ + ρΔ⁻¹Φ − ρk₀Ψ
 
@@ -34,23 +34,25 @@ _CLOSE = ' lspace="0" rspace="0.1em"'
 
 
 def notation(text: str) -> str:
-    """The MathML of a formula, without the `math` element. Raises ValueError at what it cannot read."""
+    """Return the MathML of a formula, without the `math` element. Raises ValueError if the text is not valid."""
     for letter, pair in PRECOMPOSED.items():
         text = text.replace(letter, pair)
     reader = _Reader([m for m in _TOKEN.finditer(text)])
-    made = reader.group("")
-    return f"<mrow>{made}</mrow>"
+    return f"<mrow>{reader.group('')}</mrow>"
 
 
 class _Reader:
+    """A recursive-descent parser of the tokens; `at` is the index of the next token."""
+
     def __init__(self, tokens: list[re.Match]) -> None:
         self.tokens, self.at = tokens, 0
 
     def peek(self) -> str:
+        """Return the text of the next token, empty at the end."""
         return self.tokens[self.at][0] if self.at < len(self.tokens) else ""
 
     def group(self, closing: str) -> str:
-        """Everything up to a closing brace, or to the end."""
+        """Return everything up to a closing bracket, or up to the end if `closing` is empty."""
         out: list[str] = []
         while self.peek() != closing or (closing == "" and self.at < len(self.tokens)):
             if self.at >= len(self.tokens):
@@ -65,7 +67,7 @@ class _Reader:
         return "".join(out)
 
     def scripted(self) -> str:
-        """One thing with its indices and exponents."""
+        """Return one atom with its indices and exponents."""
         base = self.atom()
         below = self.script("_", SUB)
         above = self.script("^", SUP)
@@ -75,6 +77,7 @@ class _Reader:
         return f"<msub>{base}{below}</msub>" if below else f"<msup>{base}{above}</msup>" if above else base
 
     def script(self, mark: str, letters: dict[str, str]) -> str:
+        """Return an index or exponent, as _{…} or ^{…} or in Unicode's small characters; empty if there is none."""
         if self.peek() == mark:
             self.at += 1
             if self.peek() != "{":
@@ -87,12 +90,14 @@ class _Reader:
         return f"<mrow>{''.join(out)}</mrow>" if out else ""
 
     def braces(self) -> str:
+        """Return the group between { and }."""
         self.at += 1
         inner = self.group("}")
         self.at += 1
         return f"<mrow>{inner}</mrow>"
 
     def atom(self) -> str:
+        """Return one symbol, number, root or bracketed group."""
         token = self.tokens[self.at]
         text = token[0]
         if text == "{":
@@ -111,20 +116,21 @@ class _Reader:
         return f"<mo{'' if text in _SPACED else _CLOSE}>{escape(text)}</mo>"
 
     def bracket(self, left: str) -> str:
-        """A bracket and what is in it, as one thing, so that an exponent belongs to all of it."""
+        """Return a bracketed group as one row, so that an exponent applies to the whole group."""
         right = {"(": ")", "[": "]"}[left]
         inner = self.group(right)
         self.at += 1
         return f'<mrow><mo fence="true" form="prefix">{left}</mo>{inner}<mo fence="true" form="postfix">{right}</mo></mrow>'
 
     def letter(self, text: str) -> str:
-        made = f"<mi>{escape(text[0])}</mi>"
+        """Return a letter with its accents. Raises ValueError for an unknown accent."""
+        symbol = f"<mi>{escape(text[0])}</mi>"
         marks = [mark for mark in ACCENTS if mark in text[1:]]
         if len(marks) != len(text) - 1:
-            raise ValueError(f"an accent of {text!r} is not known")
-        for mark in marks:  # the dot of a derivative stands over the hat, in whatever order they were typed
-            made = accented(made, ACCENTS[mark])
-        return made
+            raise ValueError(f"an accent of {text!r} is unknown")
+        for mark in marks:  # a dot is drawn over a hat, whatever the order in which they were typed
+            symbol = accented(symbol, ACCENTS[mark])
+        return symbol
 
 
 def _plain(c: str) -> str:
