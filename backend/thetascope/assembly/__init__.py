@@ -1,4 +1,4 @@
-"""Schemas → engine objects: the only place that knows both."""
+"""Build engine objects from schemas; only this package knows both."""
 
 from thetascope.assembly.analyses.observer_catalogue import observer_kinds
 from thetascope.assembly.analyses.plant_check import check_plant

@@ -1,6 +1,6 @@
 """Figures of a run as Plotly's JSON. plotly.py is never imported; the report is in the package report.
 
-figure_names(spec, result.names)                    what there is to see
+figure_names(spec, result.names)                    the available figures
 figure(result, spec, plant, "faults", "dark")       one figure: {"data": [...], "layout": {...}}
 """
 
@@ -14,7 +14,7 @@ __all__ = ["UnknownFigure", "figure", "figure_names"]
 
 
 class UnknownFigure(KeyError):
-    """No figure of that name in this run; `names` are the existing ones."""
+    """Raised for a figure that this run does not have; `names` are the existing ones."""
 
     def __init__(self, name: str, names: Sequence[str]):
         super().__init__(name)
@@ -37,7 +37,7 @@ def figure_names(spec, columns: Sequence[str], language: str = "en") -> list[dic
 
 
 def figure(result, spec, plant, name: str, theme: str = "light", language: str = "en") -> dict:
-    """Return one figure as plain, JSON-ready dictionaries; arrays as {"dtype", "bdata"}, about 4000 points a trace at most.
+    """Return one figure as plain, JSON-ready dictionaries; arrays as {"dtype", "bdata"}, about 4000 points per trace.
 
     result: the run's `Result`; spec: its Experiment; plant: the Plant it ran on; theme: "light" or "dark"; language: of
     titles, captions and legends. Raises UnknownFigure, and ValueError for another theme.

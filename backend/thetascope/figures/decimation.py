@@ -1,8 +1,8 @@
-"""Fewer points without losing a spike, and arrays as Plotly reads them fastest.
+"""Reduce traces to fewer points without losing spikes, and encode arrays in the form that Plotly reads fastest.
 
-A screen is some 2000 pixels wide. Of a longer trace each bucket of consecutive samples keeps its smallest and its
-largest, at the times where they occurred: the drawn line covers the same pixels as the full one, and what is kept
-are samples of the run, never averages.
+A screen is about 2000 pixels wide. Each bucket of consecutive samples of a longer trace keeps its smallest and its
+largest value at the original times: the line covers the same pixels as the full one, and its points are samples of the
+run, never averages.
 """
 
 from base64 import b64encode
@@ -10,20 +10,20 @@ from base64 import b64encode
 import numpy as np
 
 LIMIT = 4000
-"""Points a trace may have before it is thinned."""
+"""Number of points up to which a trace is drawn in full."""
 PEAKS = 1000
-"""Buckets of a thinned |error| on a logarithmic axis."""
+"""Number of buckets of a reduced |error| on a logarithmic axis."""
 _F4 = np.finfo(np.float32)
 
 
 def _buckets(rows: int, count: int) -> tuple[int, int]:
-    """(width, number) of the whole buckets that `rows` samples make when about `count` are wanted."""
+    """Return (width, number) of the full buckets of `rows` samples when about `count` are wanted."""
     width = -(-rows // count)
     return width, rows // width
 
 
 def _extreme(values: np.ndarray, width: int, number: int, sign: int) -> np.ndarray:
-    """Row index of the largest sign·value of every bucket, and of the last incomplete one. A NaN never wins over a number."""
+    """Return the row of the largest sign·value of every bucket, and of the last, incomplete one; NaN never wins."""
     signed = values if sign > 0 else -values
     if np.isnan(signed).any():
         signed = np.where(np.isnan(signed), -np.inf, signed)
@@ -33,16 +33,16 @@ def _extreme(values: np.ndarray, width: int, number: int, sign: int) -> np.ndarr
 
 
 def _ordered(rows: int, *picks: np.ndarray) -> np.ndarray:
-    """The picks of every bucket in order of time, without repeats, with the first and the last row of the run."""
+    """Return the picks of every bucket in order of time, without repeats, with the run's first and last row."""
     index = np.sort(np.stack(picks), axis=0).T.ravel()
     index = np.concatenate(([0], index, [rows - 1]))
     return index[np.append(True, index[1:] != index[:-1])]
 
 
 def extremes(values: np.ndarray, limit: int = LIMIT) -> np.ndarray | None:
-    """Rows to keep, ascending, at most limit + 4: the extremes of each bucket and both ends. None: keep all.
+    """Return the rows to keep, ascending, at most limit + 4: extremes of each bucket and both ends. None: keep all.
 
-    values: shape (rows,). A bucket that is NaN throughout keeps one NaN, so that a gap stays a gap.
+    values: shape (rows,). A bucket that is NaN throughout keeps one NaN, so that a gap remains a gap.
     """
     if values.size <= limit:
         return None
@@ -51,7 +51,7 @@ def extremes(values: np.ndarray, limit: int = LIMIT) -> np.ndarray | None:
 
 
 def curve_extremes(x: np.ndarray, y: np.ndarray, limit: int = LIMIT) -> np.ndarray | None:
-    """As `extremes` for a curve y over x that is not time (a loop, a phase portrait): both coordinates' extremes."""
+    """Return the same as `extremes` for a curve y over x (a loop, a phase portrait): extremes of both coordinates."""
     if x.size <= limit:
         return None
     width, number = _buckets(x.size, limit // 4)
@@ -59,9 +59,9 @@ def curve_extremes(x: np.ndarray, y: np.ndarray, limit: int = LIMIT) -> np.ndarr
 
 
 def peaks(values: np.ndarray, buckets: int = PEAKS) -> np.ndarray | None:
-    """Rows of the largest value of each bucket: for |error| on a logarithmic axis.
+    """Return the row of the largest value of each bucket, for |error| on a logarithmic axis.
 
-    The least |error| of a bucket is the accident of a change of sign and would draw a curtain down to 1e-17.
+    The smallest |error| of a bucket is usually a zero crossing and would draw vertical lines down to 1e-17.
     """
     if values.size <= 2 * buckets:
         return None
@@ -70,10 +70,10 @@ def peaks(values: np.ndarray, buckets: int = PEAKS) -> np.ndarray | None:
 
 
 def typed(values: np.ndarray) -> dict[str, str]:
-    """{"dtype", "bdata"}: Plotly's typed array, little-endian, base64.
+    """Return {"dtype", "bdata"}: Plotly's typed array, little-endian, base64.
 
-    float32 where its 6e-8 cannot be seen (the spread is not small beside the size), else float64. What is not finite
-    becomes NaN, which Plotly leaves out.
+    float32 where its relative error of 6e-8 cannot be seen (the spread is not small relative to the size), else
+    float64. Values that are not finite become NaN, which Plotly leaves out.
     """
     values = np.asarray(values, dtype=np.float64)
     low, high = values.min(), values.max()

@@ -1,4 +1,4 @@
-"""The data that the figures of one run draw: its columns by meaning, with symbols, units, colours, faults' intervals."""
+"""The data for the figures of one run: its columns by meaning, with symbols, units, colours and intervals of faults."""
 
 import re
 from functools import cached_property
@@ -15,7 +15,7 @@ KINDS = {"x": "states", "theta": "channels", "y": "outputs", "u": "inputs", "sig
 
 
 class Scene:
-    """A `Result`, its experiment and its plant, in one theme and language. Reads them; changes nothing."""
+    """A `Result`, its experiment and its plant, in one theme and language. Read-only."""
 
     def __init__(self, result, spec, plant, theme: str, language: str = "en"):
         self.language = language
@@ -36,11 +36,11 @@ class Scene:
         return text_of(prose, self.language)
 
     def values(self, column: str) -> np.ndarray:
-        """One column, shape (rows,); a KeyError that names it if the run has none such."""
+        """Return one column, shape (rows,). Raises KeyError with the name if the run does not have it."""
         return self.result.data[self._rows[column]]
 
     def split(self, column: str) -> tuple[str | None, str, str]:
-        """(observer's label or None, kind, name): "adaptive.theta.theta1" → ("adaptive", "theta", "theta1").
+        """Return (observer's label or None, kind, name): "adaptive.theta.theta1" → ("adaptive", "theta", "theta1").
 
         The kind is x, theta, y, u, signal, "t" for time, or "" for an observer's diagnostic.
         """
@@ -57,7 +57,7 @@ class Scene:
         return style.observer_colour(self.theme, self.labels.index(label))
 
     def legend(self, label: str) -> str:
-        """The observer's name in the legend, with the time of its divergence if it diverged."""
+        """Return the observer's name for the legend, with the time of its divergence if it diverged."""
         lost = self._diverged.get(label)
         return escape(self.say("figure.diverged", label=label, t=lost.time) if lost else label)
 
@@ -70,12 +70,12 @@ class Scene:
         return {(kind, item.name): item for kind, field in KINDS.items() for item in getattr(self.plant, field)}
 
     def unit(self, kind: str, name: str) -> str:
-        """The unit of a quantity of the plant, "" when it has none."""
+        """Return the unit of a quantity of the plant, "" if it has none."""
         unit = getattr(self._items.get((kind, name)), "unit", None)
         return "" if unit in (None, "", "1", "-") else str(unit)
 
     def caption(self, kind: str, name: str, fallback: str = "") -> str:
-        """Return a few words for under the symbol: the channel's title or the quantity's description, then its unit. HTML."""
+        """Return a few words for below the symbol as HTML: the channel's title or the description, and the unit."""
         item = self._items.get((kind, name))
         words = self.text(getattr(item, "title", None) or getattr(item, "description", None) or fallback)
         unit = self.unit(kind, name)
@@ -88,7 +88,7 @@ class Scene:
         return "<i>t</i>" if kind == "t" else symbol(name, HAT if label and kind else "")
 
     def intervals(self, kind: str, name: str) -> list[tuple[float, float]]:
-        """When a fault acts on that channel (kind "theta") or on that measurement (kind "y"), clipped to the run."""
+        """Return when a fault acts on a channel (kind "theta") or a measurement (kind "y"), clipped to the run."""
         end = float(self.t[-1])
         return [
             (fault.onset, min(end if fault.end is None else fault.end, end))
@@ -97,7 +97,7 @@ class Scene:
         ]
 
     def changes(self) -> list[float]:
-        """Times inside the run at which any fault begins or ends."""
+        """Return the times inside the run at which any fault begins or ends."""
         times = {at for fault in self.spec.faults for at in (fault.onset, fault.end) if at is not None}
         return sorted(at for at in times if 0 < at < self.t[-1])
 
@@ -116,7 +116,7 @@ class Scene:
         )
 
     def estimates(self, kind: str, name: str, final: bool = True) -> list[Line]:
-        """The line of every observer that estimates it, in the order of the spec."""
+        """Return the line of every observer that estimates the quantity, in the order of the spec."""
         return [
             Line(
                 self.values(column),

@@ -1,4 +1,4 @@
-"""The figures that every run has, whatever its plant: states, faults, outputs, residuals, errors, inputs, excitation."""
+"""The figures of every run, whatever its plant: states, faults, outputs, residuals, errors, inputs, excitation."""
 
 from collections.abc import Callable, Sequence
 
@@ -9,11 +9,11 @@ from thetascope.figures.html_symbols import HAT, TILDE, escape, symbol, wrap
 from thetascope.figures.strips import Line, Strip, stack
 
 EXCITATION = ("pe", "lambda_min", "excitation")
-"""Diagnostics that measure excitation, as the observers name them (the first part of the column's name)."""
+"""Diagnostics that measure excitation, by the first part of the column's name."""
 
 
 def _excitation_columns(columns: Sequence[str], labels: Sequence[str]) -> list[tuple[str, str]]:
-    """(label, diagnostic) of every column that measures excitation."""
+    """Return (label, diagnostic) of every column that measures excitation."""
     return [
         (label, column[len(label) + 1 :])
         for column in columns
@@ -41,7 +41,7 @@ def available(spec, columns: Sequence[str]) -> list[str]:
 
 
 def _compare(scene: Scene, kind: str) -> list[Strip]:
-    """Truth and every estimate of each state or channel."""
+    """Return the strips of each state or channel: true value and all estimates."""
     strips = []
     for item in getattr(scene.plant, {"x": "states", "theta": "channels"}[kind]):
         shade = scene.intervals(kind, item.name) if kind == "theta" else []
@@ -108,7 +108,7 @@ def _difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 
 def _errors(scene: Scene) -> list[Strip]:
-    """|x̃| and |θ̃| on logarithmic axes: where an error decays exponentially it is a straight line."""
+    """Return the strips of |x̃| and |θ̃| on logarithmic axes: an exponential decay is a straight line."""
     strips = []
     for kind, items in (("theta", scene.plant.channels), ("x", scene.plant.states)):
         for item in items:
@@ -148,7 +148,7 @@ def _inputs(scene: Scene) -> list[Strip]:
 
 
 def _excitation(scene: Scene) -> list[Strip]:
-    """Each measure of excitation on a strip of its own, against the threshold of the check of the same run."""
+    """Return one strip for each measure of excitation, with the threshold of the check of the same run."""
     strips: dict[str, list[Line]] = {}
     limits: dict[str, float] = {}
     for label, name in _excitation_columns(scene.result.names, scene.labels):
@@ -179,7 +179,7 @@ def _excitation(scene: Scene) -> list[Strip]:
 
 
 def _wide(lines: Sequence[Line]) -> bool:
-    """Whether the lines' positive values span more than a decade."""
+    """Return whether the lines' positive values span more than a decade."""
     positive = [y[y > 0] for y in (line.y for line in lines) if (y > 0).any()]
     return bool(positive) and max(y.max() for y in positive) > 10 * min(y.min() for y in positive)
 
@@ -196,7 +196,7 @@ _BUILD: dict[str, Callable[[Scene], list[Strip]]] = {
 
 
 def build(scene: Scene, name: str) -> dict:
-    """The general figure of that name; a KeyError if there is none such, or nothing to draw in this run."""
+    """Return the general figure of that name. Raises KeyError if it does not exist or this run has nothing to draw."""
     strips = _BUILD[name](scene)
     if not strips:
         raise KeyError(name)

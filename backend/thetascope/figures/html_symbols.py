@@ -1,7 +1,7 @@
-"""Names as mathematics: theta1 → θ₁ in HTML, for Plotly's text and for the report.
+"""Typeset names as mathematics in HTML, for Plotly's text and for the report: theta1 → θ₁.
 
-Everything that a user may have typed passes through `escape`: what comes out holds only the tags written here
-(<i>, <sub>, <sup>).
+All text that a user may have typed passes through `escape`: the output contains only the tags written here (<i>, <sub>,
+<sup>).
 """
 
 import html
@@ -85,20 +85,20 @@ _UPRIGHT = {
 
 
 def escape(text: object) -> str:
-    """Text from outside, made harmless in HTML and in Plotly's pseudo-HTML."""
+    """Return text from outside, escaped for HTML and for Plotly's pseudo-HTML."""
     return html.escape(str(text), quote=True)
 
 
 def symbol(name: str, accent: str = "") -> str:
-    """The name of one quantity as an italic symbol; `accent` (HAT or TILDE) stands over its letter.
+    """Return the name of a quantity as an italic symbol; `accent` (HAT or TILDE) is placed over its letter.
 
-    theta1 → θ with subscript 1, h_max → h with subscript max, x21 → x with subscript 21; a word such as `level` stays one
-    and gain_loss becomes two.
+    theta1 → θ with subscript 1, h_max → h with subscript max, x21 → x with subscript 21; a word such as `level` stays
+    one and gain_loss becomes two.
     """
     match = _INDEXED.match(name) or _UNDERSCORED.match(name)
     base, index = match.groups() if match else (name, "")
     letter = GREEK.get(base, base)
-    if len(letter) > 1 and accent:  # an accent over one letter of a word reads badly: put it over the first, as printed
+    if len(letter) > 1 and accent:  # an accent belongs over the first letter of a word
         letter = letter[0] + accent + letter[1:]
         accent = ""
     subscript = f"<sub>{escape(index)}</sub>" if index else ""
@@ -111,12 +111,12 @@ _SYMBOL = re.compile(
 
 
 def mathematical(html_text: str) -> str:
-    """Escaped text of an axis or a trace, with x̂1, θ3 and theta3 in it set as symbols."""
+    """Return escaped text of an axis or a trace, with x̂1, θ3 and theta3 in it set as symbols."""
     return _SYMBOL.sub(lambda m: symbol(m[3] + m[4]) if m[3] else f"<i>{m[1]}</i><sub>{m[2]}</sub>", html_text)
 
 
 def expression(text: str) -> str:
-    """An expression of a plant's text as one line of readable HTML: products set close, powers raised, sums spaced."""
+    """Return an expression of a plant as one line of readable HTML: products set close, powers raised, sums spaced."""
     tokens = [match for match in _TOKEN.finditer(text) if match[0].strip()]
     out: list[str] = []
     for place, token in enumerate(tokens):
@@ -138,14 +138,14 @@ def expression(text: str) -> str:
 
 
 def _close(token: str) -> bool:
-    """Whether a factor may stand beside another without a dot: a number, a bracket, or a name of one letter."""
+    """Return whether a factor needs no dot beside another: a number, a bracket, or a name of one letter."""
     return (
         token in "()" or token[:1].isdigit() or len(GREEK.get(token, token)) == 1 or _INDEXED.match(token) is not None
     )
 
 
 def wrap(text: str, width: int = 14, lines: int = 3) -> str:
-    """Escaped text broken at spaces into at most `lines` lines of about `width` characters, joined by <br>."""
+    """Return escaped text broken at spaces into at most `lines` lines of about `width` characters, joined by <br>."""
     rows: list[str] = []
     for word in str(text).split():
         if rows and len(rows[-1]) + 1 + len(word) <= width:

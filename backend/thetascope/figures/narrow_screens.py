@@ -1,4 +1,4 @@
-"""The same figure on a telephone: what stands beside a strip goes above it."""
+"""The layout of a figure on a narrow screen: labels beside a strip move above it."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -8,14 +8,14 @@ from thetascope.figures import style
 GAP, LEFT, RIGHT, TOP, BOTTOM = 24, 46, 14, 30, 44
 LEGEND_WIDTH, LEGEND_LINE = 310, 19
 NUMBERS = 3
-"""So many last values fit beside a strip's name."""
+"""Number of last values that fit beside a strip's name."""
 
 
 def narrow(layout: dict, strips: Sequence, theme: style.Theme, entries: Iterable[str]) -> dict:
-    """What to change in `layout` below some 640 pixels of width, in the notation of Plotly.relayout.
+    """Return the changes of `layout` below about 640 pixels of width, in the notation of Plotly.relayout.
 
-    It stands in layout.meta.narrow. entries: the texts of the legend, whose lines are
-    estimated from their lengths.
+    They are stored in layout.meta.narrow. entries: the texts of the legend, whose lines are estimated from their
+    lengths.
     """
     axes = [f"yaxis{place if place > 1 else ''}" for place in range(1, len(strips) + 1)]
     old = layout["height"] - layout["margin"]["t"] - layout["margin"]["b"]
@@ -28,7 +28,7 @@ def narrow(layout: dict, strips: Sequence, theme: style.Theme, entries: Iterable
         "margin": {"l": LEFT, "r": RIGHT, "t": top, "b": BOTTOM},
         "dragmode": False,
         "annotations": [],
-    }  # a finger on the figure scrolls the page
+    }  # touching the figure scrolls the page
     above = total
     for axis, strip, height in zip(axes, strips, heights, strict=True):
         patch[f"{axis}.domain"] = [(above - height) / total, above / total]
@@ -50,7 +50,7 @@ def _legend_lines(entries: Iterable[str]) -> int:
 
 
 def _line_above(strip, theme: style.Theme, y: float) -> list[dict]:
-    """Symbol and first words on the left, the last values on the right, on one line above the strip."""
+    """Return annotations on one line above the strip: symbol and first words on the left, last values on the right."""
     place = {"xref": "paper", "yref": "paper", "y": y, "yanchor": "bottom", "yshift": 1, "showarrow": False}
     words = strip.caption.replace("<br>", " ") if len(strip.caption) < 40 else strip.caption.split("<br>")[0]
     text = f'<span style="font-family:serif;font-size:15px;color:{theme.ink}">{strip.symbol}</span>  {words}'

@@ -1,4 +1,4 @@
-"""The figures that an experiment declares as data: the paper's own.
+"""Figures that an experiment declares as data, such as those of the paper.
 
 A trace of an observer's diagnostic that this run does not have is left out, and so is a panel without a trace.
 """
@@ -13,16 +13,16 @@ from thetascope.figures.strips import Abscissa, Line, Strip, stack
 from thetascope.figures.style import mix
 
 _MATH_LENGTH = 12
-"""A title of the vertical axis up to this length is set as mathematics beside the strip, a longer one as words."""
+"""Longest title of a vertical axis that is set as mathematics beside the strip; longer ones are set as words."""
 
 
 def drawable(declared, columns: Sequence[str]) -> bool:
-    """Whether a run with these columns has anything to draw in that figure."""
+    """Return whether a run with these columns has anything to draw in that figure."""
     return any(_traces(panel, columns) for panel in declared.panels)
 
 
 def build(scene: Scene, declared) -> dict:
-    """One figure of the experiment's `figures`: its panels below one another, those over time on one axis."""
+    """Return one figure of the experiment's `figures`: its panels below one another, those over time on one axis."""
     panels = [panel for panel in declared.panels if _traces(panel, scene.columns)]
     if not panels:
         raise KeyError(declared.name)
@@ -35,7 +35,7 @@ def build(scene: Scene, declared) -> dict:
 
 
 def _traces(panel, columns) -> list:
-    """The traces of the panel whose columns exist; none if its abscissa does not."""
+    """Return the traces of the panel whose columns exist; none if its abscissa does not exist."""
     if panel.x not in columns:
         return []
     return [trace for trace in panel.traces if trace.column in columns and (trace.minus or "t") in columns]
@@ -78,7 +78,7 @@ def _default_label(scene: Scene, trace, truth: bool, kind: str) -> str:
 
 
 def _heading(scene: Scene, panel, traces: Sequence) -> tuple[str, str]:
-    """What stands left of the panel: the vertical axis' title, or the symbols it shows; then words and the unit."""
+    """Return the label left of the panel (the title of its vertical axis, or its symbols), and its words and unit."""
     quantities = list(dict.fromkeys(scene.split(trace.column)[1:] for trace in traces))
     title, words = scene.text(panel.y_title), [scene.text(panel.title)]
     if title and len(title) <= _MATH_LENGTH:
@@ -105,7 +105,7 @@ def _values(scene: Scene, trace) -> np.ndarray:
 
 
 def _line(scene: Scene, log: bool, traces: Sequence, place: int) -> Line:
-    """The trace at `place`: observers in their colours, the plant in ink, dashed beside an estimate."""
+    """Return the trace at `place`: observers in their colours, the plant in ink, dashed beside an estimate."""
     trace = traces[place]
     y, plain = _values(scene, trace), not (trace.minus or log)
     label, kind, _ = scene.split(trace.column)
@@ -127,7 +127,7 @@ def _line(scene: Scene, log: bool, traces: Sequence, place: int) -> Line:
         )
     dashed = any(
         scene.split(other.column)[0] is None and not other.minus for other in traces
-    )  # the truth stands beside it
+    )  # the true value is drawn beside it
     dash = "solid" if dashed and trace.style == "dash" else trace.style
     same = [other for other in traces if label in (scene.split(other.column)[0], scene.split(other.minus or "t")[0])]
     colour = mix(scene.colour(label), scene.theme.ink, min(0.35 * same.index(trace), 0.7))
@@ -144,6 +144,6 @@ def _line(scene: Scene, log: bool, traces: Sequence, place: int) -> Line:
 
 
 def _name(scene: Scene, trace) -> str:
-    """The quantity that a trace shows, as mathematics."""
+    """Return the quantity of a trace as mathematics."""
     text = scene.symbol(trace.column) + (f" − {scene.symbol(trace.minus)}" if trace.minus else "")
     return f"|{text}|" if trace.absolute else text

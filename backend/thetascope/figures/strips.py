@@ -1,6 +1,6 @@
 """The scope: thin strips stacked on one axis, drawn as a Plotly figure of plain dictionaries.
 
-plotly.py is not imported: it takes most of a second, and the dictionaries are what its figures become anyway.
+plotly.py is not imported: that takes most of a second, and its figures become such dictionaries in the end.
 """
 
 from collections.abc import Sequence
@@ -13,12 +13,12 @@ from thetascope.figures.narrow_screens import narrow
 
 LEFT, RIGHT, TOP, BOTTOM, GAP = 116, 74, 38, 44, 9
 MANY = 6
-"""Strips from which on each is lower."""
+"""Number of strips from which each gets a smaller height."""
 
 
 @dataclass(frozen=True)
 class Line:
-    """One trace. name, legend: HTML. final: its last value is written at the strip's right edge."""
+    """One trace. name, legend: HTML. final: write its last value at the strip's right edge."""
 
     y: np.ndarray
     name: str
@@ -28,14 +28,14 @@ class Line:
     width: float = 1.1
     final: bool = False
     framing: bool = False
-    """All of it must stay in view (the truth); of other lines a rare spike may leave the strip."""
+    """Keep the whole line in view (the true value); rare spikes of other lines may leave the strip."""
     layer: int = 0
-    """Lines of a higher layer lie over the others."""
+    """Lines of a higher layer are drawn over the others."""
 
 
 @dataclass(frozen=True)
 class Abscissa:
-    """What a strip is drawn over. title: HTML. Strips that hold the same object share one axis."""
+    """The horizontal axis of a strip. title: HTML. Strips that hold the same object share one axis."""
 
     values: np.ndarray
     title: str
@@ -44,7 +44,7 @@ class Abscissa:
 
 @dataclass(frozen=True)
 class Strip:
-    """One strip. symbol, caption: HTML (already escaped); shade: intervals (start, end) of active faults, in s."""
+    """One strip. symbol, caption: escaped HTML; shade: intervals (start, end) of active faults, in s."""
 
     x: Abscissa
     symbol: str
@@ -53,14 +53,14 @@ class Strip:
     log: bool = False
     shade: Sequence[tuple[float, float]] = ()
     marks: Sequence[float] = ()
-    """Times at which a fault elsewhere begins or ends: hairlines."""
+    """Times at which another fault begins or ends, drawn as hairlines."""
     limit: float | None = None
     height: int = 104
-    """In pixels; more where the numbers beside it need it."""
+    """Height in pixels; larger where the numbers beside the strip need it."""
 
 
 def stack(title: str, caption: str, strips: Sequence[Strip], theme: style.Theme) -> dict:
-    """{"data", "layout"} of the strips, the first on top. title, caption: plain text, under layout.meta."""
+    """Return {"data", "layout"} of the strips, the first on top. title, caption: plain text, under layout.meta."""
     shared = all(strip.x is strips[0].x for strip in strips)
     heights, gap = [_height(strip, len(strips)) for strip in strips], GAP if shared else GAP + BOTTOM
     total = sum(heights) + gap * (len(heights) - 1)
@@ -79,7 +79,7 @@ def stack(title: str, caption: str, strips: Sequence[Strip], theme: style.Theme)
         domain = ((top - height) / total, top / total)
         points = [_points(strip, line.y) for line in strip.lines]
         layout[y.replace("y", "yaxis")] = _y_axis(strip, [values for _, values in points], theme, domain, x)
-        layout[x.replace("x", "xaxis")] = _x_axis(strip.x, theme, y)  # the last strip's, when shared: it is the lowest
+        layout[x.replace("x", "xaxis")] = _x_axis(strip.x, theme, y)  # of the lowest strip if shared
         layout["annotations"] += _labels(strip, theme, domain) + _finals(strip, theme, domain)
         layout["shapes"] += _shading(strip, theme, x, y)
         first = {line.legend: line for line in reversed(strip.lines) if line.legend not in seen}
@@ -97,7 +97,7 @@ def stack(title: str, caption: str, strips: Sequence[Strip], theme: style.Theme)
 
 
 def _numbered(axis: str, place: int) -> str:
-    """Plotly's name of an axis: y, y2, y3, …"""
+    """Return Plotly's name of an axis: y, y2, y3, …"""
     return axis if place == 1 else f"{axis}{place}"
 
 
@@ -107,7 +107,7 @@ def _height(strip: Strip, count: int) -> int:
 
 
 def _points(strip: Strip, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The points that are drawn: all, or few enough that look the same."""
+    """Return the points to draw: all, or a reduced set that looks the same."""
     x = strip.x.values
     if not strip.x.is_time:
         rows = decimation.curve_extremes(x, y)
@@ -133,12 +133,13 @@ def _trace(line: Line, x: np.ndarray, y: np.ndarray, x_axis: str, y_axis: str, f
 
 
 def view(drawn: Sequence[tuple[np.ndarray, bool]], log: bool) -> list[float] | None:
-    """The range of a strip's axis: everything, unless rare spikes would flatten the rest; None when nothing is finite.
+    """Return the range of a strip's axis; None when nothing is finite.
 
-    drawn: (values, framing) of each line. Framing lines are always whole. Of the others the middle 95 % of the points
-    counts, when the whole is over three times as high; at least a twentieth of the value is shown, and a double click
-    in the browser shows all. On a logarithmic axis, in decades, at most twelve below the highest. On a linear one, a
-    line that ends in NaN (an observer that diverged) has no say beside others.
+    The range shows everything, unless rare spikes would flatten the rest. drawn: (values, framing) of each line.
+    Framing lines are always shown in full. Of the others the middle 95 % of the points counts if the full range is over
+    three times as high; at least a twentieth of the value is shown, and a double click in the browser shows all. On a
+    logarithmic axis the range is in decades, at most twelve below the highest. On a linear one, a line that ends in NaN
+    (an observer that diverged) is ignored if there are others.
     """
     full, core = [], []
     for y, framing in [entry for entry in drawn if log or np.isfinite(entry[0][-1])] or drawn:
@@ -196,7 +197,7 @@ def _x_axis(x: Abscissa, theme: style.Theme, anchor: str) -> dict:
 
 
 def _labels(strip: Strip, theme: style.Theme, domain: tuple[float, float]) -> list[dict]:
-    """The symbol and, under it, the caption, left of the strip; a narrow page moves them by their names."""
+    """Return the symbol and, below it, the caption, left of the strip; a narrow page moves them by their names."""
     middle = (domain[0] + domain[1]) / 2
     place = {
         "xref": "paper",
@@ -226,9 +227,9 @@ def _labels(strip: Strip, theme: style.Theme, domain: tuple[float, float]) -> li
 
 
 def _finals(strip: Strip, theme: style.Theme, domain: tuple[float, float]) -> list[dict]:
-    """The last value of each line that asks for it, in its colour, right of the strip."""
+    """Return the last value of each line with `final`, in its colour, right of the strip."""
     lines = [line for line in strip.lines if line.final]
-    lines.sort(key=lambda line: not line.framing)  # the truth first
+    lines.sort(key=lambda line: not line.framing)  # the true value first
     values = [float(line.y[-1]) for line in lines]
     form, middle = style.decimals(values), (domain[0] + domain[1]) / 2
     return [
@@ -251,7 +252,7 @@ def _finals(strip: Strip, theme: style.Theme, domain: tuple[float, float]) -> li
 
 
 def _shading(strip: Strip, theme: style.Theme, x: str, y: str) -> list[dict]:
-    """Amber behind the strip while its own fault acts; a dotted hairline where another fault begins or ends; the limit."""
+    """Return the shapes of a strip: amber while its fault acts, hairlines at changes of other faults, and the limit."""
     whole = {"yref": f"{y} domain", "y0": 0, "y1": 1, "xref": x, "layer": "below"}
     shapes = [
         whole | {"type": "rect", "x0": start, "x1": end, "fillcolor": theme.fault, "line": {"width": 0}}

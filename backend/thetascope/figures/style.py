@@ -1,8 +1,8 @@
-"""The look of every figure: colours, type and the parts of a Plotly layout that they share.
+"""The style of every figure: colours, type and the shared parts of a Plotly layout.
 
-Colour means observer, the same everywhere: by the observer's place in the spec. The palette is Okabe–Ito's, retuned for
-dark. Its orange is kept for faults and its vermilion, darkened, for limits, so no observer past the second wears either.
-Truth is ink, dashed.
+Colour means observer everywhere, by the observer's position in the spec. The palette is that of Okabe and Ito, adjusted
+for dark. Its orange is reserved for faults and its darkened vermilion for limits, so no observer after the second uses
+either. True values are drawn in ink, dashed.
 """
 
 from collections.abc import Sequence
@@ -57,25 +57,25 @@ DASHES = {"solid": "solid", "dash": "5px,3px", "dot": "1.5px,3px"}
 
 
 def theme_named(name: str) -> Theme:
-    """The theme of that name; a ValueError that lists them for any other."""
+    """Return the theme of that name. Raises ValueError that lists the themes for any other name."""
     if name not in THEMES:
         raise ValueError(f"theme is {name!r}; use one of: {', '.join(THEMES)}")
     return THEMES[name]
 
 
 def observer_colour(theme: Theme, place: int) -> str:
-    """The colour of the observer at `place` (0, 1, …) in the spec; after the sixth they come round again."""
+    """Return the colour of the observer at `place` (0, 1, …) in the spec; after the sixth the colours repeat."""
     return theme.observers[place % len(theme.observers)]
 
 
 def mix(colour: str, other: str, share: float) -> str:
-    """`colour` moved towards `other` (both #rrggbb) by `share` 0…1: a second quantity of the same observer."""
+    """Return `colour` mixed with a share (0…1) of `other` (both #rrggbb), for another quantity of an observer."""
     a, b = (tuple(int(c[i : i + 2], 16) for i in (1, 3, 5)) for c in (colour, other))
     return "#" + "".join(f"{round(x + (y - x) * share):02x}" for x, y in zip(a, b, strict=True))
 
 
 def base_layout(theme: Theme, height: int, margin: dict) -> dict:
-    """What every figure's layout has in common."""
+    """Return the parts that all figures' layouts have in common."""
     return {
         "height": height,
         "margin": margin,
@@ -108,7 +108,7 @@ def base_layout(theme: Theme, height: int, margin: dict) -> dict:
 
 
 def axis(theme: Theme, **more) -> dict:
-    """One axis: a hairline frame, quiet numbers, powers of ten written as such."""
+    """Return one axis: a hairline frame, subdued numbers, powers of ten written as such."""
     return {
         "showline": True,
         "linecolor": theme.line,
@@ -126,7 +126,7 @@ def axis(theme: Theme, **more) -> dict:
 
 
 def decimals(values: Sequence[float]) -> str:
-    """One format for the numbers beside a strip, so that their points align: four significant digits of the largest."""
+    """Return one format for the numbers beside a strip, so that their points align: four digits of the largest."""
     size = max((abs(v) for v in values if isfinite(v)), default=0.0)
     if size == 0:
         return ".4f"
@@ -135,5 +135,5 @@ def decimals(values: Sequence[float]) -> str:
 
 
 def aligned(value: float, form: str) -> str:
-    """A number in a format of `decimals`, with a minus sign; a dash where there is none."""
+    """Return a number in a format of `decimals`, with a true minus sign; a dash for None or NaN."""
     return format(value, form).replace("-", "−") if isfinite(value) else "—"

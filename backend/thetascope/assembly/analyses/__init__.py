@@ -1,1 +1,1 @@
-"""Analyses of a spec: check of a plant, many seeds, diagnosis of a record, observability, facts."""
+"""Analyses of a spec: plant check, seed trial, diagnosis of a record, observability, facts."""

@@ -1,4 +1,4 @@
-"""Columns of numbers from CSV text with a line of names."""
+"""Read columns of numbers from CSV text with a header line."""
 
 import csv
 
@@ -9,11 +9,11 @@ from thetascope.messages import Message
 
 
 def columns_of_csv(text: str) -> dict[str, np.ndarray]:
-    """Each column by its name. Raises SpecError with the line that is no row of numbers; nothing but numbers is read."""
+    """Return each column by its name. Raises SpecError with the line that is not a row of numbers."""
     try:
         written = text.splitlines()
         apart = next((c for c in (",", ";", "\t") if c in "".join(written[:1])), ",")
-        if apart == ";":  # then numbers may have a decimal comma
+        if apart == ";":  # numbers may then have a decimal comma
             written = [line.replace(",", ".") for line in written]
         lines = csv.reader(written, delimiter=apart)
         names = [name.strip() for name in next(lines, [])]

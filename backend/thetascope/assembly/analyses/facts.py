@@ -1,4 +1,4 @@
-"""Facts at one time: which observers, faults and noise act, and the verdicts on the detector. For runs and live sessions."""
+"""The facts of a run or live session at one time: active observers, faults and noise, and verdicts on the detector."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -88,7 +88,7 @@ def observers_at(
 ) -> tuple[ObserverNow, ...]:
     """Return the observers that run at a time in s, with their present gains.
 
-    lost: label → time in s and cause of those that diverged; one that was started again later has not.
+    lost: label → time in s and cause of the divergence; observers restarted later do not count as diverged.
     """
     begun = {o.label: (o, 0.0) for o in spec.observers}
     for command in spec.commands:

@@ -1,4 +1,4 @@
-"""How well the outputs of an experiment determine its states and faults: by its equations, and along the run."""
+"""Observability of states and faults from the outputs of an experiment: structurally, and along the run."""
 
 import math
 

@@ -30,7 +30,7 @@ def _gain(gain: Gain, language: str) -> dict:
     plain["meaning"] = text_of(gain.meaning, language)
     plain["default"] = None if callable(gain.default) else gain.default  # None: it depends on plant and noise
     plain["size"], plain["columns"] = _counted(gain.size), _counted(gain.columns)
-    del plain["rows"]  # labels depend on the plant: POST /api/gains
+    del plain["rows"]  # labels depend on the plant, see POST /api/gains
     return plain
 
 

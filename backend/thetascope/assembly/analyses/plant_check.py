@@ -1,4 +1,4 @@
-"""The report on a plant before anything runs."""
+"""Check a plant and report on it before a run."""
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observability.identifiability import Structure, structure
@@ -9,11 +9,11 @@ from thetascope_schemas import Plant
 
 
 def check_plant(plant: Plant, language: str = "en") -> dict:
-    """Read every equation and return a report on the plant, its sentences in a language. Raises ExpressionError, which points into the text.
+    """Parse every equation and return a report on the plant, with sentences in a language.
 
     The report: sizes, Φ and Ψ as text, equations affine in the states, the structural rank of states and faults and
-    what cannot be told apart by any input (``observability``), and which kinds of observers can be built for it
-    (with the reason where one cannot).
+    those that no input can distinguish (``observability``), and the kinds of observers that can be built for it (with
+    the reason where one cannot). Raises ExpressionError, which points into the text.
     """
     from thetascope.engine.model.plant_model import Model
 
@@ -36,7 +36,7 @@ def check_plant(plant: Plant, language: str = "en") -> dict:
 
 
 def _observability(found: Structure, language: str) -> dict:
-    """A structural verdict as data."""
+    """Return a structural result as data."""
     groups = [
         {"channels": list(g.channels), "states": list(g.states), "text": text_of(g.text, language)}
         for g in found.groups

@@ -1,11 +1,10 @@
-"""Diagnosis of a record of a real plant: the detector runs on the columns of a file instead of a simulation.
+"""Diagnose a record of a real plant: the detector runs on the columns of a file instead of a simulation.
 
-The noise is not known, so it is taken from the data: at first from differences of neighbouring samples, then from those of
-the filter's innovations, in which the plant's own motion and a fault that stays are gone; by their median, so that what
-happens in a part of the record does not count. Thresholds come
-from the plant simulated with the recorded inputs and that noise. A model never fits a rig exactly: what a first stretch
-that is known to be sound shows of "faults" is taken as belonging to the model (``learn``), and ``doubt`` says how far the
-model may be off.
+The noise is unknown, so it is estimated from the data: first from differences of neighbouring samples, then from those
+of the filter's innovations, which no longer contain the plant's motion or constant faults. Medians are used, so that
+events in a part of the record have little effect. Thresholds are computed by simulating the plant with the recorded
+inputs and this noise. A model never fits a plant exactly: apparent faults in an initial stretch that is known to be
+healthy (``learn``) are attributed to the model, and ``doubt`` is the assumed model error.
 """
 
 from collections.abc import Mapping
@@ -32,17 +31,17 @@ from thetascope_schemas import Plant, ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
 from thetascope_schemas.experiment.field_error import field_errors
 
-_FEWEST_ROWS = 200  # of a record
-_EVEN = 0.05  # of the period: how exactly samples must lie where equal spacing has them; times are often rounded
+_FEWEST_ROWS = 200  # fewest rows of a record
+_EVEN = 0.05  # tolerance for equal spacing, relative to the period; times are often rounded
 _LARGEST = 1e30  # beyond the range of every sensor
 _MEDIAN = 0.4549  # of the square of a standard normal number
 _ROUNDS = 3  # of estimating the noise,
 _SURE = (
     0.01  # with a filter that doubts the model by so much less: one that follows the noise would find too little of it
 )
-_LAGS = 8  # samples for which noise may hold at most
-_STANDS_OUT = 5.0  # times: how much larger squared differences are where a sensor's value is new
-_FINEST = 20  # steps of the simulation between two samples
+_LAGS = 8  # most samples for which noise may be held
+_STANDS_OUT = 5.0  # ratio of squared differences where a sensor's value is new to all others
+_FINEST = 20  # simulation steps per sample
 
 
 @dataclass(frozen=True)
@@ -57,7 +56,7 @@ class Recording:
 
 
 def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
-    """Pick the plant's columns: ``t``, and inputs, signals and outputs under their names, with or without u., signal., y.
+    """Return the plant's columns: ``t``, inputs, signals and outputs, with or without the prefix u., signal. or y.
 
     Inputs and signals that are missing keep their defaults. Raises SpecError for a missing output, uneven times, gaps.
     """
@@ -66,7 +65,7 @@ def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
         raise SpecError("t", len(t), Message("record.too-short", rows=len(t), least=_FEWEST_ROWS))
     period = _period(t)
     y = np.stack([_column(columns, (f"y.{n}", n), f"y.{n}") for n in plant.names("outputs")], axis=1)
-    found = [
+    inputs_and_signals = [
         {
             n: _column(columns, (f"{prefix}.{n}", n), f"{prefix}.{n}")
             for n in plant.names(group)
@@ -74,11 +73,11 @@ def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
         }
         for prefix, group in (("u", "inputs"), ("signal", "signals"))
     ]
-    return Recording(period, np.arange(len(t)) * period, y, *found)
+    return Recording(period, np.arange(len(t)) * period, y, *inputs_and_signals)
 
 
 def _period(t: np.ndarray) -> float:
-    """The distance of samples, s. Raises SpecError unless they lie at equal distances, but for the rounding of their times."""
+    """Return the sample period in s. Raises SpecError unless samples are equally spaced up to rounding of times."""
     steps = np.diff(t)
     usual = float(np.median(steps))
     wrong = np.flatnonzero(np.abs(steps - usual) > 0.5 * max(usual, 1e-300))
@@ -93,7 +92,10 @@ def _period(t: np.ndarray) -> float:
 
 
 def _resolution(t: np.ndarray) -> float:
-    """The decimal place that all times are rounded to, if it is a coarse one; else 0. It moves each time and the two ends by half as much."""
+    """Return the decimal place to which all times are rounded if it is a coarse one, else 0.
+
+    Rounding shifts each time, and both ends, by at most half of it.
+    """
     for place in (1.0, 1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6):
         if (np.abs(t / place - np.rint(t / place)) < 1e-6 * np.maximum(1.0, np.abs(t / place))).all():
             return place if place < np.median(np.diff(t)) / 2 else 0.0
@@ -118,7 +120,7 @@ def diagnose_recording(
 ) -> ObserverDiagnosis:
     """Return the detector's findings in a record. ``learn``: seconds at its beginning that are known to be healthy.
 
-    Raises SpecError where the plant or the record does not do.
+    Raises SpecError where the plant or the record is not suitable.
     """
     record = _fresh(record)
     spec = _spec(plant, record, settings)
@@ -135,26 +137,26 @@ def diagnose_recording(
     measured = {n: {"std": float(s), "sample_time": record.period} for n, s in noise.items()}
     spec = ResolvedExperiment.model_validate(spec.model_dump() | {"noise": measured})
     try:
-        made = run_to_end(
+        detector = run_to_end(
             prepare_detector(experiment, experiment.context, detector_settings(spec), calibration_key(spec))
         )
     except Unwatchable as error:
         raise SpecError("plant", plant.id, Message("record.not-calibrated", reason=error.args[0])) from None
-    state = _monitor_record(made, experiment, record, learn)
-    found = RunDiagnosis(made, state, (), made.interval, _defaults(plant, record))
-    told = of_detector(
-        found,
+    state = _monitor_record(detector, experiment, record, learn)
+    run_diagnosis = RunDiagnosis(detector, state, (), detector.interval, _defaults(plant, record))
+    report = of_detector(
+        run_diagnosis,
         settings.confidence,
         settings.accuracy,
         spec.horizon,
-        max(_learnt_until(made, record, learn), made.thresholds.begin),
+        max(_learnt_until(detector, record, learn), detector.thresholds.begin),
     )
-    told["noise"] = [{"output": n, "declared": None, "estimated": float(s)} for n, s in noise.items()]
-    return ObserverDiagnosis.model_validate(told)
+    report["noise"] = [{"output": n, "declared": None, "estimated": float(s)} for n, s in noise.items()]
+    return ObserverDiagnosis.model_validate(report)
 
 
 def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> ResolvedExperiment:
-    """The plant with the recorded inputs, held between samples."""
+    """Return the experiment of the plant with the recorded inputs, held between samples."""
 
     def held(values: np.ndarray) -> dict:
         return {"kind": "table", "times": record.t.tolist(), "values": values.tolist(), "interpolation": "hold"}
@@ -178,26 +180,26 @@ def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> Resol
 
 
 def _with_noise(experiment: Engine, record: Recording, doubt: float) -> Engine:
-    """The experiment with the noise that the record shows."""
+    """Return the experiment with the noise estimated from the record."""
     std = _scatter(record.y)
     std = np.maximum(std, 1e-9 * np.maximum(np.abs(record.y).max(axis=0), 1e-12))
     known = np.zeros(sum(n.startswith("theta.") for n in experiment.plant.inputs))
     for _ in range(_ROUNDS):
         experiment = replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
-        made = InnovationFilter(experiment, experiment.context, _SURE * doubt)
-        index, table = _table(experiment, record, made)
-        nu = made.run(made.start(), known, table, index * experiment.step).nu
+        innovation_filter = InnovationFilter(experiment, experiment.context, _SURE * doubt)
+        index, table = _table(experiment, record, innovation_filter)
+        nu = innovation_filter.run(innovation_filter.start(), known, table, index * experiment.step).nu
         std = std * np.maximum(_scatter(nu), 1e-6)
     return replace(experiment, measurement=replace(experiment.measurement, std=tuple(float(s) for s in std)))
 
 
 def _scatter(values: np.ndarray) -> np.ndarray:
-    """Standard deviation of noise from differences, a number a column."""
+    """Return the standard deviation of noise from differences, one number per column."""
     return np.sqrt(np.median(np.diff(values, axis=0) ** 2, axis=0) / (2 * _MEDIAN))
 
 
 def _fresh(record: Recording) -> Recording:
-    """The record without samples that only repeat: where sensors hold values, differences are large at every n-th row."""
+    """Return the record without repeated samples: where sensors hold values, every n-th difference is large."""
     squares = np.diff(record.y, axis=0) ** 2
     for every in range(2, _LAGS + 1):
         phases = np.array([np.median(squares[k::every], axis=0) for k in range(every)])
@@ -211,32 +213,32 @@ def _fresh(record: Recording) -> Recording:
     return record
 
 
-def _table(experiment: Engine, record: Recording, made: InnovationFilter) -> tuple[np.ndarray, np.ndarray]:
+def _table(experiment: Engine, record: Recording, innovation_filter: InnovationFilter) -> tuple[np.ndarray, np.ndarray]:
     index = np.arange(len(record.t)) * experiment.every
     values = row_values(experiment, index, np.zeros((len(index), len(experiment.plant.states))))
-    return index, made.table(index, record.y, values)
+    return index, innovation_filter.table(index, record.y, values)
 
 
-def _monitor_record(made: Detector, experiment: Engine, record: Recording, learn: float) -> MonitorState:
-    """The record watched, from what was learnt of its beginning on."""
-    index, table = _table(experiment, record, made.filter)
+def _monitor_record(detector: Detector, experiment: Engine, record: Recording, learn: float) -> MonitorState:
+    """Return the monitor's state after the record, starting after the stretch that is learnt."""
+    index, table = _table(experiment, record, detector.filter)
     t = index * experiment.step
-    made.filter.learn_repeats(record.y)
-    first = _learnt_until(made, record, learn)
-    if first <= made.thresholds.begin:
-        return run_to_end(made.advance(made.begin(), table, t))
-    rows = first * made.stride
-    state, base = _learnt(made, table[:rows], t[:rows])
-    made.filter.base = base
-    initial = DecisionState.initial(replace(made.thresholds, begin=first), made.filter.p, made.filter.m)
-    none = WindowSums.empty(made.filter.p, made.filter.m)
-    state = MonitorState(initial, replace(none, first=first), state[None, :], table[:0], t[:0], made.stride)
-    return run_to_end(made.advance(state, table[rows:], t[rows:]))
+    detector.filter.learn_repeats(record.y)
+    first = _learnt_until(detector, record, learn)
+    if first <= detector.thresholds.begin:
+        return run_to_end(detector.advance(detector.begin(), table, t))
+    rows = first * detector.stride
+    state, base = _learnt(detector, table[:rows], t[:rows])
+    detector.filter.base = base
+    initial = DecisionState.initial(replace(detector.thresholds, begin=first), detector.filter.p, detector.filter.m)
+    none = WindowSums.empty(detector.filter.p, detector.filter.m)
+    state = MonitorState(initial, replace(none, first=first), state[None, :], table[:0], t[:0], detector.stride)
+    return run_to_end(detector.advance(state, table[rows:], t[rows:]))
 
 
-def _learnt_until(made: Detector, record: Recording, learn: float) -> int:
-    """The decision until which a record is taken as sound."""
-    return min(round(learn / made.interval), len(record.t) // made.stride - 2)
+def _learnt_until(detector: Detector, record: Recording, learn: float) -> int:
+    """Return the decision up to which a record is assumed to be healthy."""
+    return min(round(learn / detector.interval), len(record.t) // detector.stride - 2)
 
 
 def _defaults(plant: Plant, record: Recording) -> Message | None:
@@ -250,13 +252,13 @@ def _defaults(plant: Plant, record: Recording) -> Message | None:
     return Message("diagnosis.record.defaults", names=missing) if missing else None
 
 
-def _learnt(made: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """The filter after a sound stretch, and the θ that fits it (zero where the stretch tells nothing)."""
-    filter_, cal = made.filter, made.thresholds
-    seen = filter_.run(filter_.start(), np.zeros(filter_.p), table, t)
-    rows = slice(cal.begin * made.stride, None)
-    omega, nu = seen.omega[rows].reshape(-1, filter_.p), seen.nu[rows].ravel()
+def _learnt(detector: Detector, table: np.ndarray, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the filter after a healthy stretch, and the θ that fits it (zero where the stretch has no information)."""
+    filter_, cal = detector.filter, detector.thresholds
+    outputs = filter_.run(filter_.start(), np.zeros(filter_.p), table, t)
+    rows = slice(cal.begin * detector.stride, None)
+    omega, nu = outputs.omega[rows].reshape(-1, filter_.p), outputs.nu[rows].ravel()
     typical = np.array([float(c.get("typical", 1.0)) for c in filter_.context.model["channels"]])
     base = np.linalg.solve(omega.T @ omega + np.diag(typical**-2.0), omega.T @ nu)
-    last = seen.states[-1]
+    last = outputs.states[-1]
     return filter_.shifted(last, base), base

@@ -1,4 +1,4 @@
-"""A trial: the same experiment with many seeds, with its faults and without, and how every way of deciding fares."""
+"""Seed trial: run an experiment with many seeds, with and without its faults, and count how decision rules perform."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, replace
@@ -16,8 +16,8 @@ from thetascope.engine.simulation.batch import with_seed
 from thetascope.messages import Message
 from thetascope_schemas.experiment.diagnosis import Diagnosis
 
-BAND = 3.0  # standard deviations of a locked band
-LATEST = 400  # values that tutorials take it from
+BAND = 3.0  # half width of a fixed band in standard deviations
+LATEST = 400  # number of values from which tutorials compute the band
 
 
 @dataclass(frozen=True)
@@ -30,18 +30,18 @@ class Raised:
 
 @dataclass
 class Tally:
-    """The counts of one decision rule over all seeds: runs with alarms, faults found, alarms that name a wrong fault."""
+    """The counts of a decision rule over all seeds: runs with alarms, faults found, alarms that name a wrong fault."""
 
     name: Message
-    without: int = 0  # runs without faults in which it raised any alarm
-    before: int = 0  # runs with faults in which it raised one before the first fault
+    without: int = 0  # runs without faults that had an alarm
+    before: int = 0  # runs with faults that had an alarm before the first fault
     found: dict[str, int] = field(default_factory=dict)  # by channel
-    alternative: dict[str, int] = field(default_factory=dict)  # of these, named second
+    alternative: dict[str, int] = field(default_factory=dict)  # of these, named as an alternative
     wrong: int = 0
     delays: list[float] = field(default_factory=list)
 
     def count(self, alarms: list[Raised], faults: list[tuple[str, float]]) -> None:
-        """Take in a run with faults (channel, onset)."""
+        """Add a run with faults (channel, onset)."""
         first = min((at for _, at in faults), default=np.inf)
         self.before += any(a.t < first for a in alarms)
         for channel, onset in faults:
@@ -54,13 +54,13 @@ class Tally:
 
     @property
     def delay(self) -> float | None:
-        """Median delay in s of the faults that were found; None where none was."""
+        """Return the median delay in s of the faults found; None if none was found."""
         return float(np.median(self.delays)) if self.delays else None
 
 
 @dataclass(frozen=True)
 class Trial:
-    """The tallies of all ways of deciding, in the order in which they are shown; faults as (channel, onset)."""
+    """The tallies of all decision rules, in display order; faults as (channel, onset)."""
 
     seeds: int
     faults: list[tuple[str, float]]
@@ -72,8 +72,8 @@ def trial(
 ) -> Trial:
     """Run an experiment without timed commands ``seeds`` times with its faults and as often without.
 
-    ``lock``: time in s at which a band of three standard deviations about each estimate is fixed, as tutorials do; leaving
-    it is an alarm.
+    ``lock``: time in s at which a band of three standard deviations about each estimate is fixed, as in tutorials;
+    leaving the band is an alarm.
     """
     spec = prepared.spec
     experiment = prepared.stages[0].experiment
@@ -98,8 +98,8 @@ def trial(
 
 def _ways(result: Result, lock: float | None) -> Iterator[tuple[Message, list[Raised]]]:
     """Yield each decision rule with its alarms."""
-    told = Diagnosis.model_validate(result.diagnosis) if result.diagnosis else None
-    for own in (told.detector, *told.observers) if told else ():
+    diagnosis = Diagnosis.model_validate(result.diagnosis) if result.diagnosis else None
+    for own in (diagnosis.detector, *diagnosis.observers) if diagnosis else ():
         if own.calibration is not None:
             test = next(iter(own.calibration.thresholds))
             by_estimates = Message("trial.estimates", observer=own.observer, test=test)
@@ -124,8 +124,8 @@ def _ways(result: Result, lock: float | None) -> Iterator[tuple[Message, list[Ra
 def _locked(result: Result, label: str, lock: float, way: Literal["all", "latest", "claimed"] = "all") -> list[Raised]:
     """Return the first time at which each estimate leaves mean ± 3 standard deviations of its values up to ``lock``.
 
-    latest: of its last values only, and upwards only, as tutorials have it; claimed: the standard deviations are those that the
-    observer's own covariance claims at ``lock``, about the estimate.
+    ``way``: "latest" uses only the last values and tests only upwards, as in tutorials; "claimed" uses the standard
+    deviation that the observer's covariance claims at ``lock``, about the estimate.
     """
     t = result.column("t")
     row = int(np.searchsorted(t, lock))

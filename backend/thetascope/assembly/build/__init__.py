@@ -1,1 +1,1 @@
-"""A spec, or a change of one, → the engine's experiment."""
+"""Build the engine's experiment from a spec or from a change of one."""

@@ -1,4 +1,4 @@
-"""From the diagnosis settings of an experiment to the diagnosis of its run."""
+"""Configure the diagnosis of a run from the settings of its experiment."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -21,23 +21,30 @@ def detector_settings(spec: ResolvedExperiment) -> DetectorSettings:
 
 
 def span(spec: ResolvedExperiment) -> float:
-    """Time in s that thresholds are simulated over."""
+    """Return the time in s over which thresholds are simulated."""
     return spec.diagnosis.span or spec.horizon
 
 
 def calibration_key(spec: ResolvedExperiment, observers: tuple[ObserverConfig, ...] = ()) -> str:
     """Return the hash of everything that a calibration depends on: the experiment without its faults and observers."""
-    there = tuple(f for f in spec.faults if f.site.kind == "channel" and f.onset == 0)
-    bare = {"seed": 0, "horizon": span(spec), "observers": observers, "commands": (), "figures": (), "faults": there}
-    return spec.model_copy(update=bare).spec_hash()
+    initial_faults = tuple(f for f in spec.faults if f.site.kind == "channel" and f.onset == 0)
+    changes = {
+        "seed": 0,
+        "horizon": span(spec),
+        "observers": observers,
+        "commands": (),
+        "figures": (),
+        "faults": initial_faults,
+    }
+    return spec.model_copy(update=changes).spec_hash()
 
 
 def inspector(
     spec: ResolvedExperiment, cancelled: Callable[[], bool] | None = None
 ) -> Callable[[Parts, Result], Result] | None:
-    """What adds the diagnosis to a run's result; None where none is asked for.
+    """Return a function that adds the diagnosis to a run's result; None if diagnosis is disabled.
 
-    What it gives raises Cancelled soon after ``cancelled`` says so.
+    The function raises Cancelled soon after ``cancelled`` returns True.
     """
     if not spec.diagnosis.enabled:
         return None
@@ -55,15 +62,16 @@ def inspector(
             round(span(spec) / spec.step),
         )
         columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
-        found = run_to_end(diagnose(parts, columns, result.substeps, request), check)
+        run_diagnosis = run_to_end(diagnose(parts, columns, result.substeps, request), check)
         confidence = spec.diagnosis.confidence
-        told = {
-            "detector": of_detector(found, confidence, spec.diagnosis.accuracy, span(spec)),
+        report = {
+            "detector": of_detector(run_diagnosis, confidence, spec.diagnosis.accuracy, span(spec)),
             "observers": [
-                of_observer(own, found.interval, confidence, spec.diagnosis.false_alarms) for own in found.observers
+                of_observer(own, run_diagnosis.interval, confidence, spec.diagnosis.false_alarms)
+                for own in run_diagnosis.observers
             ],
         }
-        return replace(result, diagnosis=Diagnosis.model_validate(told).model_dump(mode="json"))
+        return replace(result, diagnosis=Diagnosis.model_validate(report).model_dump(mode="json"))
 
     return inspect
 
@@ -72,5 +80,5 @@ def findings(result: Result) -> dict[str, ObserverDiagnosis]:
     """Return the findings by observer; the detector's under DETECTOR. Empty without a diagnosis."""
     if result.diagnosis is None:
         return {}
-    told = Diagnosis.model_validate(result.diagnosis)
-    return {DETECTOR: told.detector} | {own.observer: own for own in told.observers}
+    report = Diagnosis.model_validate(result.diagnosis)
+    return {DETECTOR: report.detector} | {own.observer: own for own in report.observers}

@@ -1,4 +1,4 @@
-"""A resolved experiment as it is at one time → the engine's experiment."""
+"""Build the engine's experiment from a resolved experiment at one time."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -20,12 +20,12 @@ from thetascope_schemas import ResolvedExperiment
 def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None) -> Engine:
     """Build the engine's experiment for a spec without timed commands. Raises SpecError.
 
-    ``since``: the base steps at which observers were added, by label; those that are not in it start with the run.
+    ``since``: the base steps at which observers were added, by label; all others start with the run.
     """
     plant = spec.plant
     data = plant.model_dump(mode="json")
     step, steps, every = _times(spec)
-    program = plant_program(data).program  # before the observers: an error in the plant's text is the plant's
+    program = plant_program(data).program  # before the observers: an error in the plant's equations is the plant's
     estimators = [estimator(i, c, spec, data, step) for i, c in enumerate(spec.observers)]
     if since:
         estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
@@ -60,19 +60,19 @@ def _times(spec: ResolvedExperiment) -> tuple[float, int, int]:
 def signals_of(
     spec: ResolvedExperiment, known: Mapping[str, signals.Signal] = MappingProxyType({})
 ) -> dict[str, signals.Signal]:
-    """u.*, signal.* and theta.*, in this order; those that are ``known`` already are taken as they are."""
-    made, plant = {}, spec.plant
+    """Return u.*, signal.* and theta.*, in this order; those in ``known`` are reused."""
+    built, plant = {}, spec.plant
     for u in plant.inputs:
         name, given = f"u.{u.name}", spec.inputs.get(u.name)
         fresh = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
-        made[name] = known.get(name, fresh)
+        built[name] = known.get(name, fresh)
     for s in plant.signals:
         name = f"signal.{s.name}"
-        made[name] = known.get(name) or _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
+        built[name] = known.get(name) or _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
     for c in plant.channels:
         name = f"theta.{c.name}"
-        made[name] = known.get(name) or fault_signals.theta(c.name, _plain(spec, c.name), spec.seed)
-    return made
+        built[name] = known.get(name) or fault_signals.theta(c.name, _plain(spec, c.name), spec.seed)
+    return built
 
 
 def _plain(spec: ResolvedExperiment, channel: str) -> list[dict]:
@@ -88,7 +88,7 @@ def _signal(given, field: str) -> signals.Signal:
 
 
 def measurement(spec: ResolvedExperiment, step: float) -> Measurement:
-    """The sensor side: noise, faults of the measurement, sampling."""
+    """Return the measurement: noise, faults of the sensors, sampling."""
     outputs = spec.plant.names("outputs")
     noise = [spec.noise.get(name) for name in outputs]
     plain = [f.model_dump(mode="json") for f in spec.faults if f.site.kind == "output"]

@@ -1,4 +1,4 @@
-"""Gains as data → numbers of the right shape and within their bounds, every default filled in."""
+"""Turn gains given as data into numbers of the declared shape, within bounds and with defaults filled in."""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -23,11 +23,11 @@ def gain_values(gain: Gain, given: Any, context: Context) -> Values:
     Raises SpecError that names the rows of the gain where the shape is not the declared one.
     """
     value = given
-    if given is None:  # some defaults are designed for the plant with SymPy: not where they are not needed
+    if given is None:  # some defaults are designed for the plant with SymPy: compute them only where needed
         value = gain.default(context) if callable(gain.default) else gain.default
     shape = gain.shape(context)
     if callable(gain.default) and _rows(given) not in (None, shape if isinstance(shape, int | None) else shape[0]):
-        gain.default(context)  # where the plant is not of the observer's kind this says so, and why
+        gain.default(context)  # raises the reason if the plant does not suit the observer
     values = _shaped(gain, value, shape, context, given is None)
     for number in _flat(values):
         if not gain.low <= number <= gain.high:
@@ -41,17 +41,17 @@ def parameters(name: str, values: Values) -> dict[str, float]:
     """Return a gain as the parameters of the program: ``g.name``, ``g.name.i`` or ``g.name.i.j``."""
     if not isinstance(values, list):
         return {f"g.{name}": values}
-    found: dict[str, float] = {}
+    numbers: dict[str, float] = {}
     for i, row in enumerate(values):
         if isinstance(row, list):
-            found |= {f"g.{name}.{i}.{j}": v for j, v in enumerate(row)}
+            numbers |= {f"g.{name}.{i}.{j}": v for j, v in enumerate(row)}
         else:
-            found[f"g.{name}.{i}"] = row
-    return found
+            numbers[f"g.{name}.{i}"] = row
+    return numbers
 
 
 def from_parameters(name: str, shape: Size, numbers: Mapping[str, float]) -> Values:
-    """Return the gain whose parameters are in ``numbers``: the reverse of :func:`parameters`."""
+    """Return the gain whose parameters are in ``numbers``: the inverse of :func:`parameters`."""
     if shape is None:
         return numbers[f"g.{name}"]
     if isinstance(shape, int):
@@ -99,7 +99,7 @@ def _shaped(gain: Gain, value: Any, shape: Size, context: Context, is_default: b
 
 
 def _entry(gain: Gain, value: Any, i: int, context: Context) -> float:
-    """An entry of a column, which may be given as a row of one number."""
+    """Return an entry of a column; it may be given as a row of one number."""
     if isinstance(value, Sequence):
         if len(value) != 1:
             problem = Message("observer.gain.row", row=gain.row_labels(context)[i], given=len(value), needed=1)

@@ -1,4 +1,4 @@
-"""The gains that the observers of an experiment run with, every default filled in."""
+"""The gains of an experiment's observers, with defaults filled in."""
 
 from thetascope.assembly.build.experiment_builder import engine
 from thetascope.assembly.build.gain_values import Values, from_parameters
@@ -6,7 +6,7 @@ from thetascope.engine.simulation.experiment import Estimator
 from thetascope_schemas import ResolvedExperiment
 
 Labels = dict[str, dict[str, list[str]]]
-"""By gain: the labels of its rows and of its columns."""
+"""Labels of the rows and of the columns, by gain."""
 
 
 def present_gains(spec: ResolvedExperiment) -> tuple[dict[str, dict[str, Values]], dict[str, Labels]]:

@@ -1,7 +1,7 @@
-"""An engine's experiment after a change of its spec, made from the one before: parts that the change does not reach are kept.
+"""Update an engine's experiment after a change of its spec, reusing all parts that the change does not affect.
 
-A command of a live session changes one number, and is to be seen a few milliseconds later. What is kept is the very same
-object, so whoever looks at both experiments sees at once what differs.
+A command of a live session changes one number and must take effect within milliseconds. Reused parts are the identical
+objects, so that comparing two experiments finds the differences quickly.
 """
 
 from collections.abc import Iterator
@@ -17,40 +17,40 @@ from thetascope_schemas import ResolvedExperiment
 _FIXED = ("parameters", "initial", "seed", "step", "horizon", "record", "measurement", "noise")
 
 
-def adapted(spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, made: Engine) -> Engine:
-    """What ``engine(spec, since)`` gives, if ``made`` is the engine's experiment for ``before``. Raises SpecError."""
+def adapted(spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, built: Engine) -> Engine:
+    """Return ``engine(spec, since)``, given the engine's experiment for ``before``. Raises SpecError."""
     if spec.plant is not before.plant or any(getattr(spec, name) != getattr(before, name) for name in _FIXED):
         return engine(spec, since)
     same_faults = _faults(spec, "output", None) == _faults(before, "output", None)
     return replace(
-        made,
-        signals=signals_of(spec, _kept_signals(spec, before, made)),
-        measurement=made.measurement if same_faults else measurement(spec, made.step),
-        estimators=tuple(_estimators(spec, since, before, made)),
+        built,
+        signals=signals_of(spec, _kept_signals(spec, before, built)),
+        measurement=built.measurement if same_faults else measurement(spec, built.step),
+        estimators=tuple(_estimators(spec, since, before, built)),
         substeps=spec.substeps,
     )
 
 
 def _faults(spec: ResolvedExperiment, kind: str, name: str | None) -> list:
-    """The faults on a channel or an output; on all of them if no name is given."""
+    """Return the faults on a channel or an output; on all of them if no name is given."""
     return [f for f in spec.faults if f.site.kind == kind and name in (None, f.site.name)]
 
 
-def _kept_signals(spec: ResolvedExperiment, before: ResolvedExperiment, made: Engine) -> dict[str, Signal]:
-    """Signals that both experiments have."""
+def _kept_signals(spec: ResolvedExperiment, before: ResolvedExperiment, built: Engine) -> dict[str, Signal]:
+    """Return the signals that both experiments share."""
     plant = spec.plant
     same = [f"u.{n}" for n in plant.names("inputs") if spec.inputs.get(n) == before.inputs.get(n)]
     same += [f"signal.{n}" for n in plant.names("signals") if spec.signals.get(n) == before.signals.get(n)]
     same += [
         f"theta.{n}" for n in plant.names("channels") if _faults(spec, "channel", n) == _faults(before, "channel", n)
     ]
-    return {name: made.signals[name] for name in same}
+    return {name: built.signals[name] for name in same}
 
 
 def _estimators(
-    spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, made: Engine
+    spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, built: Engine
 ) -> Iterator[Estimator]:
-    known = {c.label: (c, e) for c, e in zip(before.observers, made.estimators, strict=True)}
+    known = {c.label: (c, e) for c, e in zip(before.observers, built.estimators, strict=True)}
     data = None
     for index, config in enumerate(spec.observers):
         present = None
@@ -61,6 +61,6 @@ def _estimators(
                 present = with_gains(index, config, old_config, present) if only_gains else None
         if present is None:
             data = data or spec.plant.model_dump(mode="json")
-            present = estimator(index, config, spec, data, made.step)
+            present = estimator(index, config, spec, data, built.step)
         begun = since.get(config.label, 0)
         yield present if present.since == begun else replace(present, since=begun)

@@ -1,4 +1,4 @@
-"""An observer as data → its program and the numbers for it, every default filled in and every name checked."""
+"""Turn an observer given as data into its program and parameters, with defaults filled in and names checked."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
@@ -17,29 +17,29 @@ from thetascope_schemas.texts.refusal import suggestion
 
 
 def estimator(index: int, config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float) -> Estimator:
-    """One observer of an experiment, ready to run. Raises SpecError that names the field below ``observers.<index>``."""
+    """Return one observer of an experiment, ready to run. Raises SpecError for a field below ``observers.<index>``."""
     with _located(index):
         return _estimator(config, spec, data, step)
 
 
-def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, made: Estimator) -> Estimator | None:
-    """Return the value of :func:`estimator` for a config that differs from that of ``made`` in its gains alone.
+def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, built: Estimator) -> Estimator | None:
+    """Return the value of :func:`estimator` for a config that differs from that of ``built`` in its gains only.
 
     None where more than numbers would change. Raises SpecError as :func:`estimator` does.
     """
-    known = {g.name: g for g in made.kind.gains}
-    numbers = dict(made.parameters)
+    known = {g.name: g for g in built.kind.gains}
+    numbers = dict(built.parameters)
     with _located(index):
-        refuse_unknown("gains", config.gains, known, Message("observer.gain.unknown", kind=made.kind.id))
+        refuse_unknown("gains", config.gains, known, Message("observer.gain.unknown", kind=built.kind.id))
         for name in {*config.gains, *before.gains}:
             if config.gains.get(name) != before.gains.get(name):
-                numbers |= parameters(name, gain_values(known[name], config.gains.get(name), made.context))
-    return replace(made, parameters=numbers) if numbers.keys() == made.parameters.keys() else None
+                numbers |= parameters(name, gain_values(known[name], config.gains.get(name), built.context))
+    return replace(built, parameters=numbers) if numbers.keys() == built.parameters.keys() else None
 
 
 @contextmanager
 def _located(index: int) -> Iterator[None]:
-    """Errors name their field below ``observers.<index>``."""
+    """Prefix the field of a SpecError with ``observers.<index>``."""
     try:
         yield
     except SpecError as error:
@@ -65,7 +65,7 @@ def _estimator(config: ObserverConfig, spec: ResolvedExperiment, data: dict, ste
 
 
 def refuse_unknown(field: str, given: Mapping[str, object], known: Iterable[str], problem: Message) -> None:
-    """Raise SpecError for the first name that is not known, with the nearest that are."""
+    """Raise SpecError for the first unknown name, with the nearest known names."""
     names = tuple(known)
     for name in given:
         if name not in names:
@@ -79,25 +79,25 @@ def _suits(kind: Observer, plant: Plant) -> None:
 
 
 def _channels(kind: Observer, config: ObserverConfig, plant: Plant) -> tuple[str, ...]:
-    """The channels it estimates: option ``channels`` (comma separated), else all."""
+    """Return the channels that it estimates: option ``channels`` (comma separated), else all."""
     names = [c.name for c in plant.channels]
     if not kind.estimates_theta:
         return ()
-    asked = config.options.get("channels")
-    if asked is None:
+    requested = config.options.get("channels")
+    if requested is None:
         return tuple(names)
-    picked = [part.strip() for part in str(asked).split(",") if part.strip()]
+    picked = [part.strip() for part in str(requested).split(",") if part.strip()]
     for name in picked:
         if name not in names:
             hint = Message.from_data(suggestion(name, names))
             raise SpecError("options.channels", name, Message("plant.channel.unknown", name=name), hint)
     if len(set(picked)) < len(picked):
-        raise SpecError("options.channels", asked, Message("observer.channels.repeated"))
+        raise SpecError("options.channels", requested, Message("observer.channels.repeated"))
     return tuple(picked)
 
 
 def _sample_every(kind: Observer, config: ObserverConfig, spec: ResolvedExperiment, step: float) -> int | None:
-    """Base steps in the observer's sample period; None if it runs in the plant's own time."""
+    """Return the base steps in the observer's sample period; None if it runs in the plant's time."""
     if kind.time != "discrete":
         return None
     if spec.plant.time.kind == "discrete":
@@ -132,7 +132,7 @@ def _context(
 
 
 def plant_context(spec: ResolvedExperiment, data: dict, step: float) -> Context:
-    """Return the facts about the plant that a filter for all its fault channels may use; ``data`` is the plant as JSON."""
+    """Return the facts about the plant for a filter of all its fault channels; ``data`` is the plant as JSON."""
     return _context(spec, data, spec.plant.names("channels"), step, None)
 
 

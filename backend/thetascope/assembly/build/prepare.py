@@ -1,4 +1,4 @@
-"""A resolved experiment → its programs and stages, ready to run."""
+"""Turn a resolved experiment into programs and stages that are ready to run."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -22,26 +22,26 @@ class Cost:
 
     steps: int
     rows: int
-    columns: int  # at least: diagnostics come on top
-    states: int  # of plant and observers together
-    bytes: int  # of the result, about
+    columns: int  # lower bound: diagnostics are not counted
+    states: int  # of plant and observers
+    bytes: int  # approximate size of the result
 
 
 @dataclass(frozen=True)
 class Prepared:
-    """An experiment whose programs are ready."""
+    """An experiment whose programs are built."""
 
     spec: ResolvedExperiment
     stages: tuple[Stage, ...]
 
     @property
     def engine(self) -> Engine:
-        """The experiment as it begins."""
+        """Return the experiment at t = 0."""
         return self.stages[0].experiment
 
     @property
     def cost(self) -> Cost:
-        """Steps, rows, columns and bytes of the run, computed from the programs without running them."""
+        """Return steps, rows, columns and bytes of the run, computed from the programs without running them."""
         e = self.engine
         rows = e.steps // e.every + 1
         outputs = sum(len([o for o in s.program.outputs if not o.startswith("init.")]) for s in e.estimators)
@@ -52,12 +52,12 @@ class Prepared:
     def run(
         self, progress: Callable[[float], None] | None = None, cancelled: Callable[[], bool] | None = None
     ) -> Result:
-        """Simulate. Raises Cancelled, or SpecError where the step cannot be made to suit the gains."""
+        """Simulate. Raises Cancelled, or SpecError where no allowed step suits the gains."""
         return run(self.stages, progress, cancelled, inspector(self.spec, cancelled))
 
 
 def prepare(spec: ResolvedExperiment) -> Prepared:
-    """Make the programs of an experiment.
+    """Build the programs of an experiment.
 
     Raises SpecError (or ExpressionError, which points into a text) that names the field, the value and the remedy.
     """
@@ -65,20 +65,22 @@ def prepare(spec: ResolvedExperiment) -> Prepared:
 
 
 def _stages(spec: ResolvedExperiment) -> Iterator[Stage]:
-    """The experiment as it begins, and as each timed command leaves it; commands of one moment make one stage."""
+    """Yield the experiment at t = 0 and after each timed command; commands at the same time form one stage."""
     current = before = spec.model_copy(update={"commands": ()})
     since: dict[str, int] = {}
-    k, made = 0, None
+    k, engine_before = 0, None
 
     def stage() -> Stage:
-        return Stage(k, engine(current, since) if made is None else adapted(current, since, before, made))
+        return Stage(
+            k, engine(current, since) if engine_before is None else adapted(current, since, before, engine_before)
+        )
 
     for i, command in enumerate(spec.commands):
         at = round(command.at / spec.step)
         if at > k or i == 0 and at > 0:
             begun = stage()
             yield begun
-            before, made = current, begun.experiment
+            before, engine_before = current, begun.experiment
         k = at
         try:
             current = changed(current, command)

@@ -1,9 +1,9 @@
-"""Intervals of a spec as whole numbers of steps."""
+"""Convert intervals of a spec into whole numbers of steps."""
 
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
 
-_ON_GRID = 1e-6  # relative: how exactly one interval must be a multiple of another
+_ON_GRID = 1e-6  # relative tolerance for one interval to be a multiple of another
 
 
 def multiple(interval: float, step: float, field: str) -> int:

@@ -1,4 +1,4 @@
-"""Timed commands: the experiment after each of them."""
+"""Apply timed commands to an experiment."""
 
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
@@ -17,12 +17,12 @@ from thetascope_schemas.texts.refusal import suggestion
 
 
 def changed(spec: ResolvedExperiment, command: TimedCommand) -> ResolvedExperiment:
-    """Return the experiment after a command (the command itself is not noted). Raises SpecError where it does not fit."""
+    """Return the experiment after a command, which is not recorded in it. Raises SpecError where it does not fit."""
     return _APPLY[type(command)](spec, command)
 
 
 def after_commands(spec: ResolvedExperiment, at: float) -> ResolvedExperiment:
-    """Return the experiment as its timed commands have left it at a time in s, and without them."""
+    """Return the experiment after its timed commands up to a time in s, without the commands."""
     current = spec.model_copy(update={"commands": ()})
     for command in spec.commands:
         if command.at <= at:

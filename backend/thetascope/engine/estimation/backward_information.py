@@ -1,19 +1,16 @@
 """The evidence for a fault that begins at any row, accumulated backwards in time.
 
 Along the rows of the filter of kalman_innovations.py, Ω is linear in V, and V is linear in a fault's course. For a
-fault
-that begins in some row (V = 0 there), J = Σ ΩᵀΩ and s = Σ Ωᵀν over all following rows are therefore a quadratic and a
-linear form in (V, w, r), where V, the course w and its slope r are those of that row:
+fault that begins in some row (V = 0 there), J = Σ ΩᵀΩ and s = Σ Ωᵀν over all following rows are therefore a quadratic
+and a linear form in (V, w, r), where V, the course w and its slope r are those of that row:
 
     J = [V w r] M [V w r]ᵀ,   s = [V w r] μ,   w⁺ = w + r δ,   r⁺ = ρ r.
 
 M and μ of a row follow from those of the next row by the adjoint of the filter's recursion, which only adds squares, so
 that nothing cancels. One pass thus gives J and s of steps (w = 1) and ramps (r = 1) for every onset, in place of one
-run
-of the filter per onset as in Willsky & Jones, IEEE TAC 21(1), 1976. A ramp rises evenly (ρ = 1, δ: the share of a
+run of the filter per onset as in Willsky & Jones, IEEE TAC 21(1), 1976. A ramp rises evenly (ρ = 1, δ: the share of a
 decision interval that one row takes) or approaches its final value as w = 1 − exp(−time/τ) (ρ = exp(−row/τ), δ = 1 −
-ρ).
-A ramp that has ended continues with the V and w of that row and r = 0.
+ρ). A ramp that has ended continues with the V and w of that row and r = 0.
 """
 
 from functools import lru_cache
@@ -53,8 +50,7 @@ def onsets(filter_: Program, n: int, p: int, m: int) -> Program:
     """Return the backward pass of a filter with n states, p channels and m outputs, one step per row, last row first.
 
     Inputs: `parts` (those that are not constant). Parameters: ``heed.k`` (0: output k is ignored), ``delta`` and
-    ``rho``.
-    The states are `forms`, zero after the last row.
+    ``rho``. The states are `forms`, zero after the last row.
     """
     return derived(["onsets", filter_.digest], lambda: _Writer(filter_, n, p, m).program())
 

@@ -207,8 +207,7 @@ def _noise(experiment: Experiment, estimator: Estimator) -> dict[str, float]:
     """Return the companion's R and ``memory``.
 
     R is variance times hold time in continuous time, else the variance of one sample. ``memory`` is the rate, per
-    second or
-    per sample, at which the recent average h is updated: the plant's slowest rate.
+    second or per sample, at which the recent average h is updated: the plant's slowest rate.
     """
     measurement, period = experiment.measurement, estimator.context.period
     variance, hold = noise_stds(measurement, estimator.context) ** 2, holds(measurement, experiment.step)

@@ -1,4 +1,4 @@
-"""A bank of filters of kalman_innovations.py, each assuming a change of every channel's θ, and the sums that rate it.
+"""A bank of filters of kalman_innovations.py, each for one change of every channel's θ, with the sums that rate it.
 
 A change has the course
 
@@ -48,8 +48,7 @@ def suppositions(filter_: Program, p: int, m: int) -> Program:
     """Return a filter for p channels and m outputs with its sums.
 
     Its inputs ``base.j`` (the known θ) and ``d`` replace ``known.j`` and ``profile.j``. Parameters: COURSE and BOUNDS
-    of each
-    channel, and SPAN.
+    of each channel, and SPAN.
     """
     return derived(["suppositions", filter_.digest], lambda: _write(filter_, p, m))
 

@@ -1,8 +1,7 @@
 """The evidence in the data for every fault of the plant, independent of the observers: a regression with white noise.
 
 An extended Kalman filter for x that assumes the known θ₀ (zero at first) has innovations that depend on θ to first
-order
-as
+order as
 
     ν = Ω (θ − θ₀) + noise of covariance Σ,    Ω = C V + Ψ,    V⁺ = F (V − K Ω) + G,
 
@@ -10,13 +9,11 @@ where V is the sensitivity of the filter's x̂ to a constant θ (Zhang 2002; Zha
 filter's gain). With V = 0 at some instant, V is the sensitivity to a θ that has acted from that instant on. Outputs are
 processed one after the other (their noises are independent), so each gives a scalar of variance one:
 ν/σ = (Ω/σ) (θ − θ₀) + white noise. All decisions use only sums of ΩᵀΩ/σ² and Ωᵀν/σ² over windows. With G and Ψ
-multiplied
-by a course over time, V is the sensitivity to a θ with this course. An output that is not in use has ν and Ω, but does
-not correct the filter.
+multiplied by a course over time, V is the sensitivity to a θ with this course. An output that is not in use has ν and
+Ω, but does not correct the filter.
 
 Between rows x changes by φ₁(AΔ) f Δ, which is exact where f is affine. Where x is outside the physical domain, f and
-its
-derivatives are evaluated at the nearest point inside. The process noise of each state equation is a share of the
+its derivatives are evaluated at the nearest point inside. The process noise of each state equation is a share of the
 state's scale (``q``); R is the measurement noise.
 """
 
@@ -37,16 +34,11 @@ def innovations(plant: Program) -> Program:
     """Return the filter for a plant, with one step per row.
 
     Inputs: those of the plant (θ apart), ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀)
-    and
-    ``profile.j``: V and Ω are sensitivities to a θ_j − θ₀_j that is a constant times this profile. Parameters: those of
-    the
-    plant, the bounds ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y), ``heed.k`` (0:
-    output k
-    does not correct the filter) and ``interval``. Outputs: ``omega.k.j`` and ``nu.k``, both divided by the innovation's
-    standard
-    deviation (``weight.k`` is its reciprocal), and the matrices of V's recursion: ``F.i.j``, ``G.i.j`` (constant θ),
-    ``C.k.i``,
-    ``D.k.j`` (Ψ), ``K.k.i``.
+    and ``profile.j``: V and Ω are sensitivities to a θ_j − θ₀_j that is a constant times this profile. Parameters:
+    those of the plant, the bounds ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y),
+    ``heed.k`` (0: output k does not correct the filter) and ``interval``. Outputs: ``omega.k.j`` and ``nu.k``, both
+    divided by the innovation's standard deviation (``weight.k`` is its reciprocal), and the matrices of V's recursion:
+    ``F.i.j``, ``G.i.j`` (constant θ), ``C.k.i``, ``D.k.j`` (Ψ), ``K.k.i``.
     """
     return derived(["innovations", plant.digest], lambda: _Writer(plant).program())
 

@@ -67,8 +67,7 @@ def alone(experiment: Experiment, substeps: int) -> dict[str, float]:
     """Return the cost of the observer that shares the plant's kernel, measured in a separate kernel.
 
     Observers are compared on equal terms this way. It takes a few thousand steps and the compilation of that kernel;
-    very
-    large observers are not measured.
+    very large observers are not measured.
     """
     simulation = Simulation(experiment, substeps)
     if not simulation.joined or len(experiment.estimators) < 2:

@@ -3,10 +3,8 @@
 From instants along the nominal trajectory the plant is simulated again with each component of (x, θ) slightly increased
 and decreased; half the difference of the outputs is the sensitivity (Lall, Marsden & Glavaski, Int. J. Robust Nonlinear
 Control 12, 2002, with one size of change and the unit vectors as directions). States are in units of their scale,
-faults
-in typical faults and outputs in standard deviations of the noise. A singular value of 1 thus means that a change of
-that
-size shifts the outputs by one standard deviation within the window.
+faults in typical faults and outputs in standard deviations of the noise. A singular value of 1 thus means that a change
+of that size shifts the outputs by one standard deviation within the window.
 """
 
 from collections.abc import Sequence
@@ -34,10 +32,9 @@ class Empirical:
     """Singular values and Gramians over windows that begin at the times ``t`` (K, in s).
 
     ``singular`` (K × N): singular values of the sensitivity to ``names`` (N), which are ``x.*`` and ``theta.*``; NaN
-    where the
-    plant does not stay finite. ``gramian`` (K × N × N): the square of the sensitivity. ``rank`` (K; −1: not finite),
-    ``condition`` (K; ∞ below full rank), ``direction`` (K × N): the least observable direction, a unit vector in scaled
-    units.
+    where the plant does not stay finite. ``gramian`` (K × N × N): the square of the sensitivity. ``rank`` (K; −1: not
+    finite), ``condition`` (K; ∞ below full rank), ``direction`` (K × N): the least observable direction, a unit vector
+    in scaled units.
     """
 
     window: float

@@ -1,11 +1,9 @@
 """Structural observability: which states and faults the outputs determine for some input, decided before a run.
 
 The test is the rank of the observability matrix (observability_matrix.py) at random points, with generic values of
-inputs,
-known signals and their derivatives. Full rank at one point means that states and faults can be determined from the
-outputs near almost every point. Where the rank is lower, the null space names the undetermined ones and those with
-which
-they are confounded.
+inputs, known signals and their derivatives. Full rank at one point means that states and faults can be determined from
+the outputs near almost every point. Where the rank is lower, the null space names the undetermined ones and those with
+which they are confounded.
 """
 
 import hashlib
@@ -137,7 +135,7 @@ def _found(plant: Mapping, program: Program, channels: tuple[str, ...]) -> tuple
     return findings, "" if findings else "the equations have no value at the points tried", lie.switches
 
 
-# ---- points ------------------------------------------------------------------------------------------------------------------
+# ---- points ----------------------------------------------------------------------------------------------------------
 
 
 def generic(plant: Mapping, program: Program, seed: int, width: float, orders: int) -> Point:
@@ -185,7 +183,7 @@ def _course(random: Random, item: Mapping, width: float, rate: Decimal, orders: 
     return course
 
 
-# ---- groups ------------------------------------------------------------------------------------------------------------------
+# ---- groups ----------------------------------------------------------------------------------------------------------
 
 
 def _groups(null: list[list[Decimal]], states: tuple[str, ...], channels: tuple[str, ...]) -> tuple[Group, ...]:

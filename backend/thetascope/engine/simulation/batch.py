@@ -39,8 +39,7 @@ def run_batch(experiments: Sequence[Experiment], cancelled: Callable[[], bool] |
     """Run all experiments. Raises ValueError where their shapes differ, and Cancelled when cancelled.
 
     Experiments that cannot run in lanes (faults of the measurement, sampled measurement, observers at a sample period)
-    run
-    one after the other. Runs whose steps are divided at different times form separate groups. Each base step has
+    run one after the other. Runs whose steps are divided at different times form separate groups. Each base step has
     ``substeps`` substeps as the experiment specifies, one by default.
     """
     first = experiments[0]

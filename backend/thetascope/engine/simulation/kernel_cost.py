@@ -3,8 +3,7 @@
 A kernel that joins the plant and the first observer has one time for both. It is divided between them by the number of
 operations of their graphs. This underestimates the observer: over the library's experiments its share is 0.6 to 1.0
 (median 0.88) of the time that it takes in a separate kernel, because a processor interleaves both. Where there are
-other
-observers to compare it with, it is therefore measured again in a separate kernel (`alone` in run_experiment.py).
+other observers to compare it with, it is therefore measured again in a separate kernel (`alone` in run_experiment.py).
 """
 
 from collections.abc import Iterable, Mapping

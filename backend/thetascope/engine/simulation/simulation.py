@@ -40,8 +40,7 @@ class Simulation:
     """Advances an experiment. ``substeps`` divides every base step (for stiff observers).
 
     ``remember``: keep the last measurement even where nothing needs it yet, because a fault that needs it (freeze,
-    dropout)
-    may be added later.
+    dropout) may be added later.
     """
 
     def __init__(self, experiment: Experiment, substeps: int = 1, remember: bool = False):
@@ -98,7 +97,7 @@ class Simulation:
         )
 
     def state_at(self, start: State, rows: Rows, r: int) -> State | None:
-        """Return the state at recorded row r of the span that began at ``start``; None where the rows do not give it."""
+        """Return the state at recorded row r of the span that began at ``start``; None if the rows lack it."""
         if rows.passed is None or self.sampled:
             return None
         memory = replace(start.memory, passed=rows.passed[r].copy())
@@ -119,7 +118,8 @@ class Simulation:
         return np.concatenate(parts)
 
     def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
-        """Return the states at the rows of the span: kernels record at ends of steps; the first row can be the start."""
+        """Return the states at the rows of the span: kernels record at ends of steps; the first row may be the start.
+        """
         rows = np.vstack([start[None, :], out]) if first % self.experiment.every == 0 else out
         return rows[: len(index)]
 

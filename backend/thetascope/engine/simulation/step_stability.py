@@ -1,8 +1,7 @@
 """Check the step against RK4's stability region: eigenvalues λ must satisfy |h·λ| ≲ 2.78 (on the real axis).
 
 High gains make observers stiff, most of all the gain matrix Γ in its initial transient. The eigenvalues are those of
-the
-Jacobian of the observer's (or plant's) equations along the run, by central differences.
+the Jacobian of the observer's (or plant's) equations along the run, by central differences.
 """
 
 import numpy as np

@@ -7,9 +7,8 @@ Applications 17, 2000):
     z' = A z + B [α(z, t) + F(z, t) u],   y = C z,   one chain of ρi integrators per output             (6), (7)
 
 ρi, the relative degree of output i, is the order of its first derivative that an input or a known signal enters. The
-sum
-of all ρi must be n. Observers compute α + F u as L^{ρi} hi at x̂, so T is needed at the start and its inverse at every
-step. The inverse is computed symbolically, one state at a time (invert).
+sum of all ρi must be n. Observers compute α + F u as L^{ρi} hi at x̂, so T is needed at the start and its inverse at
+every step. The inverse is computed symbolically, one state at a time (invert).
 """
 
 from __future__ import annotations

@@ -2,8 +2,7 @@
 
 The map z = T(x) = (h, L_f h, …, L_f^{n−1} h), where f is the drift (zero inputs), is never inverted: the observer
 ẑ' = F(ẑ) + G r in canonical coordinates is x̂' = f(x̂) + (∂T/∂x)⁻¹ G r in the plant's coordinates. A plant written in
-the
-triangular form (3)–(5) keeps its coordinates.
+the triangular form (3)–(5) keeps its coordinates.
 """
 
 from __future__ import annotations

@@ -31,8 +31,7 @@ def invert(equations: Sequence[tuple[Symbol, Expr]], model: Model) -> dict[Symbo
     """Return each state of the model as a function of the left-hand sides z_k, t and parameters.
 
     Repeatedly isolates the unknown of an equation with a single unknown state; if there is no such equation, solves a
-    few
-    equations that are jointly affine in as many unknowns. Raises NoInverse.
+    few equations that are jointly affine in as many unknowns. Raises NoInverse.
     """
     rest, known = list(equations), {}
     unknown = set(model.x)

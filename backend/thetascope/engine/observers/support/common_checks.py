@@ -149,8 +149,7 @@ def claimed_sigma(run: Observed, name: str, scale: float | np.ndarray = 1.0) -> 
     """Return columns ``claimed.<channel>``: the standard deviation of θ̂ according to the observer's equations.
 
     It is the square root of the diagonal of a recorded covariance times ``scale``. The standard deviation that noise
-    really
-    causes is in ``sigma.<channel>`` (covariance.py).
+    really causes is in ``sigma.<channel>`` (covariance.py).
     """
     return {
         f"claimed.{channel}": scale * np.sqrt(np.maximum(run.values[f"{name}.{j}.{j}"], 0.0))
