@@ -13,7 +13,7 @@ _STEEPEST = 1e-6  # lower limit of |x| in the slope of |x|^a, which is unbounded
 
 
 def derivatives(graph: Graph, roots: Sequence[int], names: Iterable[str]) -> list[Tangent]:
-    """Return, for each root, its partial derivatives with respect to the named variables, as nodes added to the graph."""
+    """Return the partial derivatives of each root with respect to the named variables, as nodes added to the graph."""
     wanted, tangents = set(names), {}
     for i in list(topological(graph, roots)):
         op, *args = graph.nodes[i]

@@ -1,4 +1,4 @@
-"""Disk cache of compiled object code and lowered programs, by the hash of their source. It can be deleted at any time."""
+"""Disk cache of object code and lowered programs, by the hash of their source. It may be deleted at any time."""
 
 import contextlib
 import hashlib
@@ -50,5 +50,5 @@ def digest_of(folder: Path, pattern: str = "*.py") -> str:
 
 @lru_cache(maxsize=1)
 def package_digest() -> str:
-    """Return the hash of the engine's source. It is part of every key, so that a change of the code invalidates the cache."""
+    """Return the hash of the engine's source. As part of every key it invalidates the cache when the code changes."""
     return digest_of(Path(__file__).parents[1])

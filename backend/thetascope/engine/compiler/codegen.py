@@ -5,13 +5,13 @@ The generated function has this signature (pointers are to float64 unless stated
     run(i64 segments, i64* seg_steps, i64* seg_first, seg_t, seg_index, seg_h,
         held, lane_held, staged, lane_staged, params, lane_params, state, out, emitted, i64 every)
 
-Time is divided into segments of equal steps on which held inputs are constant. Step k of a segment begins at
-seg_t + (seg_index + k)·seg_h, rounded once, so that a segment may be split anywhere. Staged inputs have one value for each
-of the four Runge–Kutta stages of each step (one for discrete time). ``seg_first`` is the number of steps until the first
+Time is divided into segments of equal steps on which held inputs are constant. Step k of a segment begins at seg_t +
+(seg_index + k)·seg_h, rounded once, so that a segment may be split anywhere. Staged inputs have one value for each of
+the four Runge–Kutta stages of each step (one for discrete time). ``seg_first`` is the number of steps until the first
 recorded one in that segment; then every ``every``-th step is recorded in ``out``, as one row of all states. ``emitted``
-receives the values of selected nodes at every stage. Arrays named lane_* hold one value per lane, lanes innermost.
-The results depend neither on how the steps are distributed over calls and segments nor on the number of lanes: no
-fast-math flag is set, and the fused multiply-adds are those of the graph.
+receives the values of selected nodes at every stage. Arrays named lane_* hold one value per lane, lanes innermost. The
+results depend neither on how the steps are distributed over calls and segments nor on the number of lanes: no fast-math
+flag is set, and the fused multiply-adds are those of the graph.
 """
 
 from dataclasses import dataclass
@@ -110,7 +110,7 @@ class _Module:
     # ---- the values of one stage -------------------------------------------------------------------------------
 
     def _leaf(self, w: Writer, name: str, where: dict) -> str:
-        """Load a variable and return its value. ``where`` maps params, held, staged and lane_* to their base pointers."""
+        """Load a variable and return its value. ``where`` maps params, held, staged and lane_* to base pointers."""
         lay = self.layout
         for group, base, load in (
             (self.params, "params", w.load_shared),
@@ -125,7 +125,10 @@ class _Module:
         raise ValueError(f"kernel of {self.program.name}: nothing supplies {name!r}")
 
     def _values(self, w: Writer, leaves: dict[str, str], where: dict, memo: dict[int, str]) -> list[str]:
-        """Emit all roots and return their values; ``leaves`` maps states and t to values, ``memo`` holds nodes already emitted."""
+        """Emit all roots and return their values.
+
+        ``leaves`` maps states and t to values; ``memo`` holds the values of nodes that are already emitted.
+        """
         graph = self.program.graph
         for i in self.order:
             if i in memo:

@@ -31,14 +31,15 @@ LEAVES = ("const", "var")
 
 
 class Graph:
-    """A list of nodes. Methods that add nodes return the index; they fold constants and simplify sums and products with 0 or 1."""
+    """A list of nodes. The methods that add a node return its index.
+
+    They fold constants and simplify sums with 0 and products with 0 or 1.
+    """
 
     def __init__(self, nodes: Iterable[tuple] = ()):
         self.nodes: list[tuple] = list(nodes)
         self.index: dict[tuple, int] = {node: i for i, node in enumerate(self.nodes)}
-        self.orders: dict[
-            tuple[int, ...], list[int]
-        ] = {}  # cache of `topological`; nodes never change, so it stays valid
+        self.orders: dict[tuple[int, ...], list[int]] = {}  # cache of `topological`: nodes never change
 
     def raw(self, op: str, *args) -> int:
         """Return the index of a node, added without simplification if it is new."""
@@ -128,7 +129,7 @@ class Graph:
         return self.nodes[a][1] if self.nodes[a][0] == "neg" else self.raw("neg", a)
 
     def power(self, base: int, exponent: float) -> int:
-        """Return base**exponent: products for integers up to 64, square roots for halves, otherwise the C library's pow."""
+        """Return base**exponent: products for integers up to 64, square roots for halves, else the C library's pow."""
         if exponent < 0:
             return self.div(self.const(1.0), self.power(base, -exponent))
         if exponent == int(exponent) and exponent <= 64:
@@ -151,7 +152,7 @@ class Graph:
         return result
 
     def call(self, op: str, *args: int) -> int:
-        """Return the index of a function node, or of its value if all arguments are constant and the value is finite."""
+        """Return the index of a function, or of its value if all arguments are constant and the value is finite."""
         values = [self.value(a) for a in args]
         if all(v is not None for v in values):
             with np.errstate(all="ignore"):
@@ -163,8 +164,8 @@ class Graph:
     def absorb(self, other: "Graph", roots: Iterable[int], replace: Mapping[str, int] | None = None) -> dict[int, int]:
         """Copy the nodes that ``roots`` need from another graph, and return the new index of each.
 
-        Variables named in ``replace`` become those nodes. Nothing is simplified, because a program must compute the same
-        bits alone and joined to another.
+        Variables named in ``replace`` become those nodes. Nothing is simplified, because a program must compute the
+        same bits alone and joined to another.
         """
         replace, moved = replace or {}, {}
         for i in topological(other, roots):
@@ -212,8 +213,8 @@ def variables(graph: Graph, roots: Iterable[int]) -> set[str]:
 def contract(graph: Graph, roots: list[int], rank: Callable[[int], int] = lambda i: 0) -> tuple[Graph, list[int]]:
     """Return a graph and its roots with a·b + c as one fused multiply-add wherever the product is used only once.
 
-    Of two products the one of higher rank is fused. This happens in the graph and not in the compiler, so that a lane, a
-    single run and a joined program round in the same places and agree bit for bit.
+    Of two products the one of higher rank is fused. This happens in the graph and not in the compiler, so that a lane,
+    a single run and a joined program round in the same places and agree bit for bit.
     """
     order = topological(graph, roots)
     uses = Counter(a for i in order if graph.nodes[i][0] not in LEAVES for a in graph.nodes[i][1:])

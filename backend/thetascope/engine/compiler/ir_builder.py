@@ -91,12 +91,12 @@ class Writer:
         return self.let(f"select {self.bool} {condition}, {self.type} {a}, {self.type} {b}")
 
     def intrinsic(self, name: str, *args: str) -> str:
-        """Return a function that LLVM knows itself, such as sqrt."""
+        """Call an LLVM intrinsic such as sqrt, in all lanes."""
         t = self.type
         return self.let(f"call {t} @llvm.{name}.{self.suffix}(" + ", ".join(f"{t} {a}" for a in args) + ")")
 
     def operation(self, op: str, args: list[str]) -> str:
-        """Append the operation of a graph node, as in graph.NUMPY, and return its value. Raises ValueError for an unknown one."""
+        """Append a graph operation, as in graph.NUMPY, and return its value. Raises ValueError if it is unknown."""
         t = self.type
         if op in ("add", "sub", "mul", "div"):
             return self.let(f"f{op} {t} {args[0]}, {args[1]}")

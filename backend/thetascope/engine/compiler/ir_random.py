@@ -1,9 +1,9 @@
 """Random number generator as LLVM IR: Threefry-2x64 with 20 rounds, and normal numbers by the Box–Muller transform.
 
-Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011. Word pair c of a stream is a function
-of (key, c) alone. All operations are on integers, + − × ÷, √ or multiply-adds, on vectors of eight, so that the numbers
-are the same on every processor; log, sin and cos are the polynomials of fdlibm (Sun Microsystems, 1993), accurate to one
-or two units in the last place.
+Salmon, Moraes, Dror & Shaw, "Parallel random numbers: as easy as 1, 2, 3", SC 2011. Word pair c of a stream is a
+function of (key, c) alone. All operations are on integers, + − × ÷, √ or multiply-adds, on vectors of eight, so that
+the numbers are the same on every processor; log, sin and cos are the polynomials of fdlibm (Sun Microsystems, 1993),
+accurate to one or two units in the last place.
 
     uniform(i64 k0, i64 k1, i64 first, i64 blocks, out)            16 numbers per block, from pair `first` on
     normal(i64 k0, i64 k1, i64 first, i64 blocks, out)             the same, standard normal
@@ -143,7 +143,7 @@ def _normals(w: _Text, x0: str, x1: str) -> tuple[str, str]:
 
 
 def _log(w: _Text, x: str) -> str:
-    """Return ln x for x > 0 (not subnormal), as in fdlibm's e_log.c: x = 2ᵏ(1 + f), s = f/(2 + f), a polynomial in s²."""
+    """Return ln x for normal x > 0, as in fdlibm's e_log.c: x = 2ᵏ(1 + f), s = f/(2 + f), a polynomial in s²."""
     bits = w.cast(x, _I)
     k = w.op("ashr", w.op("sub", bits, _whole(_ROOT_HALF)), _whole(52))
     f = w.op("fsub", w.cast(w.op("sub", bits, w.op("shl", k, _whole(52))), _D), _real(1.0))
@@ -170,7 +170,7 @@ def _sequence(name: str, numbers: Callable[[_Text, str, str], tuple[str, str]]) 
 
 
 def _lanes() -> list[str]:
-    """Return the function of eight streams: rows 2i and 2i + 1 hold pair first + i of each, rows ``width`` numbers apart."""
+    """Return the function of eight streams: rows 2i and 2i + 1 hold pair first + i; rows are ``width`` numbers apart."""
     w = _Text()
     k0, k1 = (w.let(f"load {_I}, ptr %{name}, align 8") for name in ("k0", "k1"))
     a, b = _normals(w, *_words(w, k0, k1, w.splat("%at")))

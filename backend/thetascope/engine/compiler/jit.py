@@ -46,7 +46,7 @@ def _machine() -> llvm.TargetMachine:
 
 @lru_cache(maxsize=1)
 def platform_key() -> str:
-    """Return a hash of everything but the program that machine code depends on: processor, compiler, engine's source."""
+    """Return a hash of what machine code depends on beside the program: processor, compiler, engine's source."""
     _machine()
     cpu = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), llvmlite.__version__)
     return hashlib.sha256(repr((cpu, cache.package_digest())).encode()).hexdigest()

@@ -42,8 +42,8 @@ class Lowering:
     """Lowering of expressions into one graph. Raises ValueError for a name that is neither known nor defined.
 
     Sums and products are formed from the lowest rank to the highest. Ranks follow how widely a quantity is shared
-    (parameters, inputs, Υ and Γ, estimates, y). So fixed values are computed once and not in every step, a batch computes
-    values common to its runs once, and the innovation, which depends on all others, comes last.
+    (parameters, inputs, Υ and Γ, estimates, y). So fixed values are computed once and not in every step, a batch
+    computes values common to its runs once, and the innovation, which depends on all others, comes last.
     """
 
     def __init__(

@@ -1,7 +1,8 @@
 """Partition of a program into a part that all runs of a batch share and a part that differs between runs.
 
 States that do not depend on noise, differing parameters or differing initial values (Υ and Γ, often the plant) are
-integrated once. Their values at every Runge–Kutta stage are inputs of the rest, which is integrated in SIMD lanes over runs.
+integrated once. Their values at every Runge–Kutta stage are inputs of the rest, which is integrated in SIMD lanes over
+runs.
 """
 
 from dataclasses import dataclass, replace
@@ -81,7 +82,7 @@ def _reached(program: Program, reached: set[str]) -> set[str]:
 
 
 def _frontier(graph: Graph, roots: list[int], differs: set[int], moving: set[int]) -> list[int]:
-    """Return the shared nodes that differing ones use directly and that change within a step (others are cheap to recompute)."""
+    """Return the shared nodes that differing ones use directly and that change within a step; others are recomputed."""
     frontier: dict[int, None] = {}
     for i in topological(graph, roots):
         if i in differs and graph.nodes[i][0] not in LEAVES:

@@ -1,7 +1,7 @@
 """System: states, inputs, parameters, update law and outputs, written in SymPy; and its lowered form, Program.
 
-Plants and observers are Systems. Lowering turns a System into an expression graph (see graph.py), from which kernels are
-compiled, which NumPy evaluates, and which is cached. A Program does not need SymPy.
+Plants and observers are Systems. Lowering turns a System into an expression graph (see graph.py), from which kernels
+are compiled, which NumPy evaluates, and which is cached. A Program does not need SymPy.
 """
 
 import hashlib
@@ -60,7 +60,7 @@ class System:
         )
 
     def _ranks(self) -> dict[str, int]:
-        """Return the ranks of names in sums and products (see Lowering): inputs, t, states as declared, measured outputs.
+        """Return the ranks of names in sums and products (see Lowering): inputs, t, states in order, measured outputs.
 
         Parameters have no entry, which is rank 0: they come first.
         """
@@ -72,7 +72,7 @@ class System:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A lowered System. ``update`` and ``outputs`` are node indices into ``graph``. Programs with equal digests are equal."""
+    """A lowered System. ``update`` and ``outputs`` are node indices of ``graph``. Equal digests mean equality."""
 
     name: str
     time: str
@@ -130,7 +130,7 @@ class Program:
         )
 
     def evaluate(self, names: list[str] | tuple[str, ...], values: dict) -> list:
-        """Return the values of outputs (by name) or of a state's update (``"d." + state``), with NumPy; see graph.evaluate."""
+        """Return the values of outputs (by name) or updates (``"d." + state``), with NumPy; see graph.evaluate."""
         position = {s: i for i, s in enumerate(self.states)}
         roots = [self.update[position[n[2:]]] if n.startswith("d.") else self.outputs[n] for n in names]
         return graphs.evaluate(self.graph, roots, values)

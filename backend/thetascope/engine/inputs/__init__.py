@@ -1,1 +1,1 @@
-"""What enters a run over time: signals, faults, noise, sampling, the time grid."""
+"""Inputs of a run over time: signals, faults, noise, sampling, and the time grid."""

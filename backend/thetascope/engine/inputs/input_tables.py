@@ -1,4 +1,4 @@
-"""Signals laid out for kernels: a value a segment where they are held, else one a stage of each step."""
+"""Tables of signal values for kernels: one per segment for held signals, one per stage of each step for others."""
 
 import numpy as np
 
@@ -7,22 +7,22 @@ from thetascope.engine.inputs.time_grid import Grid
 
 
 class Tables:
-    """Signals laid out for kernels over one grid: held ones a value a segment, the others a value a stage."""
+    """Tables of signals over one time grid; ``stages`` is the number of stages per step (4, or 1 in discrete time)."""
 
     def __init__(self, grid: Grid, signals: dict[str, Signal], stages: int):
         self.grid, self.signals, self.stages = grid, signals, stages
 
     def extended(self, more: dict[str, Signal]) -> "Tables":
-        """Return the tables with further signals."""
+        """Return tables that have further signals."""
         return Tables(self.grid, self.signals | more, self.stages)
 
     @property
     def kinds(self) -> tuple[tuple[str, bool], ...]:
-        """The signals' names, and whether they are held."""
+        """Return the names of the signals, each with whether it is held."""
         return tuple((n, s.held) for n, s in self.signals.items())
 
     def held(self, names: tuple[str, ...]) -> np.ndarray:
-        """Return signals that are constant between breaks: shape (segments, names)."""
+        """Return the values of held signals: shape (segments, max(1, names))."""
         at = self.grid.segment_anchor
         table = np.empty((len(at), max(1, len(names))))
         for j, name in enumerate(names):
@@ -31,7 +31,7 @@ class Tables:
         return table
 
     def staged(self, names: tuple[str, ...]) -> np.ndarray:
-        """Return signals at every stage of every step: shape (steps, stages, names)."""
+        """Return the values of signals at every stage of every step: shape (steps, stages, max(1, names))."""
         g = self.grid
         if not names:
             return np.empty((g.count, self.stages, 1))

@@ -1,7 +1,7 @@
 """Reproducible random numbers with random access: draw j of a stream is a function of (key, j) alone.
 
-So a run may be cut into chunks, rewound or forked without carrying a generator along, and the numbers stay the same, on
-every processor. The generator is compiled (ir_random.py): noise for a thousand runs must not cost more than the runs.
+So a run can be split, rewound or forked without the state of a generator, and the numbers are the same on every
+processor. The generator is compiled (ir_random.py), because noise for a thousand runs must not cost more than the runs.
 """
 
 import ctypes
@@ -23,6 +23,7 @@ _EIGHT_STREAMS = ctypes.CFUNCTYPE(None, _PLACE, _PLACE, _COUNT, _COUNT, _PLACE, 
 
 @lru_cache(maxsize=1)
 def _functions() -> tuple[object, dict[str, Callable]]:
+    """Return the compiled generator: the module, which must stay referenced, and its functions by name."""
     engine = load("draws-" + platform_key(), ir_random.emit)
     kinds = {"uniform": _ONE_STREAM, "normal": _ONE_STREAM, "normal_lanes": _EIGHT_STREAMS}
     return engine, {name: kind(engine.get_function_address(name)) for name, kind in kinds.items()}
@@ -30,15 +31,16 @@ def _functions() -> tuple[object, dict[str, Callable]]:
 
 @lru_cache(maxsize=8192)
 def _words(key: tuple[int, ...]) -> tuple[int, int]:
-    """The generator's key (128 bits) for a key of any length."""
+    """Return the generator's key (128 bits) for a key of any length, as two words."""
     digest = hashlib.blake2b(",".join(str(int(k)) for k in key).encode(), digest_size=16).digest()
     return int.from_bytes(digest[:8], "little"), int.from_bytes(digest[8:], "little")
 
 
 def _draw(kind: str, key: tuple[int, ...], first: int, count: int) -> np.ndarray:
+    """Return draws first … first+count−1 of a stream; ``kind`` is normal or uniform."""
     if count <= 0:
         return np.empty(0)
-    pair = first // 2  # the generator gives two numbers at a time
+    pair = first // 2  # the generator returns two numbers per pair
     blocks = -(-(first + count - 2 * pair) // ir_random.BLOCK)
     out = np.empty(blocks * ir_random.BLOCK)
     _functions()[1][kind](*_words(key), pair, blocks, out.ctypes.data)
@@ -46,29 +48,29 @@ def _draw(kind: str, key: tuple[int, ...], first: int, count: int) -> np.ndarray
 
 
 def key_of(data: Mapping) -> int:
-    """A number for the stream of a fault: it follows what the fault is, not where it stands in a list or when it ends."""
-    told = {k: v for k, v in data.items() if k != "end"}
-    return zlib.crc32(json.dumps(told, sort_keys=True, separators=(",", ":"), default=float).encode())
+    """Return the key of a fault's stream. It depends on the fault's fields except `end`, not on its place in a list."""
+    identity = {k: v for k, v in data.items() if k != "end"}
+    return zlib.crc32(json.dumps(identity, sort_keys=True, separators=(",", ":"), default=float).encode())
 
 
 def normal(key: tuple[int, ...], first: int, count: int) -> np.ndarray:
-    """Draws first … first+count−1 of a standard normal stream. ``key`` is a tuple of non-negative integers."""
+    """Return draws first … first+count−1 of a standard normal stream. ``key`` is a tuple of non-negative integers."""
     return _draw("normal", key, first, count)
 
 
 def uniform(key: tuple[int, ...], first: int, count: int) -> np.ndarray:
-    """The same on [0, 1)."""
+    """Return draws first … first+count−1 of a uniform stream on [0, 1)."""
     return _draw("uniform", key, first, count)
 
 
 class Streams:
-    """Standard normal streams side by side, for runs in lanes. The number of keys must be a multiple of eight."""
+    """Standard normal streams for runs in lanes, one per key. The number of keys must be a multiple of eight."""
 
     def __init__(self, keys: Sequence[tuple[int, ...]]):
         self._keys = np.array([_words(tuple(k)) for k in keys], dtype=np.uint64).T.copy()
 
     def normal(self, first: int, count: int) -> np.ndarray:
-        """Draws first … first+count−1 of every stream: shape (count, streams), each column as ``normal`` gives it."""
+        """Return draws first … first+count−1 of every stream, the same as ``normal``: shape (count, streams)."""
         pair, streams = first // 2, self._keys.shape[1]
         pairs = -(-(first + count - 2 * pair) // 2)
         out = np.empty((2 * pairs, streams))

@@ -1,7 +1,7 @@
-"""From the plant's outputs to what observers are given: noise, faults of the measurement itself, sampling with a hold.
+"""Measurement: noise, measurement faults and sampling with a hold, between the plant's outputs and the observers.
 
-Everything is a function of (t, seed) and of what was measured before; what was measured before is ``Memory``, a plain
-value that is copied, so that chunking, rewinding and forking never change a number.
+Everything is a function of (t, seed) and of earlier measurements. The latter are held in ``Memory``, an immutable
+value, so that splitting, rewinding and forking a run never change a number.
 """
 
 from collections.abc import Iterable, Mapping
@@ -16,28 +16,31 @@ from thetascope.engine.inputs.signals import _random_held as random_held
 from thetascope.engine.inputs.time_grid import Grid
 
 ADDITIVE = ("outliers", "noise-burst")
-ORDER = {"delay": 0, "stuck": 1, "freeze": 1, "dropout": 1, "quantisation": 2}  # in which a value meets the others
-_STAGES = {4: np.array([0.0, 0.5, 0.5, 1.0]), 1: np.zeros(1)}  # where in a step y is wanted
+# Order in which these faults act on a value.
+ORDER = {"delay": 0, "stuck": 1, "freeze": 1, "dropout": 1, "quantisation": 2}
+_STAGES = {4: np.array([0.0, 0.5, 0.5, 1.0]), 1: np.zeros(1)}  # by number of stages: their places within a step
 
 
 def noise_key(seed: int, output: int) -> tuple[int, int, int]:
-    """The stream of an output's noise."""
+    """Return the key of the stream of an output's noise."""
     return seed, 3, output
 
 
 def noise(std: float, sample_time: float, seed: int, output: int) -> Signal:
-    """Gaussian, held for ``sample_time`` seconds."""
+    """Return Gaussian noise; each drawn value is held for ``sample_time`` seconds."""
     key = noise_key(seed, output)
     return random_held(sample_time, lambda first, count: std * random_streams.normal(key, first, count))
 
 
 def _additive(data: Mapping, key: tuple[int, ...]) -> Signal:
+    """Return the disturbance that an additive fault (outliers, noise burst) adds to the output."""
     hold = data["sample_time"]
     if data["shape"] == "noise-burst":
         inner = random_held(hold, lambda first, count: data["std"] * random_streams.normal(key, first, count))
     else:
 
         def spikes(first: int, count: int) -> np.ndarray:
+            """Return the displacements of samples first … first+count−1, mostly 0."""
             chance = random_streams.uniform(key, first, count)
             sign = np.where(random_streams.uniform((*key, 1), first, count) < 0.5, -1.0, 1.0)
             return np.where(chance < data["probability"], sign * data["size"], 0.0)
@@ -47,7 +50,7 @@ def _additive(data: Mapping, key: tuple[int, ...]) -> Signal:
 
 
 def _acting(data: Mapping, key: tuple[int, ...]) -> Signal:
-    """1 while a fault acts on what comes through (dropout: by chance), else 0."""
+    """Return the signal that is 1 while a fault acts on the output (dropout: at random), otherwise 0."""
     if data["shape"] == "dropout":
         chance = data["probability"]
         inner = random_held(
@@ -60,8 +63,11 @@ def _acting(data: Mapping, key: tuple[int, ...]) -> Signal:
 
 @dataclass(frozen=True)
 class Memory:
-    """What the measurement remembers: the last values before faults and the last samples, one an output; and by fault
-    (draws.key_of) the last value that it let through or, of a delay, what it is late with, and the last value after it.
+    """State of the measurement.
+
+    ``passed``: last value of each output before its faults. ``sampled``: last sample of each output; NaN if none.
+    ``faults``: state of each fault by `random_streams.key_of`: the last value that was not lost, or of a delay its
+    delay line. ``after``: last value of the output after each fault.
     """
 
     passed: np.ndarray
@@ -72,10 +78,11 @@ class Memory:
 
 @dataclass(frozen=True)
 class Measurement:
-    """The sensor side of an experiment.
+    """Measurement of an experiment's outputs.
 
-    ``faults`` are plain data with ``output`` (name) and ``shape``; ``sample_every``: base steps between samples, or
-    None for continuous measurement. ``direct``: nothing but noise is added, so y may be formed inside a kernel.
+    ``std`` and ``sample_time`` are those of each output's noise. ``faults`` are plain data with ``output`` (name) and
+    ``shape``. ``sample_every`` is the number of base steps between samples, None for continuous measurement. ``noises``
+    are the additive disturbances of each output: noise, outliers and noise bursts.
     """
 
     outputs: tuple[str, ...]
@@ -87,65 +94,74 @@ class Measurement:
     noises: tuple[Signal, ...] = field(init=False)
 
     def __post_init__(self) -> None:
-        made = []
+        noises = []
         for i, name in enumerate(self.outputs):
             parts = [noise(self.std[i], self.sample_time[i], self.seed, i)] if self.std[i] > 0 else []
             parts += [
                 _additive(f, (self.seed, 5, random_streams.key_of(f)))
-                for f in self._mine(name)
+                for f in self._of_output(name)
                 if f["shape"] in ADDITIVE
             ]
-            made.append(total(parts) if parts else constant(0.0))
-        object.__setattr__(self, "noises", tuple(made))
+            noises.append(total(parts) if parts else constant(0.0))
+        object.__setattr__(self, "noises", tuple(noises))
 
-    def _mine(self, output: str) -> list[Mapping]:
+    def _of_output(self, output: str) -> list[Mapping]:
+        """Return the faults of one output."""
         return [f for f in self.faults if f["output"] == output]
 
     def _in_turn(self, output: str) -> list[Mapping]:
-        return sorted((f for f in self._mine(output) if f["shape"] in ORDER), key=lambda f: ORDER[f["shape"]])
+        """Return the faults of one output that are not additive, in the order in which they act."""
+        return sorted((f for f in self._of_output(output) if f["shape"] in ORDER), key=lambda f: ORDER[f["shape"]])
 
     def _acting(self, f: Mapping) -> Signal:
         return _acting(f, (self.seed, 5, random_streams.key_of(f)))
 
     @property
     def direct(self) -> bool:
-        """Whether y is the clean output plus noise and nothing else."""
+        """Return whether y is the clean output plus noise, so that a kernel can compute it."""
         return self.sample_every is None and all(f["shape"] in ADDITIVE for f in self.faults)
 
     def breaks(self, a: float, b: float, signals: Iterable[Signal] = ()) -> np.ndarray:
-        """Where the measurement is discontinuous in (a, b); ``signals`` are those that the plant gets: a delay lets their
-        jumps through late.
+        """Return the times in (a, b) at which the measurement is discontinuous.
+
+        ``signals`` are the inputs of the plant, whose jumps a delay postpones.
         """
         parts = [s.breaks(a, b) for s in self.noises]
         parts += [self._acting(f).breaks(a, b) for f in self.faults if f["shape"] in ORDER]
         for f in self.faults:
             if f["shape"] == "delay":
-                # and there is a kink where the delay line is full
+                # there is also a kink where the delay line is full
                 late = [s.breaks(a - f["delay"], b - f["delay"]) for s in (*self.noises, *signals, self._acting(f))]
                 times = np.concatenate(late) + f["delay"]
                 parts.append(times[(times > f["onset"]) & (times < (f.get("end") or np.inf))])
         return np.concatenate(parts) if parts else np.empty(0)
 
     def start(self) -> Memory:
-        """Return what the measurement remembers before the first step: nothing."""
+        """Return the state before the first step."""
         m = len(self.outputs)
         return Memory(np.full(m, np.nan), np.full(m, np.nan))
 
     def noise_at(self, anchor: np.ndarray) -> np.ndarray:
-        """Additive disturbance of every output: shape (len(anchor), m)."""
+        """Return the additive disturbance of every output at the times ``anchor``: shape (len(anchor), m)."""
         if not self.noises:
             return np.zeros((len(anchor), 0))
         return np.stack([s(anchor, anchor) for s in self.noises], axis=1)
 
     def measure(self, grid: Grid, first: int, clean: np.ndarray, memory: Memory) -> tuple[np.ndarray, Memory]:
-        """Measured outputs of one span: ``clean`` and the answer have shape (steps, stages, m)."""
+        """Return the measured outputs of one span, and the state after it.
+
+        Args:
+            grid: the steps of the span.
+            first: number of the base step with which it begins.
+            clean: outputs of the plant, shape (steps, stages, m), as the result.
+            memory: the state before the span.
+        """
         y = clean + self.noise_at(grid.anchor)[:, None, :]
         passed = y[-1, -1].copy() if len(y) else memory.passed
         kept, after, sampled = dict(memory.faults), dict(memory.after), memory.sampled
         for i, name in enumerate(self.outputs):
-            before = memory.passed[
-                i
-            ]  # what came out of the fault before in turn: a fault that is new did nothing until now
+            # the value after the fault before; a fault that is new has changed nothing until now
+            before = memory.passed[i]
             for f in self._in_turn(name):
                 key = random_streams.key_of(f)
                 y[:, :, i], kept[key] = self._through(f, grid, y[:, :, i], kept.get(key), before)
@@ -156,7 +172,10 @@ class Measurement:
         return y, replace(memory, passed=passed, sampled=sampled, faults=kept, after=after)
 
     def _through(self, f: Mapping, grid: Grid, y: np.ndarray, kept: Any, passed: float) -> tuple[np.ndarray, Any]:
-        """One output (steps × stages) through one fault; ``kept`` is what the fault remembers, None at first."""
+        """Return one output (steps × stages) after one fault, and the fault's state.
+
+        ``kept`` is the fault's state before the span, None at first; ``passed`` the last value of the output before it.
+        """
         on = self._acting(f)(grid.anchor, grid.anchor) > 0
         match f["shape"]:
             case "delay":
@@ -170,7 +189,7 @@ class Measurement:
 
 
 def _sampled(q: int, grid: Grid, first: int, y: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Take the value at the start of every q-th base step and hold it; `y` and the answer: steps × stages × m."""
+    """Return y sampled at the start of every q-th base step and held (steps × stages × m), and the last sample."""
     count = len(grid.base) - 1
     due = np.arange((-first) % q, count, q)  # base steps, counted within the span, that begin on a sample instant
     at = grid.base[due]
@@ -181,30 +200,30 @@ def _sampled(q: int, grid: Grid, first: int, y: np.ndarray, last: np.ndarray) ->
 
 
 def _hold(lost: np.ndarray, y: np.ndarray, passed: float) -> np.ndarray:
-    """Where lost, repeat the last value that came through (the left limit at the moment of loss)."""
+    """Return y with lost values replaced by the last one before the loss (the left limit)."""
     if not lost.any():
         return y
     ends = np.where(lost, -1, np.arange(len(y)))
     last = np.maximum.accumulate(ends)
-    # lost from the very first sample on: what is first seen is kept
+    # if the first sample is lost and there is no earlier one, its own value is held
     before = passed if np.isfinite(passed) else y[0, 0]
     held = np.where(last >= 0, y[np.maximum(last, 0), -1], before)
     return np.where(lost[:, None], held[:, None], y)
 
 
 def _delayed(delay: float, on: np.ndarray, grid: Grid, y: np.ndarray, past: Any) -> tuple[np.ndarray, Any]:
-    """y(t − delay) while the fault is on: the delay line fills from the onset on and shows the first value until then.
+    """Return y(t − delay) while the fault is on, and the delay line.
 
-    The past is kept as steps (start, end, y at the start, y at the end), linear in between, so that a jump between two
-    steps stays one.
+    The delay line fills from the onset on; until it is full, the output is its first value. It holds steps (start, end,
+    y at the start, y at the end), linear in between, so that a jump between two steps stays a jump.
     """
     if not on.any():
         return y, past
-    now = np.stack([grid.start[on], grid.end[on], y[on, 0], y[on, -1]])
-    steps = now if past is None else np.concatenate([past, now], axis=1)
+    current = np.stack([grid.start[on], grid.end[on], y[on, 0], y[on, -1]])
+    steps = current if past is None else np.concatenate([past, current], axis=1)
     width = grid.end[on] - grid.start[on]
     at = grid.start[on, None] + _STAGES[y.shape[1]] * width[:, None] - delay
-    # a little towards the middle of the present step: right limits at its start, left limits at its end
+    # shifted slightly towards the middle of the current step: right limits at its start, left limits at its end
     inside = at + 1e-4 * (grid.anchor[on, None] - delay - at)
     start, end, first, last = steps[:, np.maximum(np.searchsorted(steps[0], inside, side="right") - 1, 0)]
     late = y.copy()

@@ -1,8 +1,8 @@
 """Time functions: inputs u, known signals φ, fault sizes θ.
 
-Each is evaluated as ``signal(t, anchor)``: the value at t of the piece that is active at ``anchor``. With the anchor
-inside a step, t at its start gives the right limit there and t at its end the left limit: a step never sees across a
-discontinuity, and rounding in a switching time cannot put it on the wrong side.
+A signal is evaluated as ``signal(t, anchor)``: the value at t of the piece that is active at ``anchor``, both in s. If
+the anchor is inside a step, the value at the step's start is the right limit and that at its end the left limit. So a
+step never reaches across a discontinuity, whatever the rounding of a switching time.
 """
 
 from collections.abc import Callable, Mapping
@@ -13,13 +13,15 @@ import numpy as np
 from thetascope.engine.inputs import random_streams
 from thetascope.engine.programs.program_store import time_program
 
-_FAR = 10**7  # no signal may ask for more switching times than this in one span
+_FAR = 10**7  # maximum number of switching times in one span
 
 
 @dataclass(frozen=True)
 class Signal:
-    """A time function. ``held``: piecewise constant. ``breaks(a, b)``: its discontinuities (of value or slope) in (a, b).
-    ``level``: its value, if that is one number for ever.
+    """A time function.
+
+    ``value(t, anchor)``: see the module. ``breaks(a, b)``: its discontinuities (of value or slope) in (a, b), in s.
+    ``held``: whether it is piecewise constant. ``level``: its value if it is constant at all times, else None.
     """
 
     value: Callable[[np.ndarray, np.ndarray], np.ndarray]
@@ -28,11 +30,12 @@ class Signal:
     level: float | None = None
 
     def __call__(self, t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
-        """Values at t (s) of the pieces active at anchor (s); arrays of one shape."""
+        """Return the values at t (s) of the pieces that are active at anchor (s); all arrays have the same shape."""
         return self.value(np.asarray(t, dtype=float), np.asarray(anchor, dtype=float))
 
 
 def _within(times: np.ndarray, a: float, b: float) -> np.ndarray:
+    """Return the times in (a, b)."""
     return times[(times > a) & (times < b)]
 
 
@@ -41,12 +44,12 @@ def _no_breaks(a: float, b: float) -> np.ndarray:
 
 
 def constant(value: float) -> Signal:
-    """Return the signal that has one value at all times."""
+    """Return the signal that has the same value at all times."""
     return Signal(lambda t, anchor: np.full(anchor.shape, float(value)), _no_breaks, True, float(value))
 
 
 def steps(times: list[float], values: list[float]) -> Signal:
-    """values[0] before times[0], values[i] from times[i−1] on."""
+    """Return the signal that is values[0] before times[0] and values[i] from times[i−1] on."""
     edges, levels = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
     return Signal(
         lambda t, anchor: levels[np.searchsorted(edges, anchor, side="right")], lambda a, b: _within(edges, a, b), True
@@ -54,7 +57,7 @@ def steps(times: list[float], values: list[float]) -> Signal:
 
 
 def _every(start: float, period: float, a: float, b: float) -> np.ndarray:
-    """start + k·period in (a, b), k ≥ 0."""
+    """Return all start + k·period in (a, b), k ≥ 0. Raises ValueError if there are more than 10⁷."""
     first, last = max(0, int(np.ceil((a - start) / period))), int(np.floor((b - start) / period))
     if last - first > _FAR:
         raise ValueError(f"a signal of period {period:g} s switches more than {_FAR} times")
@@ -62,7 +65,7 @@ def _every(start: float, period: float, a: float, b: float) -> np.ndarray:
 
 
 def pulse(low: float, high: float, period: float, width: float, start: float = 0.0) -> Signal:
-    """high on [start + k·period, start + k·period + width), low elsewhere."""
+    """Return the signal that is high on [start + k·period, start + k·period + width), k ≥ 0, and low elsewhere."""
 
     def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
         phase = np.mod(anchor - start, period)
@@ -75,12 +78,12 @@ def pulse(low: float, high: float, period: float, width: float, start: float = 0
 
 
 def sine(amplitude: float, frequency: float, phase: float = 0.0, offset: float = 0.0) -> Signal:
-    """offset + amplitude · sin(2π·frequency·t + phase)."""
+    """Return offset + amplitude · sin(2π·frequency·t + phase); frequency in Hz, phase in rad."""
     return Signal(lambda t, anchor: offset + amplitude * np.sin(2 * np.pi * frequency * t + phase), _no_breaks, False)
 
 
 def ramp(start: float, slope: float, initial: float = 0.0, end: float | None = None) -> Signal:
-    """initial until start, then slope (per second) until end (for ever if None), then constant."""
+    """Return a ramp: initial until start, then rising by slope per second until end (None: without end), then constant."""
     stop = np.inf if end is None else end
     edges = np.array([start] if end is None else [start, end])
 
@@ -92,7 +95,7 @@ def ramp(start: float, slope: float, initial: float = 0.0, end: float | None = N
 
 
 def chirp(amplitude: float, f0: float, f1: float, duration: float, offset: float = 0.0) -> Signal:
-    """A sine whose frequency goes linearly from f0 to f1 (Hz) in ``duration`` seconds and stays f1 from then on."""
+    """Return a sine whose frequency changes linearly from f0 to f1 (Hz) in ``duration`` seconds and then stays f1."""
 
     def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
         sweeping = f0 * t + (f1 - f0) / (2 * duration) * t**2
@@ -103,14 +106,17 @@ def chirp(amplitude: float, f0: float, f1: float, duration: float, offset: float
 
 
 def prbs(low: float, high: float, hold: float, seed: int = 0) -> Signal:
-    """A pseudo-random binary sequence: low or high with equal chance, drawn anew every ``hold`` seconds."""
+    """Return a pseudo-random binary sequence: low or high with equal probability, drawn every ``hold`` seconds."""
     return _random_held(
         hold, lambda first, count: np.where(random_streams.uniform((seed, 7), first, count) < 0.5, low, high)
     )
 
 
 def _random_held(hold: float, level: Callable[[int, int], np.ndarray], start: float = 0.0) -> Signal:
-    """A held signal whose level on [start + j·hold, start + (j+1)·hold) is drawn by index j; 0 before start."""
+    """Return a held signal, 0 before start.
+
+    On [start + j·hold, start + (j+1)·hold) it is level j; ``level(first, count)`` returns levels first … first+count−1.
+    """
 
     def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
         if not anchor.size:
@@ -127,7 +133,7 @@ def _random_held(hold: float, level: Callable[[int, int], np.ndarray], start: fl
 
 
 def table(times: list[float], values: list[float], interpolation: str = "hold") -> Signal:
-    """Values at given times, held or joined by lines; constant outside."""
+    """Return the signal with the given values at the given times (s), held or linear in between, constant outside."""
     edges, levels = np.asarray(times, dtype=float), np.asarray(values, dtype=float)
     if interpolation == "hold":
         return steps(list(edges[1:]), list(levels))
@@ -144,7 +150,7 @@ def table(times: list[float], values: list[float], interpolation: str = "hold") 
 
 
 def expression(text: str) -> Signal:
-    """A smooth function of t given as text. Raises ExpressionError."""
+    """Return the smooth function of t (s) in the text. Raises ExpressionError."""
     program = time_program(text)
 
     def value(t: np.ndarray, anchor: np.ndarray) -> np.ndarray:
@@ -167,13 +173,13 @@ _KINDS = {
 
 
 def signal(data: Mapping) -> Signal:
-    """A signal from its plain data: ``kind`` and the arguments of the function of that name."""
+    """Return a signal from its plain data: ``kind``, and the arguments of the function of that name."""
     arguments = dict(data)
     return _KINDS[arguments.pop("kind")](**arguments)
 
 
 def total(parts: list[Signal]) -> Signal:
-    """The sum of signals."""
+    """Return the sum of signals."""
     if len(parts) == 1:
         return parts[0]
 
@@ -190,7 +196,7 @@ def total(parts: list[Signal]) -> Signal:
 
 
 def gated(inner: Signal, onset: float, end: float | None) -> Signal:
-    """``inner`` with its time counted from onset; zero before onset and from end on."""
+    """Return ``inner`` with its time counted from onset; zero before onset and from end on (None: never)."""
     stop = np.inf if end is None else end
     edges = np.array([onset] if end is None else [onset, end])
 

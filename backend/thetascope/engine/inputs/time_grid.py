@@ -1,4 +1,4 @@
-"""The time grid: equal base steps, cut where something is discontinuous, dealt out as segments for the kernels."""
+"""Time grid: equal base steps, split at discontinuities, and arranged in segments for the kernels."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -7,15 +7,14 @@ import numpy as np
 
 from thetascope.engine.compiler.jit import NEVER, Segments
 
-_SNAP = 1e-6  # a break within this fraction of a step of a grid point is taken to be on it
+_SNAP = 1e-6  # a break closer than this fraction of a step to a grid point counts as being on it
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Segments over base steps [first, last) of h seconds, and the time of every (sub)step, found when it is asked for.
+    """Segments over base steps [first, last) of h seconds, and the times of all steps, computed on first use.
 
-    start, end: times of each (sub)step's ends; anchor: its middle; segment_anchor: inside each segment's first step.
-    base: index in the step arrays at which each base step begins, plus the total. ``whole``: no base step is broken.
+    A base step consists of ``substeps`` steps, or of more if it is split at discontinuities. ``whole``: none is split.
     """
 
     segments: Segments
@@ -27,12 +26,12 @@ class Grid:
 
     @cached_property
     def count(self) -> int:
-        """How many (sub)steps there are."""
+        """Return the number of steps."""
         return (self.last - self.first) * self.substeps if self.whole else int(self.segments.steps.sum())
 
     @cached_property
     def _times(self) -> tuple[np.ndarray, np.ndarray]:
-        """Start and width of every (sub)step."""
+        """Return the start and the width of every step in s."""
         if self.whole:
             width = self.h / self.substeps
             return np.arange(self.first * self.substeps, self.last * self.substeps) * width, np.full(self.count, width)
@@ -45,35 +44,35 @@ class Grid:
 
     @cached_property
     def start(self) -> np.ndarray:
-        """Start of every step in s, shape (count,)."""
+        """Return the start of every step in s, shape (count,)."""
         return self._times[0]
 
     @cached_property
     def end(self) -> np.ndarray:
-        """End of every step in s, shape (count,)."""
+        """Return the end of every step in s, shape (count,)."""
         return self._times[0] + self._times[1]
 
     @cached_property
     def anchor(self) -> np.ndarray:
-        """Middle of every step in s: it tells on which side of a break the step lies. Shape (count,)."""
+        """Return the middle of every step in s, shape (count,). It decides on which side of a break the step is."""
         return self._times[0] + 0.5 * self._times[1]
 
     @cached_property
     def segment_anchor(self) -> np.ndarray:
-        """Middle of the first step of every segment in s, shape (segments,)."""
+        """Return the middle of the first step of every segment in s, shape (segments,)."""
         return self.segments.t + (self.segments.index + 0.5) * self.segments.h
 
     @cached_property
     def base(self) -> np.ndarray:
-        """The first step of every base step, and the number of steps: shape (base steps + 1,)."""
+        """Return the index of the first step of every base step, then the number of steps: shape (base steps + 1,)."""
         if self.whole:
             return np.arange(self.last - self.first + 1) * self.substeps
-        # the first step of each base step: the one whose middle is the first beyond the base step's beginning
+        # the first step of a base step is the first whose middle is after the beginning of the base step
         return np.searchsorted(self.anchor, np.arange(self.first, self.last + 1) * self.h)
 
 
 def sort_out(breaks: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
-    """Of the given times: the grid points that are meant (whole numbers of steps), and the positions between them, sorted."""
+    """Return the given times that are on grid points, as numbers of steps, and the other ones, in steps and sorted."""
     position = np.asarray(breaks, dtype=float) / h
     nearest = np.rint(position)
     on_grid = np.abs(position - nearest) < _SNAP
@@ -81,7 +80,7 @@ def sort_out(breaks: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
 
 
 def distinct(values: np.ndarray) -> np.ndarray:
-    """Sorted, each once: np.unique without its overhead, which short spans feel."""
+    """Return the distinct values, sorted: np.unique without its overhead, which is noticeable for short spans."""
     values = np.sort(values)
     if len(values) < 2:
         return values
@@ -92,10 +91,14 @@ def distinct(values: np.ndarray) -> np.ndarray:
 
 
 def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substeps: int) -> Grid:
-    """The grid over base steps [first, last) of h seconds.
+    """Return the grid over base steps [first, last) of h seconds.
 
-    ``breaks``: times of discontinuities (any order, repeats allowed). Every ``every``-th base step is recorded; each is
-    taken in ``substeps`` steps.
+    Args:
+        first, last: numbers of base steps.
+        h: length of a base step in s.
+        breaks: times of discontinuities in s, in any order, repeats allowed.
+        every: every ``every``-th base step is recorded.
+        substeps: steps within a base step.
     """
     marks, off = sort_out(breaks, h)
     broken = distinct(np.floor(off).astype(np.int64)) if len(off) else np.empty(0, dtype=np.int64)
@@ -116,7 +119,7 @@ def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substep
 
 
 def _split(starts: np.ndarray, columns: list, h: float, broken: np.ndarray, off: np.ndarray, substeps: int) -> list:
-    """Replace each broken base step by pieces that end on the breaks inside it; only the last piece records."""
+    """Return the columns with each broken base step split at its breaks; only the last piece is recorded."""
     rows: list[tuple] = []
     lookup = set(broken.tolist())
     for i, k in enumerate(starts.tolist()):

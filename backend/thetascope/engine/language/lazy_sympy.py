@@ -1,4 +1,4 @@
-"""SymPy, imported on first use: programs from the cache do not need it, and it takes longer to import than all the rest.
+"""SymPy, imported on first use: cached programs do not need it, and its import takes longer than all others together.
 
 Write ``from thetascope.engine.language.lazy_sympy import sympy`` and use ``sympy.Matrix`` as usual; likewise
 ``functions.Backlash`` for this project's own functions, which are SymPy classes.

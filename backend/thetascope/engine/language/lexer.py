@@ -176,7 +176,7 @@ class Scanner:
         return Token("number", text, start)
 
     def _name(self, match: re.Match[str]) -> Token:
-        """Return the token of a name: a quantity, the constant pi, `and` or `or`, or a function before a parenthesis."""
+        """Return the token of a name: a quantity, the constant pi, `and`, `or`, or a function before a parenthesis."""
         text, start, end = match.group(), match.start(), match.end()
         rest = self.text[end:].lstrip(" \t\r\n")
         called = rest.startswith("(")

@@ -5,7 +5,8 @@ builtins.py, and inside `where(condition, a, b)` the comparisons < <= > >= joine
 
 There are three steps, and each reports errors with their position in the text: the characters and their order
 (lexer.py), the tree of Python's parser, of which only arithmetic is accepted (this file), and the SymPy expression
-(to_sympy.py). Parsing does not need SymPy. Constants are folded in double precision while parsing, which bounds their size.
+(to_sympy.py). Parsing does not need SymPy. Constants are folded in double precision while parsing, which bounds their
+size.
 """
 
 import ast
@@ -45,7 +46,7 @@ class Parsed:
         return self.tree.degree
 
     def sympy(self, symbols: Mapping[str, "sympy.Symbol"]) -> "sympy.Expr":
-        """Return the SymPy expression, built of Add, Mul, Pow, SymPy's elementary functions and those of sympy_functions.py.
+        """Return the SymPy expression: Add, Mul, Pow, SymPy's elementary functions and those of sympy_functions.py.
 
         Args:
             symbols: a real symbol for each of `names`.

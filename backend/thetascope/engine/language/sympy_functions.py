@@ -1,9 +1,9 @@
 """Functions of the expression language that SymPy lacks, or that SymPy would rewrite.
 
-All are real and opaque: SymPy does not rewrite them and evaluates them only with numbers. They define their derivatives.
-Those named like SymPy's own (`Abs`, `sign`, `floor`, `Min`, `Max`, `atan2`) print like them, but never turn into square
-roots, conjugates, Heaviside or Dirac terms, and are cheap to construct. Derivatives hold almost everywhere: at a kink or
-a jump they are the derivative of the selected branch. Conditions are the real numbers 1 and 0.
+All are real and opaque: SymPy does not rewrite them and evaluates them only with numbers. They define their
+derivatives. Those named like SymPy's own (`Abs`, `sign`, `floor`, `Min`, `Max`, `atan2`) print like them, but never
+turn into square roots, conjugates, Heaviside or Dirac terms, and are cheap to construct. Derivatives hold almost
+everywhere: at a kink or a jump they are the derivative of the selected branch. Conditions are the real numbers 1 and 0.
 """
 
 import math

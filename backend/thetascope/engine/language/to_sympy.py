@@ -99,7 +99,7 @@ class _Builder:
         return result
 
     def constant(self, node: Node) -> Expr:
-        """Return a constant: integers and small fractions exactly, others as doubles. Within exponents always a double."""
+        """Return a constant: integers and small fractions exactly, others, and all within exponents, as doubles."""
         if node.exact is not None and not self.exponents:
             return Rational(node.exact.numerator, node.exact.denominator)
         return Float(node.value)

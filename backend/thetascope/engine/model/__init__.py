@@ -1,1 +1,1 @@
-"""A plant as mathematics, and the form of a run's result."""
+"""The mathematical model of a plant, and the result of a run."""

@@ -1,9 +1,9 @@
-"""Model: a plant's text as mathematics, with Φ and Ψ read off its fault channels.
+"""Model: the equations of a plant in SymPy, with Φ and Ψ from its fault channels.
 
     x' = f(x, u, φ, t) + Φ(x, u, φ, t) θ        (next value instead of derivative in discrete time)
     y  = h(x, u, φ, t) + Ψ(x, u, φ, t) θ
 
-The engine takes plants as plain data (the dictionary that shared.Plant dumps); it knows no schema classes.
+The engine reads plants as plain data (the dump of thetascope_schemas' Plant) and does not import the schemas.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ from thetascope.messages import Message
 if TYPE_CHECKING:
     from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 
-_MOST_PARTS = 20_000  # of a definition written out
+_MOST_PARTS = 20_000  # maximum number of nodes of an expanded definition
 
 
 def clock() -> Symbol:
-    """The symbol of time, t."""
+    """Return the symbol of time, t."""
     return sympy.Symbol("t", real=True)
 
 
 def symbols(prefix: str, names: Sequence[str]) -> tuple[Symbol, ...]:
-    """Real symbols ``prefix.name``."""
+    """Return the real symbols ``prefix.name``."""
     return tuple(sympy.Symbol(f"{prefix}.{name}", real=True) for name in names)
 
 
 @dataclass(frozen=True)
 class Channel:
-    """A fault channel: an unknown parameter θ and where it enters."""
+    """A fault channel: an unknown parameter θ, and its coefficients in the equations."""
 
     name: str
     kind: str  # actuator, process or sensor
@@ -47,7 +47,7 @@ class Channel:
 
 @dataclass(frozen=True)
 class Definition:
-    """An intermediate quantity and the physical range [low, high] to which observers saturate it (None: no bound)."""
+    """An intermediate quantity, and its physical range [low, high] to which observers saturate it (None: no bound)."""
 
     symbol: Symbol
     expression: Expr
@@ -56,7 +56,11 @@ class Definition:
 
 
 class Model:
-    """The mathematics of one plant. ``x``, ``u``, ``signals``, ``parameters`` are tuples of real symbols by bare name."""
+    """The model of one plant. ``x``, ``u``, ``signals`` and ``parameters`` are tuples of real symbols without a prefix.
+
+    ``f`` (n × 1) and ``h`` (m × 1) are the right-hand sides without faults; ``period`` is in s, None in continuous
+    time.
+    """
 
     def __init__(self, data: Mapping):
         self.data = dict(data)
@@ -110,16 +114,16 @@ class Model:
 
     @property
     def n(self) -> int:
-        """Number of states."""
+        """Return the number of states."""
         return len(self.states)
 
     @property
     def m(self) -> int:
-        """Number of outputs."""
+        """Return the number of outputs."""
         return len(self.outputs)
 
     def channel(self, name: str) -> Channel:
-        """Return a fault channel by name. Raises SpecError with near matches."""
+        """Return a fault channel by name. Raises SpecError, which lists the known ones."""
         for channel in self.channels:
             if channel.name == name:
                 return channel
@@ -128,22 +132,22 @@ class Model:
         raise SpecError("options.channels", name, Message("plant.channel.unknown", name=name), remedy)
 
     def Phi(self, channels: Sequence[str]) -> ImmutableMatrix:
-        """n × p: what each channel adds to the state equations."""
-        found = [self.channel(c) for c in channels]
-        return sympy.ImmutableMatrix(self.n, len(found), lambda i, j: found[j].enters.get(self.states[i], 0))
+        """Return Φ, n × p: the coefficients of p channels in the state equations."""
+        entering = [self.channel(c) for c in channels]
+        return sympy.ImmutableMatrix(self.n, len(entering), lambda i, j: entering[j].enters.get(self.states[i], 0))
 
     def Psi(self, channels: Sequence[str]) -> ImmutableMatrix:
-        """m × p: what each channel adds to the outputs."""
-        found = [self.channel(c) for c in channels]
-        return sympy.ImmutableMatrix(self.m, len(found), lambda i, j: found[j].enters.get(self.outputs[i], 0))
+        """Return Ψ, m × p: the coefficients of p channels in the output equations."""
+        entering = [self.channel(c) for c in channels]
+        return sympy.ImmutableMatrix(self.m, len(entering), lambda i, j: entering[j].enters.get(self.outputs[i], 0))
 
     @cached_property
     def expansion(self) -> dict[Symbol, Expr]:
-        """Definitions written out in states, inputs, parameters and signals. Raises SpecError where they grow too large."""
+        """Return the definitions, expanded to declared quantities. Raises SpecError if one becomes too large."""
         written: dict[Symbol, Expr] = {}
         sizes: dict[Symbol, int] = {}
         for i, d in enumerate(self.definitions):
-            # counted before it is written: each definition may double the last, and thirty doublings are a thousand million
+            # counted before it is expanded: each definition may double the last one, and 30 doublings make 10⁹ nodes
             sizes[d.symbol] = sum(sizes.get(part, 1) for part in sympy.preorder_traversal(d.expression))
             if sizes[d.symbol] > _MOST_PARTS:
                 name = d.symbol.name
@@ -154,7 +158,7 @@ class Model:
 
     @cached_property
     def _slopes(self) -> dict[Symbol, dict[Symbol, Expr]]:
-        """∂definition/∂state, through earlier definitions (chain rule), definitions kept as symbols."""
+        """Return ∂definition/∂state, by the chain rule through earlier definitions, which stay symbols."""
         slopes: dict[Symbol, dict[Symbol, Expr]] = {}
         for d in self.definitions:
             slopes[d.symbol] = {s: self._total(d.expression, s, slopes) for s in self.x}
@@ -162,6 +166,7 @@ class Model:
 
     @staticmethod
     def _total(e: Expr, state: Symbol, slopes: Mapping[Symbol, Mapping[Symbol, Expr]]) -> Expr:
+        """Return the total derivative of an expression with respect to a state."""
         free = e.free_symbols
         direct = e.diff(state) if state in free else sympy.S.Zero
         return direct + sum(
@@ -169,18 +174,18 @@ class Model:
         )
 
     def jacobian(self, vector: Matrix) -> ImmutableMatrix:
-        """∂vector/∂x, definitions included and kept as symbols (so that a saturated value can be put in)."""
+        """Return ∂vector/∂x, shape len(vector) × n. Definitions stay symbols, to substitute their saturated values."""
         return sympy.ImmutableMatrix(len(vector), self.n, lambda i, j: self._total(vector[i], self.x[j], self._slopes))
 
     @cached_property
     def is_affine(self) -> tuple[bool, ...]:
-        """For each state equation, whether it is affine in the states."""
+        """Return for each state equation whether it is affine in the states."""
         jacobian = self.jacobian(self.f)
         bound = set(self.x) | {d for d, s in self._slopes.items() if any(v != 0 for v in s.values())}
         return tuple(not (jacobian.row(i).free_symbols & bound) for i in range(self.n))
 
     def domain(self, state: str) -> tuple[float | None, float | None]:
-        """Physical range of a state."""
+        """Return the physical range [low, high] of a state; None: no bound."""
         entry = self.data["states"][self.states.index(state)]
         low, high = entry.get("domain") or (None, None)
         return low, high
@@ -188,7 +193,7 @@ class Model:
     # ---- the plant itself ----------------------------------------------------------------------------------------
 
     def system(self) -> System:
-        """The plant with all its faults: states ``x.*``, inputs ``u.* signal.* theta.*``, parameters ``p.*``, outputs ``y.*``."""
+        """Return the plant with its faults: states x.*, inputs u.*, signal.*, theta.*, parameters p.*, outputs y.*."""
         channels = [c.name for c in self.channels]
         theta = symbols("theta", channels)
         swap = {

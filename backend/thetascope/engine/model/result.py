@@ -1,4 +1,4 @@
-"""The results of a run."""
+"""The result of a run."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -23,7 +23,7 @@ class Diverged:
 
 @dataclass(frozen=True)
 class Check:
-    """One assumption of an observer's theorem, on this plant, with these gains, in this run."""
+    """Result of checking one assumption of an observer's theorem for the plant, the gains and the run."""
 
     name: Message
     verdict: Verdict
@@ -35,7 +35,7 @@ class Check:
 
 @dataclass(frozen=True)
 class ObserverReport:
-    """What a run says of one observer: its checks, when it diverged, and facts of its construction."""
+    """The report on one observer: its checks, its divergence, and facts determined during its construction."""
 
     label: str
     kind: str
@@ -47,7 +47,7 @@ class ObserverReport:
 
 @dataclass(frozen=True)
 class Result:
-    """Columns of a run, in the order of every export. ``data`` has one row a column: shape (names, rows)."""
+    """Columns of a run, in the order of every export. ``data`` holds one column per row: shape (names, rows)."""
 
     names: tuple[str, ...]
     data: np.ndarray
@@ -58,12 +58,12 @@ class Result:
     notes: tuple[Message, ...]
     seconds: dict[str, float]
     costs: dict[str, float] = field(default_factory=dict)
-    """Processor seconds per simulated second, measured, by observer: another number each time."""
+    """Processor time in s per simulated second, by observer. It is measured, so it differs between runs."""
     diagnosis: dict | None = None
-    """What is said about the faults, as plain data (shared.diagnosis.Diagnosis); None where nobody asked."""
+    """The diagnosis as plain data (thetascope_schemas' Diagnosis); None if it was not requested."""
 
     def column(self, name: str) -> np.ndarray:
-        """One column by name. Raises KeyError."""
+        """Return one column by name, shape (rows,). Raises KeyError."""
         try:
             return self.data[self.names.index(name)]
         except ValueError:

@@ -1,7 +1,7 @@
 """Store of the programs of plants and observers: from memory, else from the disk cache, else lowered with SymPy.
 
-The cache key is the hash of the plant's mathematics, the structural options and the engine's source. So a lookup does not
-need SymPy, and a change of the code invalidates the cache.
+The cache key is the hash of the plant's mathematics, the structural options and the engine's source. So a lookup does
+not need SymPy, and a change of the code invalidates the cache.
 """
 
 import hashlib
@@ -31,7 +31,7 @@ class Written:
 
 
 def mathematics(plant: Mapping) -> dict:
-    """Return the part of a plant's data that determines equations and design: no prose, units, defaults, bounds or signals."""
+    """Return the part of a plant's data that determines equations and design: no prose, units, defaults or bounds."""
     kept = {k: v for k, v in plant.items() if k not in (*_PROSE, "id")}
     for part in ("states", "inputs", "outputs", "definitions", "channels"):
         kept[part] = [

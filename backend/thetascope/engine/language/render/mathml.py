@@ -1,7 +1,8 @@
 """The equations of a plant as MathML, in the order in which its author wrote them.
 
-The MathML is written from the parser's tree (parser.py), which is also the source of the running program. SymPy would sort
-terms and split roots, but a reader wants to recognise the equation of the paper. Not importing SymPy also saves time.
+The MathML is written from the parser's tree (parser.py), which is also the source of the running program. SymPy would
+sort terms and split roots, but a reader wants to recognise the equation of the paper. Not importing SymPy also saves
+time.
 """
 
 from collections.abc import Iterable, Mapping
@@ -181,7 +182,7 @@ def first(node: Node) -> Node:
     return first(node.args[0]) if node.kind in ("product", "power") and node.signs[:1] != (-1,) else node
 
 
-# ---- a whole plant -----------------------------------------------------------------------------------------------------
+# ---- a whole plant -------------------------------------------------------------------------------------------
 
 
 def expression(text: str, names: Iterable[str], field: str = "expression") -> str:
