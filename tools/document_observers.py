@@ -86,7 +86,7 @@ def counted(text: str) -> str:
 def page() -> str:
     """Return the whole page as Markdown."""
     observers = [observer(kind) for kind in kinds()]
-    index = "\n".join(f"| [`{o.id}`](#{o.id}) | {o.summary} | {o.source} |" for o in observers)
+    index = "\n".join(f"| [`{o.id}`](#{o.id}) | {cell(str(o.summary))} | {o.source} |" for o in observers)
     table = f"| Kind | Purpose | Source |\n|---|---|---|\n{index}\n"
     return "\n".join([HEAD, table, *(section(o) for o in observers)])
 
@@ -120,7 +120,7 @@ def gain(g: Gain) -> str:
     """A row of the table of gains."""
     symbol = f" ({g.symbol})" if g.symbol else ""
     default = "from the plant" if callable(g.default) else f"{g.default:g}"
-    return f"| `{g.name}`{symbol} | {cell(g.meaning)}{size(g)} | {default} | {g.low:g} … {g.high:g} | {g.unit} |"
+    return f"| `{g.name}`{symbol} | {cell(str(g.meaning))}{size(g)} | {default} | {g.low:g} … {g.high:g} | {g.unit} |"
 
 
 def size(g: Gain) -> str:
@@ -138,7 +138,7 @@ def option(o: Option) -> str:
     """A row of the table of options."""
     default = "from the plant" if callable(o.default) else f"`{o.default}`"
     values = f"{o.low} … {o.high}" if o.kind == "integer" else ", ".join(f"`{c}`" for c in o.choices)
-    return f"| `{o.name}` | {cell(o.meaning)} | {default} | {values} |"
+    return f"| `{o.name}` | {cell(str(o.meaning))} | {default} | {values} |"
 
 
 def cell(text: str) -> str:

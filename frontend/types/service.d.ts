@@ -1200,7 +1200,8 @@ export interface ObserverNow {
 export interface ObserverSummary {
   label: string;
   kind: string;
-  title: string;
+  /** The name of the kind. */
+  title: Text | null;
   diverged: Divergence | null;
   /** Root mean square error per state over the run, null where undefined. */
   rmse: {[name: string]: number | null};

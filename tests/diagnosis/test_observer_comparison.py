@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from thetascope.diagnosis.evaluation import observer_comparison
 from thetascope.diagnosis.evaluation.observer_comparison import COVERED, FOUND, MISSED, MOST_WINDOWS, best, windows
 from thetascope.engine.model.result import ObserverReport, Result
+from thetascope.messages import Message
 from thetascope_schemas.experiment.faults import Site
 
 T = np.linspace(0, 100, 1001)
@@ -92,7 +93,7 @@ def run(
     for label, offset in offsets.items():
         columns[f"{label}.x.x"] = columns["x.x"] + offset
         columns |= {f"{label}.theta.{c}": columns[f"theta.{c}"] + offset for c in estimated}
-    reports = tuple(ObserverReport(label, "kind", "", (), None) for label in offsets)
+    reports = tuple(ObserverReport(label, "kind", Message("observer.high-gain.title"), (), None) for label in offsets)
     result = Result(tuple(columns), np.array(list(columns.values())), reports, None, 0.1, 1, (), {}, {"one": 5e-5})
     calibration = None if settle is None else SimpleNamespace(from_time=settle)
     findings = {k: SimpleNamespace(alarms=v, calibration=calibration, note="") for k, v in (alarms or {}).items()}

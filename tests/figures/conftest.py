@@ -113,7 +113,7 @@ def result():
             ObserverReport(
                 o.label,
                 o.kind,
-                "Adaptive observer",
+                Message("observer.adaptive-kalman.title"),
                 checks,
                 Diverged(lost[o.label], Message("diverged.upsilon")) if o.label in lost else None,
                 {"k0": [2.0, 1.0]},

@@ -24,7 +24,12 @@ def made_result(rows: int = 50, seed: int = 0) -> Result:
         Check(Message("check.excitation"), "cannot tell", Message("check.no-value")),
     )
     report = ObserverReport(
-        "L", "kind", "Title", checks, Diverged(2.5, Message("diverged.plant")), {"K": np.array([1.0, 2.0]), "n": 2}
+        "L",
+        "kind",
+        Message("observer.high-gain.title"),
+        checks,
+        Diverged(2.5, Message("diverged.plant")),
+        {"K": np.array([1.0, 2.0]), "n": 2},
     )
     return Result(("t", "x.x", "L.x.x"), data, (report,), None, 0.01, 2, (Message("run.substeps", n=2),), {"run": 0.5})
 

@@ -56,7 +56,8 @@ def plain(value: object) -> Any:
 
 def _report_data(report: ObserverReport) -> dict[str, Any]:
     checks = [{**vars(check), "name": check.name.as_data(), "text": check.text.as_data()} for check in report.checks]
-    return vars(report) | {"checks": checks, "diverged": report.diverged and _diverged_data(report.diverged)}
+    diverged = report.diverged and _diverged_data(report.diverged)
+    return vars(report) | {"title": report.title.as_data(), "checks": checks, "diverged": diverged}
 
 
 def _diverged_data(diverged: Diverged) -> dict[str, Any]:
@@ -68,7 +69,8 @@ def _observer(values: dict[str, Any]) -> ObserverReport:
         Check(**check | {"name": Message.from_data(check["name"]), "text": Message.from_data(check["text"])})
         for check in values.pop("checks")
     )
-    return ObserverReport(checks=checks, diverged=_diverged(values.pop("diverged")), **values)
+    title, diverged = Message.from_data(values.pop("title")), _diverged(values.pop("diverged"))
+    return ObserverReport(title=title, checks=checks, diverged=diverged, **values)
 
 
 def _diverged(values: dict[str, Any] | None) -> Diverged | None:

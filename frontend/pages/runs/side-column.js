@@ -3,7 +3,7 @@
 import {fill, h, number, symbol} from '../../common/dom.js';
 import {downloads} from './downloads.js';
 import {VERDICTS, verdictWords} from '../../widgets/verdicts.js';
-import {named, say, t} from '../../i18n/words.js';
+import {say, t} from '../../i18n/words.js';
 
 /** @import {ObserverSummary, Plant, RunStore, RunSummary} from '../types.js' */
 /** @import {Child} from '../../types/dom.js' */
@@ -205,7 +205,7 @@ function assumptions(one, place) {
       h('b', {}, one.label),
       h('span', {class: 'lights', role: 'img', 'aria-label': spoken, title: spoken}, lights),
     ),
-    one.title && h('p', {class: 'soft'}, named(one.title)),
+    one.title && h('p', {class: 'soft'}, say(one.title)),
     h('ul', {}, rows),
   );
 }

@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import Field, JsonValue
 
 from thetascope_schemas.experiment.base import Number, Strict, Text, example
-from thetascope_schemas.experiment.diagnosis import Diagnosis
+from thetascope_schemas.experiment.diagnosis import Diagnosis, MaybeSentence
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.field_error import FieldError
 from thetascope_schemas.service.comparison import Comparison
@@ -44,7 +44,7 @@ _CHECK = {
 _OBSERVER = {
     "label": "adaptive",
     "kind": "zhao-adaptive",
-    "title": "Zhao–Li–Li adaptive observer",
+    "title": {"code": "observer.zhao-adaptive.title", "args": {}, "text": "Adaptive observer (Zhao, Li, Li)"},
     "diverged": None,
     "rmse": {"x1": 3.1e-8, "x2": 4.4e-8},
     "checks": [_CHECK],
@@ -139,7 +139,7 @@ class ObserverSummary(Strict):
 
     label: str
     kind: str
-    title: str = ""
+    title: MaybeSentence = Field(default=None, description="The name of the kind.")
     diverged: Divergence | None = None
     rmse: dict[str, Number | None] = Field(
         default_factory=dict, description="Root mean square error per state over the run, null where undefined."

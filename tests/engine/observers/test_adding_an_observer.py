@@ -1,12 +1,15 @@
-"""ARCHITECTURE.md, "Adding an observer": its file, registered, runs, is documented, and equals plain NumPy."""
+"""ARCHITECTURE.md, "Adding an observer": its file, registered, runs, is documented in words, and equals plain NumPy."""
 
 import re
 import sys
+from collections.abc import Iterator
 from importlib.util import module_from_spec, spec_from_file_location
+from io import StringIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from babel.messages.pofile import read_po
 
 from thetascope import library
 from thetascope.assembly import prepare
@@ -14,6 +17,8 @@ from thetascope.assembly.analyses.observer_catalogue import observer_kinds
 from thetascope.assembly.build.gains import present_gains
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observers import registry
+from thetascope.engine.observers.support.declaration import Observer
+from thetascope.messages.catalogue import catalogue, languages
 from thetascope_schemas import Experiment, ResolvedExperiment
 from tools import document_observers
 
@@ -34,8 +39,12 @@ GAIN = [[0.6, 0.1], [0.2, 0.9]]
 
 @pytest.fixture
 def luenberger(tmp_path, monkeypatch):
-    """The file of ARCHITECTURE.md as a module of the package, and its line in the registry."""
+    """The file of ARCHITECTURE.md as a module of the package, its line in the registry and its entries in the catalogues."""
     section = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").split("### Adding an observer")[1]
+    for language, entries in zip(("en", "zh"), re.findall(r"```po\n(.*?)```", section, flags=re.DOTALL), strict=True):
+        for entry in read_po(StringIO(entries)):
+            if entry.id:
+                monkeypatch.setitem(catalogue(language).templates, entry.id, entry.string)
     code = re.findall(r"```python\n(.*?)```", section, flags=re.DOTALL)[0]
     file = tmp_path / "luenberger.py"
     file.write_text(code, encoding="utf-8")
@@ -76,6 +85,27 @@ def test_it_runs_as_plain_numpy_does(luenberger):
     columns = [run.column(name) for name in ("o.x.h1", "o.x.h2", "o.theta.bias")]
     assert np.stack(columns, axis=1) == pytest.approx(np.array(rows)[:, 2:], abs=1e-12)
     assert [c.verdict for c in run.observers[0].checks] == ["holds"]
+
+
+def messages_of(kind: Observer) -> Iterator[str]:
+    """Yield the codes of everything that an observer shows to users."""
+    yield from (kind.title.code, kind.summary.code)
+    yield from (item.meaning.code for item in (*kind.gains, *kind.options))
+    yield from (meaning.code for _, meaning in kind.where)
+
+
+@pytest.mark.parametrize("language", languages())
+def test_its_words_are_in_every_language(luenberger, language):
+    """The recipe's entries cover what the observer's forms and lists show."""
+    assert [code for code in messages_of(luenberger) if code not in catalogue(language).templates] == []
+
+
+@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize("kind", registry.kinds())
+def test_every_registered_observer_has_words_in_every_language(kind, language):
+    """An observer whose title, summary, gain, option or symbol lacks an entry is found."""
+    codes = list(messages_of(registry.observer(kind)))
+    assert [code for code in codes if code not in catalogue(language).templates] == []
 
 
 def test_it_is_documented(luenberger):

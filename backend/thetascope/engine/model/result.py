@@ -39,7 +39,7 @@ class ObserverReport:
 
     label: str
     kind: str
-    title: str
+    title: Message
     checks: tuple[Check, ...]
     diverged: Diverged | None
     facts: dict[str, object] = field(default_factory=dict)

@@ -39,7 +39,7 @@ def _observer(result: Result, report: ObserverReport, spec: Experiment) -> Obser
     return ObserverSummary(
         label=report.label,
         kind=report.kind,
-        title=report.title,
+        title=Text.of(report.title),
         diverged=_divergence(report.diverged),
         rmse=state_rmse(result, report.label),
         rmse_end=state_rmse(result, report.label, LAST),

@@ -36,6 +36,7 @@ from thetascope.engine.observers.support.kalman_defaults import (
     Q,
 )
 from thetascope.engine.observers.support.matrices import diag
+from thetascope.messages import Message
 
 SOURCE = "Zhang 2002, IEEE TAC 47(3)"
 
@@ -89,9 +90,7 @@ def diagnostics(run: Observed) -> dict[str, np.ndarray]:
 
 OBSERVER = Observer(
     id="adaptive-kalman",
-    title="Adaptive Kalman observer",
     source="Zhang 2002, IEEE TAC 47(3), 525–529; Zhang & Clavel 2001, CDC; Kalman & Bucy 1961",
-    summary="Estimates state, actuator, process and sensor faults of any continuous plant, with several outputs too.",
     gains=(Q, R_INTENSITY, P0_QUIET, LAMBDA, GAMMA0_QUIET, WINDOW, DELTA),
     write=write,
     checks=checks,
@@ -106,8 +105,8 @@ OBSERVER = Observer(
         ("", "Ω = CΥ + Ψ"),
     ),
     where=(
-        ("P", "covariance of the state's estimate (Riccati equation)"),
-        ("Υ", "how θ moves the estimate of the state"),
-        ("Γ", "twice the covariance of θ̂ where Ω changes slowly"),
+        ("P", Message("symbol.riccati")),
+        ("Υ", Message("symbol.upsilon")),
+        ("Γ", Message("symbol.gamma-covariance")),
     ),
 )

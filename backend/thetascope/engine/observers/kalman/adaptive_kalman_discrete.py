@@ -31,6 +31,7 @@ from thetascope.engine.observers.support.excitation_checks import (
 )
 from thetascope.engine.observers.support.kalman_defaults import DELTA, GAMMA0, LAMBDA, P0, R_VARIANCE, WINDOW, Q
 from thetascope.engine.observers.support.matrices import diag
+from thetascope.messages import Message
 
 SOURCE = "Zhang 2018, Automatica 93"
 
@@ -92,9 +93,7 @@ def diagnostics(run: Observed) -> dict[str, np.ndarray]:
 
 OBSERVER = Observer(
     id="adaptive-kalman-discrete",
-    title="Adaptive Kalman observer, sampled",
     source="Zhang 2018, Automatica 93, 333–342; Joseph's form: Bucy & Joseph 1968",
-    summary="The adaptive Kalman observer for sampled measurements and recordings, at any sample period.",
     gains=(Q, R_VARIANCE, P0, LAMBDA, GAMMA0, WINDOW, DELTA),
     options=(SUBSTEPS,),
     write=write,
@@ -114,8 +113,8 @@ OBSERVER = Observer(
         ("", "S⁺ = {1 / μ}(S − GΩS)"),
     ),
     where=(
-        ("ỹ", "what the measurement adds to the prediction"),
-        ("F", "derivative of the flow over one sample; Φ that with respect to θ"),
-        ("μ", "exp(−λ·period): what one sample forgets"),
+        ("ỹ", Message("symbol.innovation")),
+        ("F", Message("symbol.flow-jacobian")),
+        ("μ", Message("symbol.forgetting-sample")),
     ),
 )

@@ -98,9 +98,7 @@ def diagnostics(run: Observed) -> dict[str, np.ndarray]:
 
 OBSERVER = Observer(
     id="joint-ekf",
-    title="Joint extended Kalman filter",
     source="Jazwinski 1970; Ljung 1979, IEEE TAC 24(1), 36–50",
-    summary="Extended Kalman filter of the state augmented by the faults: the usual first choice, as a baseline.",
     gains=GAINS,
     options=(SUBSTEPS,),
     write=write,
@@ -118,7 +116,7 @@ OBSERVER = Observer(
         ("", "H = [C, Ψ]"),
     ),
     where=(
-        ("θ", "taken to be a random walk"),
-        ("ỹ", "what the measurement adds to the prediction"),
+        ("θ", Message("symbol.theta-walk")),
+        ("ỹ", Message("symbol.innovation")),
     ),
 )

@@ -25,9 +25,9 @@ if TYPE_CHECKING:
 LARGEST = 24  # N = n + p: beyond it 2N + 1 copies of the model are too much to compile
 
 SPREAD = (
-    Gain("alpha", "spread of the sigma points", 1.0, 1e-4, 10.0, symbol="α"),
-    Gain("beta", "weight of the centre in covariances; 2 suits a normal distribution", 2.0, 0.0, 100.0, symbol="β"),
-    Gain("kappa", "further spread, added to N", 0.0, -0.9, 100.0, symbol="κ"),
+    Gain("alpha", Message("gain.sigma-spread"), 1.0, 1e-4, 10.0, symbol="α"),
+    Gain("beta", Message("gain.sigma-centre-weight"), 2.0, 0.0, 100.0, symbol="β"),
+    Gain("kappa", Message("gain.sigma-extra-spread"), 0.0, -0.9, 100.0, symbol="κ"),
 )
 
 
@@ -106,9 +106,7 @@ def output(d: Draft, name: str, z: Matrix) -> Matrix:
 
 OBSERVER = Observer(
     id="joint-ukf",
-    title="Joint unscented Kalman filter",
     source="Julier & Uhlmann 1997; Wan & van der Merwe 2000",
-    summary="Unscented Kalman filter of the state augmented by the faults: no Jacobians; a baseline.",
     gains=(*GAINS, *SPREAD),
     options=(SUBSTEPS,),
     write=write,
@@ -124,7 +122,7 @@ OBSERVER = Observer(
         ("", "P⁺ = P⁻ − KP_{yy}Kᵀ"),
     ),
     where=(
-        ("ζᵢ", "the sigma points z ± √((N + κ)P) after one sample; ηᵢ what they would measure"),
-        ("Wᵢ", "their weights, from α, β and κ"),
+        ("ζᵢ", Message("symbol.sigma-points")),
+        ("Wᵢ", Message("symbol.sigma-weights")),
     ),
 )

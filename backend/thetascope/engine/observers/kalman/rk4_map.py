@@ -15,6 +15,7 @@ from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.observers.support.declaration import Context, Option
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.matrices import Matrix, block, eye, zeros
+from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Rational
@@ -27,9 +28,7 @@ def _default_substeps(c: Context) -> int:
     return max(1, min(MOST, -int(-c.period // (10 * c.step)))) if c.step > 0 else 1
 
 
-SUBSTEPS = Option(
-    "substeps", "Runge–Kutta steps of the model in one sample interval", "integer", _default_substeps, low=1, high=MOST
-)
+SUBSTEPS = Option("substeps", Message("option.substeps"), "integer", _default_substeps, low=1, high=MOST)
 
 # the classical Runge–Kutta method: where each stage is taken, in half substeps, and its weight
 STAGES = ((0, 1), (1, 2), (1, 2), (2, 1))

@@ -23,6 +23,7 @@ from thetascope.engine.observers.papers.reduced_order import (
 )
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix
+from thetascope.messages import Message
 
 
 def default_L(context: Context) -> list[float]:
@@ -33,7 +34,7 @@ def default_L(context: Context) -> list[float]:
 
 L = Gain(
     "L",
-    "output injection, block after block of the normal form; A − LC must be stable",
+    Message("gain.injection-l"),
     default_L,
     -1e6,
     1e6,
@@ -72,9 +73,7 @@ def checks(run: Observed) -> list[Check]:
 
 OBSERVER = Observer(
     id="full-order",
-    title="Full-order observer in the normal form",
     source=f"{PAPER}, eq. (6) with output injection",
-    summary="Estimates all states in the same normal form as the reduced-order observer: its baseline.",
     gains=(L,),
     write=write,
     checks=checks,
@@ -84,7 +83,7 @@ OBSERVER = Observer(
         ("", "x̂ = T⁻¹(ẑ, t)"),
     ),
     where=(
-        ("T", "coordinates of the normal form, by time-varying Lie derivatives"),
-        ("L", "output injection, one column an output"),
+        ("T", Message("symbol.normal-coordinates")),
+        ("L", Message("symbol.injection-columns")),
     ),
 )

@@ -21,7 +21,7 @@ from thetascope.engine.observers.support.draft_linalg import solve
 from thetascope.engine.observers.support.matrices import Matrix, column, diag, matrix
 from thetascope.messages import Message
 
-RHO = Gain("rho", "high gain: the error decays faster and noise grows with its powers", 4.0, 1e-3, 1e3, symbol="ρ")
+RHO = Gain("rho", Message("gain.high-gain"), 4.0, 1e-3, 1e3, symbol="ρ")
 
 
 def k0(n: int) -> Matrix:
@@ -104,9 +104,7 @@ def form_checks(run: Observed) -> list[Check]:
 
 OBSERVER = Observer(
     id="high-gain",
-    title="High-gain observer",
     source="Zhao, Li & Li 2012, eq. (9); Gauthier, Hammouri & Othman 1992",
-    summary="Estimates the state of a uniformly observable single-output plant; knows of no faults.",
     gains=(RHO,),
     write=write,
     checks=form_checks,
@@ -119,7 +117,7 @@ OBSERVER = Observer(
         ("", "Δ = diag(ρ, ρ², …, ρⁿ)"),
     ),
     where=(
-        ("J", "derivative of the canonical coordinates z = T(x); the unit matrix where the plant is in them already"),
-        ("ρ", "the high gain"),
+        ("J", Message("symbol.jacobian-canonical")),
+        ("ρ", Message("symbol.high-gain")),
     ),
 )

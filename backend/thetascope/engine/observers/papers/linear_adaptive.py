@@ -35,8 +35,8 @@ def default_K(context: Context) -> list[float]:
     return [float(k) for k in np.poly(-np.arange(1.0, context.n + 1))[1:]]
 
 
-K = Gain("K", "output injection; A − KC must be stable", default_K, -1e6, 1e6, size="n", symbol="K")
-LAMBDA = Gain("lambda", "rate of adaptation of θ̂ (with P scaled to P d = Cᵀ)", 10.0, 0.0, 1e6, symbol="λ")
+K = Gain("K", Message("gain.injection-k"), default_K, -1e6, 1e6, size="n", symbol="K")
+LAMBDA = Gain("lambda", Message("gain.adaptation-rate"), 10.0, 0.0, 1e6, symbol="λ")
 
 
 def write(d: Draft) -> None:
@@ -174,9 +174,7 @@ def one_sided_lipschitz(run: Observed) -> Check:
 
 OBSERVER = Observer(
     id="linear-adaptive",
-    title="Linear adaptive observer",
     source="Shen & Hu 2015, eqs. (11)–(12) with ρ = 0 (its ref. [5], Gao & Xu 2012)",
-    summary="The baseline of the nonsmooth observer: the same without the homogeneous injection.",
     gains=(K, LAMBDA),
     write=write,
     checks=checks,
@@ -187,7 +185,7 @@ OBSERVER = Observer(
         ("(8)", "PΦ = Cᵀgᵀ"),
     ),
     where=(
-        ("A", "chain of integrators; γ is what else the plant's equations hold"),
-        ("g", "(CΦ)ᵀ, from the matching condition (8)"),
+        ("A", Message("symbol.integrator-chain")),
+        ("g", Message("symbol.matching-g")),
     ),
 )

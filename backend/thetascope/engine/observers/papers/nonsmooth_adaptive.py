@@ -35,19 +35,17 @@ GENERAL, PAPER_EXAMPLE = "general", "paper-example"
 GAINS = (
     K,
     LAMBDA,
-    Gain("rho", "share of the nonsmooth injection", 0.8, 0.0, 1e3, symbol="ρ"),
+    Gain("rho", Message("gain.nonsmooth-share"), 0.8, 0.0, 1e3, symbol="ρ"),
     Gain(
         "alpha",
-        "exponent α of the nonsmooth injection, above 1 − 1/n and below 1",
+        Message("gain.nonsmooth-exponent"),
         lambda context: 1 - 0.3 / context.n,
         0.0,
         1.0,
         symbol="α",
     ),
 )
-FORM = Option(
-    "form", "the observer (11), or section 3's example as printed (n = 2)", "choice", GENERAL, (GENERAL, PAPER_EXAMPLE)
-)
+FORM = Option("form", Message("option.form"), "choice", GENERAL, (GENERAL, PAPER_EXAMPLE))
 
 
 def F(k: Matrix, alpha: Expr, e1: Expr) -> Matrix:
@@ -115,10 +113,7 @@ def as_printed(run: Observed) -> Check:
 
 OBSERVER = Observer(
     id="nonsmooth-adaptive",
-    title="Nonsmooth adaptive observer (Shen, Hu)",
     source="Shen & Hu 2015, eqs. (11)–(12)",
-    summary="Estimates the states and the parameters of a single-output plant that meets the matching condition; "
-    "a homogeneous injection makes it faster far from zero.",
     gains=GAINS,
     write=write,
     checks=checks,
@@ -132,8 +127,8 @@ OBSERVER = Observer(
         ("(8)", "PΦ = Cᵀgᵀ"),
     ),
     where=(
-        ("F", "the nonsmooth injection: strong near zero error"),
-        ("A", "chain of integrators; γ is what else the plant's equations hold"),
-        ("g", "(CΦ)ᵀ, from the matching condition (8)"),
+        ("F", Message("symbol.nonsmooth-injection")),
+        ("A", Message("symbol.integrator-chain")),
+        ("g", Message("symbol.matching-g")),
     ),
 )

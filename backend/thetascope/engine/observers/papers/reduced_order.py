@@ -43,7 +43,7 @@ def hidden_names(context: Context) -> list[str]:
 
 H = Gain(
     "H",
-    "output injection, block after block of unmeasured coordinates; Ã − HC̃ must be stable",
+    Message("gain.injection-h"),
     default_H,
     -1e6,
     1e6,
@@ -164,9 +164,7 @@ def local(run: Observed) -> Check:
 
 OBSERVER = Observer(
     id="reduced-order",
-    title="Reduced-order observer (MIMO, time-varying)",
     source=f"{PAPER}, eq. (17)",
-    summary="Estimates only the states that are not measured, for plants with a vector relative degree that sums to n.",
     gains=(H,),
     write=write,
     checks=checks,
@@ -179,7 +177,7 @@ OBSERVER = Observer(
         ("", "Lφ = {∂φ / ∂t} + {∂φ / ∂x}f"),
     ),
     where=(
-        ("ω", "the part of the normal form that is not measured, shifted by Hy"),
-        ("T", "coordinates of the normal form, by time-varying Lie derivatives"),
+        ("ω", Message("symbol.omega-unmeasured")),
+        ("T", Message("symbol.normal-coordinates")),
     ),
 )

@@ -35,7 +35,7 @@ def default_K(context: Context) -> list[float]:
 
 K = Gain(
     "K",
-    "output injection on the states of L1 and L2, in the plant's order; those of L1 should be 0 (Theorem 1)",
+    Message("gain.injection-sandwich"),
     default_K,
     -1e3,
     1e3,

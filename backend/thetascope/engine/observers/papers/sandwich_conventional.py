@@ -55,9 +55,7 @@ def no_hysteresis(run: Observed) -> Check:
 
 OBSERVER = Observer(
     id="sandwich-conventional",
-    title="Conventional observer for sandwich systems",
     source="Zhou & Tan 2012, eq. (22)",
-    summary="The baseline of the non-smooth observer: takes the hysteresis for a constant slope.",
     gains=(K,),
     write=write,
     checks=checks,
@@ -67,5 +65,5 @@ OBSERVER = Observer(
         ("(22)", "x̂(k + 1) = Ax̂(k) + Bu(k) + K(y(k) − ŷ(k))"),
         ("", "v = ∑ᵢ mᵢx"),
     ),
-    where=(("v", "the hysteresis taken for a constant slope"),),
+    where=(("v", Message("symbol.constant-slope")),),
 )

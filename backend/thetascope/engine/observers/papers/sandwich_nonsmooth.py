@@ -39,7 +39,7 @@ RISING, FALLING = 1, -1
 
 BEFORE = Option(
     "before",
-    "Δx̂(0): 0, as if x̂ had not moved before the start (hold), or by the initial estimate of the previous x (given)",
+    Message("option.before"),
     "choice",
     "hold",
     ("hold", "given"),
@@ -114,9 +114,7 @@ def zones_check(run: Observed) -> Check:
 
 OBSERVER = Observer(
     id="sandwich-nonsmooth",
-    title="Non-smooth observer for sandwich systems (Zhou, Tan)",
     source="Zhou & Tan 2012, eq. (13)",
-    summary="Estimates the states before and after a hysteresis made of backlash operators; switches with their zones.",
     gains=(K,),
     write=write,
     checks=checks,
@@ -130,8 +128,8 @@ OBSERVER = Observer(
         ("(6)", "zᵢ(k) = g₁mᵢ(x(k) − Dᵢ) + g₂mᵢ(x(k) + Dᵢ) + g₃zᵢ(k − 1)"),
     ),
     where=(
-        ("Â", "switches with the zone in which each operator is at x̂: rising, falling or memory"),
-        ("g₁", "1 while rising in the linear zone; g₂ while falling, g₃ in the memory zone"),
-        ("K", "corrects L1 and L2; the operators follow"),
+        ("Â", Message("symbol.switched-matrix")),
+        ("g₁", Message("symbol.zone-indicators")),
+        ("K", Message("symbol.sandwich-correction")),
     ),
 )

@@ -18,21 +18,22 @@ from thetascope.engine.observers.support.common_checks import excitation, persis
 from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.matrices import eye
+from thetascope.messages import Message
 
 GAINS = (
     RHO,
     Gain(
         "lambda",
-        "forgetting factor of Γ: θ̂ follows faster and carries more noise",
+        Message("gain.forgetting-factor"),
         4.0,
         0.0,
         1e3,
         symbol="λ",
         unit="1/s",
     ),
-    Gain("gamma0", "initial Γ, times the unit matrix", 1.0, 1e-9, 1e9, symbol="Γ(0)", live=False),
-    Gain("window", "window T of the excitation level (36)", 2.0, 1e-3, 1e4, symbol="T", unit="s", live=False),
-    Gain("delta", "level δ that the excitation (36) is asked to keep", 0.002, 0.0, 1e9, symbol="δ", live=False),
+    Gain("gamma0", Message("gain.initial-gamma-scale"), 1.0, 1e-9, 1e9, symbol="Γ(0)", live=False),
+    Gain("window", Message("gain.excitation-window-36"), 2.0, 1e-3, 1e4, symbol="T", unit="s", live=False),
+    Gain("delta", Message("gain.excitation-level-36"), 0.002, 0.0, 1e9, symbol="δ", live=False),
 )
 
 
@@ -85,9 +86,7 @@ def diagnostics(run: Observed) -> dict[str, np.ndarray]:
 
 OBSERVER = Observer(
     id="zhao-adaptive",
-    title="Adaptive observer (Zhao, Li, Li)",
     source="Zhao, Li & Li 2012, eq. (34)",
-    summary="Estimates state, actuator and sensor faults of a single-output plant that has a canonical form.",
     gains=GAINS,
     write=write,
     checks=checks,
@@ -101,9 +100,9 @@ OBSERVER = Observer(
         ("(27)", "ŷ = h(x̂) + Ψθ̂"),
     ),
     where=(
-        ("Υ", "how θ moves the estimate of the state"),
-        ("Γ", "gain of the estimate of θ; λ makes it forget"),
-        ("Ω", "how θ moves the output: the excitation"),
-        ("Δ", "diag(ρ, …, ρⁿ), the high gain ρ"),
+        ("Υ", Message("symbol.upsilon")),
+        ("Γ", Message("symbol.gamma-gain")),
+        ("Ω", Message("symbol.omega")),
+        ("Δ", Message("symbol.delta-powers")),
     ),
 )

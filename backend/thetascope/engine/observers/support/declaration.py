@@ -9,6 +9,7 @@ from thetascope.engine.compiler.system import Program
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.support.draft import Draft, Size
+from thetascope.messages import Message
 
 
 @dataclass(frozen=True)
@@ -36,7 +37,7 @@ class Gain:
 
     Args:
         name: unique among the observer's gains.
-        meaning: for the user.
+        meaning: for the user, an entry of the catalogues.
         default: a number, a list, a list of rows, or a function of the Context that returns one of these.
         low, high: bounds of every entry, inclusive.
         size: the number of entries of a column, or of rows of a matrix; None for a single number.
@@ -47,7 +48,7 @@ class Gain:
     """
 
     name: str
-    meaning: str
+    meaning: Message
     default: float | tuple | Callable[[Context], object]
     low: float = 0.0
     high: float = 1e6
@@ -109,7 +110,7 @@ class Option:
     """
 
     name: str
-    meaning: str
+    meaning: Message
     kind: str
     default: object
     choices: tuple[str, ...] = ()
@@ -174,13 +175,11 @@ class Observer:
     """One kind of observer. ``write`` puts its equations into a Draft; it raises SpecError where it cannot be built.
 
     ``equations``: (number in the paper, formula) for a reader, in the notation of engine/language/render/unicode_math.py;
-    ``where``: (symbol, what it is).
+    ``where``: (symbol, its meaning). The catalogues have a title and a summary for every id.
     """
 
     id: str
-    title: str
     source: str
-    summary: str
     gains: tuple[Gain, ...]
     write: Callable[[Draft], None]
     checks: Callable[[Observed], list[Check]]
@@ -189,4 +188,14 @@ class Observer:
     estimates_theta: bool = True
     diagnostics: Callable[[Observed], dict[str, np.ndarray]] = lambda run: {}
     equations: tuple[tuple[str, str], ...] = ()
-    where: tuple[tuple[str, str], ...] = ()
+    where: tuple[tuple[str, Message], ...] = ()
+
+    @property
+    def title(self) -> Message:
+        """Return the name of the kind for the user."""
+        return Message(f"observer.{self.id}.title")
+
+    @property
+    def summary(self) -> Message:
+        """Return the purpose of the kind in a sentence."""
+        return Message(f"observer.{self.id}.summary")

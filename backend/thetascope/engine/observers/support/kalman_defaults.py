@@ -9,6 +9,7 @@ import re
 
 from thetascope.engine.observers.support.declaration import Context, Gain
 from thetascope.engine.observers.support.time_constant import pace
+from thetascope.messages import Message
 
 DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
 HOLD = 0.01  # s, assumed hold time of noise whose sample time is not known
@@ -66,7 +67,7 @@ def _walk(c: Context) -> list[float]:
 
 Q = Gain(
     "q",
-    "process noise: the variance per second by which each state equation may be off",
+    Message("gain.process-noise"),
     process_noise,
     0.0,
     1e15,
@@ -76,7 +77,7 @@ Q = Gain(
 )
 R_INTENSITY = Gain(
     "r",
-    "measurement noise intensity of each output: its variance times the time it holds",
+    Message("gain.noise-intensity"),
     _noise_intensity,
     1e-30,
     1e15,
@@ -86,7 +87,7 @@ R_INTENSITY = Gain(
 )
 R_VARIANCE = Gain(
     "r",
-    "measurement noise of each output: its variance in one sample",
+    Message("gain.noise-variance"),
     lambda c: [s * s for s in noise_std(c)],
     1e-30,
     1e15,
@@ -96,7 +97,7 @@ R_VARIANCE = Gain(
 )
 P0_QUIET = Gain(
     "p0",
-    "initial P, on the diagonal; a large value makes a stiff transient",
+    Message("gain.initial-p-stiff"),
     _quiet_start,
     0.0,
     1e15,
@@ -107,7 +108,7 @@ P0_QUIET = Gain(
 )
 P0 = Gain(
     "p0",
-    "initial P, on the diagonal: how far the first estimate may be off, squared",
+    Message("gain.initial-p"),
     lambda c: [s * s for s in state_scales(c)],
     0.0,
     1e15,
@@ -118,7 +119,7 @@ P0 = Gain(
 )
 LAMBDA = Gain(
     "lambda",
-    "forgetting rate: θ̂ follows faster and carries more noise",
+    Message("gain.forgetting-rate"),
     lambda c: pace(c.model),
     0.0,
     1e3,
@@ -127,7 +128,7 @@ LAMBDA = Gain(
 )
 GAMMA0_QUIET = Gain(
     "gamma0",
-    "initial Γ, on the diagonal; a large value makes a stiff transient",
+    Message("gain.initial-gamma-stiff"),
     lambda c: [1e-4 * s * s for s in typical_sizes(c)],
     1e-30,
     1e15,
@@ -138,7 +139,7 @@ GAMMA0_QUIET = Gain(
 )
 GAMMA0 = Gain(
     "gamma0",
-    "initial covariance of θ̂, on the diagonal: the size of faults to be expected, squared",
+    Message("gain.initial-theta-covariance"),
     lambda c: [s * s for s in typical_sizes(c)],
     1e-30,
     1e15,
@@ -149,7 +150,7 @@ GAMMA0 = Gain(
 )
 Q_THETA = Gain(
     "q_theta",
-    "how fast each θ may move: the standard deviation of a random walk after one second",
+    Message("gain.random-walk"),
     _walk,
     0.0,
     1e15,
@@ -159,7 +160,7 @@ Q_THETA = Gain(
 )
 WINDOW = Gain(
     "window",
-    "window T over which excitation is judged",
+    Message("gain.excitation-window"),
     lambda c: 3 / pace(c.model),
     1e-3,
     1e6,
@@ -169,7 +170,7 @@ WINDOW = Gain(
 )
 DELTA = Gain(
     "delta",
-    "level that the excitation is asked to keep, in (typical fault / its standard deviation)²",
+    Message("gain.excitation-level"),
     1.0,
     0.0,
     1e15,
