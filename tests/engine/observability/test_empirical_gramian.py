@@ -7,7 +7,7 @@ from scipy.linalg import expm
 from tests.engine.plants import engine, oscillator
 from thetascope import library
 from thetascope.assembly import prepare
-from thetascope.engine.observability.empirical_gramian import empirical
+from thetascope.engine.observability.empirical_gramian import Empirical, empirical
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope_schemas import Experiment
@@ -86,3 +86,26 @@ def test_a_plant_that_escapes_is_reported_as_such():
     found = empirical(engine(plant=plant, faults=[], observers=[], horizon=5.0), 0.5)
     assert found.rank[-1] == -1
     assert np.isnan(found.singular[-1]).all()
+
+
+@pytest.mark.parametrize(
+    ("language", "sentence"),
+    [
+        ("en", "rank 4 to 5 of 5 over 2 s, condition 1.5e+02 to 1.5e+02; least visible, from 10 s on: +1 a, 3 times"),
+        ("zh", "2 s 内的秩为 4 至 5（共 5），条件数 1.5e+02 至 1.5e+02；从 10 s 起最不明显的是 +1 a，高出噪声 3 倍"),
+    ],
+)
+def test_the_gramian_is_worded_in_every_language(language, sentence):
+    """Ranks, conditions and the least visible combination are one sentence."""
+    singular = np.array([[900.0, 40.0, 30.0, 20.0, 6.0], [450.0, 40.0, 30.0, 20.0, 3.0]])
+    found = Empirical(
+        window=2.0,
+        names=("x.a", "x.b", "x.c", "x.d", "theta.e"),
+        t=np.array([0.0, 10.0]),
+        gramian=np.zeros((2, 5, 5)),
+        singular=singular,
+        rank=np.array([5, 4]),
+        condition=np.array([150.0, np.inf]),
+        direction=np.array([[1.0, 0, 0, 0, 0], [1.0, 0, 0, 0, 0]]),
+    )
+    assert found.text.text(language).startswith(sentence)

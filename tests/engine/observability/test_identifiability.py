@@ -1,4 +1,4 @@
-"""What can be told from the outputs in principle: plants with known answers."""
+"""Structural observability of states and faults, on plants with known answers."""
 
 from decimal import Decimal
 
@@ -7,7 +7,8 @@ import pytest
 from tests.engine.plants import oscillator
 from thetascope import library
 from thetascope.assembly import check_plant
-from thetascope.engine.observability.identifiability import generic, structure
+from thetascope.engine.observability import identifiability
+from thetascope.engine.observability.identifiability import Group, generic, structure
 from thetascope.engine.observability.observability_matrix import Lie, Point
 from thetascope.engine.observability.taylor import precise
 from thetascope.engine.programs.program_store import plant_program
@@ -46,7 +47,7 @@ def test_a_leak_at_the_bottom_is_an_open_outlet():
     found = structure(data("dts200"))
     assert [(g.channels, g.states, g.hidden) for g in found.groups] == [(("leak2", "clog20"), (), 1)]
     assert found.rank == found.size - 1
-    assert "leak2 and clog20 cannot be told apart by any input" in found.text
+    assert "leak2 and clog20 cannot be told apart by any input" in str(found.text)
 
 
 def test_known_signals_that_do_not_move_confound_two_faults():
@@ -99,8 +100,8 @@ def test_what_shows_in_no_output_is_named():
     told = {(g.channels, g.states) for g in found.groups}
     assert told == {(("lost",), ()), (("bias",), ("x1",)), ((), ("x3",))}
     assert sorted(found.unidentifiable) == ["bias", "lost"]
-    assert "lost shows in no output" in found.text
-    assert "bias cannot be told from the state x1" in found.text
+    assert "lost shows in no output" in str(found.text)
+    assert "bias cannot be told from the state x1" in str(found.text)
     assert found.hidden == 2
 
 
@@ -121,13 +122,42 @@ def test_a_plant_of_a_hundred_unknowns_is_not_decided():
     )
     found = structure(plant)
     assert not found.decided
-    assert found.text == "not decided: the plant is too large"
+    assert str(found.text) == "not decided: the plant is too large"
 
 
 def test_the_check_of_a_plant_tells():
     """What no input can tell apart is a part of the report on a plant, as data and in words."""
     plant = oscillator(channels=[channel("force", x2="1"), channel("slip", x2="2*k")])
-    told = check_plant(Plant.model_validate(plant))["observability"]
-    assert told["not_identifiable"] == ["force", "slip"]
-    assert (told["rank"], told["size"], told["state_rank"], told["states"]) == (3, 4, 2, 2)
-    assert told["text"] == told["groups"][0]["text"] == "force and slip cannot be told apart by any input"
+    seen = check_plant(Plant.model_validate(plant))["observability"]
+    assert seen["not_identifiable"] == ["force", "slip"]
+    assert (seen["rank"], seen["size"], seen["state_rank"], seen["states"]) == (3, 4, 2, 2)
+    assert seen["text"] == seen["groups"][0]["text"] == "force and slip cannot be told apart by any input"
+    chinese = check_plant(Plant.model_validate(plant), "zh")["observability"]
+    assert chinese["text"] == chinese["groups"][0]["text"] == "任何输入都无法区分 force和slip"
+
+
+def test_the_verdict_is_the_same_from_the_cache(tmp_path, monkeypatch):
+    """A stored verdict has the sentences of the computed one, with their codes and arguments."""
+    monkeypatch.setenv("THETASCOPE_CACHE", str(tmp_path))
+    computed = structure(data("dts200"))
+    monkeypatch.setattr(identifiability, "_structure", None)
+    assert structure(data("dts200")) == computed
+
+
+@pytest.mark.parametrize(
+    ("group", "english", "chinese"),
+    [
+        (Group(("a",), (), 1), "a shows in no output", "a 在任何输出中都不显现"),
+        (Group(("a", "b"), (), 2), "a and b show in no output", "a和b 在任何输出中都不显现"),
+        (Group((), ("x1",), 0), "the state x1 cannot be determined from the outputs", "状态 x1 无法由输出确定"),
+        (
+            Group(("a", "b"), ("x1", "x2"), 1),
+            "a and b cannot be told apart by any input, nor from the states x1 and x2",
+            "任何输入都无法区分 a和b，也无法将其与状态 x1和x2 区分",
+        ),
+        (Group(("a",), tuple("uvwxyz"), 0), "a cannot be told from 6 of the states", "a 无法与其中 6 个状态区分"),
+    ],
+)
+def test_a_group_is_worded_in_every_language(group, english, chinese):
+    """Hidden, confounded and unobservable faults and states have their sentences."""
+    assert (group.text.text("en"), group.text.text("zh")) == (english, chinese)

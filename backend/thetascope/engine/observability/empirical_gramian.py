@@ -19,6 +19,7 @@ from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.kalman_defaults import state_scales, typical_sizes
 from thetascope.engine.simulation.experiment import Experiment, State
 from thetascope.engine.simulation.simulation import Simulation
+from thetascope.messages import Message
 
 SIZE = 1e-3  # size of the changes relative to a scale
 RANK = 1e-5  # relative size of a singular value that counts as zero: nonlinearity affects sensitivities at this level
@@ -47,25 +48,26 @@ class Empirical:
     direction: np.ndarray
 
     @property
-    def text(self) -> str:
-        """Return the result in a sentence."""
+    def text(self) -> Message:
+        """Return the ranks, the conditions and the least visible combination in a sentence."""
         seen, size = self.rank[self.rank >= 0], len(self.names)
         if not len(seen):
-            return "the plant does not stay finite over a window"
-        ranks = f"{seen.min()} to {seen.max()}" if seen.min() < seen.max() else f"{seen.min()}"
-        text = f"rank {ranks} of {size} over {self.window:.3g} s"
+            return Message("gramian.diverges")
+        low, high = int(seen.min()), int(seen.max())
+        rank = Message("gramian.ranks", low=low, high=high) if low < high else low
         least = np.where(self.rank >= 0, self.singular[:, -1], np.inf)
         k = int(least.argmin())
         finite = self.condition[np.isfinite(self.condition)]
-        if len(finite):
-            text += f", condition {finite.min():.2g} to {finite.max():.2g}"
         parts = [
             f"{v:+.2g} {n.partition('.')[2]}"
             for n, v in zip(self.names, self.direction[k], strict=True)
             if abs(v) >= _MENTIONED
         ]
-        text += f"; seen least, from {self.t[k]:.4g} s on: {' '.join(parts)}"
-        return text + f", {least[k]:.2g} times above the noise"
+        values = {"rank": rank, "size": size, "window": self.window, "t": self.t[k]}
+        values |= {"direction": " ".join(parts), "level": least[k]}
+        if len(finite):
+            return Message("gramian.conditioned", low=finite.min(), high=finite.max(), **values)
+        return Message("gramian.deficient", **values)
 
 
 def empirical(

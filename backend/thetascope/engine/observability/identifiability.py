@@ -9,7 +9,7 @@ which they are confounded.
 import hashlib
 import json
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from decimal import Decimal
 from random import Random
 
@@ -20,6 +20,7 @@ from thetascope.engine.observability.observability_matrix import Found, Lie, Poi
 from thetascope.engine.observability.taylor import NO_VALUE, exact, precise
 from thetascope.engine.observers.support.time_constant import pace
 from thetascope.engine.programs.program_store import mathematics, plant_program
+from thetascope.messages import Message
 
 WIDTHS = (0.5, 0.05, 0.005, 2.0, 10.0)  # of a state's scale: spread of the points around the initial state
 _DRAWS = 2  # points per width
@@ -35,20 +36,25 @@ class Group:
     hidden: int
 
     @property
-    def text(self) -> str:
-        """Return the group in words."""
-        many = len(self.states) > _LISTED
-        them, states = _listed(self.channels), f"{len(self.states)} of the states" if many else _listed(self.states)
+    def text(self) -> Message:
+        """Return the finding in a sentence."""
+        count = len(self.states)
+        if count > _LISTED:
+            states = Message("identifiability.states-counted", n=count)
+        else:
+            states = Message("identifiability.states-named", n=count, names=self.states)
         if not self.channels:
-            return f"{states} cannot be told from the outputs"
-        beside = (
-            f" {'' if many else 'the states ' if len(self.states) > 1 else 'the state '}{states}" if self.states else ""
-        )
+            return Message("identifiability.states-hidden", states=states)
         if len(self.channels) == 1:
-            return f"{them} cannot be told from{beside}" if beside else f"{them} shows in no output"
-        if self.hidden == len(self.channels) and not self.states:
-            return f"{them} show in no output"
-        return f"{them} cannot be told apart by any input" + (f", nor from{beside}" if beside else "")
+            channel = self.channels[0]
+            if self.states:
+                return Message("identifiability.fault-like-states", channel=channel, states=states)
+            return Message("identifiability.fault-hidden", channel=channel)
+        if self.states:
+            return Message("identifiability.faults-like-states", channels=self.channels, states=states)
+        hidden = self.hidden == len(self.channels)
+        code = "identifiability.faults-hidden" if hidden else "identifiability.faults-alike"
+        return Message(code, channels=self.channels)
 
 
 @dataclass(frozen=True)
@@ -64,21 +70,22 @@ class Structure:
     state_rank: int
     states: int
     groups: tuple[Group, ...]
-    text: str
+    text: Message
 
     @property
     def hidden(self) -> int:
-        """Return the number of combinations of faults that no input reveals."""
+        """Return the number of combinations of faults that no input makes visible."""
         return sum(g.hidden for g in self.groups)
 
     @property
-    def confounded(self) -> str:
-        """Return in words which faults no input can determine; empty if nothing is hidden."""
-        return "; ".join(g.text for g in self.groups if g.hidden)
+    def confounded(self) -> Message | None:
+        """Return which faults no input makes visible or separates, in sentences; None if there are none."""
+        hidden = [g.text for g in self.groups if g.hidden]
+        return _joined(hidden) if hidden else None
 
     @property
     def unidentifiable(self) -> tuple[str, ...]:
-        """Return the channels whose fault cannot be determined separately."""
+        """Return the channels whose fault cannot be isolated."""
         return tuple(c for g in self.groups for c in g.channels)
 
 
@@ -91,10 +98,11 @@ def structure(plant: Mapping, channels: tuple[str, ...] | None = None) -> Struct
     if stored is not None:
         data = json.loads(stored)
         groups = tuple(Group(tuple(g["channels"]), tuple(g["states"]), g["hidden"]) for g in data.pop("groups"))
-        return Structure(**data, groups=groups)
-    result = _structure(plant, names)
-    cache.write("structure", key, json.dumps(asdict(result)).encode())
-    return result
+        return Structure(**data | {"groups": groups, "text": Message.from_data(data["text"])})
+    computed = _structure(plant, names)
+    data = vars(computed) | {"groups": [vars(g) for g in computed.groups], "text": computed.text.as_data()}
+    cache.write("structure", key, json.dumps(data).encode())
+    return computed
 
 
 def _structure(plant: Mapping, channels: tuple[str, ...]) -> Structure:
@@ -104,21 +112,24 @@ def _structure(plant: Mapping, channels: tuple[str, ...]) -> Structure:
     found, why, switches = _found(plant, program, channels)
     if why:
         rank_, state_rank = max((f.rank for f in found), default=0), max((f.states for f in found), default=0)
-        return Structure(False, rank_, size, state_rank, n, (), f"not decided: {why}")
+        return Structure(False, rank_, size, state_rank, n, (), Message("identifiability.undecided", why=why))
     best = max(found, key=lambda f: f.rank)
     with precise():
         groups = _groups(best.null, states, channels)
-    whole = _counted(n, "state") + (f" and {_counted(len(channels), 'fault')}" if channels else "")
-    text = "; ".join(g.text for g in groups)
-    if not groups:
-        text = f"all can be told from the outputs in principle: {whole}"
-    elif switches:
-        text += " (at the points tried: the equations switch)"
+    if groups:
+        text = _joined([g.text for g in groups])
+        if switches:
+            text = Message("identifiability.switching", text=text)
+    else:
+        counts = [Message("common.states", n=n)]
+        if channels:
+            counts.append(Message("identifiability.faults-counted", n=len(channels)))
+        text = Message("identifiability.all", counts=counts)
     return Structure(True, best.rank, size, max(f.states for f in found), n, groups, text)
 
 
-def _found(plant: Mapping, program: Program, channels: tuple[str, ...]) -> tuple[list[Found], str, bool]:
-    """Return the findings at several points, why they do not decide (if so), and whether the equations switch."""
+def _found(plant: Mapping, program: Program, channels: tuple[str, ...]) -> tuple[list[Found], Message | None, bool]:
+    """Return the ranks at several points, why they do not decide the question (or None), and whether the equations switch."""
     findings = []
     with precise():
         try:
@@ -131,8 +142,8 @@ def _found(plant: Mapping, program: Program, channels: tuple[str, ...]) -> tuple
                 if findings[-1].rank == lie.columns:
                     break
         except TooLarge:
-            return findings, "the plant is too large", False
-    return findings, "" if findings else "the equations have no value at the points tried", lie.switches
+            return findings, Message("identifiability.too-large"), False
+    return findings, None if findings else Message("identifiability.no-value"), lie.switches
 
 
 # ---- points ----------------------------------------------------------------------------------------------------------
@@ -206,9 +217,7 @@ def _groups(null: list[list[Decimal]], states: tuple[str, ...], channels: tuple[
     return tuple(groups)
 
 
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}{'' if number == 1 else 's'}"
-
-
-def _listed(names: tuple[str, ...]) -> str:
-    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}" if names else ""
+def _joined(texts: list[Message]) -> Message:
+    """Return sentences as one, separated by semicolons."""
+    first, *rest = texts
+    return Message("identifiability.joined", first=first, rest=_joined(rest)) if rest else first
