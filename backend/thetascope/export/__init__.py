@@ -1,4 +1,4 @@
-"""Results as files: CSV, JSON and MATLAB .mat, whole or in part; the comparison of the observers as CSV."""
+"""Export results as CSV, JSON or MATLAB .mat, in full or in part, and the comparison of the observers as CSV."""
 
 from thetascope.export.comparison_csv import comparison_csv
 from thetascope.export.csv_format import csv_chunks

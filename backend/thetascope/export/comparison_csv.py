@@ -1,4 +1,4 @@
-"""The comparison of a run's observers as CSV: one measure a line, so that any program can filter and pivot it."""
+"""Write the comparison of a run's observers as CSV with one measure per line, easy to filter and pivot."""
 
 import csv
 import io
@@ -13,11 +13,12 @@ Line = tuple[object, ...]
 
 
 def comparison_csv(comparison: Comparison, plant: Plant) -> bytes:
-    """All measures of all observers.
+    """Return all measures of all observers.
 
-    Columns: observer; measure (rmse, peak, settling-10, settling-5, delay, fault-found, fault-covered or
-    fault-missed, and the counts found, covered, missed, false-alarms, isolation-errors; cost); of (the column, channel or output meant); from and until in s (until empty: the end of the
-    run); value; unit. What has no value is `nan`. The cost is measured, so it differs each time; all else does not.
+    Columns: observer; measure (rmse, peak, settling-10, settling-5, delay, fault-found, fault-covered or fault-missed,
+    and the counts found, covered, missed, false-alarms, isolation-errors; cost); of (column, channel or output); from
+    and until in s (until is empty for the end of the run); value; unit. Missing values are `nan`. The cost is measured,
+    so it differs each time; all other values are reproducible.
     """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
@@ -52,7 +53,7 @@ def _missing(value: float | None) -> float:
 
 
 def _written(cell: object) -> object:
-    """Whole floats without their `.0`; the shortest text that reads back the same for others."""
+    """Return whole floats without `.0`, and other floats as the shortest text that reads back exactly."""
     if isinstance(cell, float) and cell.is_integer() and abs(cell) < 1e15:
         return int(cell)
     return "" if cell is None else cell

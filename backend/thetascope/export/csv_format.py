@@ -1,4 +1,4 @@
-"""CSV: one header line, then one line a row; every number is the shortest text that reads back to the same float64."""
+"""Write CSV: a header, then one line per row; every number is the shortest text that reads back to the same float64."""
 
 import csv
 import io
@@ -13,7 +13,7 @@ _BLOCK = 4096
 
 
 def csv_chunks(table: Table) -> Iterator[bytes]:
-    """The file in pieces: the header, then blocks of rows. Missing values (after a divergence) are `nan`."""
+    """Yield the file in pieces: the header, then blocks of rows. Missing values (after a divergence) are `nan`."""
     yield _header(table.names)
     for start in range(0, table.rows, _BLOCK):
         yield _rows(np.ascontiguousarray(table.data[:, start : start + _BLOCK].T))
@@ -26,10 +26,10 @@ def _header(names: tuple[str, ...]) -> bytes:
 
 
 def _rows(block: np.ndarray) -> bytes:
-    """Rows of a C-contiguous (rows, columns) block.
+    """Return the lines of a C-contiguous (rows, columns) block.
 
-    orjson prints an array ten times faster than Python's repr and as exactly; the brackets are taken off afterwards.
-    JSON has no word for nan and infinity (orjson prints null for both), so blocks with an infinity go the slow way.
+    orjson formats an array ten times faster than Python's repr and as exactly; its brackets are removed afterwards.
+    JSON has no nan or infinity (orjson writes null for both), so blocks with an infinity are formatted with repr.
     """
     if np.isinf(block).any():
         return b"".join(b",".join(repr(number).encode() for number in row) + b"\n" for row in block.tolist())

@@ -1,4 +1,4 @@
-"""JSON: columns as plain arrays, or as base64 of little-endian float64 (the `bdata` form that Plotly.js reads too)."""
+"""Write JSON: columns as plain arrays, or as base64 of little-endian float64 (`bdata`, which Plotly.js reads, too)."""
 
 import base64
 
@@ -9,7 +9,7 @@ from thetascope.export.selection import Table
 
 
 def json_bytes(table: Table, encoding: str = "plain") -> bytes:
-    """`{"rows": n, "columns": {name: values}}`: numbers with null for nan, or `{"dtype": "f8", "bdata": …}`."""
+    """Return `{"rows": n, "columns": {name: values}}`: numbers with null for nan, or `{"dtype": "f8", "bdata": …}`."""
     if encoding == "bdata":
         columns = {name: _typed(column) for name, column in zip(table.names, table.data, strict=True)}
     else:

@@ -1,4 +1,4 @@
-"""MATLAB .mat (version 5): one column vector per column, under a name that MATLAB accepts."""
+"""Write MATLAB .mat files (version 5): one column vector per column, under a name that MATLAB accepts."""
 
 import io
 import re
@@ -12,12 +12,12 @@ _LONGEST = 63
 
 
 def matlab_bytes(table: Table) -> bytes:
-    """The file's bytes.
+    """Return the file's bytes.
 
-    Column `adaptive.theta.theta1` becomes the variable `adaptive_theta_theta1` (see :func:`matlab_names`); the cell
-    array `columns` holds the names as they are elsewhere, `variables` the names used here, in the same order.
+    Column `adaptive.theta.theta1` becomes the variable `adaptive_theta_theta1` (see :func:`matlab_names`). The cell
+    array `columns` holds the original names, `variables` the names used here, in the same order.
     """
-    from scipy.io import savemat  # slow to import, and only this needs it
+    from scipy.io import savemat  # slow to import and used only here
 
     variables = matlab_names(table.names)
     contents: dict[str, np.ndarray] = dict(zip(variables, table.data, strict=True))
@@ -29,9 +29,9 @@ def matlab_bytes(table: Table) -> bytes:
 
 
 def matlab_names(names: Sequence[str]) -> list[str]:
-    """Valid, distinct variable names: other characters than letters, digits and `_` become `_`; at most 63 long."""
+    """Return valid, distinct variable names of at most 63 characters; all but letters, digits and `_` become `_`."""
     taken: set[str] = {"columns", "variables"}
-    made = []
+    variables = []
     for name in names:
         base = re.sub(r"[^A-Za-z0-9_]", "_", name)
         base = (base if base[:1].isascii() and base[:1].isalpha() else f"c_{base}")[:_LONGEST]
@@ -40,8 +40,8 @@ def matlab_names(names: Sequence[str]) -> list[str]:
             suffix = f"_{count}"
             candidate, count = base[: _LONGEST - len(suffix)] + suffix, count + 1
         taken.add(candidate)
-        made.append(candidate)
-    return made
+        variables.append(candidate)
+    return variables
 
 
 def _cells(texts: Sequence[str]) -> np.ndarray:

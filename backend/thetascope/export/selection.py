@@ -1,4 +1,4 @@
-"""The part of a result that is asked for: a range of time, some columns, every n-th row."""
+"""Select a part of a result: a range of time, some columns, every n-th row."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -21,7 +21,7 @@ class Table:
 
     @property
     def rows(self) -> int:
-        """Number of rows that are written."""
+        """Return the number of rows."""
         return self.data.shape[1]
 
 
@@ -33,13 +33,13 @@ def select(
     every: int = 1,
     points: int | None = None,
 ) -> Table:
-    """Rows with `start` <= t <= `end` (s), every `every`-th of them or as few as make at most `points` rows.
+    """Return rows with `start` <= t <= `end` (s): every `every`-th of them, or at most `points` evenly spaced rows.
 
-    `columns` are names or patterns with `*` (`adaptive.theta.*`), in the order wanted; None gives all.
+    `columns` are names or patterns with `*` (`adaptive.theta.*`), in output order; None selects all.
     Without a range and decimation the table shares the result's memory. Raises SpecError for an unknown column.
     """
     time = result.data[result.names.index("t")]
-    # Row k is at k·record, which may miss a decimal by a rounding.
+    # The time of row k is k·record, which may differ from the decimal number by a rounding error.
     slack = 1e-9 * max(1.0, abs(float(time[-1])))
     first = 0 if start is None else int(np.searchsorted(time, start - slack, side="left"))
     last = time.size if end is None else int(np.searchsorted(time, end + slack, side="right"))
@@ -53,12 +53,12 @@ def select(
     return Table(tuple(result.names[i] for i in chosen), result.data[chosen, rows])
 
 
-def _indices(names: tuple[str, ...], wanted: Sequence[str]) -> list[int]:
+def _indices(names: tuple[str, ...], patterns: Sequence[str]) -> list[int]:
     chosen: dict[int, None] = {}
-    for pattern in wanted:
-        found = [i for i, name in enumerate(names) if name == pattern or fnmatchcase(name, pattern)]
-        if not found:
+    for pattern in patterns:
+        matching = [i for i, name in enumerate(names) if name == pattern or fnmatchcase(name, pattern)]
+        if not matching:
             hint = Message.from_data(suggestion(pattern[:80], names))
             raise SpecError("columns", pattern, Message("export.column.unknown", name=pattern[:80]), hint)
-        chosen.update(dict.fromkeys(found))
+        chosen.update(dict.fromkeys(matching))
     return list(chosen)

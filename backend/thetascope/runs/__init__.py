@@ -1,1 +1,1 @@
-"""Runs: from a spec to a result, in worker threads, with progress, cancellation and a memory."""
+"""Run specs in worker threads, with progress, cancellation and a cache of recent runs."""

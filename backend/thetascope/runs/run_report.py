@@ -7,8 +7,8 @@ from thetascope.runs.specs.resolve_spec import plant_of
 
 
 def report_html(finished: Finished, command: str | None = None, language: str = "en") -> str:
-    """Return the run as one HTML file in a language. `command` is the command line that makes it again, if there is one."""
-    from thetascope.report.html_report import report  # only reports need it
+    """Return the run as one HTML file in a language; `command` is the command line that reproduces it, if known."""
+    from thetascope.report.html_report import report  # imported only for reports
 
     snapshot = finished.snapshot
     created = datetime.fromtimestamp(snapshot.created, UTC).strftime("%Y-%m-%d %H:%M UTC")

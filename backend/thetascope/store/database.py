@@ -1,4 +1,4 @@
-"""One SQLite file, opened for several threads and several processes, brought to the current schema."""
+"""Access one SQLite file from several threads and processes, and migrate it to the current schema."""
 
 import sqlite3
 import threading
@@ -31,11 +31,11 @@ class StoreError(RuntimeError):
 
 
 class Database:
-    """Two connections to the file, one for writing and one for reading, each under a lock of its own.
+    """Two connections to the file, one for writing and one for reading, each with its own lock.
 
-    The write-ahead log lets the reader go on while a large result is written, and other processes read and write
-    too (they wait for the lock up to `timeout` seconds). A crash loses at most the last transactions, never the file:
-    runs are functions of their specs, so lost ones are recomputed.
+    The write-ahead log lets reads continue while a large result is written, and lets other processes read and write
+    (they wait for the lock up to `timeout` seconds). A crash loses at most the last transactions, never the file. Lost
+    runs are recomputed from their specs.
     """
 
     def __init__(self, path: Path, timeout: float = 10.0) -> None:
@@ -57,7 +57,7 @@ class Database:
 
     @contextmanager
     def writing(self) -> Iterator[sqlite3.Connection]:
-        """Yield the connection in a write transaction: committed at the end, rolled back on an error."""
+        """Yield the connection in a write transaction; commit at the end, roll back on an error."""
         with self._locks["write"], self._explained():
             connection = self._connections["write"]
             connection.execute("BEGIN IMMEDIATE")
@@ -69,7 +69,7 @@ class Database:
             connection.commit()
 
     def close(self) -> None:
-        """Close both connections; the log is merged into the file."""
+        """Close both connections; SQLite then merges the log into the file."""
         for name, connection in self._connections.items():
             with self._locks[name]:
                 connection.close()
@@ -79,7 +79,7 @@ class Database:
             self.path, timeout=self._timeout, isolation_level=None, check_same_thread=False, cached_statements=64
         )
         connection.row_factory = sqlite3.Row
-        connection.execute("PRAGMA page_size = 8192")  # of a new file; results are megabytes
+        connection.execute("PRAGMA page_size = 8192")  # applies to a new file; results are megabytes
         connection.execute("PRAGMA auto_vacuum = INCREMENTAL")
         connection.execute("PRAGMA journal_mode = WAL")
         connection.execute("PRAGMA synchronous = NORMAL")
@@ -97,7 +97,7 @@ class Database:
 
 
 def migrate(connection: sqlite3.Connection, path: Path) -> None:
-    """Apply the migrations that the file has not seen; another process may be doing the same at this moment."""
+    """Apply the migrations that are new to the file; other processes may do so concurrently."""
     if _version(connection) == len(MIGRATIONS):
         return
     connection.execute("BEGIN IMMEDIATE")
@@ -117,7 +117,7 @@ def _version(connection: sqlite3.Connection) -> int:
 
 
 def _explain(path: Path, error: sqlite3.Error) -> Message:
-    """Return the reason behind an error of SQLite, by its text."""
+    """Return the reason for an SQLite error, derived from its text."""
     detail = str(error)
     args = {"path": str(path), "detail": detail}
     if "locked" in detail or "busy" in detail:

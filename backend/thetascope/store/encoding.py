@@ -1,4 +1,4 @@
-"""A result as a short JSON head and one block of float64, and back without a bit of difference in the numbers."""
+"""Encode a result as a short JSON head and one block of float64, and decode it bit-identically."""
 
 import json
 from typing import Any
@@ -10,7 +10,7 @@ from thetascope.messages import Message
 
 
 def encode(result: Result) -> tuple[str, np.ndarray]:
-    """The head and the numbers, an array of shape (columns, rows) that SQLite writes without a copy."""
+    """Return the head and the numbers, an array of shape (columns, rows) that SQLite writes without a copy."""
     head = {
         "names": result.names,
         "observers": [_report_data(report) for report in result.observers],
@@ -26,7 +26,7 @@ def encode(result: Result) -> tuple[str, np.ndarray]:
 
 
 def decode(head: str, data: bytes, rows: int) -> Result:
-    """The result; its array is read-only and shares the memory of `data`."""
+    """Return the result; its array is read-only and shares the memory of `data`."""
     values: dict[str, Any] = json.loads(head)
     names = tuple(values["names"])
     return Result(

@@ -1,4 +1,4 @@
-"""Runs in the store: one row per spec, and its result while there is room."""
+"""Runs in the store: one row per spec, and its result while space permits."""
 
 import json
 import sqlite3
@@ -18,7 +18,7 @@ _BRIEF = "id, title, status, error, summary, engine, created, pinned"
 
 @dataclass(frozen=True)
 class Record:
-    """A stored run without its numbers. `spec` is the experiment as JSON text, empty in listings."""
+    """A stored run without its result. `spec` is the experiment as JSON text, empty in listings."""
 
     id: str
     spec: str
@@ -34,7 +34,7 @@ class Record:
 class RunStore:
     """Reads and writes runs. A result belongs to a run and to the version of the engine that computed it.
 
-    `limit` is the room for results in bytes: beyond it the least recently used ones of unpinned runs are deleted.
+    `limit` is the space for results in bytes: beyond it, the least recently used results of unpinned runs are deleted.
     """
 
     def __init__(self, database: Database, limit: int) -> None:
@@ -42,7 +42,7 @@ class RunStore:
         self._limit = limit
 
     def put(self, record: Record) -> None:
-        """Insert or update a run; the time of creation and the pin of an existing one stay."""
+        """Insert or update a run; an existing one keeps its time of creation and its pin."""
         values = (
             record.id,
             record.spec,
@@ -70,37 +70,37 @@ class RunStore:
         return _record(row) if row else None
 
     def page(self, limit: int = 100, offset: int = 0) -> list[Record]:
-        """Runs without their specs, newest first."""
+        """Return runs without their specs, newest first."""
         query = f"SELECT '' AS spec, {_BRIEF} FROM runs ORDER BY created DESC, id LIMIT ? OFFSET ?"
         with self._database.reading() as connection:
             return [_record(row) for row in connection.execute(query, (limit, offset))]
 
     def ids(self, prefix: str, limit: int = 3) -> list[str]:
-        """Ids that start with `prefix`: the near matches of a mistyped one."""
+        """Return ids that start with `prefix`, to suggest for a mistyped one."""
         query = "SELECT id FROM runs WHERE substr(id, 1, ?) = ? ORDER BY created DESC LIMIT ?"
         with self._database.reading() as connection:
             return [row["id"] for row in connection.execute(query, (len(prefix), prefix, limit))]
 
     def pin(self, id: str, pinned: bool) -> bool:
-        """Keep the run's result (or no longer). False when there is no such run."""
+        """Keep the run's result, or allow its deletion again. Return False if the run does not exist."""
         with self._database.writing() as connection:
             return connection.execute("UPDATE runs SET pinned = ? WHERE id = ?", (pinned, id)).rowcount > 0
 
     def delete(self, id: str) -> bool:
-        """Remove the run, its spec and its results. False when there is no such run."""
+        """Remove the run, its spec and its results. Return False if the run does not exist."""
         with self._database.writing() as connection:
             connection.execute("DELETE FROM results WHERE id = ?", (id,))
             return connection.execute("DELETE FROM runs WHERE id = ?", (id,)).rowcount > 0
 
     def interrupted(self, error: dict[str, Any]) -> None:
-        """Mark runs that an earlier server accepted and did not finish as failed."""
+        """Mark runs as failed that an earlier server accepted and did not finish."""
         with self._database.writing() as connection:
             connection.execute(
                 "UPDATE runs SET status = 'failed', error = ? WHERE status IN ('queued', 'running')", (_dump(error),)
             )
 
     def put_result(self, id: str, engine: str, result: Result) -> bool:
-        """Keep a result, and make room for it. False when it alone exceeds the limit and is not kept."""
+        """Store a result, deleting others if space is short. Return False, storing nothing, if it exceeds the limit."""
         head, data = encode(result)
         size = len(head) + data.nbytes
         if size > self._limit:
@@ -114,7 +114,7 @@ class RunStore:
         return True
 
     def get_result(self, id: str, engine: str) -> Result | None:
-        """The run's result as this engine computed it, bit for bit, or None when it is not (or no longer) here."""
+        """Return the run's result, bit-identical to what this engine computed, or None if it is not stored."""
         with self._database.reading() as connection:
             row = connection.execute(
                 "SELECT head, rows, data, used FROM results WHERE id = ? AND engine = ?", (id, engine)
@@ -134,14 +134,14 @@ class RunStore:
             return connection.execute(query, (id, engine)).fetchone() is not None
 
     def usage(self) -> dict[str, int]:
-        """How many runs and results are kept, and the bytes of the results with their limit."""
+        """Return the number of stored runs and results, and the bytes of the results with their limit."""
         with self._database.reading() as connection:
             runs = connection.execute("SELECT count(*) FROM runs").fetchone()[0]
             results, size = connection.execute("SELECT count(*), coalesce(sum(size), 0) FROM results").fetchone()
         return {"runs": runs, "results": results, "bytes": size, "limit": self._limit}
 
     def _evict(self, connection: sqlite3.Connection) -> None:
-        """Delete results, oldest use first, until the rest fits. Pinned ones stay even when they fill the room."""
+        """Delete the least recently used results until the rest fits. Pinned ones stay even beyond the limit."""
         excess = connection.execute("SELECT coalesce(sum(size), 0) FROM results").fetchone()[0] - self._limit
         if excess <= 0:
             return

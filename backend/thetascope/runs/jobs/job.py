@@ -1,4 +1,4 @@
-"""A queued or active run: its status, its progress, and the future that its end resolves."""
+"""A queued or active run: its status, its progress, and the future that its outcome resolves."""
 
 import time
 from concurrent.futures import Future
@@ -13,7 +13,7 @@ from thetascope_schemas.service.run import Problem, RunSummary, Status
 
 @dataclass(frozen=True)
 class Snapshot:
-    """A run at one moment. `spec` is as it was posted, `created` is Unix time."""
+    """A run at one moment. `spec` is the experiment as posted, `created` is Unix time."""
 
     id: str
     spec: Experiment
@@ -26,7 +26,7 @@ class Snapshot:
 
     @property
     def active(self) -> bool:
-        """Whether the run is still waiting or running."""
+        """Return whether the run is queued or running."""
         return self.status in ("queued", "running")
 
 
@@ -51,33 +51,33 @@ class Job:
     _cancel: Event = field(default_factory=Event)
 
     def __post_init__(self) -> None:
-        self.done.set_running_or_notify_cancel()  # a client that goes away must not be able to cancel it
+        self.done.set_running_or_notify_cancel()  # a disconnecting client must not cancel it
 
     def snapshot(self) -> Snapshot:
-        """The run as it is now."""
+        """Return the present state of the run."""
         return Snapshot(self.id, self.spec, self.status, self.created, self.progress, pinned=self.pinned)
 
     def begin(self, seconds: float) -> None:
-        """The run starts and has so many seconds."""
+        """Mark the run as running, with a time limit in seconds."""
         self.status = "running"
         self.deadline = time.monotonic() + seconds
 
     def report(self, progress: float) -> None:
-        """The kernel's loop tells the share done."""
+        """Record the share done; called by the kernel's loop."""
         self.progress = min(max(progress, self.progress), 1.0)
 
     def cancel(self) -> None:
-        """Ask the run to end; the kernel's loop and the worker look at it."""
+        """Request the run to end; the kernel's loop and the worker check this."""
         self._cancel.set()
 
     @property
     def cancelled(self) -> bool:
-        """Whether somebody asked to cancel the run."""
+        """Return whether cancellation was requested."""
         return self._cancel.is_set()
 
     @property
     def late(self) -> bool:
-        """Whether the run has used up its time."""
+        """Return whether the run has used up its time."""
         return self.deadline is not None and time.monotonic() > self.deadline
 
     def stopped(self) -> bool:
@@ -87,17 +87,17 @@ class Job:
 
 @dataclass(frozen=True)
 class Ended:
-    """A run that has ended. A failed or cancelled one is only this; one that has a result is a :class:`Finished`."""
+    """A run that has ended. Failed and cancelled runs have only this; a run with a result is a :class:`Finished`."""
 
     snapshot: Snapshot
 
     @property
     def size(self) -> int:
-        """Bytes of the result."""
+        """Return the bytes of the result."""
         return 0
 
     def with_snapshot(self, **changes: Any) -> Self:
-        """Return the same with fields of the snapshot replaced."""
+        """Return a copy with fields of the snapshot replaced."""
         return replace(self, snapshot=replace(self.snapshot, **changes))
 
 
@@ -109,5 +109,5 @@ class Finished(Ended):
 
     @property
     def size(self) -> int:
-        """Bytes of the result."""
+        """Return the bytes of the result."""
         return self.result.data.nbytes

@@ -1,4 +1,4 @@
-"""The run manager: one place that knows every run, whether under way, in memory or in the store."""
+"""The run manager: access to every run, whether active, in memory or in the store."""
 
 from dataclasses import replace
 from threading import Lock
@@ -19,11 +19,11 @@ from thetascope_schemas.experiment.experiment import Experiment
 
 
 class RunManager:
-    """Starts runs and answers for them.
+    """Starts runs and returns their status and results.
 
-    A spec that was run before is answered from memory or the store, one that is under way joins it. Otherwise it is
-    prepared and run in worker threads, and its result is written to the store in the background: a run is a function
-    of its spec, so a result lost in a crash is only computed again.
+    A spec that was run before is answered from memory or from the store; one that is running now joins that run. Any
+    other is prepared and run in worker threads, and its result is written to the store in the background. A result that
+    is lost in a crash is recomputed from its spec.
     """
 
     def __init__(self, settings: Settings, store: RunStore) -> None:
@@ -37,7 +37,7 @@ class RunManager:
         store.interrupted(INTERRUPTED.model_dump(mode="json"))
 
     def submit(self, spec: Experiment) -> Snapshot | Job:
-        """The run of a spec: a snapshot if it has a result, else the job that computes it.
+        """Return the run of a spec: a snapshot if it has a result, else the job that computes it.
 
         Raises:
             InvalidSpec: names that do not fit the plant, or more steps or numbers than the limits allow.
@@ -47,7 +47,7 @@ class RunManager:
         id = complete.spec_hash()
         known = self._known(id)
         if known is not None and self._has_result(known):
-            return self._respelt(known, spec)
+            return self._with_posted_spec(known, spec)
         kept = {} if known is None else {"created": known.created, "pinned": known.pinned}
         with self._lock:
             job = self._jobs.get(id)
@@ -60,7 +60,7 @@ class RunManager:
         return job
 
     def get(self, id: str) -> Snapshot:
-        """The run as it is now. Raises :class:`Unknown`."""
+        """Return the present state of the run. Raises :class:`Unknown`."""
         job = self._jobs.get(id)
         snapshot = self._known(id) if job is None else job.snapshot()
         if snapshot is None:
@@ -70,16 +70,16 @@ class RunManager:
         return snapshot
 
     def job(self, id: str) -> Job | None:
-        """The run's job while it is under way."""
+        """Return the run's job while it is active."""
         return self._jobs.get(id)
 
     def page(self, limit: int, offset: int) -> tuple[list[Snapshot], list[Record]]:
-        """The runs under way, and a page of the stored ones (records without specs), newest first."""
+        """Return the active runs, and a page of the stored ones (records without specs), newest first."""
         active = sorted((job.snapshot() for job in list(self._jobs.values())), key=lambda run: -run.created)
         return active, self._store.page(limit, offset)
 
     def finished(self, id: str) -> Finished | Job:
-        """The run with its result, or the job that computes it (again, if the store has let it go).
+        """Return the run with its result, or the job that computes it (again, if the store has dropped it).
 
         Raises :class:`Unknown`, or :class:`NotReady` for a run that failed or was cancelled.
         """
@@ -101,17 +101,17 @@ class RunManager:
         return again if isinstance(again, Job) else self.finished(again.id)
 
     def announce(self, job: Job) -> None:
-        """Keep the spec of a run whose client was told to come back for it."""
+        """Store the spec of a run that was accepted and whose result the client will fetch later."""
         with self._lock:
             if (
                 self._jobs.get(job.id) is job and not job.announced and not job.ending
-            ):  # else "running" would be written last
+            ):  # otherwise "running" would be written last
                 job.announced = True
                 record = record_of(job.snapshot())
                 self._writer.later(lambda: self._store.put(record))
 
     def cancel(self, id: str) -> Snapshot:
-        """Ask a run under way to stop; a run that has ended stays as it is. Raises :class:`Unknown`."""
+        """Request an active run to stop; a run that has ended stays unchanged. Raises :class:`Unknown`."""
         job = self._jobs.get(id)
         if job is not None:
             job.cancel()
@@ -120,13 +120,13 @@ class RunManager:
         return self.get(id)
 
     def remove(self, id: str) -> None:
-        """Forget a run that has ended, with its spec. Raises :class:`Unknown`."""
+        """Remove a run that has ended, with its spec. Raises :class:`Unknown`."""
         self.get(id)
         self._memory.remove(id)
         self._writer.now(lambda: self._store.delete(id))
 
     def pin(self, id: str, pinned: bool) -> Snapshot:
-        """Keep the run's result when the store needs room, or no longer. Raises :class:`Unknown`."""
+        """Keep the run's result when the store needs space, or allow its deletion again. Raises :class:`Unknown`."""
         snapshot = self.get(id)
         if snapshot.active:
             raise NotReady(Message("run.pin.under-way"))
@@ -146,7 +146,7 @@ class RunManager:
         self._writer.close()
 
     def _known(self, id: str) -> Snapshot | None:
-        """The run as memory or the store has it."""
+        """Return the run from memory or from the store."""
         entry = self._memory.get(id)
         if entry is not None:
             return entry.snapshot
@@ -159,8 +159,8 @@ class RunManager:
         entry = self._memory.get(snapshot.id)
         return entry is not None or self._store.has_result(snapshot.id, engine_version())
 
-    def _respelt(self, snapshot: Snapshot, spec: Experiment) -> Snapshot:
-        """The run under the spec as it is posted now: title and figures are no part of the id, the newer ones count."""
+    def _with_posted_spec(self, snapshot: Snapshot, spec: Experiment) -> Snapshot:
+        """Return the run with the spec as posted; title and figures are not part of the id, and the newer ones win."""
         if snapshot.spec == spec:
             return snapshot
         snapshot = replace(snapshot, spec=spec)
@@ -170,7 +170,7 @@ class RunManager:
         return snapshot
 
     def _end(self, job: Job, end: Ended | InvalidSpec) -> None:
-        """A job has ended: remember it, write it, and wake who waits. The second of two ends is passed over."""
+        """Record a job's outcome, write it, and wake all waiting requests. A second outcome is ignored."""
         with self._lock:
             if self._jobs.get(job.id) is not job or job.ending:
                 return
@@ -178,7 +178,7 @@ class RunManager:
             if isinstance(end, InvalidSpec) and job.announced:
                 end = Ended(replace(job.snapshot(), status="failed", problem=refused(end)))
         if isinstance(end, Ended):
-            self._keep(end)  # queued before anybody can see the end: who then removes or pins the run comes after it
+            self._keep(end)  # queued before the outcome is visible, so that a later removal or pin is written after it
         with self._lock:
             if isinstance(end, Ended):
                 self._memory.put(end)

@@ -1,4 +1,4 @@
-"""The runs that ended last, in memory up to a size: figures and data follow a run without reading it back."""
+"""Recently ended runs in memory, up to a size: figures and data are often requested right after a run."""
 
 from collections import OrderedDict
 from threading import Lock
@@ -10,7 +10,7 @@ _COUNT = 2000
 
 
 class Memory:
-    """A least-recently-used map from run id to how it ended, of at most `limit` bytes of results."""
+    """A least-recently-used map from run id to outcome, with at most `limit` bytes of results."""
 
     def __init__(self, limit: int) -> None:
         self._limit = limit
@@ -19,7 +19,7 @@ class Memory:
         self._lock = Lock()
 
     def get(self, id: str) -> Ended | None:
-        """Return the run, if it is here; it then counts as the latest."""
+        """Return the run if it is in memory, and mark it as the most recently used."""
         with self._lock:
             entry = self._entries.get(id)
             if entry is not None:
@@ -27,7 +27,7 @@ class Memory:
             return entry
 
     def put(self, entry: Ended) -> None:
-        """Add a run, and drop the least recently used ones where there is no room."""
+        """Add a run, and drop the least recently used ones if necessary."""
         with self._lock:
             self._remove(entry.snapshot.id)
             self._entries[entry.snapshot.id] = entry
@@ -36,14 +36,14 @@ class Memory:
                 self._remove(next(iter(self._entries)))
 
     def change(self, id: str, **changes: Any) -> None:
-        """Replace fields of the snapshot, if the run is here."""
+        """Replace fields of the snapshot if the run is in memory."""
         with self._lock:
             entry = self._entries.get(id)
             if entry is not None:
                 self._entries[id] = entry.with_snapshot(**changes)
 
     def remove(self, id: str) -> None:
-        """Drop the run, if it is here."""
+        """Drop the run if it is in memory."""
         with self._lock:
             self._remove(id)
 

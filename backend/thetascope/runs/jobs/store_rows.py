@@ -1,4 +1,4 @@
-"""Between the snapshots of the run manager and the rows of the store."""
+"""Convert between snapshots of the run manager and rows of the store."""
 
 import json
 
@@ -15,7 +15,7 @@ _SEVERAL = "\x1f"
 
 
 def record_of(snapshot: Snapshot) -> Record:
-    """The row that keeps a run."""
+    """Return the row that stores a run."""
     return Record(
         id=snapshot.id,
         spec=snapshot.spec.model_dump_json(context={"language": ALL}),
@@ -39,12 +39,12 @@ def title_of(run: Snapshot | Record, language: str) -> str:
 
 
 def _written(title: str) -> str:
-    """Return the text that keeps a title; one in several languages as JSON behind a mark that no title begins with."""
+    """Return the text that stores a title; one in several languages as JSON behind a mark that no title begins with."""
     return _SEVERAL + json.dumps(title.texts, ensure_ascii=False) if isinstance(title, LocalText) else title
 
 
 def snapshot_of(record: Record) -> Snapshot:
-    """The run that a row keeps."""
+    """Return the run that a row stores."""
     return Snapshot(
         id=record.id,
         spec=Experiment.model_validate_json(record.spec),

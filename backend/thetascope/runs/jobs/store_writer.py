@@ -1,4 +1,4 @@
-"""Writing to the store in the background, in order, with a bounded queue."""
+"""Write to the store in the background, in order, with a bounded queue."""
 
 import logging
 from collections.abc import Callable
@@ -11,19 +11,19 @@ from thetascope.store import StoreError
 log = logging.getLogger(__name__)
 
 _WAITING = 8
-"""Writes that may wait; who brings one more waits for the disk."""
+"""Most queued writes; another one blocks until the disk has caught up."""
 Value = TypeVar("Value")
 
 
 class Writer:
-    """One thread through which all writes go, so that they reach the store in the order asked for."""
+    """One thread that performs all writes in the order of the requests."""
 
     def __init__(self) -> None:
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="store")
         self._room = BoundedSemaphore(_WAITING)
 
     def later(self, write: Callable[[], object]) -> None:
-        """Write soon. A failure is logged: the run stays in memory, and can be computed again."""
+        """Queue a write. A failure is logged: the run stays in memory and can be recomputed."""
         self._room.acquire()
         try:
             self._thread.submit(self._quietly, write)
@@ -32,11 +32,11 @@ class Writer:
             raise
 
     def now(self, write: Callable[[], Value]) -> Value:
-        """Write after all that waits, and return the answer or raise the :class:`StoreError`."""
+        """Perform a write after all queued ones; return its value or raise the :class:`StoreError`."""
         return self._thread.submit(write).result()
 
     def close(self) -> None:
-        """Write the queued records, and stop."""
+        """Perform the queued writes, and stop."""
         self._thread.shutdown(wait=True)
 
     def _quietly(self, write: Callable[[], object]) -> None:

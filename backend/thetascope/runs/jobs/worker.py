@@ -1,4 +1,4 @@
-"""From a job to its end, in worker threads: prepare (check, compile), hold the cost against the limits, run."""
+"""Process jobs in worker threads: prepare (check, compile), compare the cost with the limits, run."""
 
 import logging
 from collections.abc import Callable
@@ -26,7 +26,7 @@ End = Callable[[Job, Ended | InvalidSpec], None]
 
 
 def allow(spec: ResolvedExperiment, cost: "Cost", settings: Settings) -> None:
-    """Refuse a run that asks for more steps or numbers than the settings allow. Raises InvalidSpec, in numbers."""
+    """Refuse a run with more steps or numbers than the settings allow. Raises InvalidSpec with the figures."""
     if cost.steps > settings.max_steps:
         raise invalid(
             "horizon",
@@ -48,10 +48,10 @@ def allow(spec: ResolvedExperiment, cost: "Cost", settings: Settings) -> None:
 
 
 class Execution:
-    """The threads. `end` is called once for each started job, with its outcome.
+    """The worker threads. `end` is called once for each started job, with its outcome.
 
-    Kernels run outside Python's lock, so the workers use several cores. Preparing has threads of its own: a wrong spec
-    is refused at once, even while long runs fill the workers.
+    Kernels run outside Python's lock, so the workers use several cores. Preparation has separate threads, so that a
+    wrong spec is refused immediately even while long runs occupy the workers.
     """
 
     def __init__(self, settings: Settings, end: End) -> None:
@@ -65,14 +65,14 @@ class Execution:
         self._preparers.submit(self._guarded, job, lambda: self._prepare(job, spec))
 
     def close(self) -> None:
-        """Wait for the threads; the jobs are to be cancelled before."""
+        """Wait for the threads; cancel the jobs first."""
         self._preparers.shutdown(wait=True)
         self._workers.shutdown(wait=True)
 
     def _prepare(self, job: Job, spec: ResolvedExperiment) -> None:
         if job.cancelled:
             raise Cancelled
-        from thetascope.assembly import prepare  # SymPy comes with it, so the service starts without
+        from thetascope.assembly import prepare  # imports SymPy, so it is not imported at the start of the service
 
         prepared = prepare(spec)
         allow(spec, prepared.cost, self._settings)
@@ -86,7 +86,7 @@ class Execution:
         self._end(job, completed(job.snapshot(), result, prepared.spec))
 
     def _guarded(self, job: Job, stage: Callable[[], None]) -> None:
-        """Run a stage; whatever it raises becomes the job's end, so that nobody waits for ever."""
+        """Run a stage; any exception becomes the job's outcome, so that nobody waits forever."""
         try:
             stage()
         except SpecError as error:
@@ -109,10 +109,10 @@ class Execution:
 
 
 def completed(snapshot: Snapshot, result: Result, spec: ResolvedExperiment) -> Finished:
-    """The end of a run that has a result."""
+    """Return the outcome of a run that has a result."""
     return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result, spec)), result)
 
 
 def failed(job: Job, why: Message) -> Ended:
-    """Return the end of a run that has no result."""
+    """Return the outcome of a run that has no result."""
     return Ended(replace(job.snapshot(), status="failed", problem=problem(500, why)))

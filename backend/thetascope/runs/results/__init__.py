@@ -1,1 +1,1 @@
-"""Derived from a result: its summary, its comparison, the version of the numbers."""
+"""Values derived from a result: its summary, its comparison, the version of the numbers."""

@@ -1,4 +1,4 @@
-"""The comparison of a run's observers in the schemas' terms."""
+"""Convert the comparison of a run's observers to schemas."""
 
 from dataclasses import asdict
 
@@ -26,23 +26,26 @@ def compared(result: Result, spec: Experiment) -> Comparison:
     return comparison_rows(compare(result, spec.faults, findings(result)))
 
 
-def comparison_rows(found: Compared) -> Comparison:
-    """Return a comparison in the schemas' terms."""
+def comparison_rows(comparison: Compared) -> Comparison:
+    """Return a comparison as a schema."""
     return Comparison.model_validate(
-        {"windows": [asdict(window) for window in found.windows], "observers": [_row(row) for row in found.rows]}
+        {
+            "windows": [asdict(window) for window in comparison.windows],
+            "observers": [_row(row) for row in comparison.rows],
+        }
     )
 
 
-def facts_of(result: Result, spec: ResolvedExperiment, found: Compared) -> Facts:
-    """Return the facts at the end of a run: of a session that was saved, those of the session."""
-    told = findings(result).get(DETECTOR)
-    judgement = next((row.judgement for row in found.rows if row.label == DETECTOR), None)
-    settled = told.calibration.from_time if told and told.calibration else 0.0
-    note = told.note if told else Message("diagnosis.none.disabled")
-    alarms = sorted(told.alarms, key=lambda alarm: alarm.t) if told and judgement else ()
+def facts_of(result: Result, spec: ResolvedExperiment, comparison: Compared) -> Facts:
+    """Return the facts at the end of a run; for a saved session, those of the session."""
+    diagnosis = findings(result).get(DETECTOR)
+    judgement = next((row.judgement for row in comparison.rows if row.label == DETECTOR), None)
+    settled = diagnosis.calibration.from_time if diagnosis and diagnosis.calibration else 0.0
+    note = diagnosis.note if diagnosis else Message("diagnosis.none.disabled")
+    alarms = sorted(diagnosis.alarms, key=lambda alarm: alarm.t) if diagnosis and judgement else ()
     lost = {r.label: (r.diverged.time, r.diverged.cause) for r in result.observers if r.diverged is not None}
     end = float(result.column("t")[-1])
-    detector = DetectorState(alarms, judgement, told, settled, None if judgement else note)
+    detector = DetectorState(alarms, judgement, diagnosis, settled, None if judgement else note)
     return facts(spec, end, end, detector, Losses(lost, result.diverged.time if result.diverged else None))
 
 
@@ -66,7 +69,7 @@ def _row(row: Row) -> ComparisonRow:
 
 
 def outcomes(judgement: Judgement) -> tuple[tuple[FaultOutcome, ...], tuple[AlarmOutcome, ...]]:
-    """Return the verdicts on faults and alarms in the schemas' terms; of runs and of live sessions."""
+    """Return the verdicts on faults and alarms as schemas, for runs and live sessions."""
     return (
         tuple(FaultOutcome.model_validate(asdict(fault)) for fault in judgement.faults),
         tuple(AlarmOutcome.model_validate(asdict(alarm)) for alarm in judgement.alarms),

@@ -1,4 +1,4 @@
-"""A result in a few numbers: the summary that goes with a run."""
+"""Summarise a result in a few numbers."""
 
 import math
 from typing import Any
@@ -17,8 +17,8 @@ from thetascope_schemas.service.run import AssumptionCheck, Divergence, Observer
 
 
 def summarise(result: Result, spec: ResolvedExperiment) -> RunSummary:
-    """Return the run's summary: facts at its end, divergence, errors, estimates, settling and assumption checks of every observer."""
-    found = compare(result, spec.faults, findings(result))
+    """Return the run's summary: facts at its end, and divergence, errors, settling and checks of every observer."""
+    comparison = compare(result, spec.faults, findings(result))
     return RunSummary(
         columns=len(result.names),
         rows=result.data.shape[1],
@@ -26,8 +26,8 @@ def summarise(result: Result, spec: ResolvedExperiment) -> RunSummary:
         substeps=result.substeps,
         diverged=_divergence(result.diverged),
         observers=tuple(_observer(result, report, spec) for report in result.observers),
-        comparison=comparison_rows(found),
-        facts=facts_of(result, spec, found),
+        comparison=comparison_rows(comparison),
+        facts=facts_of(result, spec, comparison),
         diagnosis=None if result.diagnosis is None else Diagnosis.model_validate(result.diagnosis),
         notes=tuple(Text.of(note) for note in result.notes),
         seconds=result.seconds,
@@ -67,7 +67,10 @@ def _divergence(diverged: Diverged | None) -> Divergence | None:
 
 
 def jsonable(value: object) -> Any:
-    """Plain JSON data: arrays as lists, complex numbers as [re, im], null for values that are not finite, text for other objects."""
+    """Return plain JSON data: arrays as lists, complex numbers as [re, im], null for values that are not finite.
+
+    Other objects become text.
+    """
     if isinstance(value, np.ndarray | np.generic):
         value = value.tolist()
     if value is None or isinstance(value, bool | int | str):

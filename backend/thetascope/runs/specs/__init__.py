@@ -1,1 +1,1 @@
-"""From a request, a file or a library id to the spec that determines the numbers, or a refusal."""
+"""Turn a request, a file or a library id into the spec that determines the numbers, or refuse it."""

@@ -1,7 +1,7 @@
-"""Changes to a spec by path: `observers.adaptive.gains.rho = 8`, `noise.y.std = 0`, `faults.0.size = 0.03`.
+"""Change values of a spec by path: `observers.adaptive.gains.rho = 8`, `noise.y.std = 0`, `faults.0.size = 0.03`.
 
-A path names fields by key, items of a list by index (`faults.0` or `faults[0]`) or by their label,
-name, channel or output.
+A path names fields by key, and items of a list by index (`faults.0` or `faults[0]`) or by their label, name, channel or
+output.
 """
 
 import json
@@ -21,7 +21,7 @@ _LONGEST = 400
 
 
 def parse_assignment(text: str) -> tuple[str, object]:
-    """`path=value` of the command line; the value is read as JSON where it is JSON, else it is text."""
+    """Return path and value of a command line's `path=value`; the value is parsed as JSON if possible, else text."""
     path, equals, value = text.partition("=")
     if not equals or not path.strip():
         raise invalid("--set", text, Message("override.no-assignment"))
@@ -32,9 +32,9 @@ def parse_assignment(text: str) -> tuple[str, object]:
 
 
 def changed(spec: Experiment, changes: Mapping[str, object]) -> dict[str, Any]:
-    """Return the spec as JSON data with the values at the paths replaced; it is not validated yet.
+    """Return the spec as JSON data with the values at the paths replaced, without validation.
 
-    Raises InvalidSpec for a path that leads nowhere, with the wrong part and the existing names.
+    Raises InvalidSpec for a path that does not exist, with the wrong part and the existing names.
     """
     data = spec.model_dump(mode="json", context={"language": ALL})
     for path, value in changes.items():
@@ -76,18 +76,18 @@ def _step(path: str, walked: str, part: str, model: object, container: Any) -> t
 
 
 def _index(path: str, walked: str, part: str, items: list[Any]) -> int:
-    """Return the index of the item that `part` means: a number, or the name of exactly one item."""
+    """Return the index of the item that `part` identifies: a number, or the name of exactly one item."""
     if re.fullmatch(r"\d{1,6}", part):
         if int(part) < len(items):
             return int(part)
         code = "override.index.outside" if items else "override.list-empty"
         raise invalid(path, part, Message(code, where=walked, n=len(items), last=len(items) - 1))
     called = [_names(item) for item in items]
-    found = [index for index, names in enumerate(called) if part in names]
-    if len(found) == 1:
-        return found[0]
-    if found:
-        paths = [f"{walked}.{index}" for index in found]
+    matching = [index for index, names in enumerate(called) if part in names]
+    if len(matching) == 1:
+        return matching[0]
+    if matching:
+        paths = [f"{walked}.{index}" for index in matching]
         raise invalid(path, part, Message("override.item.ambiguous", where=walked, name=part, paths=paths))
     hint = Message.from_data(suggestion(part, {n for c in called for n in c}))
     raise invalid(path, part, Message("override.item.unknown", where=walked, name=part), hint)
@@ -100,7 +100,7 @@ def _names(item: object) -> list[str]:
 
 
 def _signal(parts: Sequence[str], value: object) -> object:
-    """A bare number for an input or known signal means that constant."""
+    """Return a number given for an input or known signal as a constant signal; other values unchanged."""
     if len(parts) == 2 and parts[0] in ("inputs", "signals") and type(value) in (int, float):
         return {"kind": "constant", "value": value}
     return value

@@ -1,4 +1,4 @@
-"""Problem documents (RFC 9457) from messages, and the same document in another language."""
+"""Build problem documents (RFC 9457) from messages, and translate them."""
 
 from thetascope.messages import Message, words
 from thetascope.messages.catalogue import DEFAULT, catalogue
@@ -18,14 +18,15 @@ def problem(
 
 
 def refused(error: InvalidSpec, language: str = "en") -> Problem:
-    """Return the document of a spec that is refused."""
+    """Return the document for a refused spec."""
     return in_language(Problem(title="", status=422, code="refusal.spec", errors=error.errors), language)
 
 
 def in_language(document: Problem, language: str) -> Problem:
     """Return a problem document with its sentences in a language.
 
-    The title is the entry `code.title` where there is one, else that of the status. The detail is `problem; remedy`; of a refused spec it is the first error.
+    The title is the entry `code.title` if it exists, else that of the status. The detail is `problem; remedy`, and for
+    a refused spec the first error.
     """
     if not document.code:
         return document

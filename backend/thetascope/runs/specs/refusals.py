@@ -19,10 +19,10 @@ Model = TypeVar("Model", bound=BaseModel)
 
 
 class Refusal(Exception):
-    """A request that cannot be met.
+    """A request that cannot be fulfilled.
 
     Args:
-        problem: what happened.
+        problem: the reason.
         remedy: what to do; by default the message whose code is the problem's plus `.remedy`, with its arguments.
     """
 
@@ -40,7 +40,7 @@ class Refusal(Exception):
 
 
 class Unknown(Refusal):
-    """There is no such plant, experiment, figure or run."""
+    """The plant, experiment, figure or run does not exist."""
 
 
 class Busy(Refusal):
@@ -52,7 +52,7 @@ class NotReady(Refusal):
 
 
 class InvalidSpec(Exception):
-    """A spec, plant or file that is refused, with each field at fault."""
+    """A spec, plant or file that is refused, with an error for each wrong field."""
 
     def __init__(self, errors: Iterable[FieldError]) -> None:
         self.errors = tuple(errors)
@@ -88,7 +88,7 @@ _PLANT_ONLY = Plant.model_fields.keys() - Experiment.model_fields.keys()
 
 
 def from_engine(error: SpecError, in_plant: bool = False) -> InvalidSpec:
-    """Return the engine's error in the contract's form; `in_plant` when it came from an experiment with an inline plant."""
+    """Return the engine's error in the contract's form; `in_plant` if it comes from an experiment's inline plant."""
     prefix = "plant." if in_plant and re.split(r"[.\[]", error.field)[0] in _PLANT_ONLY else ""
     field = prefix + re.sub(r"\.(\d+)(?=[.\[]|$)", r"[\1]", error.field)
     return invalid(field, error.value, error.problem, error.remedy)

@@ -1,4 +1,4 @@
-"""From a request (a library id, changes, a spec) to the resolved experiment that determines the numbers."""
+"""Resolve a request (a library id, changes, a spec) to the experiment that determines the numbers."""
 
 from collections.abc import Mapping
 
@@ -13,7 +13,7 @@ from thetascope_schemas.experiment.plant import Plant
 
 
 def library_experiment(id: str) -> Experiment:
-    """An experiment of the library. Raises :class:`Unknown` with the nearest ids."""
+    """Return an experiment of the library. Raises :class:`Unknown` with the nearest ids."""
     try:
         return library.experiment(id)
     except SpecError as error:
@@ -21,12 +21,12 @@ def library_experiment(id: str) -> Experiment:
 
 
 def with_changes(spec: Experiment, changes: Mapping[str, object]) -> Experiment:
-    """The spec with values replaced by path (`observers.adaptive.gains.rho`). Raises :class:`InvalidSpec`."""
+    """Return the spec with values replaced by path (`observers.adaptive.gains.rho`). Raises :class:`InvalidSpec`."""
     return validated(Experiment, changed(spec, changes)) if changes else spec
 
 
 def plant_of(choice: str | Plant) -> Plant:
-    """The plant that a request names by its id or gives in full. Raises :class:`Unknown` with the nearest ids."""
+    """Return the plant that a request gives by id or in full. Raises :class:`Unknown` with the nearest ids."""
     try:
         return library.plant_in_full(choice)
     except SpecError as error:
@@ -34,7 +34,7 @@ def plant_of(choice: str | Plant) -> Plant:
 
 
 def resolved(spec: Experiment) -> ResolvedExperiment:
-    """The spec with its plant in full, all names checked against it. Raises :class:`InvalidSpec`."""
+    """Return the spec with its plant in full and all names checked against it. Raises :class:`InvalidSpec`."""
     try:
         return library.resolve(spec)
     except SpecError as error:

@@ -1,4 +1,4 @@
-"""Body of POST /api/runs and content of an experiment file: an experiment, or one of the library with changed values."""
+"""Body of POST /api/runs and content of an experiment file: an experiment, or one of the library with changes."""
 
 from typing import Any
 
@@ -24,7 +24,7 @@ class RunRequest(Strict):
 
 
 def parse_request(data: Any) -> Experiment:
-    """Return the experiment that a body or file asks for. Raises InvalidSpec, or Unknown for an id not in the library."""
+    """Return the experiment of a body or file. Raises InvalidSpec, or Unknown for an id that is not in the library."""
     if isinstance(data, dict) and "experiment" in data and "plant" not in data:
         request = validated(RunRequest, data)
         return with_changes(library_experiment(request.experiment), request.set)

@@ -1,4 +1,4 @@
-"""Plant and experiment files (YAML or JSON): reading them safely, and finding the place of a field in the text."""
+"""Read plant and experiment files (YAML or JSON) safely, and locate fields in their text."""
 
 import re
 from collections.abc import Callable, Iterable
@@ -18,7 +18,7 @@ _SUFFIXES = (".yaml", ".yml", ".json")
 
 @dataclass(frozen=True)
 class Place:
-    """Line and column, both from 1."""
+    """A line and a column, both counted from 1."""
 
     line: int
     column: int
@@ -28,10 +28,11 @@ class DocumentError(Exception):
     """A file that cannot be read as data.
 
     Args:
-        problem: what is wrong with it.
-        place: where in the text, if the place is known.
+        problem: the error.
+        place: its place in the text, if known.
         name: the file, as the user named it.
-        remedy: how to correct it; by default the message whose code is the problem's plus `.remedy`, with its arguments.
+        remedy: how to correct it; by default the message whose code is the problem's plus `.remedy`, with its
+        arguments.
     """
 
     def __init__(
@@ -52,11 +53,11 @@ class DocumentError(Exception):
 
 
 class DocumentRefused(Exception):
-    """A file whose data does not fit the contract.
+    """A file whose data do not fit the contract.
 
     Args:
-        paragraph: renders one field at fault in a language, with its place in the file.
-        errors: the fields at fault.
+        paragraph: renders the error of one field in a language, with its place in the file.
+        errors: the errors, one for each wrong field.
     """
 
     def __init__(self, paragraph: Callable[[FieldError, str], str], errors: Iterable[FieldError]) -> None:
@@ -65,7 +66,7 @@ class DocumentRefused(Exception):
         self._paragraph = paragraph
 
     def text(self, language: str = "en") -> str:
-        """Return one paragraph for each field at fault."""
+        """Return one paragraph for each wrong field."""
         return "\n".join(self._paragraph(error, language) for error in self.errors)
 
     def __str__(self) -> str:
@@ -82,13 +83,13 @@ class Document:
     name: str = ""
 
     def place(self, path: str) -> Place | None:
-        """Return the place of a path's value, or of the innermost part around it that is in the text."""
+        """Return the place of a path's value, or of the innermost enclosing part that occurs in the text."""
         while path and path not in self.places:
             path = re.sub(r"(\.[^.\[\]]*|\[\d+\]|^[^.\[\]]+)$", "", path)
         return self.places.get(path)
 
     def refused(self, errors: Iterable[FieldError]) -> DocumentRefused:
-        """Return the exception for data that was refused."""
+        """Return the exception for data that were refused."""
         return DocumentRefused(self.located, errors)
 
     def refused_text(self, error: FieldError, offset: int, text: str) -> DocumentRefused:
@@ -106,8 +107,8 @@ class Document:
         if place is None:
             return f"{self.name}: {message}"
         line = self.text.splitlines()[place.line - 1] if self.text else ""
-        found = line.find(text, place.column - 1) if text else -1
-        column = place.column if found < 0 else found + 1 + offset
+        index = line.find(text, place.column - 1) if text else -1
+        column = place.column if index < 0 else index + 1 + offset
         start = max(0, column - 80)
         mark = f"  {line[start : start + 120]}\n  {' ' * (column - 1 - start)}^"
         return f"{self.name}:{place.line}:{column}: {message}\n{mark}"
@@ -151,12 +152,12 @@ def read(path: Path, limit: int) -> Document:
 
 
 def unreadable(path: Path, error: OSError) -> DocumentError:
-    """Return the error for a file that the operating system does not let us read."""
+    """Return the error for a file that the operating system refuses to open."""
     return DocumentError(Message("document.unreadable", name=str(path), detail=error.strerror or str(error)))
 
 
 def parse(text: str) -> Document:
-    """Return the data of YAML or JSON text (JSON is YAML here). Anchors, aliases, tags and repeated keys are refused."""
+    """Return the data of YAML or JSON text (parsed as YAML). Anchors, aliases, tags and repeated keys are refused."""
     places: dict[str, Place] = {}
     try:
         _scan(text)
@@ -173,7 +174,7 @@ def parse(text: str) -> Document:
 
 
 def _scan(text: str) -> None:
-    """Refuse anchors and aliases (which multiply), tags, and deep nesting before the data is built."""
+    """Refuse anchors and aliases (which multiply data), tags, and deep nesting before the data are built."""
     depth = 0
     for event in yaml.parse(text, Loader=_Loader):
         if getattr(event, "anchor", None) is not None:
