@@ -1,7 +1,7 @@
 // Written by `python -m tools.page_types` from the service's schemas. Do not edit.
 // Bodies of requests and commands have optional fields where the schema has a default; answers and events have all fields.
 
-/** A command was carried out, and takes effect from this row on. */
+/** A command was executed; it takes effect from this row on. */
 export interface Ack {
   type: 'ack';
   id: number;
@@ -9,45 +9,45 @@ export interface Ack {
   t: number;
 }
 
-/** Let another observer watch from here on; its estimates start here. */
+/** Add an observer, whose estimates start at that time. */
 export interface AddObserver {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'add-observer';
   observer: ObserverConfig;
 }
 
-/** Let another observer watch from here on; its estimates start here. */
+/** Add an observer, whose estimates start at that time. */
 export interface AddObserverInput {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'add-observer';
   observer: ObserverConfigInput;
 }
 
-/** Add an observer, which starts now. */
+/** Add an observer, whose estimates start now. */
 export interface AddObserverNow {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'add-observer';
   observer: ObserverConfigInput;
 }
 
-/** One fault that an observer's tests found. */
+/** One fault found by the tests of an observer or of the detector. */
 export interface Alarm {
-  /** Id within the run or session: it stays while the alarm is revised. Empty in old results. */
+  /** Id within the run or session; it does not change when the alarm is revised. Empty in old results. */
   id: string;
-  /** Label of the observer; empty: the detector, which watches the plant itself. */
+  /** Label of the observer; empty: the detector, which uses the measurements only. */
   observer: string;
   /** Time in s at which the alarm was raised. */
   t: number;
-  /** In a channel of the model, or not explained by it. */
+  /** A fault in a channel of the model, or one that the model does not explain. */
   kind: 'fault' | 'unexplained';
-  /** The channel that explains the data best; empty where none does. */
+  /** The channel that explains the data best; empty if none does. */
   channel: string;
-  /** Not explained by the model: the output whose residual says so. */
+  /** Of an unexplained fault: the output whose residual shows it. */
   output: string;
-  /** Channels that explain the data as well. */
+  /** Other channels that explain the data. */
   alternatives: (string)[];
   /** Estimated time in s at which the fault began. */
   onset: number;
@@ -61,81 +61,81 @@ export interface Alarm {
   size_from: number | null;
   /** Upper end of the interval of the size. */
   size_to: number | null;
-  /** The test that raised it. */
+  /** The test that raised the alarm. */
   test: string;
-  /** What the test came to, without a unit. */
+  /** Value of the test statistic, without a unit. */
   statistic: number;
-  /** What the statistic was held against. */
+  /** Threshold of the test statistic. */
   threshold: number;
-  /** Time in s at which the alarm was over; null: it is still on. */
+  /** Time in s at which the alarm was cleared; null: it is still on. */
   cleared: number | null;
   /** The finding in a sentence. */
   text: Text;
 }
 
-/** The verdict on one alarm, and what it means at the time of judging. */
+/** The verdict on one alarm, and its state at the time of evaluation. */
 export interface AlarmOutcome {
   /** Id of the alarm. */
   id: string;
-  /** As it was raised: it names a fault that was present, another one was, or none was. */
+  /** When it was raised, it named a fault that was present, another fault was present, or none was. */
   verdict: 'correct' | 'isolation-error' | 'false';
-  /** Now: cleared; or still on, and a fault that it names acts; the fault that acts began later and is covered; another fault acts; none ever did; the fault has ended and the alarm is about to clear. */
+  /** Cleared, or on while: a fault that it names is active; the active fault began later and is covered; another fault is active; there has been no fault; the fault has ended, so the alarm clears soon. */
   state: 'acting' | 'covering' | 'other-fault' | 'no-fault' | 'fault-over' | 'cleared';
-  /** Ids of the faults that it was the first to find. */
+  /** Ids of the faults that it found first. */
   found: (string)[];
-  /** Seconds from the newest of these to the alarm. */
+  /** Seconds from the newest of these faults to the alarm. */
   delay: number | null;
-  /** Onset in s of the newest fault that it covers and that acts. */
+  /** Onset in s of the newest active fault that it covers. */
   covers_since: number | null;
 }
 
-/** One assumption of an observer's theorem, checked on this plant, these gains and this run. */
+/** The check of one assumption of an observer's theorem for the plant, the gains and the run. */
 export interface AssumptionCheck {
   name: Text;
   verdict: 'holds' | 'fails' | 'cannot tell';
   /** The check's result in a sentence. */
   text: Text;
-  /** The number found. */
+  /** The computed value. */
   value: number | null;
-  /** The number it is held against. */
+  /** The value that it is compared with. */
   threshold: number | null;
   /** Paper and equation. */
   source: string;
 }
 
-/** The assumption checks of one observer over the session so far. */
+/** The assumption checks of one observer over the session up to now. */
 export interface Assumptions {
   type: 'assumptions';
   observer: string;
   checks: (AssumptionCheck)[];
 }
 
-/** Carry out several commands in order at the same row. If one is refused, none is carried out: one answer for all. */
+/** Execute several commands in order at the same row. If one is refused, none is executed. There is one answer. */
 export interface Batch {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'batch';
-  /** The commands, without their ids; a refusal names commands[i].field. */
+  /** The commands without ids; a refusal names commands[i].field. */
   commands: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset)[];
 }
 
-/** Where the thresholds come from. */
+/** Calibration of the thresholds by simulation. */
 export interface Calibration {
-  /** Rate per hour that was asked for. */
+  /** Accepted false alarms per hour. */
   false_alarms: number;
-  /** By test: the level that raises an alarm. */
+  /** Threshold of each test. */
   thresholds: {[name: string]: number};
-  /** Runs without faults that were simulated. */
+  /** Number of simulated runs without faults. */
   seeds: number;
-  /** Time simulated in all, in hours. */
+  /** Total simulated time in hours. */
   hours: number;
-  /** Time in s before which nothing is judged: the observer is still settling. */
+  /** Time in s from which the tests decide; before it the observer is settling. */
   from_time: number;
-  /** What limits the calibration, where something does. */
+  /** A limitation of the calibration, if there is one. */
   note: Text | null;
 }
 
-/** Everything that a form needs. */
+/** Plants, experiments, kinds of observers, and the forms of faults and signals. */
 export interface Catalogue {
   plants: (PlantLine)[];
   experiments: (ExperimentLine)[];
@@ -144,38 +144,38 @@ export interface Catalogue {
   signals: (SignalForm)[];
 }
 
-/** One fault θ and the equations it enters: coefficient·θ is added to each equation named. */
+/** One fault θ and its equations: coefficient·θ is added to each equation in `enters`. */
 export interface Channel {
-  /** Name of the fault; the equations do not mention it. */
+  /** Name of the fault; the equations do not contain it. */
   name: string;
   title: string;
   /** Actuator faults enter state equations, sensor faults output equations, process faults both. */
   kind: 'actuator' | 'process' | 'sensor';
-  /** State or output: the coefficient of θ in its equation. */
+  /** Coefficient of θ by state or output, in whose equation it enters. */
   enters: {[name: string]: string};
   /** Unit in plain text, empty when dimensionless. */
   unit: string;
   /** Typical size of the fault, in its unit. */
   typical: number;
-  /** Range that makes sense, in the channel's unit. */
+  /** Plausible range, in the channel's unit. */
   bounds: [number | null, number | null];
   description: string;
 }
 
-/** One fault θ and the equations it enters: coefficient·θ is added to each equation named. */
+/** One fault θ and its equations: coefficient·θ is added to each equation in `enters`. */
 export interface ChannelInput {
-  /** Name of the fault; the equations do not mention it. */
+  /** Name of the fault; the equations do not contain it. */
   name: string;
   title?: string | {[name: string]: string};
   /** Actuator faults enter state equations, sensor faults output equations, process faults both. */
   kind: 'actuator' | 'process' | 'sensor';
-  /** State or output: the coefficient of θ in its equation. */
+  /** Coefficient of θ by state or output, in whose equation it enters. */
   enters: {[name: string]: string};
   /** Unit in plain text, empty when dimensionless. */
   unit?: string;
   /** Typical size of the fault, in its unit. */
   typical?: number;
-  /** Range that makes sense, in the channel's unit. */
+  /** Plausible range, in the channel's unit. */
   bounds?: [number | null, number | null];
   description?: string | {[name: string]: string};
 }
@@ -212,7 +212,7 @@ export interface ChirpSignalInput {
 
 /** End faults now: those of one channel, of one output, or all. */
 export interface Clear {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'clear';
   channel?: string | null;
@@ -221,7 +221,7 @@ export interface Clear {
 
 export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset | Seek | Batch;
 
-/** The columns change from this row on (observers added or removed); a new epoch begins. */
+/** The columns change from this row on, because an observer was added or removed; a new epoch begins. */
 export interface Columns {
   type: 'columns';
   epoch: number;
@@ -229,39 +229,39 @@ export interface Columns {
   columns: (string)[];
 }
 
-/** The observers of a run on the same data; backend/thetascope/diagnosis/evaluation/observer_comparison.py defines each measure. */
+/** The observers of a run on the same data. */
 export interface Comparison {
   windows: (Window)[];
   observers: (ComparisonRow)[];
 }
 
-/** One observer's part of the comparison. Counts of alarms and faults are null if no tests ran on it. */
+/** The comparison's row of one observer. Counts of alarms and faults are null if no tests ran on its estimates. */
 export interface ComparisonRow {
   label: string;
-  /** Root mean square error by column (x.…, theta.…), one a window; null: not all rows have a number. */
+  /** Root mean square error of each column (x.…, theta.…), by window; null: some rows have no number. */
   rmse: {[name: string]: (number | null)[]};
-  /** Largest error likewise. */
+  /** Largest absolute error, in the same form. */
   peak: {[name: string]: (number | null)[]};
   steps: (StepFollowed)[];
   /** The outcome for each fault, in order of time. */
   faults: (FaultOutcome)[] | null;
   /** The verdict on each alarm, in order of time. */
   alarms: (AlarmOutcome)[] | null;
-  /** Faults that an alarm found. */
+  /** Number of faults that an alarm found. */
   found: number | null;
-  /** Faults for whose channel an alarm was on already when they began. */
+  /** Number of faults that began while an alarm for their channel was on. */
   covered: number | null;
-  /** Faults neither found nor covered. */
+  /** Number of faults neither found nor covered. */
   missed: number | null;
-  /** Alarms raised while no fault was present, nor just before. */
+  /** Number of alarms raised while no fault was present, nor just before. */
   false_alarms: number | null;
-  /** Alarms raised during a fault that name none of those present. */
+  /** Number of alarms raised during a fault that name none of the faults present. */
   isolation_errors: number | null;
   /** Median delay in s of the faults found. */
   delay: number | null;
-  /** Seconds after a fault within which an alarm is not false: θ̂ is coming back. */
+  /** Seconds after the end of a fault in which an alarm is not false, because θ̂ still returns. */
   grace: number;
-  /** Processor time in µs per simulated second, measured: another number each time. */
+  /** Measured processor time in µs per simulated second; it differs between runs. */
   cost: number | null;
 }
 
@@ -299,31 +299,31 @@ export interface ContinuousTimeInput {
   kind: 'continuous';
 }
 
-/** An intermediate quantity. The plant uses it as it is; observers saturate it to its domain. */
+/** An intermediate quantity. Observers saturate it to its domain; the plant does not. */
 export interface Definition {
   /** Name in later definitions and in the equations. */
   name: string;
-  /** Expression of states, inputs, earlier definitions, …. */
+  /** Expression in states, inputs, parameters, signals and earlier definitions. */
   expression: string;
-  /** Physical range [low, high]: numbers, parameter names, or null for an open side. */
+  /** Physical range [low, high]: numbers, names of parameters, or null for no bound. */
   domain: [number | string | null, number | string | null];
 }
 
-/** An intermediate quantity. The plant uses it as it is; observers saturate it to its domain. */
+/** An intermediate quantity. Observers saturate it to its domain; the plant does not. */
 export interface DefinitionInput {
   /** Name in later definitions and in the equations. */
   name: string;
-  /** Expression of states, inputs, earlier definitions, …. */
+  /** Expression in states, inputs, parameters, signals and earlier definitions. */
   expression: string;
-  /** Physical range [low, high]: numbers, parameter names, or null for an open side. */
+  /** Physical range [low, high]: numbers, names of parameters, or null for no bound. */
   domain?: [number | string | null, number | string | null];
 }
 
-/** The output arrives late. */
+/** The output is delayed. */
 export interface DelayFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -332,11 +332,11 @@ export interface DelayFault {
   delay: number;
 }
 
-/** The output arrives late. */
+/** The output is delayed. */
 export interface DelayFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -345,53 +345,53 @@ export interface DelayFaultInput {
   delay: number;
 }
 
-/** The diagnosis of a run: by the detector, which looks at what was measured, and by each observer's own estimates. */
+/** The diagnosis of a run: by the detector, from the measurements, and by each observer, from its estimates. */
 export interface Diagnosis {
-  /** What the detector says: it watches the plant, not the observers. */
+  /** Diagnosis by the detector, which does not depend on the observers. */
   detector: ObserverDiagnosis;
-  /** What tests on each observer's θ̂ say, for comparison. */
+  /** Diagnosis by tests on each observer's θ̂, for comparison. */
   observers: (ObserverDiagnosis)[];
 }
 
-/** The diagnosis of the session so far. A newer one replaces an older one. */
+/** The diagnosis of the session up to now; it replaces earlier ones. */
 export interface DiagnosisNow {
   type: 'diagnosis';
   diagnosis: ObserverDiagnosis;
 }
 
-/** What is asked of the diagnosis. Thresholds follow from it by simulation; none is typed in. */
+/** Settings of the diagnosis. Thresholds are not set directly; they are calibrated by simulation. */
 export interface DiagnosisSettings {
-  /** Whether anything is diagnosed at all. */
+  /** Whether a diagnosis is made. */
   enabled: boolean;
-  /** False alarms per hour that are put up with, of each observer. */
+  /** Accepted false alarms per hour, for each observer. */
   false_alarms: number;
-  /** Test of the estimates that raises alarms. */
+  /** Test that raises alarms. */
   test: 'glr' | 'cusum' | 'threshold';
-  /** Of bands and intervals. */
+  /** Confidence level of bands and intervals. */
   confidence: number;
-  /** Share of a state's size by which its equation may be off within the plant's time constant. */
+  /** Accepted model error of a state within the plant's time constant, as a share of its size. */
   doubt: number;
-  /** Time in s that thresholds are simulated over and decisions are spaced for; null: the horizon. */
+  /** Time in s over which thresholds are simulated and decisions are spaced; null: the horizon. */
   span: number | null;
-  /** Standard deviation asked of an estimate, as a share of the channel's typical fault. */
+  /** Required standard deviation of an estimate, as a share of the channel's typical fault. */
   accuracy: number;
 }
 
-/** What is asked of the diagnosis. Thresholds follow from it by simulation; none is typed in. */
+/** Settings of the diagnosis. Thresholds are not set directly; they are calibrated by simulation. */
 export interface DiagnosisSettingsInput {
-  /** Whether anything is diagnosed at all. */
+  /** Whether a diagnosis is made. */
   enabled?: boolean;
-  /** False alarms per hour that are put up with, of each observer. */
+  /** Accepted false alarms per hour, for each observer. */
   false_alarms?: number;
-  /** Test of the estimates that raises alarms. */
+  /** Test that raises alarms. */
   test?: 'glr' | 'cusum' | 'threshold';
-  /** Of bands and intervals. */
+  /** Confidence level of bands and intervals. */
   confidence?: number;
-  /** Share of a state's size by which its equation may be off within the plant's time constant. */
+  /** Accepted model error of a state within the plant's time constant, as a share of its size. */
   doubt?: number;
-  /** Time in s that thresholds are simulated over and decisions are spaced for; null: the horizon. */
+  /** Time in s over which thresholds are simulated and decisions are spaced; null: the horizon. */
   span?: number | null;
-  /** Standard deviation asked of an estimate, as a share of the channel's typical fault. */
+  /** Required standard deviation of an estimate, as a share of the channel's typical fault. */
   accuracy?: number;
 }
 
@@ -409,7 +409,7 @@ export interface DiscreteTimeInput {
   period: number;
 }
 
-/** When a plant or an observer left all bounds, and the likely cause. */
+/** The divergence of a plant or an observer: its time and likely cause. */
 export interface Divergence {
   /** Time in s from which the values are missing. */
   time: number;
@@ -417,11 +417,11 @@ export interface Divergence {
   cause: Text;
 }
 
-/** θ = rate·τ, without end. */
+/** θ = rate·τ, without limit. */
 export interface DriftFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -430,11 +430,11 @@ export interface DriftFault {
   rate: number;
 }
 
-/** θ = rate·τ, without end. */
+/** θ = rate·τ, without limit. */
 export interface DriftFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -443,11 +443,11 @@ export interface DriftFaultInput {
   rate: number;
 }
 
-/** Each sample is lost with a probability; a lost one leaves the last value in place. */
+/** Each sample is lost with a probability; the last value is then kept. */
 export interface DropoutFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -458,11 +458,11 @@ export interface DropoutFault {
   sample_time: number;
 }
 
-/** Each sample is lost with a probability; a lost one leaves the last value in place. */
+/** Each sample is lost with a probability; the last value is then kept. */
 export interface DropoutFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -473,7 +473,7 @@ export interface DropoutFaultInput {
   sample_time?: number;
 }
 
-/** A fault channel beside the equations. */
+/** A fault channel in the equations of a plant. */
 export interface EquationChannel {
   name: string;
   title: string;
@@ -503,9 +503,9 @@ export interface Event {
   kind: 'inject' | 'clear' | 'fault-begins' | 'fault-ends' | 'gain' | 'signal' | 'noise' | 'observer-added' | 'observer-removed' | 'alarm' | 'alarm-over' | 'diverged' | 'rewound' | 'reset' | 'substeps';
   /** Channel, output, observer label or signal; of "diverged", empty if it is the plant itself. */
   subject: string;
-  /** The observer that raised it (alarms). */
+  /** Label of the observer that raised an alarm. */
   observer: string;
-  /** Id of the fault that it is about (inject, fault-begins, fault-ends). */
+  /** Id of the fault (inject, fault-begins, fault-ends). */
   fault: string;
   /** Size, gain value, estimate … */
   value: JsonValue;
@@ -513,19 +513,19 @@ export interface Event {
   message: Text;
 }
 
-/** What the input tells about the faults: the smallest eigenvalue of the windowed Gramian of Ω in typical faults. */
+/** Excitation of the faults: the smallest eigenvalue of the windowed Gramian of Ω, in units of typical faults. */
 export interface Excitation {
   /** Length of the window in s. */
   window: number;
   /** Smallest eigenvalue, in (typical fault / its standard deviation)². */
   level: number | null;
-  /** Level that the accuracy asked for needs. */
+  /** Level that the required accuracy needs. */
   needed: number;
-  /** The combination of faults that is seen least, per channel. */
+  /** The least excited combination of faults: its component for each channel. */
   direction: {[name: string]: number};
-  /** In words: what cannot be told apart. */
+  /** The result in a sentence: the faults that cannot be distinguished. */
   text: Text | null;
-  /** An input that would help. */
+  /** An input that would excite the faults more. */
   proposal: string | null;
 }
 
@@ -534,38 +534,38 @@ export interface Experiment {
   id: string;
   title: string;
   description: string;
-  /** Where the experiment comes from. */
+  /** Source of the experiment, such as a paper and its figure. */
   source: string;
-  /** Where the printed source cannot be right. */
+  /** Errors of the printed source. */
   errata: (string)[];
-  /** Id of a library plant, or a plant in full. */
+  /** Id of a library plant, or a complete plant. */
   plant: string | Plant;
-  /** Parameters that differ. */
+  /** Parameters that differ from the plant's values. */
   parameters: {[name: string]: number};
-  /** Initial states that differ. */
+  /** Initial states that differ from the plant's values. */
   initial: {[name: string]: number};
-  /** Input: its course u(t). */
+  /** Signal u(t) of each input, by name. */
   inputs: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
-  /** Known signal: its course φ(t). */
+  /** Course φ(t) of each known signal, by name. */
   signals: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
   faults: (StepFault | RampFault | DriftFault | ExponentialFault | SineFault | PulseTrainFault | RandomWalkFault | TableFault | StuckFault | FreezeFault | DropoutFault | OutliersFault | NoiseBurstFault | QuantisationFault | DelayFault)[];
-  /** Output: its measurement noise. */
+  /** Measurement noise of each output, by name. */
   noise: {[name: string]: Noise};
   /** Seed of all random numbers. */
   seed: number;
   /** End of the run in s. */
   horizon: number;
-  /** Step of the integration in s; the period of a discrete plant. */
+  /** Integration step in s; the period of a discrete plant. */
   step: number;
   /** Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows. */
   record: number | null;
-  /** Steps that are taken within each step; null: one, or as many as stiff gains need. */
+  /** Substeps of each integration step; null: one, or more if stiff gains need them. */
   substeps: number | null;
   measurement: ContinuousMeasurement | SampledMeasurement;
   observers: (ObserverConfig)[];
-  /** What is changed while it runs, in order of time; faults apart. */
+  /** Changes during the run other than faults, in order of time. */
   commands: (SetGain | SetSignal | SetNoise | AddObserver | RemoveObserver | SetSubsteps)[];
-  /** What is asked of the diagnosis. */
+  /** Settings of the diagnosis. */
   diagnosis: DiagnosisSettings;
   figures: (Figure)[];
 }
@@ -575,38 +575,38 @@ export interface ExperimentInput {
   id?: string;
   title?: string | {[name: string]: string};
   description?: string | {[name: string]: string};
-  /** Where the experiment comes from. */
+  /** Source of the experiment, such as a paper and its figure. */
   source?: string | {[name: string]: string};
-  /** Where the printed source cannot be right. */
+  /** Errors of the printed source. */
   errata?: (string | {[name: string]: string})[];
-  /** Id of a library plant, or a plant in full. */
+  /** Id of a library plant, or a complete plant. */
   plant: string | PlantInput;
-  /** Parameters that differ. */
+  /** Parameters that differ from the plant's values. */
   parameters?: {[name: string]: number};
-  /** Initial states that differ. */
+  /** Initial states that differ from the plant's values. */
   initial?: {[name: string]: number};
-  /** Input: its course u(t). */
+  /** Signal u(t) of each input, by name. */
   inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
-  /** Known signal: its course φ(t). */
+  /** Course φ(t) of each known signal, by name. */
   signals?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
   faults?: (StepFaultInput | RampFaultInput | DriftFaultInput | ExponentialFaultInput | SineFaultInput | PulseTrainFaultInput | RandomWalkFaultInput | TableFaultInput | StuckFaultInput | FreezeFaultInput | DropoutFaultInput | OutliersFaultInput | NoiseBurstFaultInput | QuantisationFaultInput | DelayFaultInput)[];
-  /** Output: its measurement noise. */
+  /** Measurement noise of each output, by name. */
   noise?: {[name: string]: NoiseInput};
   /** Seed of all random numbers. */
   seed?: number;
   /** End of the run in s. */
   horizon: number;
-  /** Step of the integration in s; the period of a discrete plant. */
+  /** Integration step in s; the period of a discrete plant. */
   step?: number;
   /** Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows. */
   record?: number | null;
-  /** Steps that are taken within each step; null: one, or as many as stiff gains need. */
+  /** Substeps of each integration step; null: one, or more if stiff gains need them. */
   substeps?: number | null;
   measurement?: ContinuousMeasurementInput | SampledMeasurementInput;
   observers?: (ObserverConfigInput)[];
-  /** What is changed while it runs, in order of time; faults apart. */
+  /** Changes during the run other than faults, in order of time. */
   commands?: (SetGainInput | SetSignalInput | SetNoiseInput | AddObserverInput | RemoveObserverInput | SetSubstepsInput)[];
-  /** What is asked of the diagnosis. */
+  /** Settings of the diagnosis. */
   diagnosis?: DiagnosisSettingsInput;
   figures?: (FigureInput)[];
 }
@@ -621,7 +621,7 @@ export interface ExperimentLine {
   plant: string;
   horizon: number;
   step: number;
-  /** Labels. */
+  /** Labels of the observers. */
   observers: (string)[];
   href: string;
 }
@@ -635,12 +635,12 @@ export interface ExperimentList {
 export interface ExponentialFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
   shape: 'exponential';
-  /** Size it tends to, in the channel's unit. */
+  /** Limit of the size, in the channel's unit. */
   size: number;
   /** Time constant in s. */
   time_constant: number;
@@ -650,12 +650,12 @@ export interface ExponentialFault {
 export interface ExponentialFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
   shape: 'exponential';
-  /** Size it tends to, in the channel's unit. */
+  /** Limit of the size, in the channel's unit. */
   size: number;
   /** Time constant in s. */
   time_constant: number;
@@ -664,44 +664,44 @@ export interface ExponentialFaultInput {
 /** A smooth function of the time t, as text. */
 export interface ExpressionSignal {
   kind: 'expression';
-  /** Expression of t alone. */
+  /** Expression in t (s). */
   text: string;
 }
 
 /** A smooth function of the time t, as text. */
 export interface ExpressionSignalInput {
   kind: 'expression';
-  /** Expression of t alone. */
+  /** Expression in t (s). */
   text: string;
 }
 
-/** Everything that follows from the experiment and its findings at one time, computed by one function for all. */
+/** All facts that follow from an experiment and its alarms at one time. One function computes them. */
 export interface Facts {
-  /** The time in s: of a run, its end; of a session, the last row that was shown. */
+  /** The time in s: the end of a run, or the last row shown of a session. */
   t: number;
   observers: (ObserverNow)[];
-  /** All faults so far and to come, in the order of the experiment. */
+  /** All faults, past and future, in the order of the experiment. */
   faults: (FaultNow)[];
-  /** Measurement noise of every output that has some. */
+  /** Measurement noise by output, of the noisy outputs. */
   noise: {[name: string]: Noise};
-  /** Time in s at which the plant itself diverged. */
+  /** Time in s at which the plant diverged. */
   broken: number | null;
   /** The detector's alarms up to that time, in order of time. */
   alarms: (Alarm)[];
-  /** The verdict on each of them. */
+  /** The verdict on each alarm. */
   alarm_verdicts: (AlarmOutcome)[];
   /** The outcome for each fault so far. */
   fault_outcomes: (FaultOutcome)[];
-  /** Ids of the faults that act and that no alarm names now, one a site. */
+  /** Ids of the active faults that no alarm names now, one for each site. */
   unseen: (string)[];
   /** The diagnosis in one sentence. */
   summary: Text;
 }
 
-/** The facts at the row that is shown, after every change of them. A newer one replaces an older one. */
+/** The facts at the last row shown, sent after every change; they replace earlier ones. */
 export interface FactsNow {
   type: 'facts';
-  /** Rows shown so far. */
+  /** Number of rows shown so far. */
   row: number;
   facts: Facts;
 }
@@ -715,45 +715,45 @@ export interface FaultForm {
   example: {[name: string]: JsonValue};
 }
 
-/** A fault of the experiment, and whether it acts at that time. */
+/** A fault of the experiment, and whether it is active at that time. */
 export interface FaultNow {
-  /** Id within the run or session; it stays when the fault is cleared. */
+  /** Id within the run or session; it does not change when the fault is cleared. */
   id: string;
   /** Name of the channel or output. */
   subject: string;
   kind: 'channel' | 'output';
   shape: string;
-  /** The fault itself; its times count from the start. */
+  /** The fault; its times count from the start of the run. */
   fault: StepFault | RampFault | DriftFault | ExponentialFault | SineFault | PulseTrainFault | RandomWalkFault | TableFault | StuckFault | FreezeFault | DropoutFault | OutliersFault | NoiseBurstFault | QuantisationFault | DelayFault;
   /** Time in s at which it begins. */
   onset: number;
-  /** Time in s at which it ends; null: it stays. */
+  /** Time in s at which it ends; null: never. */
   end: number | null;
-  /** Whether it acts. In a session: from the next row on. */
+  /** Whether it is active; in a session, from the next row on. */
   active: boolean;
-  /** Whether it is over. */
+  /** Whether it has ended. */
   ended: boolean;
 }
 
-/** The outcome for one fault: whether an observer's alarms found it (diagnosis/evaluation/verdicts.py has the rule). */
+/** The outcome for one fault: whether an alarm found it, by the rule in thetascope.diagnosis.evaluation.verdicts. */
 export interface FaultOutcome {
   /** Id of the fault within the experiment or session. */
   id: string;
-  /** A channel of the model, or a measurement. */
+  /** Fault of a channel of the model, or of a measured output. */
   kind: 'channel' | 'output';
   /** Name of the channel or output. */
   name: string;
   /** Time in s at which it began. */
   onset: number;
-  /** Time in s until which it could be found; null: the end of the run. */
+  /** Time in s until which an alarm counts as finding it; null: the end of the run. */
   until: number | null;
-  /** Covered: an alarm for its channel was on when it began, so none could be raised. */
+  /** Covered: an alarm for its channel was on when the fault began, so no new one could be raised. */
   outcome: 'found' | 'covered' | 'missed';
   /** Seconds from the onset to the alarm that found it. */
   delay: number | null;
-  /** Found only as one of the alternatives that an alarm leaves open. */
+  /** Whether the alarm names it only as an alternative. */
   alternative: boolean;
-  /** Id of the alarm that found or covers it; empty: none. */
+  /** Id of the alarm that found or covers it; empty if there is none. */
   alarm: string;
 }
 
@@ -773,18 +773,18 @@ export interface FieldError {
   remedy: string;
 }
 
-/** One figure of an experiment, panels below one another. */
+/** One figure of an experiment: panels from top to bottom. */
 export interface Figure {
-  /** Name in the address. */
+  /** Name, which is part of the figure's URL. */
   name: string;
   title: string;
   caption: string;
   panels: (Panel)[];
 }
 
-/** One figure of an experiment, panels below one another. */
+/** One figure of an experiment: panels from top to bottom. */
 export interface FigureInput {
-  /** Name in the address. */
+  /** Name, which is part of the figure's URL. */
   name: string;
   title?: string | {[name: string]: string};
   caption?: string | {[name: string]: string};
@@ -809,11 +809,11 @@ export interface FinalValue {
   truth: number | null;
   /** The estimate at the end. */
   estimate: number | null;
-  /** Estimate less truth at the end. */
+  /** Estimate minus truth at the end. */
   error: number | null;
-  /** Mean of estimate less truth. */
+  /** Mean of estimate minus truth. */
   mean_error: number | null;
-  /** Standard deviation of estimate less truth. */
+  /** Standard deviation of estimate minus truth. */
   std: number | null;
 }
 
@@ -823,7 +823,7 @@ export interface ForkRequest {
   t?: number | null;
 }
 
-/** A field of a fault or signal as a form shows it. */
+/** A field of a fault or signal, described for a form. */
 export interface FormField {
   name: string;
   /** JSON type, or choice. */
@@ -839,22 +839,22 @@ export interface FormField {
   choices: (string)[] | null;
 }
 
-/** The sensor goes on showing what it showed at the onset. */
+/** The measurement keeps the value that it had at the onset. */
 export interface FreezeFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's output. */
   output: string;
   shape: 'freeze';
 }
 
-/** The sensor goes on showing what it showed at the onset. */
+/** The measurement keeps the value that it had at the onset. */
 export interface FreezeFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -865,42 +865,42 @@ export interface FreezeFaultInput {
 export interface GainForm {
   name: string;
   meaning: string;
-  /** null: it depends on the plant and its noise. */
+  /** Default; null: it depends on the plant and its noise. */
   default: number | (number)[] | null;
   low: number;
   high: number;
-  /** Length of a column or rows of a matrix (n, m, p, …), null for a number. */
+  /** Length of a column, or number of rows of a matrix (n, m, p, …); null for a number. */
   size: string | null;
-  /** Columns of a matrix (n, m, p, …), null for a number or a column. */
+  /** Number of columns of a matrix (n, m, p, …); null for a number or a column. */
   columns: string | null;
   symbol: string;
   unit: string;
-  /** Whether moving it during a run has an effect. */
+  /** Whether a change during a run has an effect. */
   live: boolean;
 }
 
 /** Labels of a gain that is a column or a matrix. */
 export interface GainLabels {
-  /** States, outputs, channels or coordinates that the rows belong to. */
+  /** Labels of the rows: states, outputs, channels or coordinates. */
   rows: (string)[];
-  /** The same for columns; empty for a column gain. */
+  /** Labels of the columns; empty for a column gain. */
   columns: (string)[];
 }
 
-/** The first message on a connection: everything that a page needs to draw itself. */
+/** The first message on a connection: everything that a page needs to display the session. */
 export interface Hello {
   type: 'hello';
   protocol: number;
   session: string;
   role: 'control' | 'view';
-  /** The experiment with the faults and timed commands so far, its plant in full. */
+  /** The experiment with its complete plant and all faults and timed commands up to now. */
   spec: Experiment;
   columns: (string)[];
   epoch: number;
   step: number;
   /** Time in s between rows. */
   record: number;
-  /** Number of rows so far, which is the number of the next row. */
+  /** Number of rows so far, and number of the next row. */
   row: number;
   playing: boolean;
   speed: number | null;
@@ -912,9 +912,9 @@ export interface Hello {
   facts: Facts;
 }
 
-/** Inject a fault. Its onset and end count from now. */
+/** Inject a fault. Its onset and end are relative to the present time. */
 export interface Inject {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'inject';
   fault: StepFaultInput | RampFaultInput | DriftFaultInput | ExponentialFaultInput | SineFaultInput | PulseTrainFaultInput | RandomWalkFaultInput | TableFaultInput | StuckFaultInput | FreezeFaultInput | DropoutFaultInput | OutliersFaultInput | NoiseBurstFaultInput | QuantisationFaultInput | DelayFaultInput;
@@ -926,9 +926,9 @@ export interface Input {
   name: string;
   /** Unit in plain text, empty when dimensionless. */
   unit: string;
-  /** Value where an experiment gives no signal, in the input's unit. */
+  /** Value if an experiment sets no signal, in the input's unit. */
   default: number;
-  /** Range that makes sense, in the input's unit. */
+  /** Plausible range, in the input's unit. */
   bounds: [number | null, number | null];
   description: string;
 }
@@ -939,32 +939,32 @@ export interface InputInput {
   name: string;
   /** Unit in plain text, empty when dimensionless. */
   unit?: string;
-  /** Value where an experiment gives no signal, in the input's unit. */
+  /** Value if an experiment sets no signal, in the input's unit. */
   default?: number;
-  /** Range that makes sense, in the input's unit. */
+  /** Plausible range, in the input's unit. */
   bounds?: [number | null, number | null];
   description?: string | {[name: string]: string};
 }
 
-/** An input that would restore excitation, or why there is none: `signal` can be sent as it is with set-signal. */
+/** An input that would restore excitation, or the reason why there is none. Send `signal` with set-signal. */
 export interface InputProposal {
-  /** The input to be changed; null: nothing that was tried helps. */
+  /** The input to change; null: no signal that was tried helps. */
   input: string | null;
-  /** Its course from now on. */
+  /** The proposed signal, from now on. */
   signal: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal | null;
-  /** Smallest eigenvalue that it would reach, in (typical fault / its deviation)². */
+  /** Smallest eigenvalue with that signal, in (typical fault / its standard deviation)². */
   level: number;
-  /** The same with the input as it is. */
+  /** Smallest eigenvalue with the present input. */
   before: number;
-  /** Level that the accuracy asked for needs. */
+  /** Level that the required accuracy needs. */
   needed: number;
-  /** The proposal in a sentence, or why there is none. */
+  /** The proposal in a sentence, or the reason why there is none. */
   text: Text;
 }
 
 export type JsonValue = unknown;
 
-/** Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; GET /api/sessions/{id}/data has them. */
+/** Rows `first` … `row` − 1 are skipped for this viewer, which is too slow; GET /api/sessions/{id}/data has them. */
 export interface Jump {
   type: 'jump';
   epoch: number;
@@ -979,7 +979,7 @@ export interface KnownSignal {
   /** Unit in plain text, empty when dimensionless. */
   unit: string;
   description: string;
-  /** Its course where an experiment gives none. */
+  /** The signal if an experiment sets none. */
   default: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal;
 }
 
@@ -990,7 +990,7 @@ export interface KnownSignalInput {
   /** Unit in plain text, empty when dimensionless. */
   unit?: string;
   description?: string | {[name: string]: string};
-  /** Its course where an experiment gives none. */
+  /** The signal if an experiment sets none. */
   default?: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
 }
 
@@ -999,23 +999,23 @@ export interface LessonList {
   lessons: (LessonPlan)[];
 }
 
-/** The questions about one experiment. */
+/** The questions of the lesson about one experiment. */
 export interface LessonPlan {
   id: string;
   questions: (LessonQuestion)[];
 }
 
-/** A question, and the commands of a live session that show its answer. The sender numbers them. */
+/** A question, and the commands of a live session that show its answer, without ids. */
 export interface LessonQuestion {
   question: Words;
   do: ({[name: string]: JsonValue})[];
 }
 
-/** Gaussian measurement noise on one output; a drawn value holds for its sample time. */
+/** Gaussian measurement noise of one output; each drawn value is held for the sample time. */
 export interface Noise {
   /** Standard deviation, in the output's unit. */
   std: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   sample_time: number;
 }
 
@@ -1023,14 +1023,14 @@ export interface Noise {
 export interface NoiseBurstFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's output. */
   output: string;
   shape: 'noise-burst';
   /** Standard deviation, in the output's unit. */
   std: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   sample_time: number;
 }
 
@@ -1038,32 +1038,32 @@ export interface NoiseBurstFault {
 export interface NoiseBurstFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's output. */
   output: string;
   shape: 'noise-burst';
   /** Standard deviation, in the output's unit. */
   std: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   sample_time?: number;
 }
 
-/** Gaussian measurement noise on one output; a drawn value holds for its sample time. */
+/** Gaussian measurement noise of one output; each drawn value is held for the sample time. */
 export interface NoiseInput {
   /** Standard deviation, in the output's unit. */
   std: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   sample_time?: number;
 }
 
-/** Noise of one output: as declared, and as the residual shows it. */
+/** Noise of one output: declared, and estimated from the residual. */
 export interface NoiseLevel {
   /** The measured output. */
   output: string;
-  /** Standard deviation that the experiment declares; null: none. */
+  /** Standard deviation declared in the experiment; null: none. */
   declared: number | null;
-  /** Standard deviation as the residual shows it; null: not known. */
+  /** Standard deviation estimated from the residual; null: unknown. */
   estimated: number | null;
 }
 
@@ -1073,71 +1073,71 @@ export interface NumberedEquation {
   math: string;
 }
 
-/** What the outputs show of the states and of all faults together: by the equations, and along a run. */
+/** Joint observability of the states and all faults: from the equations, and along a run. */
 export interface Observability {
-  /** Generic rank of the observability matrix of states and faults (Lie derivatives); null: not decided. */
+  /** Generic rank of the observability matrix of states and faults (Lie derivatives); null: undecided. */
   rank: number | null;
-  /** States and faults. */
+  /** Number of states and faults. */
   size: number;
-  /** What no input could tell apart, in words. */
+  /** The states and faults that no input can distinguish, in a sentence. */
   text: Text;
   /** Length in s of the windows along the run. */
   window: number;
-  /** When they begin, in s. */
+  /** Times in s at which the windows begin. */
   t: (number)[];
-  /** Rank of the empirical Gramian over each; null: the plant does not stay finite. */
+  /** Rank of the empirical Gramian over each window; null: the plant diverges. */
   ranks: (number | null)[];
-  /** Its condition, in units of typical sizes; null below full rank. */
+  /** Its condition number, in units of typical sizes; null below full rank. */
   conditions: (number | null)[];
-  /** The same in words, with the combination that is seen least. */
+  /** The same in a sentence, with the least observable combination. */
   along: Text;
 }
 
-/** One observer of an experiment. Gains, options and their defaults are listed per kind in the catalogue. */
+/** One observer of an experiment. The catalogue lists the gains and options of each kind, and their defaults. */
 export interface ObserverConfig {
-  /** Label, unique in the experiment; its columns start with it. */
+  /** Label, unique in the experiment, and prefix of the observer's columns. */
   label: string;
-  /** Kind, from the catalogue. */
+  /** Kind of observer, from the catalogue. */
   kind: string;
-  /** Gains that differ from their defaults: a number, a list for a column, or a list of rows for a matrix. */
+  /** Gains that differ from their defaults: a number, a list (column) or a list of rows (matrix). */
   gains: {[name: string]: number | (number)[] | ((number)[])[]};
   /** Options that differ from their defaults. */
   options: {[name: string]: boolean | string | number};
-  /** Estimates at t = 0 by state or channel, in their units. Where none is given, a state starts from the plant's own initial value and a channel from 0. */
+  /** Estimates at t = 0 by state or channel. Default: the plant's initial state, and 0 for a channel. */
   initial: {[name: string]: number};
 }
 
-/** One observer of an experiment. Gains, options and their defaults are listed per kind in the catalogue. */
+/** One observer of an experiment. The catalogue lists the gains and options of each kind, and their defaults. */
 export interface ObserverConfigInput {
-  /** Label, unique in the experiment; its columns start with it. */
+  /** Label, unique in the experiment, and prefix of the observer's columns. */
   label: string;
-  /** Kind, from the catalogue. */
+  /** Kind of observer, from the catalogue. */
   kind: string;
-  /** Gains that differ from their defaults: a number, a list for a column, or a list of rows for a matrix. */
+  /** Gains that differ from their defaults: a number, a list (column) or a list of rows (matrix). */
   gains?: {[name: string]: number | (number)[] | ((number)[])[]};
   /** Options that differ from their defaults. */
   options?: {[name: string]: boolean | string | number};
-  /** Estimates at t = 0 by state or channel, in their units. Where none is given, a state starts from the plant's own initial value and a channel from 0. */
+  /** Estimates at t = 0 by state or channel. Default: the plant's initial state, and 0 for a channel. */
   initial?: {[name: string]: number};
 }
 
-/** What one observer says about the faults. */
+/** The diagnosis by one observer or by the detector. */
 export interface ObserverDiagnosis {
-  /** Label of the observer; empty: the detector, which watches the plant itself. */
+  /** Label of the observer; empty: the detector, which uses the measurements only. */
   observer: string;
-  /** What was found, in order of time. */
+  /** Alarms in order of time. */
   alarms: (Alarm)[];
-  /** By channel: how small a fault can be and still be found. */
+  /** For each channel, the smallest fault that can be found. */
   resolution: (Resolution)[];
-  /** What the input tells about the faults, at the end. */
+  /** Excitation of the faults by the input, at the end. */
   excitation: Excitation | null;
-  /** Where the thresholds come from. */
+  /** Calibration of the thresholds. */
   calibration: Calibration | null;
   /** Noise of each output. */
   noise: (NoiseLevel)[];
   /** The diagnosis in a sentence. */
   sentence: Text | null;
-  /** Why there is no diagnosis, where there is none. */
+  /** The reason if there is no diagnosis. */
   note: Text | null;
 }
 
@@ -1152,13 +1152,13 @@ export interface ObserverEquations {
 /** The figures of one observer over a window. */
 export interface ObserverInWindow {
   label: string;
-  /** Root mean square error of the state; null: not all rows have a value. */
+  /** Root mean square error of the state; null: some rows have no value. */
   rmse: number | null;
-  /** Standard deviation of θ̂ about its straight line, over the last quarter. */
+  /** Standard deviation of θ̂ about a fitted line, over the last quarter of the window. */
   noise: number | null;
-  /** Seconds from the step of θ until θ̂ stays within 10 % of its size. */
+  /** Seconds from the step of θ until θ̂ stays within 10 % of the step's size. */
   settled: number | null;
-  /** Too noisy: θ̂ has reached θ, but noise keeps moving it out of the 10 %. Unknown: no step, or no θ̂. */
+  /** Too noisy: θ̂ reached θ, but noise moves it out of the 10 % band. Unknown: no step, or no θ̂. */
   outcome: 'settled' | 'not-yet' | 'too-noisy' | 'unknown';
 }
 
@@ -1174,7 +1174,7 @@ export interface ObserverKind {
   options: (OptionForm)[];
 }
 
-/** When an observer diverged, and the likely cause. */
+/** The divergence of an observer: its time and likely cause. */
 export interface ObserverLost {
   /** Time in s. */
   t: number;
@@ -1182,41 +1182,41 @@ export interface ObserverLost {
   cause: Text;
 }
 
-/** An observer that runs at that time. */
+/** An observer that is running at that time. */
 export interface ObserverNow {
   label: string;
   kind: string;
-  /** Present values of the gains that were set; others have their defaults. */
+  /** Present values of the gains that were set; the others have their defaults. */
   gains: {[name: string]: number | (number)[] | ((number)[])[]};
   options: {[name: string]: JsonValue};
-  /** Its configuration when it was started. */
+  /** Its configuration at the start. */
   config: ObserverConfig;
   /** Time in s at which it was started. */
   since: number;
   diverged: ObserverLost | null;
 }
 
-/** What came out for one observer. */
+/** The results of one observer. */
 export interface ObserverSummary {
   label: string;
   kind: string;
   /** The name of the kind. */
   title: Text | null;
   diverged: Divergence | null;
-  /** Root mean square error per state over the run, null where undefined. */
+  /** Root mean square error of each state over the run; null if undefined. */
   rmse: {[name: string]: number | null};
   /** The same over the last tenth of the run. */
   rmse_end: {[name: string]: number | null};
   /** Estimate of each channel at the end. */
   theta: {[name: string]: FinalValue};
-  /** How soon each step of a fault was followed. */
+  /** Settling after each step of a fault. */
   settling: (Settling)[];
   checks: (AssumptionCheck)[];
-  /** What the observer reports about itself. */
+  /** Facts determined during the observer's construction. */
   facts: {[name: string]: JsonValue};
 }
 
-/** A structural option of an observer. Another value means other equations. */
+/** A structural option of an observer: another value gives other equations. */
 export interface OptionForm {
   name: string;
   meaning: string;
@@ -1231,7 +1231,7 @@ export interface OptionForm {
 export interface OutliersFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -1248,7 +1248,7 @@ export interface OutliersFault {
 export interface OutliersFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -1267,7 +1267,7 @@ export interface Output {
   name: string;
   /** Unit in plain text, empty when dimensionless. */
   unit: string;
-  /** Output equation, without the sensor faults. */
+  /** Right-hand side of the output equation, without faults. */
   expression: string;
   description: string;
 }
@@ -1278,7 +1278,7 @@ export interface OutputInput {
   name: string;
   /** Unit in plain text, empty when dimensionless. */
   unit?: string;
-  /** Output equation, without the sensor faults. */
+  /** Right-hand side of the output equation, without faults. */
   expression: string;
   description?: string | {[name: string]: string};
 }
@@ -1333,9 +1333,9 @@ export interface ParameterInput {
   description?: string | {[name: string]: string};
 }
 
-/** Stop time. */
+/** Pause the clock. */
 export interface Pause {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'pause';
 }
@@ -1346,7 +1346,7 @@ export interface Plant {
   id: string;
   title: string;
   description: string;
-  /** Where the plant comes from. */
+  /** Source of the plant, such as a paper and its equations. */
   source: string;
   /** Continuous, or discrete with a period. */
   time: ContinuousTime | DiscreteTime;
@@ -1357,13 +1357,13 @@ export interface Plant {
   signals: (KnownSignal)[];
   /** Intermediate quantities, in order. */
   definitions: (Definition)[];
-  /** State: its derivative, or its next value in discrete time. */
+  /** Right-hand side by state: its derivative, or its next value in discrete time. */
   dynamics: {[name: string]: string};
   /** The faults that can occur. */
   channels: (Channel)[];
 }
 
-/** The report on a plant's text. */
+/** The result of checking a plant. */
 export interface PlantCheck {
   id: string;
   valid: true;
@@ -1377,7 +1377,7 @@ export interface PlantCheck {
   observers: (PossibleObserver)[];
 }
 
-/** The equations of a plant with its faults in them. */
+/** The equations of a plant, with its faults. */
 export interface PlantEquations {
   id: string;
   title: string;
@@ -1395,7 +1395,7 @@ export interface PlantInput {
   id: string;
   title?: string | {[name: string]: string};
   description?: string | {[name: string]: string};
-  /** Where the plant comes from. */
+  /** Source of the plant, such as a paper and its equations. */
   source?: string | {[name: string]: string};
   /** Continuous, or discrete with a period. */
   time?: ContinuousTimeInput | DiscreteTimeInput;
@@ -1406,7 +1406,7 @@ export interface PlantInput {
   signals?: (KnownSignalInput)[];
   /** Intermediate quantities, in order. */
   definitions?: (DefinitionInput)[];
-  /** State: its derivative, or its next value in discrete time. */
+  /** Right-hand side by state: its derivative, or its next value in discrete time. */
   dynamics: {[name: string]: string};
   /** The faults that can occur. */
   channels?: (ChannelInput)[];
@@ -1439,9 +1439,9 @@ export interface PlantSizes {
   channels: number;
 }
 
-/** Let time run. */
+/** Start or resume the clock. */
 export interface Play {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'play';
 }
@@ -1460,27 +1460,27 @@ export interface PossibleObserver {
   why: string;
 }
 
-/** Pseudo-random binary sequence: every `hold` seconds `low` or `high`, drawn from its own seed. */
+/** Pseudo-random binary sequence: every `hold` seconds `low` or `high` is drawn, from the signal's seed. */
 export interface PrbsSignal {
   kind: 'prbs';
-  /** The one value. */
+  /** First of the two values. */
   low: number;
-  /** The other value. */
+  /** Second of the two values. */
   high: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   hold: number;
   /** Seed of the sequence. */
   seed: number;
 }
 
-/** Pseudo-random binary sequence: every `hold` seconds `low` or `high`, drawn from its own seed. */
+/** Pseudo-random binary sequence: every `hold` seconds `low` or `high` is drawn, from the signal's seed. */
 export interface PrbsSignalInput {
   kind: 'prbs';
-  /** The one value. */
+  /** First of the two values. */
   low?: number;
-  /** The other value. */
+  /** Second of the two values. */
   high?: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   hold: number;
   /** Seed of the sequence. */
   seed?: number;
@@ -1495,13 +1495,13 @@ export interface PresentGains {
 
 /** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the asked language. */
 export interface Problem {
-  /** URI reference of the kind of problem. */
+  /** URI reference of the problem type. */
   type: string;
-  /** Short text, the same for every problem of this kind. */
+  /** Short text, the same for every problem of this type. */
   title: string;
   /** HTTP status. */
   status: number;
-  /** What happened here, and what to do. */
+  /** The problem of this request, and its remedy. */
   detail: string;
   /** Key of the problem's sentence in the catalogues, GET /api/messages/{language}. */
   code: string;
@@ -1509,19 +1509,19 @@ export interface Problem {
   args: {[name: string]: JsonValue};
   /** URI reference of this occurrence. */
   instance: string | null;
-  /** Each field at fault, its value, the problem, the remedy. */
+  /** For each offending field, its value, the problem and the remedy. */
   errors: (FieldError)[];
 }
 
-/** How far a run is. */
+/** The progress of a run. */
 export interface Progress {
   /** The run's id. */
   id: string;
   status: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
-  /** Share done, 0 to 1. */
+  /** Completed share, 0 to 1. */
   progress: number;
   detail: string;
-  /** Why it failed. */
+  /** The reason of a failure. */
   problem: Problem | null;
   links: {[name: string]: string};
 }
@@ -1560,7 +1560,7 @@ export interface PulseSignalInput {
 export interface PulseTrainFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -1577,7 +1577,7 @@ export interface PulseTrainFault {
 export interface PulseTrainFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -1590,11 +1590,11 @@ export interface PulseTrainFaultInput {
   width: number;
 }
 
-/** The output is rounded to whole multiples of the resolution. */
+/** The output is rounded to multiples of the resolution. */
 export interface QuantisationFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -1603,11 +1603,11 @@ export interface QuantisationFault {
   resolution: number;
 }
 
-/** The output is rounded to whole multiples of the resolution. */
+/** The output is rounded to multiples of the resolution. */
 export interface QuantisationFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's output. */
   output: string;
@@ -1616,11 +1616,11 @@ export interface QuantisationFaultInput {
   resolution: number;
 }
 
-/** θ rises linearly to `size` over `duration`, then stays. */
+/** θ rises linearly to `size` over `duration`, then is constant. */
 export interface RampFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -1631,11 +1631,11 @@ export interface RampFault {
   duration: number;
 }
 
-/** θ rises linearly to `size` over `duration`, then stays. */
+/** θ rises linearly to `size` over `duration`, then is constant. */
 export interface RampFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -1646,7 +1646,7 @@ export interface RampFaultInput {
   duration: number;
 }
 
-/** `initial` until `start`, then rising by `slope` per second, held from `end` on. */
+/** `initial` until `start`, then rising by `slope` per second, constant from `end` on. */
 export interface RampSignal {
   kind: 'ramp';
   /** Start of the ramp in s. */
@@ -1655,11 +1655,11 @@ export interface RampSignal {
   slope: number;
   /** Value until the start. */
   initial: number;
-  /** Time in s from which the value is held; null: never. */
+  /** Time in s from which the value is constant; null: never. */
   end: number | null;
 }
 
-/** `initial` until `start`, then rising by `slope` per second, held from `end` on. */
+/** `initial` until `start`, then rising by `slope` per second, constant from `end` on. */
 export interface RampSignalInput {
   kind: 'ramp';
   /** Start of the ramp in s. */
@@ -1668,60 +1668,60 @@ export interface RampSignalInput {
   slope: number;
   /** Value until the start. */
   initial?: number;
-  /** Time in s from which the value is held; null: never. */
+  /** Time in s from which the value is constant; null: never. */
   end?: number | null;
 }
 
-/** θ gains a Gaussian increment of std intensity·√sample_time every sample_time; the experiment's seed drives it. */
+/** Random walk: every sample_time θ gains a Gaussian increment of std intensity·√sample_time (experiment's seed). */
 export interface RandomWalkFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
   shape: 'random-walk';
-  /** Standard deviation gained per √s, in the channel's unit. */
+  /** Standard deviation per √s, in the channel's unit. */
   intensity: number;
   /** Time in s between increments. */
   sample_time: number;
 }
 
-/** θ gains a Gaussian increment of std intensity·√sample_time every sample_time; the experiment's seed drives it. */
+/** Random walk: every sample_time θ gains a Gaussian increment of std intensity·√sample_time (experiment's seed). */
 export interface RandomWalkFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
   shape: 'random-walk';
-  /** Standard deviation gained per √s, in the channel's unit. */
+  /** Standard deviation per √s, in the channel's unit. */
   intensity: number;
   /** Time in s between increments. */
   sample_time?: number;
 }
 
-/** Samples at equal distances, as columns or as CSV text with a line of names: ``t``, inputs, signals and outputs of the plant. */
+/** Equally spaced samples of ``t``, inputs, signals and outputs of the plant: columns, or CSV with a header. */
 export interface Record {
-  /** Id of a library plant, or a plant in full. */
+  /** Id of a library plant, or a complete plant. */
   plant: string | PlantInput;
-  /** Columns by name, all as long … */
+  /** Columns by name, all of the same length; or give `csv`. */
   columns?: {[name: string]: (number)[]} | null;
-  /** … or the text of a CSV file. */
+  /** Text of a CSV file; or give `columns`. */
   csv?: string | null;
-  /** Seconds at its beginning that are known to be sound: what they show belongs to the plant. */
+  /** Length in s of the beginning, known to be healthy: deviations in it are attributed to the plant. */
   learn?: number;
-  /** What is asked of the diagnosis. */
+  /** Settings of the diagnosis. */
   diagnosis?: DiagnosisSettingsInput;
 }
 
-/** A command was not carried out; nothing has changed. */
+/** A command was refused; nothing has changed. */
 export interface Refused {
   type: 'refused';
-  /** The command's id; null if the message had none. */
+  /** Id of the command; null if the message had none. */
   id: number | null;
-  /** Path of the field at fault, for example fault.channel. */
+  /** Path of the offending field, for example fault.channel. */
   field: string;
   /** The value that arrived, shortened. */
   value: JsonValue;
@@ -1735,17 +1735,17 @@ export interface Refused {
   remedy: string;
 }
 
-/** Let an observer watch no longer. */
+/** Remove an observer. */
 export interface RemoveObserver {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'remove-observer';
   label: string;
 }
 
-/** Let an observer watch no longer. */
+/** Remove an observer. */
 export interface RemoveObserverInput {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'remove-observer';
   label: string;
@@ -1753,20 +1753,20 @@ export interface RemoveObserverInput {
 
 /** Remove an observer. */
 export interface RemoveObserverNow {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'remove-observer';
   label: string;
 }
 
-/** Go back to t = 0 and the experiment as it was at the start; the log is emptied. */
+/** Go back to t = 0 and to the original experiment; the log is cleared. */
 export interface Reset {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'reset';
 }
 
-/** How small a fault in one channel can be and still be found, at this noise and with these gains. */
+/** The smallest fault in one channel that can be found, with the given noise and gains. */
 export interface Resolution {
   /** The fault channel. */
   channel: string;
@@ -1774,17 +1774,17 @@ export interface Resolution {
   sigma: number | null;
   /** Size of a typical fault in this channel. */
   typical: number;
-  /** Smallest step that is found within the longest window, null: none. */
+  /** Smallest step that can be found within the longest window; null: none. */
   smallest: number | null;
-  /** Whether a typical fault can be found at all. */
+  /** Whether a typical fault can be found. */
   resolvable: boolean;
-  /** Whether the input of the last window excites it enough. */
+  /** Whether the input in the last window excites the fault enough. */
   identifiable: boolean;
-  /** In words: from what size on, or why not. */
+  /** The same in a sentence: the smallest size, or the reason why there is none. */
   text: Text | null;
 }
 
-/** Rows from this one on are void; a new epoch begins. The log ends here as well. */
+/** Rows and log entries from this row on are discarded; a new epoch begins. */
 export interface Rewound {
   type: 'rewound';
   epoch: number;
@@ -1792,20 +1792,20 @@ export interface Rewound {
   t: number;
 }
 
-/** A run of an experiment. Its id is the hash of what determines its numbers (`Experiment.spec_hash`). */
+/** A run of an experiment. Its id is the hash of everything that determines its numbers (`Experiment.spec_hash`). */
 export interface Run {
   /** Hash of the canonical spec. */
   id: string;
   status: 'queued' | 'running' | 'done' | 'failed' | 'cancelled';
-  /** Share done, 0 to 1. */
+  /** Completed share, 0 to 1. */
   progress: number;
   spec: Experiment;
-  /** Set when done. */
+  /** Set when the run is done. */
   summary: RunSummary | null;
-  /** Set when failed. */
+  /** Set when the run has failed. */
   problem: Problem | null;
   created: string;
-  /** A pinned run is kept when the store needs room. */
+  /** Whether the run is kept when the store is full. */
   pinned: boolean;
   links: {[name: string]: string};
 }
@@ -1820,7 +1820,7 @@ export interface RunLine {
   links: {[name: string]: string};
 }
 
-/** Runs, newest first, and what the store holds. */
+/** Runs, newest first, and figures of the store. */
 export interface RunList {
   runs: (RunLine)[];
   store: {[name: string]: number};
@@ -1834,7 +1834,7 @@ export interface RunRequest {
   set?: {[name: string]: JsonValue};
 }
 
-/** What came out of a run, without its data. */
+/** The results of a run without its data. */
 export interface RunSummary {
   /** Number of columns of the data. */
   columns: number;
@@ -1842,7 +1842,7 @@ export interface RunSummary {
   rows: number;
   /** Step of the integration in s. */
   step: number;
-  /** Steps that observers take within one step. */
+  /** Substeps of each integration step. */
   substeps: number;
   /** Divergence of the plant itself. */
   diverged: Divergence | null;
@@ -1851,7 +1851,7 @@ export interface RunSummary {
   facts: Facts | null;
   /** The observers compared on the same data. */
   comparison: Comparison | null;
-  /** Which fault, since when, how large, how sure. */
+  /** The diagnosis: which fault, since when, its size and confidence. */
   diagnosis: Diagnosis | null;
   notes: (Text)[];
   /** Wall time of each stage in s. */
@@ -1874,7 +1874,7 @@ export interface SampledMeasurementInput {
 
 /** Go back to an earlier time. Rows and commands after it are discarded; fork first to keep them. */
 export interface Seek {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'seek';
   /** Time in s, rounded to a row, at most the present time. */
@@ -1907,7 +1907,7 @@ export interface SessionRequest {
   t?: number;
 }
 
-/** The state of a session, and its experiment with all faults and timed commands so far. */
+/** The state of a session, and its experiment with all faults and timed commands up to now. */
 export interface SessionState {
   id: string;
   spec: Experiment;
@@ -1921,9 +1921,9 @@ export interface SessionState {
   links: {[name: string]: string};
 }
 
-/** Give an observer's gain another value. */
+/** Change a gain of an observer. */
 export interface SetGain {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-gain';
   /** Label of the observer. */
@@ -1934,9 +1934,9 @@ export interface SetGain {
   value: number | (number)[] | ((number)[])[];
 }
 
-/** Give an observer's gain another value. */
+/** Change a gain of an observer. */
 export interface SetGainInput {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-gain';
   /** Label of the observer. */
@@ -1949,7 +1949,7 @@ export interface SetGainInput {
 
 /** Set a gain of an observer from now on. */
 export interface SetGainNow {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'set-gain';
   observer: string;
@@ -1959,45 +1959,45 @@ export interface SetGainNow {
 
 /** Change the measurement noise of one output. */
 export interface SetNoise {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-noise';
   /** Name of the output. */
   output: string;
   /** Standard deviation, in the output's unit. */
   std: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   sample_time: number;
 }
 
 /** Change the measurement noise of one output. */
 export interface SetNoiseInput {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-noise';
   /** Name of the output. */
   output: string;
   /** Standard deviation, in the output's unit. */
   std: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   sample_time?: number;
 }
 
 /** Set the measurement noise of an output from now on. */
 export interface SetNoiseNow {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'set-noise';
   output: string;
   /** Standard deviation, in the output's unit. */
   std: number;
-  /** Time in s for which a drawn value holds. */
+  /** Time in s for which each drawn value is held. */
   sample_time?: number;
 }
 
-/** Give an input or a known signal another course. Its time is that of the run, not counted from `at`. */
+/** Replace an input or a known signal. The time of the new signal is that of the run, not counted from `at`. */
 export interface SetSignal {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-signal';
   /** Name of an input or a known signal of the plant. */
@@ -2005,9 +2005,9 @@ export interface SetSignal {
   signal: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal;
 }
 
-/** Give an input or a known signal another course. Its time is that of the run, not counted from `at`. */
+/** Replace an input or a known signal. The time of the new signal is that of the run, not counted from `at`. */
 export interface SetSignalInput {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-signal';
   /** Name of an input or a known signal of the plant. */
@@ -2015,45 +2015,45 @@ export interface SetSignalInput {
   signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
 }
 
-/** Set an input or known signal from now on; its time is the session's. */
+/** Set an input or known signal from now on. The signal's time is that of the session. */
 export interface SetSignalNow {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'set-signal';
   name: string;
   signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
 }
 
-/** Take every step of the integration in so many substeps from here on (stiff gains). */
+/** Set the number of substeps of every integration step, for stiff gains. */
 export interface SetSubsteps {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-substeps';
   substeps: number;
 }
 
-/** Take every step of the integration in so many substeps from here on (stiff gains). */
+/** Set the number of substeps of every integration step, for stiff gains. */
 export interface SetSubstepsInput {
-  /** Time in s, a multiple of the step, from which it acts. */
+  /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
   command: 'set-substeps';
   substeps: number;
 }
 
-/** How an estimate followed one step of a fault. */
+/** The settling of an estimate after one step of a fault. */
 export interface Settling {
   channel: string;
   /** Time of the step in s. */
   at: number;
   /** Size of the step. */
   size: number;
-  /** Width of the band around the new value, as a fraction of the size. */
+  /** Half-width of the band around the new value, as a fraction of the size. */
   within: number;
   /** Time in s after the step at which the band is first reached. */
   reached: number | null;
   /** Time in s after the step from which the estimate stays in the band. */
   time: number | null;
-  /** Time in s up to which was looked: the next event, or the end. */
+  /** Time in s at which the evaluation ends: the next event, or the end of the run. */
   until: number;
 }
 
@@ -2069,7 +2069,7 @@ export interface SignalForm {
 export interface SineFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -2086,7 +2086,7 @@ export interface SineFault {
 export interface SineFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -2125,15 +2125,15 @@ export interface SineSignalInput {
   offset?: number;
 }
 
-/** The experiment with everything done so far, after every command that changes it. */
+/** The experiment with all changes up to now; sent after every command that changes it. */
 export interface Spec {
   type: 'spec';
   spec: Experiment;
 }
 
-/** Simulated seconds per second; null: as fast as possible. */
+/** Set the speed in simulated seconds per second; null: as fast as possible. */
 export interface Speed {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'speed';
   value: number | null;
@@ -2165,7 +2165,7 @@ export interface StateInput {
   description?: string | {[name: string]: string};
 }
 
-/** The status of the session. A newer one replaces an older one. */
+/** The status of the session; it replaces earlier ones. */
 export interface Status {
   type: 'status';
   row: number;
@@ -2179,19 +2179,19 @@ export interface Status {
   ended: boolean;
 }
 
-/** Advance by `rows` rows, as fast as possible, and stay paused. */
+/** Advance by `rows` rows as fast as possible, then pause. */
 export interface Step {
-  /** Number that the client gives the command. */
+  /** Number of the command, chosen by the client. */
   id: number;
   type: 'step';
   rows?: number;
 }
 
-/** θ = size at once. */
+/** θ = size from the onset on. */
 export interface StepFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -2200,11 +2200,11 @@ export interface StepFault {
   size: number;
 }
 
-/** θ = size at once. */
+/** θ = size from the onset on. */
 export interface StepFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -2213,24 +2213,24 @@ export interface StepFaultInput {
   size: number;
 }
 
-/** How soon an estimate followed one step of a fault. */
+/** The settling of an estimate after one step of a fault. */
 export interface StepFollowed {
   channel: string;
   /** Time of the step in s. */
   at: number;
-  /** New value less the old, in the channel's unit. */
+  /** New value minus old value, in the channel's unit. */
   size: number;
-  /** Seconds until it stays within 10 % of the size; null: it does not. */
+  /** Seconds until the error stays within 10 % of the size; null: never. */
   ten: number | null;
-  /** Seconds until it stays within 5 % of the size; null: it does not. */
+  /** Seconds until the error stays within 5 % of the size; null: never. */
   five: number | null;
 }
 
-/** The newest fault of a channel, and whether the detector has found it. */
+/** The newest fault of a channel, and its outcome so far. */
 export interface StepFound {
   /** Id of the fault. */
   id: string;
-  /** The verdict so far; null without a detector, or if θ is zero. */
+  /** The outcome so far; null without a detector, or if θ is zero. */
   outcome: 'found' | 'covered' | 'missed' | null;
   /** Seconds from the onset to the alarm that found it. */
   delay: number | null;
@@ -2273,37 +2273,37 @@ export interface StructuralObservability {
   text: string;
 }
 
-/** The sensor shows `value`. */
+/** The measurement is `value`. */
 export interface StuckFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's output. */
   output: string;
   shape: 'stuck';
-  /** Value shown, in the output's unit. */
+  /** Measured value, in the output's unit. */
   value: number;
 }
 
-/** The sensor shows `value`. */
+/** The measurement is `value`. */
 export interface StuckFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's output. */
   output: string;
   shape: 'stuck';
-  /** Value shown, in the output's unit. */
+  /** Measured value, in the output's unit. */
   value: number;
 }
 
-/** θ read from a table over τ; the first value holds before its time and the last after it. */
+/** θ from a table over τ; the first value applies before its time, the last one after its time. */
 export interface TableFault {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -2316,11 +2316,11 @@ export interface TableFault {
   interpolation: 'hold' | 'linear';
 }
 
-/** θ read from a table over τ; the first value holds before its time and the last after it. */
+/** θ from a table over τ; the first value applies before its time, the last one after its time. */
 export interface TableFaultInput {
   /** Time in s at which the fault appears. */
   onset: number;
-  /** Time in s at which it disappears; null: it stays. */
+  /** Time in s at which it disappears; null: never. */
   end?: number | null;
   /** Name of the plant's fault channel. */
   channel: string;
@@ -2333,7 +2333,7 @@ export interface TableFaultInput {
   interpolation?: 'hold' | 'linear';
 }
 
-/** Values at given times; the first holds before them and the last after them. */
+/** Values at given times; the first value applies before them, the last one after them. */
 export interface TableSignal {
   kind: 'table';
   /** Times in s, increasing. */
@@ -2344,7 +2344,7 @@ export interface TableSignal {
   interpolation: 'hold' | 'linear';
 }
 
-/** Values at given times; the first holds before them and the last after them. */
+/** Values at given times; the first value applies before them, the last one after them. */
 export interface TableSignalInput {
   kind: 'table';
   /** Times in s, increasing. */
@@ -2397,28 +2397,28 @@ export interface WhereLine {
   text: string;
 }
 
-/** A stretch of the run between two events: onsets and ends of faults, the run's beginning and end. */
+/** An interval of the run between two events: onsets and ends of faults, start and end of the run. */
 export interface Window {
-  /** Time in s of the event at which it begins. */
+  /** Time in s at which it begins. */
   start: number;
-  /** Time in s of the event at which it ends. */
+  /** Time in s at which it ends. */
   end: number;
 }
 
-/** The observers of a session over the window that a page shows. */
+/** The observers of a session over the window that the page shows. */
 export interface WindowComparison {
-  /** Time in s up to which the session has come. */
+  /** Present time of the session in s. */
   t: number;
-  /** The state whose error is given. */
+  /** The state whose errors are compared. */
   state: string;
   /** The fault channel; null: the plant has none. */
   channel: string | null;
-  /** Its newest fault; null: none so far. */
+  /** The newest fault of the channel; null: none so far. */
   fault: StepFound | null;
   observers: (ObserverInWindow)[];
 }
 
-/** A text in the languages of the page. */
+/** A text in each language of the page. */
 export interface Words {
   en: string;
   zh: string;

@@ -1,6 +1,6 @@
-"""The contract: what a plant, a signal, a fault, an observer, an experiment and a run look like as data.
+"""The schemas of plants, signals, faults, observers, experiments, runs and the messages of the service.
 
-Only pydantic and the standard library are used here. Server, command line and clients speak these schemas.
+Server, command line and clients exchange data in these forms. Only pydantic and the standard library are used here.
 """
 
 from thetascope_schemas.experiment.base import SCHEMA_VERSION

@@ -1,1 +1,1 @@
-"""What an experiment is made of, and the base of all schemas: plant, signals, faults, observers, commands, figures, diagnosis."""
+"""Schemas of an experiment and its parts: plant, signals, faults, observers, commands, figures, diagnosis."""

@@ -11,7 +11,7 @@ from thetascope_schemas.texts.local_text import LocalProse
 from thetascope_schemas.texts.refusal import refuse, suggestion
 
 SCHEMA_VERSION = 1
-"""Version of these schemas. It enters every spec's hash: raise it when the same spec comes to mean other numbers."""
+"""Version of these schemas, part of every spec's hash. Raise it when the same spec gives other numbers."""
 
 MAX_EXPRESSION = 2000  # characters of one expression
 MAX_STATES = 60
@@ -50,21 +50,21 @@ FUNCTIONS = frozenset(
         "backlash",
     )
 )
-"""Functions of the expression language (backend/thetascope/engine/language/parser.py; a test holds the two lists together)."""
+"""Functions of the expression language in thetascope.engine.language.builtins; a test compares the two lists."""
 
 RESERVED = FUNCTIONS | {"t", "pi"}
-"""Names a plant cannot give to a quantity: time, the one constant, and the functions."""
+"""Names that a plant cannot give to a quantity: time, the constant pi, and the functions."""
 
 
 def example(**values: Any) -> ConfigDict:
-    """Return a model configuration that shows one example in the OpenAPI page."""
+    """Return a model configuration with an example for OpenAPI."""
     return ConfigDict(json_schema_extra={"examples": [values]})
 
 
 class Strict(BaseModel):
-    """Base of every schema: unknown fields are refused, numbers are finite, an instance does not change.
+    """Base of every schema: unknown fields are refused, numbers are finite, instances are immutable.
 
-    `prose` names the fields that change no number of a run; the canonical form leaves them out.
+    `prose` names the fields that do not affect the numbers of a run; the canonical form omits them.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
@@ -73,7 +73,7 @@ class Strict(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _known_fields(cls, data: object) -> object:
-        """Refuse unknown fields with the nearest known one (`extra="forbid"` alone would only say "not permitted")."""
+        """Refuse an unknown field and suggest the nearest known one, which `extra="forbid"` alone does not do."""
         if isinstance(data, Mapping):
             for key in data:
                 if key not in cls.model_fields:
@@ -84,7 +84,7 @@ class Strict(BaseModel):
 
 
 def canonical(value: object) -> object:
-    """`value` as JSON data in one spelling: no prose, whole floats and -0.0 as integers, single blanks in text."""
+    """Return `value` as unique JSON data: no prose, integral floats and -0.0 as integers, single blanks in text."""
     if isinstance(value, Strict):
         fields = type(value).model_fields
         return {name: canonical(getattr(value, name)) for name in fields if name not in value.prose}
@@ -100,6 +100,7 @@ def canonical(value: object) -> object:
 
 
 def _not_reserved(name: str) -> str:
+    """Return a name; refuse Python's keywords and reserved names."""
     if keyword.iskeyword(name):
         raise refuse("schema.name.keyword", value=name, name=name)
     if name in RESERVED:
@@ -117,6 +118,7 @@ def _as_text(value: object) -> object:
 
 
 def _short_enough(text: str) -> str:
+    """Return an expression; refuse one of more than MAX_EXPRESSION characters."""
     if len(text) > MAX_EXPRESSION:
         raise refuse(
             "schema.expression.too-long",
@@ -129,7 +131,7 @@ def _short_enough(text: str) -> str:
 
 
 def ordered(bounds: tuple[Any, Any]) -> tuple[Any, Any]:
-    """Return bounds [low, high] as they are; refuse those whose low is not below high."""
+    """Return bounds [low, high]; refuse them if low is not below high."""
     low, high = bounds
     if isinstance(low, float) and isinstance(high, float) and not low < high:
         raise refuse("schema.bounds.not-increasing", low=low, high=high)
@@ -137,22 +139,22 @@ def ordered(bounds: tuple[Any, Any]) -> tuple[Any, Any]:
 
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
-"""A finite number; neither a text nor a truth value is taken for one."""
+"""A finite number; neither a text nor a boolean is converted to one."""
 Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
 MAX_TIME = 1e9
-"""The latest time in s: beyond it steps of a microsecond are lost in rounding."""
+"""The latest time in s; beyond it, rounding hides steps of a microsecond."""
 Instant = Annotated[float, Field(strict=True, ge=0, le=MAX_TIME, allow_inf_nan=False)]
 """A time in s."""
 Seed = Annotated[int, Field(strict=True, ge=0, le=2**53 - 1)]
-"""Seed of a generator; at most 2^53 − 1, so that every JSON reader keeps it exact."""
+"""Seed of a random generator, at most 2^53 − 1, so that every JSON reader keeps it exactly."""
 Flag = Annotated[bool, Field(strict=True)]
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
 Reference = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
-"""The name of something declared elsewhere."""
+"""The name of a quantity that is declared elsewhere."""
 Name = Annotated[Reference, AfterValidator(_not_reserved)]
-"""A name that is declared here: a letter, then up to 31 letters, digits or underscores, and not reserved."""
+"""The name in a declaration: a letter, then up to 31 letters, digits or underscores; not reserved."""
 Title = Annotated[str, LocalProse(max_length=200)]
 """A line of prose, in one language or in several."""
 Prose = Annotated[str, LocalProse(max_length=10_000)]
@@ -164,13 +166,13 @@ ExpressionText = Annotated[
     Field(min_length=1, json_schema_extra={"maxLength": MAX_EXPRESSION}),
 ]
 Bounds = Annotated[tuple[Number | None, Number | None], AfterValidator(ordered)]
-"""[low, high]; null leaves a side open."""
+"""[low, high]; null: no bound on that side."""
 UNBOUNDED: tuple[None, None] = (None, None)
 
 
 @runtime_checkable
 class Worded(Protocol):
-    """A message that can be rendered: `thetascope.messages.Message`, without importing it."""
+    """Protocol of a message that can be rendered, such as `thetascope.messages.Message`."""
 
     def as_data(self) -> dict[str, Any]:
         """Return {code, args} as plain data."""

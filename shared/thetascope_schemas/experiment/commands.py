@@ -1,6 +1,6 @@
-"""Timed commands: what is changed while an experiment runs, other than faults (which carry their own times).
+"""Timed commands: changes during an experiment other than faults, which have times already.
 
-A live session's log of such commands, put into its experiment, is a spec that gives the session's numbers again.
+An experiment with the timed commands of a live session reproduces the numbers of that session.
 """
 
 from typing import Annotated, Literal
@@ -13,13 +13,13 @@ from thetascope_schemas.experiment.signals import Signal
 
 
 class Timed(Strict):
-    """What all timed commands share: they act from `at` on."""
+    """Base of all timed commands, which take effect at the time `at`."""
 
-    at: Instant = Field(description="Time in s, a multiple of the step, from which it acts.")
+    at: Instant = Field(description="Time in s at which it takes effect, a multiple of the step.")
 
 
 class SetGain(Timed):
-    """Give an observer's gain another value."""
+    """Change a gain of an observer."""
 
     model_config = example(at=12.5, command="set-gain", observer="adaptive", gain="rho", value=8)
 
@@ -30,7 +30,7 @@ class SetGain(Timed):
 
 
 class SetSignal(Timed):
-    """Give an input or a known signal another course. Its time is that of the run, not counted from `at`."""
+    """Replace an input or a known signal. The time of the new signal is that of the run, not counted from `at`."""
 
     model_config = example(at=12.5, command="set-signal", name="u", signal={"kind": "constant", "value": 0.05})
 
@@ -47,11 +47,11 @@ class SetNoise(Timed):
     command: Literal["set-noise"] = "set-noise"
     output: Reference = Field(description="Name of the output.")
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which each drawn value is held.")
 
 
 class AddObserver(Timed):
-    """Let another observer watch from here on; its estimates start here."""
+    """Add an observer, whose estimates start at that time."""
 
     model_config = example(at=12.5, command="add-observer", observer={"label": "ekf", "kind": "joint-ekf"})
 
@@ -60,7 +60,7 @@ class AddObserver(Timed):
 
 
 class RemoveObserver(Timed):
-    """Let an observer watch no longer."""
+    """Remove an observer."""
 
     model_config = example(at=12.5, command="remove-observer", label="ekf")
 
@@ -69,7 +69,7 @@ class RemoveObserver(Timed):
 
 
 class SetSubsteps(Timed):
-    """Take every step of the integration in so many substeps from here on (stiff gains)."""
+    """Set the number of substeps of every integration step, for stiff gains."""
 
     model_config = example(at=12.5, command="set-substeps", substeps=4)
 

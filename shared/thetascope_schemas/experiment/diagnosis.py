@@ -1,4 +1,4 @@
-"""Diagnosis: what is asked of it, and what it says. Which fault, since when, how large, how sure; and what cannot be seen."""
+"""Diagnosis: settings, and findings (fault, onset, size, confidence, and faults that cannot be observed)."""
 
 from typing import Annotated, Any, Literal
 
@@ -81,75 +81,84 @@ _CALIBRATION = {
 
 
 class DiagnosisSettings(Strict):
-    """What is asked of the diagnosis. Thresholds follow from it by simulation; none is typed in."""
+    """Settings of the diagnosis. Thresholds are not set directly; they are calibrated by simulation."""
 
     model_config = example(enabled=True, false_alarms=0.01, test="glr", confidence=0.95, accuracy=0.1, doubt=0.01)
 
-    enabled: bool = Field(default=True, description="Whether anything is diagnosed at all.")
+    enabled: bool = Field(default=True, description="Whether a diagnosis is made.")
     false_alarms: Annotated[Number, Field(ge=1e-4, le=100)] = Field(
-        default=0.01, description="False alarms per hour that are put up with, of each observer."
+        default=0.01, description="Accepted false alarms per hour, for each observer."
     )
-    test: Test = Field(default="glr", description="Test of the estimates that raises alarms.")
-    confidence: Annotated[Number, Field(ge=0.5, le=0.9999)] = Field(default=0.95, description="Of bands and intervals.")
+    test: Test = Field(default="glr", description="Test that raises alarms.")
+    confidence: Annotated[Number, Field(ge=0.5, le=0.9999)] = Field(
+        default=0.95, description="Confidence level of bands and intervals."
+    )
     doubt: Annotated[Number, Field(ge=1e-6, le=1.0)] = Field(
         default=0.01,
-        description="Share of a state's size by which its equation may be off within the plant's time constant.",
+        description="Accepted model error of a state within the plant's time constant, as a share of its size.",
     )
     span: Positive | None = Field(
         default=None,
-        description="Time in s that thresholds are simulated over and decisions are spaced for; null: the horizon.",
+        description="Time in s over which thresholds are simulated and decisions are spaced; null: the horizon.",
     )
     accuracy: Annotated[Number, Field(ge=1e-3, le=1.0)] = Field(
-        default=0.1, description="Standard deviation asked of an estimate, as a share of the channel's typical fault."
+        default=0.1,
+        description="Required standard deviation of an estimate, as a share of the channel's typical fault.",
     )
 
 
 class Alarm(Strict):
-    """One fault that an observer's tests found."""
+    """One fault found by the tests of an observer or of the detector."""
 
     model_config = example(**_ALARM)
 
     id: str = Field(
         default="",
-        description="Id within the run or session: it stays while the alarm is revised. Empty in old results.",
+        description="Id within the run or session; it does not change when the alarm is revised. Empty in old results.",
     )
-    observer: str = Field(description="Label of the observer; empty: the detector, which watches the plant itself.")
+    observer: str = Field(description="Label of the observer; empty: the detector, which uses the measurements only.")
     t: Number = Field(description="Time in s at which the alarm was raised.")
-    kind: Literal["fault", "unexplained"] = Field(description="In a channel of the model, or not explained by it.")
-    channel: str = Field(default="", description="The channel that explains the data best; empty where none does.")
-    output: str = Field(default="", description="Not explained by the model: the output whose residual says so.")
-    alternatives: tuple[str, ...] = Field(default=(), description="Channels that explain the data as well.")
+    kind: Literal["fault", "unexplained"] = Field(
+        description="A fault in a channel of the model, or one that the model does not explain."
+    )
+    channel: str = Field(default="", description="The channel that explains the data best; empty if none does.")
+    output: str = Field(default="", description="Of an unexplained fault: the output whose residual shows it.")
+    alternatives: tuple[str, ...] = Field(default=(), description="Other channels that explain the data.")
     onset: Number = Field(description="Estimated time in s at which the fault began.")
     onset_from: Number = Field(description="Earliest time in s at which it may have begun.")
     onset_to: Number = Field(description="Latest time in s at which it may have begun.")
     size: Number | None = Field(default=None, description="Estimated size in the channel's unit.")
     size_from: Number | None = Field(default=None, description="Lower end of the interval of the size.")
     size_to: Number | None = Field(default=None, description="Upper end of the interval of the size.")
-    test: str = Field(description="The test that raised it.")
-    statistic: Number = Field(description="What the test came to, without a unit.")
-    threshold: Number = Field(description="What the statistic was held against.")
+    test: str = Field(description="The test that raised the alarm.")
+    statistic: Number = Field(description="Value of the test statistic, without a unit.")
+    threshold: Number = Field(description="Threshold of the test statistic.")
     cleared: Number | None = Field(
-        default=None, description="Time in s at which the alarm was over; null: it is still on."
+        default=None, description="Time in s at which the alarm was cleared; null: it is still on."
     )
     text: Sentence = Field(description="The finding in a sentence.")
 
 
 class Resolution(Strict):
-    """How small a fault in one channel can be and still be found, at this noise and with these gains."""
+    """The smallest fault in one channel that can be found, with the given noise and gains."""
 
     model_config = example(**_RESOLUTION)
 
     channel: str = Field(description="The fault channel.")
     sigma: Number | None = Field(description="Standard deviation of the estimate in the fault's unit, at the end.")
     typical: Number = Field(description="Size of a typical fault in this channel.")
-    smallest: Number | None = Field(description="Smallest step that is found within the longest window, null: none.")
-    resolvable: bool = Field(description="Whether a typical fault can be found at all.")
-    identifiable: bool = Field(description="Whether the input of the last window excites it enough.")
-    text: MaybeSentence = Field(default=None, description="In words: from what size on, or why not.")
+    smallest: Number | None = Field(
+        description="Smallest step that can be found within the longest window; null: none."
+    )
+    resolvable: bool = Field(description="Whether a typical fault can be found.")
+    identifiable: bool = Field(description="Whether the input in the last window excites the fault enough.")
+    text: MaybeSentence = Field(
+        default=None, description="The same in a sentence: the smallest size, or the reason why there is none."
+    )
 
 
 class Observability(Strict):
-    """What the outputs show of the states and of all faults together: by the equations, and along a run."""
+    """Joint observability of the states and all faults: from the equations, and along a run."""
 
     model_config = example(
         rank=5,
@@ -163,72 +172,78 @@ class Observability(Strict):
     )
 
     rank: int | None = Field(
-        description="Generic rank of the observability matrix of states and faults (Lie derivatives); null: not decided."
+        description="Generic rank of the observability matrix of states and faults (Lie derivatives); null: undecided."
     )
-    size: int = Field(description="States and faults.")
-    text: Sentence = Field(description="What no input could tell apart, in words.")
+    size: int = Field(description="Number of states and faults.")
+    text: Sentence = Field(description="The states and faults that no input can distinguish, in a sentence.")
     window: Number = Field(description="Length in s of the windows along the run.")
-    t: list[Number] = Field(description="When they begin, in s.")
+    t: list[Number] = Field(description="Times in s at which the windows begin.")
     ranks: list[int | None] = Field(
-        description="Rank of the empirical Gramian over each; null: the plant does not stay finite."
+        description="Rank of the empirical Gramian over each window; null: the plant diverges."
     )
     conditions: list[Number | None] = Field(
-        description="Its condition, in units of typical sizes; null below full rank."
+        description="Its condition number, in units of typical sizes; null below full rank."
     )
-    along: Sentence = Field(description="The same in words, with the combination that is seen least.")
+    along: Sentence = Field(description="The same in a sentence, with the least observable combination.")
 
 
 class Excitation(Strict):
-    """What the input tells about the faults: the smallest eigenvalue of the windowed Gramian of Ω in typical faults."""
+    """Excitation of the faults: the smallest eigenvalue of the windowed Gramian of Ω, in units of typical faults."""
 
     model_config = example(**_EXCITATION)
 
     window: Number = Field(description="Length of the window in s.")
     level: Number | None = Field(description="Smallest eigenvalue, in (typical fault / its standard deviation)².")
-    needed: Number = Field(description="Level that the accuracy asked for needs.")
-    direction: dict[Reference, Number] = Field(description="The combination of faults that is seen least, per channel.")
-    text: MaybeSentence = Field(default=None, description="In words: what cannot be told apart.")
-    proposal: str | None = Field(default=None, description="An input that would help.")
+    needed: Number = Field(description="Level that the required accuracy needs.")
+    direction: dict[Reference, Number] = Field(
+        description="The least excited combination of faults: its component for each channel."
+    )
+    text: MaybeSentence = Field(
+        default=None, description="The result in a sentence: the faults that cannot be distinguished."
+    )
+    proposal: str | None = Field(default=None, description="An input that would excite the faults more.")
 
 
 class InputProposal(Strict):
-    """An input that would restore excitation, or why there is none: `signal` can be sent as it is with set-signal."""
+    """An input that would restore excitation, or the reason why there is none. Send `signal` with set-signal."""
 
     model_config = example(**_PROPOSAL)
 
-    input: Reference | None = Field(description="The input to be changed; null: nothing that was tried helps.")
-    signal: Signal | None = Field(description="Its course from now on.")
-    level: Number = Field(description="Smallest eigenvalue that it would reach, in (typical fault / its deviation)².")
-    before: Number = Field(description="The same with the input as it is.")
-    needed: Number = Field(description="Level that the accuracy asked for needs.")
-    text: Sentence = Field(description="The proposal in a sentence, or why there is none.")
+    input: Reference | None = Field(description="The input to change; null: no signal that was tried helps.")
+    signal: Signal | None = Field(description="The proposed signal, from now on.")
+    level: Number = Field(
+        description="Smallest eigenvalue with that signal, in (typical fault / its standard deviation)²."
+    )
+    before: Number = Field(description="Smallest eigenvalue with the present input.")
+    needed: Number = Field(description="Level that the required accuracy needs.")
+    text: Sentence = Field(description="The proposal in a sentence, or the reason why there is none.")
 
 
 class Calibration(Strict):
-    """Where the thresholds come from."""
+    """Calibration of the thresholds by simulation."""
 
     model_config = example(**_CALIBRATION)
 
-    false_alarms: Number = Field(description="Rate per hour that was asked for.")
-    thresholds: dict[str, Number] = Field(description="By test: the level that raises an alarm.")
-    seeds: int = Field(description="Runs without faults that were simulated.")
-    hours: Number = Field(description="Time simulated in all, in hours.")
-    from_time: Number = Field(description="Time in s before which nothing is judged: the observer is still settling.")
-    note: MaybeSentence = Field(default=None, description="What limits the calibration, where something does.")
+    false_alarms: Number = Field(description="Accepted false alarms per hour.")
+    thresholds: dict[str, Number] = Field(description="Threshold of each test.")
+    seeds: int = Field(description="Number of simulated runs without faults.")
+    hours: Number = Field(description="Total simulated time in hours.")
+    from_time: Number = Field(description="Time in s from which the tests decide; before it the observer is settling.")
+    note: MaybeSentence = Field(default=None, description="A limitation of the calibration, if there is one.")
 
 
 class NoiseLevel(Strict):
-    """Noise of one output: as declared, and as the residual shows it."""
+    """Noise of one output: declared, and estimated from the residual."""
 
     model_config = example(output="y", declared=0.001, estimated=0.00098)
 
     output: str = Field(description="The measured output.")
-    declared: Number | None = Field(description="Standard deviation that the experiment declares; null: none.")
-    estimated: Number | None = Field(description="Standard deviation as the residual shows it; null: not known.")
+    declared: Number | None = Field(description="Standard deviation declared in the experiment; null: none.")
+    estimated: Number | None = Field(description="Standard deviation estimated from the residual; null: unknown.")
 
 
 class ObserverDiagnosis(Strict):
-    """What one observer says about the faults."""
+    """The diagnosis by one observer or by the detector."""
 
     model_config = example(
         observer="adaptive",
@@ -241,26 +256,28 @@ class ObserverDiagnosis(Strict):
         note=None,
     )
 
-    observer: str = Field(description="Label of the observer; empty: the detector, which watches the plant itself.")
-    alarms: tuple[Alarm, ...] = Field(default=(), description="What was found, in order of time.")
+    observer: str = Field(description="Label of the observer; empty: the detector, which uses the measurements only.")
+    alarms: tuple[Alarm, ...] = Field(default=(), description="Alarms in order of time.")
     resolution: tuple[Resolution, ...] = Field(
-        default=(), description="By channel: how small a fault can be and still be found."
+        default=(), description="For each channel, the smallest fault that can be found."
     )
     excitation: Excitation | None = Field(
-        default=None, description="What the input tells about the faults, at the end."
+        default=None, description="Excitation of the faults by the input, at the end."
     )
-    calibration: Calibration | None = Field(default=None, description="Where the thresholds come from.")
+    calibration: Calibration | None = Field(default=None, description="Calibration of the thresholds.")
     noise: tuple[NoiseLevel, ...] = Field(default=(), description="Noise of each output.")
     sentence: MaybeSentence = Field(default=None, description="The diagnosis in a sentence.")
-    note: MaybeSentence = Field(default=None, description="Why there is no diagnosis, where there is none.")
+    note: MaybeSentence = Field(default=None, description="The reason if there is no diagnosis.")
 
 
 class Diagnosis(Strict):
-    """The diagnosis of a run: by the detector, which looks at what was measured, and by each observer's own estimates."""
+    """The diagnosis of a run: by the detector, from the measurements, and by each observer, from its estimates."""
 
     model_config = example(detector={"observer": "", "alarms": [_ALARM]}, observers=[])
 
-    detector: ObserverDiagnosis = Field(description="What the detector says: it watches the plant, not the observers.")
+    detector: ObserverDiagnosis = Field(
+        description="Diagnosis by the detector, which does not depend on the observers."
+    )
     observers: tuple[ObserverDiagnosis, ...] = Field(
-        default=(), description="What tests on each observer's θ̂ say, for comparison."
+        default=(), description="Diagnosis by tests on each observer's θ̂, for comparison."
     )

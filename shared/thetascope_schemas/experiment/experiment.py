@@ -1,4 +1,4 @@
-"""An experiment: a plant, what is done to it, what is measured, and which observers watch."""
+"""An experiment: a plant, its inputs and faults, the measurement, and the observers that run."""
 
 import hashlib
 import json
@@ -35,7 +35,7 @@ from thetascope_schemas.experiment.signals import ConstantSignal, Signal
 from thetascope_schemas.texts.refusal import refuse, suggestion
 
 ROWS = 10_000
-"""Recorded rows when an experiment does not give the spacing."""
+"""Number of recorded rows if an experiment does not set `record`."""
 
 
 def _plant_kind(value: object) -> str:
@@ -77,25 +77,31 @@ class Experiment(Strict):
     id: Identifier = "experiment"
     title: Title = ""
     description: Prose = ""
-    source: Prose = Field(default="", description="Where the experiment comes from.")
-    errata: tuple[Prose, ...] = Field(
-        default=(), max_length=50, description="Where the printed source cannot be right."
+    source: Prose = Field(default="", description="Source of the experiment, such as a paper and its figure.")
+    errata: tuple[Prose, ...] = Field(default=(), max_length=50, description="Errors of the printed source.")
+    plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
+    parameters: dict[Reference, Number] = Field(
+        default_factory=dict, description="Parameters that differ from the plant's values."
     )
-    plant: PlantChoice = Field(description="Id of a library plant, or a plant in full.")
-    parameters: dict[Reference, Number] = Field(default_factory=dict, description="Parameters that differ.")
-    initial: dict[Reference, Number] = Field(default_factory=dict, description="Initial states that differ.")
-    inputs: dict[Reference, Signal] = Field(default_factory=dict, description="Input: its course u(t).")
-    signals: dict[Reference, Signal] = Field(default_factory=dict, description="Known signal: its course φ(t).")
+    initial: dict[Reference, Number] = Field(
+        default_factory=dict, description="Initial states that differ from the plant's values."
+    )
+    inputs: dict[Reference, Signal] = Field(default_factory=dict, description="Signal u(t) of each input, by name.")
+    signals: dict[Reference, Signal] = Field(
+        default_factory=dict, description="Course φ(t) of each known signal, by name."
+    )
     faults: tuple[Fault, ...] = Field(default=(), max_length=MAX_FAULTS)
-    noise: dict[Reference, Noise] = Field(default_factory=dict, description="Output: its measurement noise.")
+    noise: dict[Reference, Noise] = Field(
+        default_factory=dict, description="Measurement noise of each output, by name."
+    )
     seed: Seed = Field(default=0, description="Seed of all random numbers.")
     horizon: Positive = Field(description="End of the run in s.")
-    step: Positive = Field(default=0.001, description="Step of the integration in s; the period of a discrete plant.")
+    step: Positive = Field(default=0.001, description="Integration step in s; the period of a discrete plant.")
     record: Positive | None = Field(
         default=None, description="Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows."
     )
     substeps: Annotated[int, Field(ge=1, le=64)] | None = Field(
-        default=None, description="Steps that are taken within each step; null: one, or as many as stiff gains need."
+        default=None, description="Substeps of each integration step; null: one, or more if stiff gains need them."
     )
     measurement: ContinuousMeasurement | SampledMeasurement = Field(
         default_factory=ContinuousMeasurement, discriminator="mode"
@@ -104,48 +110,46 @@ class Experiment(Strict):
     commands: tuple[TimedCommand, ...] = Field(
         default=(),
         max_length=MAX_COMMANDS,
-        description="What is changed while it runs, in order of time; faults apart.",
+        description="Changes during the run other than faults, in order of time.",
     )
-    diagnosis: DiagnosisSettings = Field(
-        default_factory=DiagnosisSettings, description="What is asked of the diagnosis."
-    )
+    diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="Settings of the diagnosis.")
     figures: tuple[Figure, ...] = Field(default=(), max_length=24)
 
     @property
     def record_every(self) -> int:
-        """Steps between two recorded rows."""
+        """Return the number of steps between two recorded rows."""
         if self.record is not None:
             return round(self.record / self.step)
         return max(1, round(self.horizon / ROWS / self.step))
 
     @property
     def record_interval(self) -> float:
-        """Time in s between two recorded rows: `record`, or max(step, horizon/10000) as a multiple of the step."""
+        """Return the time in s between two recorded rows: `record`, or about horizon/10000, a multiple of the step."""
         return self.record if self.record is not None else self.record_every * self.step
 
     @property
     def plant_id(self) -> str:
-        """Id of the plant, given by its id or in full."""
+        """Return the id of the plant."""
         return self.plant.id if isinstance(self.plant, Plant) else self.plant
 
     def with_plant(self, plant: Plant) -> "ResolvedExperiment":
-        """Return this experiment with `plant` in full, all names checked against it.
+        """Return this experiment with a complete plant, all names checked against it.
 
         Raises:
-            pydantic.ValidationError: where the experiment does not fit the plant.
+            pydantic.ValidationError: if the experiment does not fit the plant.
         """
         return ResolvedExperiment.model_validate(
             {name: getattr(self, name) for name in type(self).model_fields} | {"plant": plant}
         )
 
     def canonical(self) -> bytes:
-        """The one spelling of what determines the numbers of a run, as JSON in UTF-8 with sorted keys.
+        """Return a unique representation of everything that determines the numbers of a run: JSON, UTF-8, sorted keys.
 
-        Defaults are filled in (with an inline plant, its parameters, initial states, inputs and signals too), 1 and
-        1.0, 0.0 and -0.0, and runs of blanks in text are one. Left out, because no number depends on them: id, title,
-        description, source, errata and figures of the experiment, and id, titles, descriptions, sources and units
-        within an inline plant. The id of a library plant is kept as it is: put the plant in (`with_plant`) before
-        hashing, so that the hash follows the plant's equations and not its name.
+        Defaults are filled in; with an inline plant, these include its parameters, initial states, inputs and signals.
+        1 and 1.0, 0.0 and -0.0, and different runs of blanks in text are the same. Omitted, because no number depends
+        on them, are id, title, description, source, errata and figures of the experiment, and id, titles, descriptions,
+        sources and units of an inline plant. The id of a library plant is kept: call `with_plant` before hashing, so
+        that the hash depends on the plant's equations and not on its name.
         """
         filled: dict[str, object] = {
             name: getattr(self, name) for name in type(self).model_fields if name not in self.prose
@@ -161,7 +165,7 @@ class Experiment(Strict):
         return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
 
     def spec_hash(self) -> str:
-        """First 32 hexadecimal digits of the SHA-256 of `canonical()`: the id of the run."""
+        """Return the first 32 hexadecimal digits of the SHA-256 of `canonical()`, the id of the run."""
         return hashlib.sha256(self.canonical()).hexdigest()[:32]
 
     @model_validator(mode="after")
@@ -176,9 +180,9 @@ class Experiment(Strict):
         return self
 
     def observer_configs(self) -> dict[str, ObserverConfig]:
-        """Return every observer that runs at some time, by label: those from the start, then those that commands add.
+        """Return all observers by label: those that run from the start, then those that commands add.
 
-        Where a label is removed and added again, the configuration is the last one, as in the result.
+        If a label is removed and added again, its configuration is the last one, as in the result.
         """
         added = [command.observer for command in self.commands if isinstance(command, AddObserver)]
         return {config.label: config for config in (*self.observers, *added)}
@@ -187,18 +191,17 @@ class Experiment(Strict):
         if self.step > self.horizon:
             raise refuse("experiment.step.beyond-horizon", "step", self.step, step=self.step, horizon=self.horizon)
         for path, item in self._timed():
-            if (found := self.too_often(item)) is not None:
-                field, interval, code, args = found
+            if (problem := self.too_often(item)) is not None:
+                field, interval, code, args = problem
                 raise refuse(code, f"{path}.{field}".lstrip("."), interval, **args)
         if self.record is not None:
             self._check_record(self.record)
 
     def too_often(self, item: object) -> tuple[str, float, str, dict[str, float]] | None:
-        """Return the first interval of a signal, fault, noise or command of which the horizon holds too many.
+        """Return the first interval of a signal, fault, noise or command that is too short for the horizon.
 
         Returns:
-            its field, its value in s, and the code of the problem with its arguments; None where every interval is long
-            enough.
+            its field, its value in s, and the code of the problem with its arguments; None if all are long enough.
         """
         for field in ("step", "period", "hold", "sample_time"):
             interval = getattr(item, field, None)
@@ -216,7 +219,7 @@ class Experiment(Strict):
             raise refuse("experiment.time.no-multiple", "record", record, time=record, step=self.step, near=near)
 
     def _timed(self) -> Iterator[tuple[str, object]]:
-        """Everything that has an interval, with its path: the experiment itself, the measurement, signals, noise, faults, commands."""
+        """Yield all parts that have an interval, with their paths, starting with the experiment itself."""
         yield "", self
         yield "measurement", self.measurement
         groups = [("inputs", self.inputs), ("signals", self.signals), ("noise", self.noise)]
@@ -253,7 +256,7 @@ class Experiment(Strict):
             before = command.at
 
     def _check_plant(self, plant: Plant) -> None:
-        """Every name that the experiment mentions is one of the plant's."""
+        """Refuse names that the plant does not declare, and a step that is not the period of a discrete plant."""
         check_known(self.parameters, plant.names("parameters"), "parameters", "plant.parameter.unknown")
         for item in plant.parameters:
             if item.name in self.parameters:
@@ -274,7 +277,7 @@ class Experiment(Strict):
             raise refuse("experiment.step.not-period", "step", self.step, period=period, step=self.step)
 
     def _check_columns(self, plant: Plant, path: str, figure: Figure) -> None:
-        """Figures draw columns that a result has; of an observer's columns only the label is known here."""
+        """Refuse a figure with a column that no result has. Of an observer's columns only the label can be checked."""
         groups = {"u": "inputs", "signal": "signals", "x": "states", "theta": "channels", "y": "outputs"}
         own = ["t"] + [f"{prefix}.{name}" for prefix, group in groups.items() for name in plant.names(group)]
         labels = list(self.observer_configs())
@@ -287,7 +290,7 @@ class Experiment(Strict):
 
 
 class ResolvedExperiment(Experiment):
-    """An experiment that holds its plant in full. JSON and hash are those of the same data as an `Experiment`."""
+    """An experiment with its complete plant. Its JSON and hash equal those of the same data as an `Experiment`."""
 
     model_config = example(
         plant={
@@ -301,5 +304,5 @@ class ResolvedExperiment(Experiment):
         horizon=10,
     )
 
-    # Narrower is sound, as instances are frozen; pyright cannot see that in pydantic's configuration.
-    plant: Plant = Field(description="The plant in full.")  # pyright: ignore[reportIncompatibleVariableOverride]
+    # A narrower type is sound because instances are frozen, which pyright cannot see in pydantic's configuration.
+    plant: Plant = Field(description="The complete plant.")  # pyright: ignore[reportIncompatibleVariableOverride]

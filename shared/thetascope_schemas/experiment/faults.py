@@ -1,4 +1,4 @@
-"""Faults over time: on a channel (inside the model, θ) or on a measurement (outside the model, on y)."""
+"""Faults over time: of a channel (inside the model, θ) or of a measurement (outside the model, y)."""
 
 from typing import Annotated, Literal, NamedTuple
 
@@ -19,14 +19,14 @@ from thetascope_schemas.texts.refusal import refuse
 
 
 class Site(NamedTuple):
-    """The place where a fault acts: a fault channel inside the model, or an output as it is measured."""
+    """The site of a fault: a fault channel inside the model, or a measured output."""
 
     kind: Literal["channel", "output"]
     name: str
 
     @property
     def prefix(self) -> Literal["theta", "y"]:
-        """The first part of the name of the column that shows the fault: θ of a channel, y of an output."""
+        """Return the prefix of the fault's column: θ of a channel, y of an output."""
         return "theta" if self.kind == "channel" else "y"
 
 
@@ -34,7 +34,7 @@ class TimedFault(Strict):
     """Base of all faults, which act on [onset, end)."""
 
     onset: Instant = Field(description="Time in s at which the fault appears.")
-    end: Instant | None = Field(default=None, description="Time in s at which it disappears; null: it stays.")
+    end: Instant | None = Field(default=None, description="Time in s at which it disappears; null: never.")
 
     @model_validator(mode="after")
     def _ends_after_onset(self) -> "TimedFault":
@@ -50,12 +50,12 @@ class ChannelFault(TimedFault):
 
     @property
     def site(self) -> Site:
-        """The channel that the fault acts on."""
+        """Return the channel that the fault acts on."""
         return Site("channel", self.channel)
 
 
 class StepFault(ChannelFault):
-    """θ = size at once."""
+    """θ = size from the onset on."""
 
     model_config = example(channel="theta3", shape="step", onset=20, end=None, size=0.02)
 
@@ -64,7 +64,7 @@ class StepFault(ChannelFault):
 
 
 class RampFault(ChannelFault):
-    """θ rises linearly to `size` over `duration`, then stays."""
+    """θ rises linearly to `size` over `duration`, then is constant."""
 
     model_config = example(channel="theta1", shape="ramp", onset=40, end=None, size=0.01, duration=5)
 
@@ -74,7 +74,7 @@ class RampFault(ChannelFault):
 
 
 class DriftFault(ChannelFault):
-    """θ = rate·τ, without end."""
+    """θ = rate·τ, without limit."""
 
     model_config = example(channel="theta1", shape="drift", onset=40, end=None, rate=0.001)
 
@@ -88,7 +88,7 @@ class ExponentialFault(ChannelFault):
     model_config = example(channel="theta1", shape="exponential", onset=40, end=None, size=0.01, time_constant=3)
 
     shape: Literal["exponential"] = "exponential"
-    size: Number = Field(description="Size it tends to, in the channel's unit.")
+    size: Number = Field(description="Limit of the size, in the channel's unit.")
     time_constant: Positive = Field(description="Time constant in s.")
 
 
@@ -120,17 +120,17 @@ class PulseTrainFault(ChannelFault):
 
 
 class RandomWalkFault(ChannelFault):
-    """θ gains a Gaussian increment of std intensity·√sample_time every sample_time; the experiment's seed drives it."""
+    """Random walk: every sample_time θ gains a Gaussian increment of std intensity·√sample_time (experiment's seed)."""
 
     model_config = example(channel="theta1", shape="random-walk", onset=40, end=None, intensity=0.001, sample_time=0.1)
 
     shape: Literal["random-walk"] = "random-walk"
-    intensity: NonNegative = Field(description="Standard deviation gained per √s, in the channel's unit.")
+    intensity: NonNegative = Field(description="Standard deviation per √s, in the channel's unit.")
     sample_time: Positive = Field(default=0.01, description="Time in s between increments.")
 
 
 class TableFault(ChannelFault):
-    """θ read from a table over τ; the first value holds before its time and the last after it."""
+    """θ from a table over τ; the first value applies before its time, the last one after its time."""
 
     model_config = example(
         channel="theta1", shape="table", onset=40, end=None, times=[0, 5], values=[0, 0.01], interpolation="linear"
@@ -153,27 +153,27 @@ class TableFault(ChannelFault):
 
 
 class MeasurementFault(TimedFault):
-    """A fault outside the model, on one output as it is measured. Observers see only the measurement."""
+    """A fault outside the model, of one measured output. Observers see only the measurement."""
 
     output: Reference = Field(description="Name of the plant's output.")
 
     @property
     def site(self) -> Site:
-        """The output that the fault acts on."""
+        """Return the output that the fault acts on."""
         return Site("output", self.output)
 
 
 class StuckFault(MeasurementFault):
-    """The sensor shows `value`."""
+    """The measurement is `value`."""
 
     model_config = example(output="y", shape="stuck", onset=30, end=35, value=0.1)
 
     shape: Literal["stuck"] = "stuck"
-    value: Number = Field(description="Value shown, in the output's unit.")
+    value: Number = Field(description="Measured value, in the output's unit.")
 
 
 class FreezeFault(MeasurementFault):
-    """The sensor goes on showing what it showed at the onset."""
+    """The measurement keeps the value that it had at the onset."""
 
     model_config = example(output="y", shape="freeze", onset=30, end=35)
 
@@ -181,7 +181,7 @@ class FreezeFault(MeasurementFault):
 
 
 class DropoutFault(MeasurementFault):
-    """Each sample is lost with a probability; a lost one leaves the last value in place."""
+    """Each sample is lost with a probability; the last value is then kept."""
 
     model_config = example(output="y", shape="dropout", onset=30, end=35, probability=0.3, sample_time=0.1)
 
@@ -208,11 +208,11 @@ class NoiseBurstFault(MeasurementFault):
 
     shape: Literal["noise-burst"] = "noise-burst"
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which each drawn value is held.")
 
 
 class QuantisationFault(MeasurementFault):
-    """The output is rounded to whole multiples of the resolution."""
+    """The output is rounded to multiples of the resolution."""
 
     model_config = example(output="y", shape="quantisation", onset=30, end=None, resolution=0.01)
 
@@ -221,7 +221,7 @@ class QuantisationFault(MeasurementFault):
 
 
 class DelayFault(MeasurementFault):
-    """The output arrives late."""
+    """The output is delayed."""
 
     model_config = example(output="y", shape="delay", onset=30, end=None, delay=0.2)
 
@@ -247,4 +247,4 @@ Fault = Annotated[
     | DelayFault,
     Field(discriminator="shape"),
 ]
-"""Any fault, told apart by `shape`: the first eight act on a `channel`, the others on an `output`."""
+"""Any fault, distinguished by `shape`: the first eight act on a `channel`, the others on an `output`."""

@@ -1,4 +1,4 @@
-"""Errors of pydantic in the form that this project sends: field, value, code, arguments, problem and remedy."""
+"""Conversion of pydantic's errors to this project's form: field, value, code, arguments, problem and remedy."""
 
 import math
 import re
@@ -13,7 +13,7 @@ from thetascope_schemas.texts.refusal import readable, suggestion
 
 MOST_ERRORS = 20
 Render = Callable[[str, Mapping[str, Any]], str]
-"""Renders the sentence of a code with its arguments."""
+"""Function that renders the sentence of a code with its arguments."""
 
 
 class FieldError(Strict):
@@ -64,7 +64,7 @@ def field_errors(
 
     Args:
         errors: `ValidationError.errors()`; the first 20 are kept.
-        data: the data that was validated; with it, paths read as the sender wrote them.
+        data: the validated data; with it, paths are those that the sender knows.
         render: renders a code with its arguments; by default as `code(name=value)`.
     """
     return [_field_error(error, data, render) for error in list(errors)[:MOST_ERRORS]]
@@ -92,7 +92,7 @@ PYDANTIC_CODES = frozenset(
         *("union_tag_not_found", "union_tag_invalid", "none_required", "recursion_loop"),
     }
 )
-"""Kinds of pydantic's own errors that have a sentence: `float_type` is the code `schema.float-type`."""
+"""Kinds of pydantic's own errors that have a sentence; that of `float_type` has the code `schema.float-type`."""
 
 
 def _of_pydantic(error: Mapping[str, Any], context: Mapping[str, Any]) -> tuple[str, dict[str, Any]]:
@@ -113,7 +113,7 @@ def _of_pydantic(error: Mapping[str, Any], context: Mapping[str, Any]) -> tuple[
 
 
 def _path(location: Sequence[str | int], data: object, kind: str) -> str:
-    """Return a path as a person writes it. Tags of unions, which pydantic adds, are dropped where `data` has no such key."""
+    """Return a path as a person writes it, without the tags of unions that pydantic adds and `data` does not have."""
     path, known = "", data is not None
     for index, part in enumerate(location):
         if known and isinstance(data, Mapping):
@@ -129,7 +129,7 @@ def _path(location: Sequence[str | int], data: object, kind: str) -> str:
 
 
 def _shown(value: object) -> object:
-    """Return a value short enough for an error message, and always valid JSON."""
+    """Return a value that is valid JSON and short enough for an error message."""
     if value is None or isinstance(value, bool) or (isinstance(value, float) and math.isfinite(value)):
         return value
     if isinstance(value, int) and abs(value) < 2**53:

@@ -1,4 +1,4 @@
-"""Figures of an experiment: which columns of the result are drawn, and how."""
+"""Figures of an experiment: the columns of the result to draw, and their style."""
 
 from collections.abc import Iterator
 from typing import Annotated, Literal
@@ -43,7 +43,7 @@ class Panel(Strict):
 
 
 class Figure(Strict):
-    """One figure of an experiment, panels below one another."""
+    """One figure of an experiment: panels from top to bottom."""
 
     model_config = example(
         name="faults",
@@ -52,13 +52,15 @@ class Figure(Strict):
         panels=[{"traces": [{"column": "theta.theta3", "style": "dash"}, {"column": "adaptive.theta.theta3"}]}],
     )
 
-    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")] = Field(description="Name in the address.")
+    name: Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$")] = Field(
+        description="Name, which is part of the figure's URL."
+    )
     title: Title = ""
     caption: Prose = ""
     panels: tuple[Panel, ...] = Field(min_length=1, max_length=12)
 
     def columns(self) -> Iterator[tuple[str, str]]:
-        """Every column it draws, with the path of the field that names it."""
+        """Yield the path of every field that names a column, and that column."""
         for index, panel in enumerate(self.panels):
             yield f"panels[{index}].x", panel.x
             for number, trace in enumerate(panel.traces):

@@ -1,4 +1,4 @@
-"""How outputs are measured: their noise, and when observers see them."""
+"""Measurement of the outputs: noise, and continuous or sampled measurement."""
 
 from typing import Literal
 
@@ -8,12 +8,12 @@ from thetascope_schemas.experiment.base import NonNegative, Positive, Strict, ex
 
 
 class Noise(Strict):
-    """Gaussian measurement noise on one output; a drawn value holds for its sample time."""
+    """Gaussian measurement noise of one output; each drawn value is held for the sample time."""
 
     model_config = example(std=0.001, sample_time=0.01)
 
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which each drawn value is held.")
 
 
 class ContinuousMeasurement(Strict):

@@ -1,4 +1,4 @@
-"""How an experiment asks for an observer: its kind, its gains and where its estimates start."""
+"""Configuration of an observer: its kind, gains, options and initial estimates."""
 
 from typing import Annotated
 
@@ -8,10 +8,11 @@ from thetascope_schemas.experiment.base import Flag, Number, Reference, Strict, 
 from thetascope_schemas.texts.refusal import refuse
 
 RESERVED_LABELS = frozenset({"t", "u", "x", "y", "theta", "signal"})
-"""First parts of the columns that belong to the plant."""
+"""Prefixes of the plant's columns."""
 
 
 def _label_free(label: str) -> str:
+    """Return a label; refuse reserved ones."""
     if label in RESERVED_LABELS:
         raise refuse("observer.label.reserved", value=label, label=label)
     return label
@@ -50,7 +51,7 @@ Kind = Annotated[str, Field(pattern=r"^[a-z][a-z0-9-]{0,39}$")]
 
 
 class ObserverConfig(Strict):
-    """One observer of an experiment. Gains, options and their defaults are listed per kind in the catalogue."""
+    """One observer of an experiment. The catalogue lists the gains and options of each kind, and their defaults."""
 
     model_config = example(
         label="adaptive",
@@ -60,12 +61,12 @@ class ObserverConfig(Strict):
         initial={"x1": 0, "x2": 0, "theta1": 0},
     )
 
-    label: Label = Field(description="Label, unique in the experiment; its columns start with it.")
-    kind: Kind = Field(description="Kind, from the catalogue.")
+    label: Label = Field(description="Label, unique in the experiment, and prefix of the observer's columns.")
+    kind: Kind = Field(description="Kind of observer, from the catalogue.")
     gains: dict[Reference, Gain] = Field(
         default_factory=dict,
         max_length=100,
-        description="Gains that differ from their defaults: a number, a list for a column, or a list of rows for a matrix.",
+        description="Gains that differ from their defaults: a number, a list (column) or a list of rows (matrix).",
     )
     options: dict[Reference, Option] = Field(
         default_factory=dict, max_length=100, description="Options that differ from their defaults."
@@ -73,5 +74,5 @@ class ObserverConfig(Strict):
     initial: dict[Reference, Number] = Field(
         default_factory=dict,
         max_length=200,
-        description="Estimates at t = 0 by state or channel, in their units. Where none is given, a state starts from the plant's own initial value and a channel from 0.",
+        description="Estimates at t = 0 by state or channel. Default: the plant's initial state, and 0 for a channel.",
     )

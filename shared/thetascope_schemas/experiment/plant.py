@@ -1,4 +1,4 @@
-"""A plant: equations as text, physical domains, and the channels by which faults enter."""
+"""A plant: equations as text, physical domains, and fault channels."""
 
 from collections.abc import Iterable, Iterator
 from typing import Annotated, Literal
@@ -66,8 +66,8 @@ class Input(Strict):
 
     name: Name = Field(description="Name in the equations.")
     unit: Unit = ""
-    default: Number = Field(default=0.0, description="Value where an experiment gives no signal, in the input's unit.")
-    bounds: Bounds = Field(default=UNBOUNDED, description="Range that makes sense, in the input's unit.")
+    default: Number = Field(default=0.0, description="Value if an experiment sets no signal, in the input's unit.")
+    bounds: Bounds = Field(default=UNBOUNDED, description="Plausible range, in the input's unit.")
     description: Prose = ""
 
 
@@ -78,7 +78,7 @@ class Output(Strict):
 
     name: Name = Field(description="Name of the output.")
     unit: Unit = ""
-    expression: ExpressionText = Field(description="Output equation, without the sensor faults.")
+    expression: ExpressionText = Field(description="Right-hand side of the output equation, without faults.")
     description: Prose = ""
 
 
@@ -113,7 +113,7 @@ class KnownSignal(Strict):
     unit: Unit = ""
     description: Prose = ""
     default: Signal = Field(
-        default_factory=lambda: ConstantSignal(value=0.0), description="Its course where an experiment gives none."
+        default_factory=lambda: ConstantSignal(value=0.0), description="The signal if an experiment sets none."
     )
 
 
@@ -128,19 +128,21 @@ Limit = Annotated[
 
 
 class Definition(Strict):
-    """An intermediate quantity. The plant uses it as it is; observers saturate it to its domain."""
+    """An intermediate quantity. Observers saturate it to its domain; the plant does not."""
 
     model_config = example(name="w", expression="x2/x1", domain=[0, "a1"])
 
     name: Name = Field(description="Name in later definitions and in the equations.")
-    expression: ExpressionText = Field(description="Expression of states, inputs, earlier definitions, ….")
+    expression: ExpressionText = Field(
+        description="Expression in states, inputs, parameters, signals and earlier definitions."
+    )
     domain: Annotated[tuple[Limit, Limit], AfterValidator(ordered)] = Field(
-        default=UNBOUNDED, description="Physical range [low, high]: numbers, parameter names, or null for an open side."
+        default=UNBOUNDED, description="Physical range [low, high]: numbers, names of parameters, or null for no bound."
     )
 
 
 class Channel(Strict):
-    """One fault θ and the equations it enters: coefficient·θ is added to each equation named."""
+    """One fault θ and its equations: coefficient·θ is added to each equation in `enters`."""
 
     model_config = example(
         name="theta1",
@@ -153,17 +155,19 @@ class Channel(Strict):
         description="",
     )
 
-    name: Name = Field(description="Name of the fault; the equations do not mention it.")
+    name: Name = Field(description="Name of the fault; the equations do not contain it.")
     title: Title = ""
     kind: Literal["actuator", "process", "sensor"] = Field(
         description="Actuator faults enter state equations, sensor faults output equations, process faults both."
     )
     enters: dict[Reference, ExpressionText] = Field(
-        min_length=1, max_length=MAX_STATES, description="State or output: the coefficient of θ in its equation."
+        min_length=1,
+        max_length=MAX_STATES,
+        description="Coefficient of θ by state or output, in whose equation it enters.",
     )
     unit: Unit = ""
     typical: Positive = Field(default=1.0, description="Typical size of the fault, in its unit.")
-    bounds: Bounds = Field(default=UNBOUNDED, description="Range that makes sense, in the channel's unit.")
+    bounds: Bounds = Field(default=UNBOUNDED, description="Plausible range, in the channel's unit.")
     description: Prose = ""
 
 
@@ -200,7 +204,7 @@ class Plant(Strict):
     id: Identifier = Field(description="Short name: lower-case letters, digits and hyphens.")
     title: Title = ""
     description: Prose = ""
-    source: Prose = Field(default="", description="Where the plant comes from.")
+    source: Prose = Field(default="", description="Source of the plant, such as a paper and its equations.")
     time: ContinuousTime | DiscreteTime = Field(
         default_factory=ContinuousTime, discriminator="kind", description="Continuous, or discrete with a period."
     )
@@ -213,12 +217,13 @@ class Plant(Strict):
         default=(), max_length=200, description="Intermediate quantities, in order."
     )
     dynamics: dict[Reference, ExpressionText] = Field(
-        max_length=MAX_STATES, description="State: its derivative, or its next value in discrete time."
+        max_length=MAX_STATES,
+        description="Right-hand side by state: its derivative, or its next value in discrete time.",
     )
     channels: tuple[Channel, ...] = Field(default=(), max_length=MAX_CHANNELS, description="The faults that can occur.")
 
     def names(self, *groups: str) -> tuple[str, ...]:
-        """Names declared in the given groups (`"states"`, `"inputs"`, …), in order."""
+        """Return the names declared in the given groups (`"states"`, `"inputs"`, …), in order."""
         return tuple(item.name for group in groups for item in getattr(self, group))
 
     @model_validator(mode="after")
@@ -238,7 +243,7 @@ class Plant(Strict):
         return self
 
     def _check_unique(self) -> None:
-        """All names of a plant are different, so that text, columns and messages are never ambiguous."""
+        """Refuse a repeated name, so that expressions, columns and messages are never ambiguous."""
         seen: dict[str, str] = {}
         for field, name in self._declared():
             if name in seen:
@@ -246,13 +251,14 @@ class Plant(Strict):
             seen[name] = field
 
     def _declared(self) -> Iterator[tuple[str, str]]:
+        """Yield the path and the value of every declared name."""
         for group in ("states", "inputs", "outputs", "parameters", "signals", "definitions", "channels"):
             for index, item in enumerate(getattr(self, group)):
                 yield f"{group}[{index}].name", item.name
 
 
 def check_known(names: Iterable[str], known: Iterable[str], field: str, code: str) -> None:
-    """Refuse the first of `names` that is not among `known`, with the nearest of these; `code` is the problem's."""
+    """Refuse the first of `names` that is not in `known`, with the problem `code`; suggest the nearest known names."""
     declared = tuple(known)
     for name in names:
         if name not in declared:

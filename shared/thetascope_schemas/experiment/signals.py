@@ -1,4 +1,4 @@
-"""Time functions: inputs u(t) and known signals φ(t). At a jump a signal has its right limit."""
+"""Time functions: inputs u(t) and known signals φ(t). The value at a jump is the right limit."""
 
 from itertools import pairwise
 from typing import Annotated, Literal
@@ -22,7 +22,7 @@ Interpolation = Literal["hold", "linear"]
 
 
 def check_increasing(times: tuple[float, ...], field: str = "times") -> None:
-    """Refuse times that are not strictly increasing, naming the first that is not."""
+    """Refuse times that are not strictly increasing; the error names the first offending one."""
     for index, (before, after) in enumerate(pairwise(times)):
         if not before < after:
             raise refuse(
@@ -100,7 +100,7 @@ class SineSignal(Strict):
 
 
 class RampSignal(Strict):
-    """`initial` until `start`, then rising by `slope` per second, held from `end` on."""
+    """`initial` until `start`, then rising by `slope` per second, constant from `end` on."""
 
     model_config = example(kind="ramp", start=5, slope=0.1, initial=0, end=15)
 
@@ -108,7 +108,7 @@ class RampSignal(Strict):
     start: Number = Field(default=0.0, description="Start of the ramp in s.")
     slope: Number = Field(description="Slope, in the signal's unit per s.")
     initial: Number = Field(default=0.0, description="Value until the start.")
-    end: Number | None = Field(default=None, description="Time in s from which the value is held; null: never.")
+    end: Number | None = Field(default=None, description="Time in s from which the value is constant; null: never.")
 
     @model_validator(mode="after")
     def _consistent(self) -> "RampSignal":
@@ -131,19 +131,19 @@ class ChirpSignal(Strict):
 
 
 class PrbsSignal(Strict):
-    """Pseudo-random binary sequence: every `hold` seconds `low` or `high`, drawn from its own seed."""
+    """Pseudo-random binary sequence: every `hold` seconds `low` or `high` is drawn, from the signal's seed."""
 
     model_config = example(kind="prbs", low=-1, high=1, hold=0.5, seed=7)
 
     kind: Literal["prbs"] = "prbs"
-    low: Number = Field(default=-1.0, description="The one value.")
-    high: Number = Field(default=1.0, description="The other value.")
-    hold: Positive = Field(description="Time in s for which a drawn value holds.")
+    low: Number = Field(default=-1.0, description="First of the two values.")
+    high: Number = Field(default=1.0, description="Second of the two values.")
+    hold: Positive = Field(description="Time in s for which each drawn value is held.")
     seed: Seed = Field(default=0, description="Seed of the sequence.")
 
 
 class TableSignal(Strict):
-    """Values at given times; the first holds before them and the last after them."""
+    """Values at given times; the first value applies before them, the last one after them."""
 
     model_config = example(kind="table", times=[0, 1, 2], values=[0, 1, 0.5], interpolation="linear")
 
@@ -167,7 +167,7 @@ class ExpressionSignal(Strict):
     model_config = example(kind="expression", text="sin(t) - cos(t)")
 
     kind: Literal["expression"] = "expression"
-    text: ExpressionText = Field(description="Expression of t alone.")
+    text: ExpressionText = Field(description="Expression in t (s).")
 
 
 Signal = Annotated[
@@ -182,4 +182,4 @@ Signal = Annotated[
     | ExpressionSignal,
     Field(discriminator="kind"),
 ]
-"""Any time function, told apart by `kind`."""
+"""Any time function, distinguished by `kind`."""

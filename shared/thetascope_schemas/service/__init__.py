@@ -1,1 +1,1 @@
-"""What the service reads and answers: runs, records, comparisons, sessions, lessons."""
+"""Schemas of the service's requests and answers: runs, records, comparisons, sessions, lessons."""

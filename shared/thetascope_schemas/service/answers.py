@@ -1,4 +1,4 @@
-"""Answers of the REST interface that are neither a spec nor a run: lists, forms, equations, sessions.
+"""Answers of the REST interface other than specs and runs: lists, forms, equations, sessions.
 
 The routes build these answers as plain data. The models document them in OpenAPI, and the types of the page are
 generated from there (`tools/page_types.py`). A test validates the real answers against the models.
@@ -47,7 +47,7 @@ class ExperimentLine(Strict):
     plant: str = Field(description="Id of the plant.")
     horizon: Number
     step: Number
-    observers: tuple[str, ...] = Field(description="Labels.")
+    observers: tuple[str, ...] = Field(description="Labels of the observers.")
     href: str
 
 
@@ -62,18 +62,24 @@ class GainForm(Strict):
 
     name: str
     meaning: str
-    default: Number | tuple[Number, ...] | None = Field(description="null: it depends on the plant and its noise.")
+    default: Number | tuple[Number, ...] | None = Field(
+        description="Default; null: it depends on the plant and its noise."
+    )
     low: Number
     high: Number
-    size: str | None = Field(description="Length of a column or rows of a matrix (n, m, p, …), null for a number.")
-    columns: str | None = Field(None, description="Columns of a matrix (n, m, p, …), null for a number or a column.")
+    size: str | None = Field(
+        description="Length of a column, or number of rows of a matrix (n, m, p, …); null for a number."
+    )
+    columns: str | None = Field(
+        None, description="Number of columns of a matrix (n, m, p, …); null for a number or a column."
+    )
     symbol: str
     unit: str
-    live: bool = Field(description="Whether moving it during a run has an effect.")
+    live: bool = Field(description="Whether a change during a run has an effect.")
 
 
 class OptionForm(Strict):
-    """A structural option of an observer. Another value means other equations."""
+    """A structural option of an observer: another value gives other equations."""
 
     name: str
     meaning: str
@@ -98,7 +104,7 @@ class ObserverKind(Strict):
 
 
 class FormField(Strict):
-    """A field of a fault or signal as a form shows it."""
+    """A field of a fault or signal, described for a form."""
 
     name: str
     type: str = Field(description="JSON type, or choice.")
@@ -132,7 +138,7 @@ class SignalForm(Strict):
 
 
 class Catalogue(Strict):
-    """Everything that a form needs."""
+    """Plants, experiments, kinds of observers, and the forms of faults and signals."""
 
     plants: tuple[PlantLine, ...]
     experiments: tuple[ExperimentLine, ...]
@@ -142,7 +148,7 @@ class Catalogue(Strict):
 
 
 class EquationChannel(Strict):
-    """A fault channel beside the equations."""
+    """A fault channel in the equations of a plant."""
 
     name: str
     title: str
@@ -160,7 +166,7 @@ class EquationLine(Strict):
 
 
 class PlantEquations(Strict):
-    """The equations of a plant with its faults in them."""
+    """The equations of a plant, with its faults."""
 
     id: str
     title: str
@@ -242,7 +248,7 @@ class PossibleObserver(Strict):
 
 
 class PlantCheck(Strict):
-    """The report on a plant's text."""
+    """The result of checking a plant."""
 
     id: str
     valid: Literal[True]
@@ -259,8 +265,8 @@ class PlantCheck(Strict):
 class GainLabels(Strict):
     """Labels of a gain that is a column or a matrix."""
 
-    rows: tuple[str, ...] = Field(description="States, outputs, channels or coordinates that the rows belong to.")
-    columns: tuple[str, ...] = Field((), description="The same for columns; empty for a column gain.")
+    rows: tuple[str, ...] = Field(description="Labels of the rows: states, outputs, channels or coordinates.")
+    columns: tuple[str, ...] = Field((), description="Labels of the columns; empty for a column gain.")
 
 
 class PresentGains(Strict):
@@ -305,7 +311,7 @@ class RunLine(Strict):
 
 
 class RunList(Strict):
-    """Runs, newest first, and what the store holds."""
+    """Runs, newest first, and figures of the store."""
 
     runs: tuple[RunLine, ...]
     store: dict[str, int]
@@ -321,7 +327,7 @@ class SessionOpened(Strict):
 
 
 class SessionState(Strict):
-    """The state of a session, and its experiment with all faults and timed commands so far."""
+    """The state of a session, and its experiment with all faults and timed commands up to now."""
 
     id: str
     spec: Experiment
@@ -336,14 +342,14 @@ class SessionState(Strict):
 
 
 class LessonQuestion(Strict):
-    """A question, and the commands of a live session that show its answer. The sender numbers them."""
+    """A question, and the commands of a live session that show its answer, without ids."""
 
     question: Words
     do: tuple[dict[str, JsonValue], ...]
 
 
 class LessonPlan(Strict):
-    """The questions about one experiment."""
+    """The questions of the lesson about one experiment."""
 
     id: str
     questions: tuple[LessonQuestion, ...]

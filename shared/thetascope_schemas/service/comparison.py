@@ -1,4 +1,4 @@
-"""The observers of a run compared on the same data: errors, settling, faults found and missed, cost."""
+"""Comparison of the observers of a run on the same data: errors, settling, faults found and missed, cost."""
 
 from typing import Literal
 
@@ -46,74 +46,76 @@ _ROW = {
 
 
 class Window(Strict):
-    """A stretch of the run between two events: onsets and ends of faults, the run's beginning and end."""
+    """An interval of the run between two events: onsets and ends of faults, start and end of the run."""
 
     model_config = example(**_WINDOWS[1])
 
-    start: Number = Field(description="Time in s of the event at which it begins.")
-    end: Number = Field(description="Time in s of the event at which it ends.")
+    start: Number = Field(description="Time in s at which it begins.")
+    end: Number = Field(description="Time in s at which it ends.")
 
 
 class StepFollowed(Strict):
-    """How soon an estimate followed one step of a fault."""
+    """The settling of an estimate after one step of a fault."""
 
     model_config = example(**_STEP)
 
     channel: Reference
     at: Number = Field(description="Time of the step in s.")
-    size: Number = Field(description="New value less the old, in the channel's unit.")
-    ten: Number | None = Field(description="Seconds until it stays within 10 % of the size; null: it does not.")
-    five: Number | None = Field(description="Seconds until it stays within 5 % of the size; null: it does not.")
+    size: Number = Field(description="New value minus old value, in the channel's unit.")
+    ten: Number | None = Field(description="Seconds until the error stays within 10 % of the size; null: never.")
+    five: Number | None = Field(description="Seconds until the error stays within 5 % of the size; null: never.")
 
 
 class FaultOutcome(Strict):
-    """The outcome for one fault: whether an observer's alarms found it (diagnosis/evaluation/verdicts.py has the rule)."""
+    """The outcome for one fault: whether an alarm found it, by the rule in thetascope.diagnosis.evaluation.verdicts."""
 
     model_config = example(**_FAULT)
 
     id: str = Field(description="Id of the fault within the experiment or session.")
-    kind: Literal["channel", "output"] = Field(description="A channel of the model, or a measurement.")
+    kind: Literal["channel", "output"] = Field(description="Fault of a channel of the model, or of a measured output.")
     name: Reference = Field(description="Name of the channel or output.")
     onset: Number = Field(description="Time in s at which it began.")
-    until: Number | None = Field(description="Time in s until which it could be found; null: the end of the run.")
+    until: Number | None = Field(
+        description="Time in s until which an alarm counts as finding it; null: the end of the run."
+    )
     outcome: Literal["found", "covered", "missed"] = Field(
-        description="Covered: an alarm for its channel was on when it began, so none could be raised."
+        description="Covered: an alarm for its channel was on when the fault began, so no new one could be raised."
     )
     delay: Number | None = Field(description="Seconds from the onset to the alarm that found it.")
-    alternative: bool = Field(description="Found only as one of the alternatives that an alarm leaves open.")
-    alarm: str = Field(description="Id of the alarm that found or covers it; empty: none.")
+    alternative: bool = Field(description="Whether the alarm names it only as an alternative.")
+    alarm: str = Field(description="Id of the alarm that found or covers it; empty if there is none.")
 
 
 class AlarmOutcome(Strict):
-    """The verdict on one alarm, and what it means at the time of judging."""
+    """The verdict on one alarm, and its state at the time of evaluation."""
 
     model_config = example(**_ALARM)
 
     id: str = Field(description="Id of the alarm.")
     verdict: Literal["correct", "isolation-error", "false"] = Field(
-        description="As it was raised: it names a fault that was present, another one was, or none was."
+        description="When it was raised, it named a fault that was present, another fault was present, or none was."
     )
     state: Literal["acting", "covering", "other-fault", "no-fault", "fault-over", "cleared"] = Field(
-        description="Now: cleared; or still on, and a fault that it names acts; the fault that acts began later and is "
-        "covered; another fault acts; none ever did; the fault has ended and the alarm is about to clear."
+        description="Cleared, or on while: a fault that it names is active; the active fault began later and is "
+        "covered; another fault is active; there has been no fault; the fault has ended, so the alarm clears soon."
     )
-    found: tuple[str, ...] = Field(default=(), description="Ids of the faults that it was the first to find.")
-    delay: Number | None = Field(default=None, description="Seconds from the newest of these to the alarm.")
+    found: tuple[str, ...] = Field(default=(), description="Ids of the faults that it found first.")
+    delay: Number | None = Field(default=None, description="Seconds from the newest of these faults to the alarm.")
     covers_since: Number | None = Field(
-        default=None, description="Onset in s of the newest fault that it covers and that acts."
+        default=None, description="Onset in s of the newest active fault that it covers."
     )
 
 
 class ComparisonRow(Strict):
-    """One observer's part of the comparison. Counts of alarms and faults are null if no tests ran on it."""
+    """The comparison's row of one observer. Counts of alarms and faults are null if no tests ran on its estimates."""
 
     model_config = example(**_ROW)
 
     label: str
     rmse: dict[str, tuple[Number | None, ...]] = Field(
-        description="Root mean square error by column (x.…, theta.…), one a window; null: not all rows have a number."
+        description="Root mean square error of each column (x.…, theta.…), by window; null: some rows have no number."
     )
-    peak: dict[str, tuple[Number | None, ...]] = Field(description="Largest error likewise.")
+    peak: dict[str, tuple[Number | None, ...]] = Field(description="Largest absolute error, in the same form.")
     steps: tuple[StepFollowed, ...] = ()
     faults: tuple[FaultOutcome, ...] | None = Field(
         default=None, description="The outcome for each fault, in order of time."
@@ -121,26 +123,31 @@ class ComparisonRow(Strict):
     alarms: tuple[AlarmOutcome, ...] | None = Field(
         default=None, description="The verdict on each alarm, in order of time."
     )
-    found: int | None = Field(default=None, description="Faults that an alarm found.")
+    found: int | None = Field(default=None, description="Number of faults that an alarm found.")
     covered: int | None = Field(
-        default=None, description="Faults for whose channel an alarm was on already when they began."
+        default=None, description="Number of faults that began while an alarm for their channel was on."
     )
-    missed: int | None = Field(default=None, description="Faults neither found nor covered.")
+    missed: int | None = Field(default=None, description="Number of faults neither found nor covered.")
     false_alarms: int | None = Field(
-        default=None, description="Alarms raised while no fault was present, nor just before."
+        default=None, description="Number of alarms raised while no fault was present, nor just before."
     )
     isolation_errors: int | None = Field(
-        default=None, description="Alarms raised during a fault that name none of those present."
+        default=None, description="Number of alarms raised during a fault that name none of the faults present."
     )
     delay: Number | None = Field(default=None, description="Median delay in s of the faults found.")
-    grace: Number = Field(description="Seconds after a fault within which an alarm is not false: θ̂ is coming back.")
+    grace: Number = Field(
+        description="Seconds after the end of a fault in which an alarm is not false, because θ̂ still returns."
+    )
     cost: Number | None = Field(
-        default=None, description="Processor time in µs per simulated second, measured: another number each time."
+        default=None, description="Measured processor time in µs per simulated second; it differs between runs."
     )
 
 
 class Comparison(Strict):
-    """The observers of a run on the same data; backend/thetascope/diagnosis/evaluation/observer_comparison.py defines each measure."""
+    """The observers of a run on the same data.
+
+    thetascope.diagnosis.evaluation.observer_comparison defines each measure.
+    """
 
     model_config = example(windows=_WINDOWS, observers=[_ROW])
 
@@ -153,13 +160,13 @@ _IN_WINDOW = {"label": "adaptive", "rmse": 0.0004, "noise": 0.0003, "settled": 0
 
 
 class StepFound(Strict):
-    """The newest fault of a channel, and whether the detector has found it."""
+    """The newest fault of a channel, and its outcome so far."""
 
     model_config = example(**_FOUND)
 
     id: str = Field(description="Id of the fault.")
     outcome: Literal["found", "covered", "missed"] | None = Field(
-        description="The verdict so far; null without a detector, or if θ is zero."
+        description="The outcome so far; null without a detector, or if θ is zero."
     )
     delay: Number | None = Field(description="Seconds from the onset to the alarm that found it.")
 
@@ -170,21 +177,25 @@ class ObserverInWindow(Strict):
     model_config = example(**_IN_WINDOW)
 
     label: str
-    rmse: Number | None = Field(description="Root mean square error of the state; null: not all rows have a value.")
-    noise: Number | None = Field(description="Standard deviation of θ̂ about its straight line, over the last quarter.")
-    settled: Number | None = Field(description="Seconds from the step of θ until θ̂ stays within 10 % of its size.")
+    rmse: Number | None = Field(description="Root mean square error of the state; null: some rows have no value.")
+    noise: Number | None = Field(
+        description="Standard deviation of θ̂ about a fitted line, over the last quarter of the window."
+    )
+    settled: Number | None = Field(
+        description="Seconds from the step of θ until θ̂ stays within 10 % of the step's size."
+    )
     outcome: Literal["settled", "not-yet", "too-noisy", "unknown"] = Field(
-        description="Too noisy: θ̂ has reached θ, but noise keeps moving it out of the 10 %. Unknown: no step, or no θ̂."
+        description="Too noisy: θ̂ reached θ, but noise moves it out of the 10 % band. Unknown: no step, or no θ̂."
     )
 
 
 class WindowComparison(Strict):
-    """The observers of a session over the window that a page shows."""
+    """The observers of a session over the window that the page shows."""
 
     model_config = example(t=30, state="x1", channel="theta3", fault=_FOUND, observers=[_IN_WINDOW])
 
-    t: Number = Field(description="Time in s up to which the session has come.")
-    state: str = Field(description="The state whose error is given.")
+    t: Number = Field(description="Present time of the session in s.")
+    state: str = Field(description="The state whose errors are compared.")
     channel: str | None = Field(description="The fault channel; null: the plant has none.")
-    fault: StepFound | None = Field(description="Its newest fault; null: none so far.")
+    fault: StepFound | None = Field(description="The newest fault of the channel; null: none so far.")
     observers: tuple[ObserverInWindow, ...] = ()

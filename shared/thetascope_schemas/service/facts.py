@@ -1,4 +1,4 @@
-"""Facts about a run or a session at one time: observers, faults and noise that act then, alarms and verdicts on them."""
+"""Facts about a run or session at one time: its observers, faults and noise, the alarms, and the verdicts on them."""
 
 from typing import Literal
 
@@ -46,7 +46,7 @@ EXAMPLE = {
 
 
 class ObserverLost(Strict):
-    """When an observer diverged, and the likely cause."""
+    """The divergence of an observer: its time and likely cause."""
 
     model_config = example(t=2.5, cause={"code": "diverged.theta-hat", "args": {}, "text": "θ̂ left all bounds"})
 
@@ -55,51 +55,53 @@ class ObserverLost(Strict):
 
 
 class ObserverNow(Strict):
-    """An observer that runs at that time."""
+    """An observer that is running at that time."""
 
     model_config = example(**_OBSERVER)
 
     label: Label
     kind: str
-    gains: dict[str, Gain] = Field(description="Present values of the gains that were set; others have their defaults.")
+    gains: dict[str, Gain] = Field(
+        description="Present values of the gains that were set; the others have their defaults."
+    )
     options: dict[str, JsonValue] = Field(default_factory=dict)
-    config: ObserverConfig = Field(description="Its configuration when it was started.")
+    config: ObserverConfig = Field(description="Its configuration at the start.")
     since: Number = Field(description="Time in s at which it was started.")
     diverged: ObserverLost | None = None
 
 
 class FaultNow(Strict):
-    """A fault of the experiment, and whether it acts at that time."""
+    """A fault of the experiment, and whether it is active at that time."""
 
     model_config = example(**_FAULT)
 
-    id: str = Field(description="Id within the run or session; it stays when the fault is cleared.")
+    id: str = Field(description="Id within the run or session; it does not change when the fault is cleared.")
     subject: str = Field(description="Name of the channel or output.")
     kind: Literal["channel", "output"]
     shape: str
-    fault: Fault = Field(description="The fault itself; its times count from the start.")
+    fault: Fault = Field(description="The fault; its times count from the start of the run.")
     onset: Number = Field(description="Time in s at which it begins.")
-    end: Number | None = Field(description="Time in s at which it ends; null: it stays.")
-    active: bool = Field(description="Whether it acts. In a session: from the next row on.")
-    ended: bool = Field(description="Whether it is over.")
+    end: Number | None = Field(description="Time in s at which it ends; null: never.")
+    active: bool = Field(description="Whether it is active; in a session, from the next row on.")
+    ended: bool = Field(description="Whether it has ended.")
 
 
 class Facts(Strict):
-    """Everything that follows from the experiment and its findings at one time, computed by one function for all."""
+    """All facts that follow from an experiment and its alarms at one time. One function computes them."""
 
     model_config = example(**EXAMPLE)
 
-    t: Number = Field(description="The time in s: of a run, its end; of a session, the last row that was shown.")
+    t: Number = Field(description="The time in s: the end of a run, or the last row shown of a session.")
     observers: tuple[ObserverNow, ...]
-    faults: tuple[FaultNow, ...] = Field(description="All faults so far and to come, in the order of the experiment.")
-    noise: dict[str, Noise] = Field(description="Measurement noise of every output that has some.")
-    broken: Number | None = Field(default=None, description="Time in s at which the plant itself diverged.")
+    faults: tuple[FaultNow, ...] = Field(description="All faults, past and future, in the order of the experiment.")
+    noise: dict[str, Noise] = Field(description="Measurement noise by output, of the noisy outputs.")
+    broken: Number | None = Field(default=None, description="Time in s at which the plant diverged.")
     alarms: tuple[Alarm, ...] = Field(
         default=(), description="The detector's alarms up to that time, in order of time."
     )
-    alarm_verdicts: tuple[AlarmOutcome, ...] = Field(default=(), description="The verdict on each of them.")
+    alarm_verdicts: tuple[AlarmOutcome, ...] = Field(default=(), description="The verdict on each alarm.")
     fault_outcomes: tuple[FaultOutcome, ...] = Field(default=(), description="The outcome for each fault so far.")
     unseen: tuple[str, ...] = Field(
-        default=(), description="Ids of the faults that act and that no alarm names now, one a site."
+        default=(), description="Ids of the active faults that no alarm names now, one for each site."
     )
     summary: Text = Field(description="The diagnosis in one sentence.")

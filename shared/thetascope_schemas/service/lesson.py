@@ -1,4 +1,4 @@
-"""Questions that turn the live page into a lesson, each with what to do to see the answer."""
+"""Lessons on the live page: questions, and the commands that show their answers."""
 
 from pydantic import Field
 
@@ -7,7 +7,7 @@ from thetascope_schemas.service.session import BatchMember
 
 
 class Words(Strict):
-    """A text in the languages of the page."""
+    """A text in each language of the page."""
 
     model_config = example(en="Why does θ̂2 jump first?", zh="为什么 θ̂2 先跳变?")
 
@@ -20,20 +20,20 @@ class Step(Strict):
 
     model_config = example(
         question={
-            "en": "Lower λ to 0.6: calm, and slow. What do you trade?",
-            "zh": "把 λ 降到 0.6:平静了,也慢了。换来了什么?",
+            "en": "Lower λ to 0.6: θ̂ becomes smoother but slower. What do you gain, and what do you lose?",
+            "zh": "把 λ 降到 0.6：θ̂ 更平滑，但响应更慢。得到了什么，又失去了什么？",
         },
         do=[{"type": "set-gain", "observer": "adaptive", "gain": "lambda", "value": 0.6}],
     )
 
     question: Words
     do: tuple[BatchMember, ...] = Field(
-        default=(), max_length=10, description="Commands of a live session that carry it out, as a batch."
+        default=(), max_length=10, description="Commands of a live session that show the answer, sent as a batch."
     )
 
 
 class Lesson(Strict):
-    """What to try with one experiment of the library; its id is the experiment's."""
+    """Questions about one experiment of the library; the id is that of the experiment."""
 
     model_config = example(
         id="zhao-2012", questions=[{"question": {"en": "Why does θ̂2 jump first?", "zh": "为什么 θ̂2 先跳变?"}, "do": []}]

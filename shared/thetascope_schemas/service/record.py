@@ -1,4 +1,4 @@
-"""What was recorded on a real plant, to be diagnosed."""
+"""A record: measurements of a real plant, to be diagnosed."""
 
 from typing import Annotated
 
@@ -13,19 +13,17 @@ Column = Annotated[list[float], Field(max_length=MOST_ROWS)]
 
 
 class Record(Strict):
-    """Samples at equal distances, as columns or as CSV text with a line of names: ``t``, inputs, signals and outputs of the plant."""
+    """Equally spaced samples of ``t``, inputs, signals and outputs of the plant: columns, or CSV with a header."""
 
     model_config = example(plant="friction-motor", csv="t,torque,y_speed,y_acceleration\n0,0.5,0.01,0.05\n…", learn=2.0)
 
-    plant: PlantChoice = Field(description="Id of a library plant, or a plant in full.")
+    plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
     columns: dict[str, Column] | None = Field(
-        default=None, max_length=200, description="Columns by name, all as long …"
+        default=None, max_length=200, description="Columns by name, all of the same length; or give `csv`."
     )
-    csv: str | None = Field(default=None, description="… or the text of a CSV file.")
+    csv: str | None = Field(default=None, description="Text of a CSV file; or give `columns`.")
     learn: NonNegative = Field(
         default=0.0,
-        description="Seconds at its beginning that are known to be sound: what they show belongs to the plant.",
+        description="Length in s of the beginning, known to be healthy: deviations in it are attributed to the plant.",
     )
-    diagnosis: DiagnosisSettings = Field(
-        default_factory=DiagnosisSettings, description="What is asked of the diagnosis."
-    )
+    diagnosis: DiagnosisSettings = Field(default_factory=DiagnosisSettings, description="Settings of the diagnosis.")

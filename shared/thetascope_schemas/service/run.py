@@ -1,4 +1,4 @@
-"""What the service answers: a run, its progress and summary, and problems (RFC 9457)."""
+"""Answers about runs: a run, its progress and summary; and problems (RFC 9457)."""
 
 from datetime import datetime
 from typing import Literal
@@ -67,22 +67,22 @@ class Problem(Strict):
 
     model_config = example(**_PROBLEM)
 
-    type: str = Field(default="about:blank", description="URI reference of the kind of problem.")
-    title: str = Field(description="Short text, the same for every problem of this kind.")
+    type: str = Field(default="about:blank", description="URI reference of the problem type.")
+    title: str = Field(description="Short text, the same for every problem of this type.")
     status: int = Field(ge=400, le=599, description="HTTP status.")
-    detail: str = Field(default="", description="What happened here, and what to do.")
+    detail: str = Field(default="", description="The problem of this request, and its remedy.")
     code: str = Field(
         default="", description="Key of the problem's sentence in the catalogues, GET /api/messages/{language}."
     )
     args: dict[str, JsonValue] = Field(default_factory=dict, description="Arguments of the sentence by name.")
     instance: str | None = Field(default=None, description="URI reference of this occurrence.")
     errors: tuple[FieldError, ...] = Field(
-        default=(), description="Each field at fault, its value, the problem, the remedy."
+        default=(), description="For each offending field, its value, the problem and the remedy."
     )
 
 
 class Divergence(Strict):
-    """When a plant or an observer left all bounds, and the likely cause."""
+    """The divergence of a plant or an observer: its time and likely cause."""
 
     model_config = example(
         time=2.515,
@@ -94,15 +94,15 @@ class Divergence(Strict):
 
 
 class AssumptionCheck(Strict):
-    """One assumption of an observer's theorem, checked on this plant, these gains and this run."""
+    """The check of one assumption of an observer's theorem for the plant, the gains and the run."""
 
     model_config = example(**_CHECK)
 
     name: Text
     verdict: Literal["holds", "fails", "cannot tell"]
     text: Text = Field(description="The check's result in a sentence.")
-    value: Number | None = Field(default=None, description="The number found.")
-    threshold: Number | None = Field(default=None, description="The number it is held against.")
+    value: Number | None = Field(default=None, description="The computed value.")
+    threshold: Number | None = Field(default=None, description="The value that it is compared with.")
     source: str = Field(default="", description="Paper and equation.")
 
 
@@ -113,27 +113,27 @@ class FinalValue(Strict):
 
     truth: Number | None = Field(description="The true value at the end.")
     estimate: Number | None = Field(description="The estimate at the end.")
-    error: Number | None = Field(description="Estimate less truth at the end.")
-    mean_error: Number | None = Field(description="Mean of estimate less truth.")
-    std: Number | None = Field(description="Standard deviation of estimate less truth.")
+    error: Number | None = Field(description="Estimate minus truth at the end.")
+    mean_error: Number | None = Field(description="Mean of estimate minus truth.")
+    std: Number | None = Field(description="Standard deviation of estimate minus truth.")
 
 
 class Settling(Strict):
-    """How an estimate followed one step of a fault."""
+    """The settling of an estimate after one step of a fault."""
 
     model_config = example(channel="theta3", at=20, size=0.02, within=0.1, reached=0.7, time=0.75, until=40)
 
     channel: str
     at: Number = Field(description="Time of the step in s.")
     size: Number = Field(description="Size of the step.")
-    within: Number = Field(description="Width of the band around the new value, as a fraction of the size.")
+    within: Number = Field(description="Half-width of the band around the new value, as a fraction of the size.")
     reached: Number | None = Field(description="Time in s after the step at which the band is first reached.")
     time: Number | None = Field(description="Time in s after the step from which the estimate stays in the band.")
-    until: Number = Field(description="Time in s up to which was looked: the next event, or the end.")
+    until: Number = Field(description="Time in s at which the evaluation ends: the next event, or the end of the run.")
 
 
 class ObserverSummary(Strict):
-    """What came out for one observer."""
+    """The results of one observer."""
 
     model_config = example(**_OBSERVER)
 
@@ -142,39 +142,43 @@ class ObserverSummary(Strict):
     title: MaybeSentence = Field(default=None, description="The name of the kind.")
     diverged: Divergence | None = None
     rmse: dict[str, Number | None] = Field(
-        default_factory=dict, description="Root mean square error per state over the run, null where undefined."
+        default_factory=dict, description="Root mean square error of each state over the run; null if undefined."
     )
     rmse_end: dict[str, Number | None] = Field(
         default_factory=dict, description="The same over the last tenth of the run."
     )
     theta: dict[str, FinalValue] = Field(default_factory=dict, description="Estimate of each channel at the end.")
-    settling: tuple[Settling, ...] = Field(default=(), description="How soon each step of a fault was followed.")
+    settling: tuple[Settling, ...] = Field(default=(), description="Settling after each step of a fault.")
     checks: tuple[AssumptionCheck, ...] = ()
-    facts: dict[str, JsonValue] = Field(default_factory=dict, description="What the observer reports about itself.")
+    facts: dict[str, JsonValue] = Field(
+        default_factory=dict, description="Facts determined during the observer's construction."
+    )
 
 
 class RunSummary(Strict):
-    """What came out of a run, without its data."""
+    """The results of a run without its data."""
 
     model_config = example(**_SUMMARY)
 
     columns: int = Field(ge=0, description="Number of columns of the data.")
     rows: int = Field(ge=0, description="Number of recorded times.")
     step: Number = Field(description="Step of the integration in s.")
-    substeps: int = Field(default=1, ge=1, description="Steps that observers take within one step.")
+    substeps: int = Field(default=1, ge=1, description="Substeps of each integration step.")
     diverged: Divergence | None = Field(default=None, description="Divergence of the plant itself.")
     observers: tuple[ObserverSummary, ...] = ()
     facts: Facts | None = Field(
         default=None, description="Observers, faults, noise, alarms and verdicts at the end of the run."
     )
     comparison: Comparison | None = Field(default=None, description="The observers compared on the same data.")
-    diagnosis: Diagnosis | None = Field(default=None, description="Which fault, since when, how large, how sure.")
+    diagnosis: Diagnosis | None = Field(
+        default=None, description="The diagnosis: which fault, since when, its size and confidence."
+    )
     notes: tuple[Text, ...] = ()
     seconds: dict[str, Number] = Field(default_factory=dict, description="Wall time of each stage in s.")
 
 
 class Progress(Strict):
-    """How far a run is."""
+    """The progress of a run."""
 
     model_config = example(
         id="5f0c1a9e77b24d3c8a6f01234567890b",
@@ -187,14 +191,14 @@ class Progress(Strict):
 
     id: str = Field(description="The run's id.")
     status: Status
-    progress: Number = Field(ge=0, le=1, description="Share done, 0 to 1.")
+    progress: Number = Field(ge=0, le=1, description="Completed share, 0 to 1.")
     detail: str = ""
-    problem: Problem | None = Field(default=None, description="Why it failed.")
+    problem: Problem | None = Field(default=None, description="The reason of a failure.")
     links: dict[str, str] = Field(default_factory=dict)
 
 
 class Run(Strict):
-    """A run of an experiment. Its id is the hash of what determines its numbers (`Experiment.spec_hash`)."""
+    """A run of an experiment. Its id is the hash of everything that determines its numbers (`Experiment.spec_hash`)."""
 
     model_config = example(
         id="5f0c1a9e77b24d3c8a6f01234567890b",
@@ -210,10 +214,10 @@ class Run(Strict):
 
     id: str = Field(description="Hash of the canonical spec.")
     status: Status
-    progress: Number = Field(ge=0, le=1, description="Share done, 0 to 1.")
+    progress: Number = Field(ge=0, le=1, description="Completed share, 0 to 1.")
     spec: Experiment
-    summary: RunSummary | None = Field(default=None, description="Set when done.")
-    problem: Problem | None = Field(default=None, description="Set when failed.")
+    summary: RunSummary | None = Field(default=None, description="Set when the run is done.")
+    problem: Problem | None = Field(default=None, description="Set when the run has failed.")
     created: datetime
-    pinned: bool = Field(default=False, description="A pinned run is kept when the store needs room.")
+    pinned: bool = Field(default=False, description="Whether the run is kept when the store is full.")
     links: dict[str, str] = Field(default_factory=dict)

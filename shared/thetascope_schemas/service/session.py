@@ -1,19 +1,19 @@
-"""The messages of a live session: everything that a browser and /api/sessions/{id}/stream send each other, in one file.
+"""The messages of a live session: everything that is exchanged over /api/sessions/{id}/stream.
 
 Text frames are JSON: commands from the client, events from the server, distinguished by `type`. Binary frames are
 samples: a header of HEADER (little endian), then `count` float32 values of each column in turn.
 
     sequence  uint32   number of the frame within the session, counted from 1
-    epoch     uint32   grows whenever the columns or the past change (an observer added, a rewind): see Columns, Rewound
+    epoch     uint32   grows when the columns or past rows change (observer added, rewind): see Columns, Rewound
     first     uint64   row number of the first sample: row r is at time r · record
     count     uint32   rows in this frame
     columns   uint32   columns in this frame
 
-A slow viewer gets fewer, larger frames, whose `sequence` is that of the last frame they cover (0 if the server no longer
-knows it). A viewer that is too far behind jumps (see Jump).
+A slow viewer gets fewer, larger frames, whose `sequence` is that of the last frame they cover (0 if the server no
+longer knows it). A viewer that is too far behind jumps (see Jump).
 
-A client that lost its connection asks for `?after=<sequence>`. If the epoch in Hello is the one it knew, it gets the rows
-that it missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
+A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
+missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
 
 Sentences are messages {code, args, text}. `text` is in the viewer's language: `?lang=`, or else Accept-Language. So is
 prose of the spec, such as titles; with `?lang=*` it is a map from language to text, and sentences are English.
@@ -35,7 +35,7 @@ from thetascope_schemas.service.run import AssumptionCheck
 PROTOCOL_VERSION = 1
 HEADER = "<IIQII"
 
-# ---- close codes (application range of RFC 6455) ----------------------------------------------------------------------
+# ---- close codes (application range of RFC 6455) -------------------------------------------------------------
 
 CLOSE_NO_SESSION = 4404  # the session does not exist, or has ended
 CLOSE_ORIGIN = 4403  # the page comes from another origin
@@ -45,31 +45,31 @@ CLOSE_SLOW = 4408  # the viewer does not read its messages
 CLOSE_ENDED = 4410  # the session was closed or idle for too long
 
 
-# ---- commands: client → server ------------------------------------------------------------------------------------------
+# ---- commands: client → server -------------------------------------------------------------------------------
 
 
 class Command(Strict):
     """The base of all commands. Each is answered by an Ack or a Refused with its id."""
 
-    id: int = Field(ge=0, le=2**53 - 1, strict=True, description="Number that the client gives the command.")
+    id: int = Field(ge=0, le=2**53 - 1, strict=True, description="Number of the command, chosen by the client.")
 
 
 class Play(Command):
-    """Let time run."""
+    """Start or resume the clock."""
 
     model_config = example(type="play", id=1)
     type: Literal["play"] = "play"
 
 
 class Pause(Command):
-    """Stop time."""
+    """Pause the clock."""
 
     model_config = example(type="pause", id=2)
     type: Literal["pause"] = "pause"
 
 
 class Step(Command):
-    """Advance by `rows` rows, as fast as possible, and stay paused."""
+    """Advance by `rows` rows as fast as possible, then pause."""
 
     model_config = example(type="step", id=3, rows=1)
     type: Literal["step"] = "step"
@@ -77,7 +77,7 @@ class Step(Command):
 
 
 class Speed(Command):
-    """Simulated seconds per second; null: as fast as possible."""
+    """Set the speed in simulated seconds per second; null: as fast as possible."""
 
     model_config = example(type="speed", id=4, value=10)
     type: Literal["speed"] = "speed"
@@ -85,7 +85,7 @@ class Speed(Command):
 
 
 class Inject(Command):
-    """Inject a fault. Its onset and end count from now."""
+    """Inject a fault. Its onset and end are relative to the present time."""
 
     model_config = example(type="inject", id=5, fault={"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02})
     type: Literal["inject"] = "inject"
@@ -112,7 +112,7 @@ class SetGainNow(Command):
 
 
 class SetSignalNow(Command):
-    """Set an input or known signal from now on; its time is the session's."""
+    """Set an input or known signal from now on. The signal's time is that of the session."""
 
     model_config = example(type="set-signal", id=8, name="u", signal={"kind": "constant", "value": 0.05})
     type: Literal["set-signal"] = "set-signal"
@@ -127,11 +127,11 @@ class SetNoiseNow(Command):
     type: Literal["set-noise"] = "set-noise"
     output: Reference
     std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(default=0.01, description="Time in s for which a drawn value holds.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which each drawn value is held.")
 
 
 class AddObserverNow(Command):
-    """Add an observer, which starts now."""
+    """Add an observer, whose estimates start now."""
 
     model_config = example(type="add-observer", id=10, observer={"label": "ekf", "kind": "joint-ekf"})
     type: Literal["add-observer"] = "add-observer"
@@ -147,7 +147,7 @@ class RemoveObserverNow(Command):
 
 
 class Reset(Command):
-    """Go back to t = 0 and the experiment as it was at the start; the log is emptied."""
+    """Go back to t = 0 and to the original experiment; the log is cleared."""
 
     model_config = example(type="reset", id=12)
     type: Literal["reset"] = "reset"
@@ -162,7 +162,7 @@ class Seek(Command):
 
 
 def unnumbered(command: object) -> object:
-    """Return a command without an id with the id 0: within a batch or a lesson it has no answer of its own."""
+    """Return a command, with the id 0 if it has none: within a batch or a lesson it is not answered separately."""
     return {"id": 0, **command} if isinstance(command, dict) else command
 
 
@@ -173,14 +173,14 @@ BatchMember = Annotated[
     ],
     BeforeValidator(unnumbered),
 ]
-"""A command within a batch: one that acts on the session, given without an id."""
+"""A command of a batch, without an id: one that changes the experiment, or Reset."""
 
 SpecCommand = Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow
 """The commands that change the experiment from the present row on."""
 
 
 class Batch(Command):
-    """Carry out several commands in order at the same row. If one is refused, none is carried out: one answer for all."""
+    """Execute several commands in order at the same row. If one is refused, none is executed. There is one answer."""
 
     model_config = example(
         type="batch",
@@ -192,12 +192,12 @@ class Batch(Command):
     )
     type: Literal["batch"] = "batch"
     commands: tuple[BatchMember, ...] = Field(
-        min_length=1, max_length=20, description="The commands, without their ids; a refusal names commands[i].field."
+        min_length=1, max_length=20, description="The commands without ids; a refusal names commands[i].field."
     )
 
 
 SessionCommand = SpecCommand | Reset | Seek | Batch
-"""The commands that are carried out on the session; the others concern its clock."""
+"""The commands that change the session; the others control its clock."""
 
 ClientMessage = Annotated[
     Play
@@ -218,22 +218,24 @@ ClientMessage = Annotated[
 ]
 
 
-# ---- events: server → client ---------------------------------------------------------------------------------------------
+# ---- events: server → client ---------------------------------------------------------------------------------
 
 
 class Hello(Strict):
-    """The first message on a connection: everything that a page needs to draw itself."""
+    """The first message on a connection: everything that a page needs to display the session."""
 
     type: Literal["hello"] = "hello"
     protocol: int = PROTOCOL_VERSION
     session: str
     role: Literal["control", "view"]
-    spec: Experiment = Field(description="The experiment with the faults and timed commands so far, its plant in full.")
+    spec: Experiment = Field(
+        description="The experiment with its complete plant and all faults and timed commands up to now."
+    )
     columns: tuple[str, ...]
     epoch: int
     step: Number
     record: Number = Field(description="Time in s between rows.")
-    row: int = Field(description="Number of rows so far, which is the number of the next row.")
+    row: int = Field(description="Number of rows so far, and number of the next row.")
     playing: bool
     speed: Number | None
     parent: str | None = Field(default=None, description="The session that this one was forked from.")
@@ -242,7 +244,7 @@ class Hello(Strict):
 
 
 class Ack(Strict):
-    """A command was carried out, and takes effect from this row on."""
+    """A command was executed; it takes effect from this row on."""
 
     type: Literal["ack"] = "ack"
     id: int
@@ -251,7 +253,7 @@ class Ack(Strict):
 
 
 class Refused(Strict):
-    """A command was not carried out; nothing has changed.
+    """A command was refused; nothing has changed.
 
     The problem is the sentence of `code`. The remedy is the message `args.remedy` where there is one, else the sentence
     of `code.remedy`, with the same arguments.
@@ -269,8 +271,8 @@ class Refused(Strict):
     )
 
     type: Literal["refused"] = "refused"
-    id: int | None = Field(description="The command's id; null if the message had none.")
-    field: str = Field(default="", description="Path of the field at fault, for example fault.channel.")
+    id: int | None = Field(description="Id of the command; null if the message had none.")
+    field: str = Field(default="", description="Path of the offending field, for example fault.channel.")
     value: JsonValue = Field(default=None, description="The value that arrived, shortened.")
     code: str = Field(default="", description="Key of the problem's sentence, GET /api/messages/{language}.")
     args: dict[str, JsonValue] = Field(default_factory=dict, description="Arguments of both sentences by name.")
@@ -279,7 +281,7 @@ class Refused(Strict):
 
 
 class Status(Strict):
-    """The status of the session. A newer one replaces an older one."""
+    """The status of the session; it replaces earlier ones."""
 
     type: Literal["status"] = "status"
     row: int
@@ -321,14 +323,14 @@ class Event(Strict):
         default="",
         description='Channel, output, observer label or signal; of "diverged", empty if it is the plant itself.',
     )
-    observer: str = Field(default="", description="The observer that raised it (alarms).")
-    fault: str = Field(default="", description="Id of the fault that it is about (inject, fault-begins, fault-ends).")
+    observer: str = Field(default="", description="Label of the observer that raised an alarm.")
+    fault: str = Field(default="", description="Id of the fault (inject, fault-begins, fault-ends).")
     value: JsonValue = Field(default=None, description="Size, gain value, estimate …")
     message: Text = Field(description="The event in a sentence.")
 
 
 class Columns(Strict):
-    """The columns change from this row on (observers added or removed); a new epoch begins."""
+    """The columns change from this row on, because an observer was added or removed; a new epoch begins."""
 
     type: Literal["columns"] = "columns"
     epoch: int
@@ -337,7 +339,7 @@ class Columns(Strict):
 
 
 class Rewound(Strict):
-    """Rows from this one on are void; a new epoch begins. The log ends here as well."""
+    """Rows and log entries from this row on are discarded; a new epoch begins."""
 
     type: Literal["rewound"] = "rewound"
     epoch: int
@@ -346,7 +348,7 @@ class Rewound(Strict):
 
 
 class Jump(Strict):
-    """Rows `first` … `row` − 1 are not sent, because this viewer is too far behind; GET /api/sessions/{id}/data has them."""
+    """Rows `first` … `row` − 1 are skipped for this viewer, which is too slow; GET /api/sessions/{id}/data has them."""
 
     type: Literal["jump"] = "jump"
     epoch: int
@@ -355,14 +357,14 @@ class Jump(Strict):
 
 
 class Spec(Strict):
-    """The experiment with everything done so far, after every command that changes it."""
+    """The experiment with all changes up to now; sent after every command that changes it."""
 
     type: Literal["spec"] = "spec"
     spec: Experiment
 
 
 class Assumptions(Strict):
-    """The assumption checks of one observer over the session so far."""
+    """The assumption checks of one observer over the session up to now."""
 
     type: Literal["assumptions"] = "assumptions"
     observer: Label
@@ -370,7 +372,7 @@ class Assumptions(Strict):
 
 
 class DiagnosisNow(Strict):
-    """The diagnosis of the session so far. A newer one replaces an older one."""
+    """The diagnosis of the session up to now; it replaces earlier ones."""
 
     model_config = example(
         type="diagnosis",
@@ -382,12 +384,12 @@ class DiagnosisNow(Strict):
 
 
 class FactsNow(Strict):
-    """The facts at the row that is shown, after every change of them. A newer one replaces an older one."""
+    """The facts at the last row shown, sent after every change; they replace earlier ones."""
 
     model_config = example(type="facts", row=3001, facts=EXAMPLE)
 
     type: Literal["facts"] = "facts"
-    row: int = Field(description="Rows shown so far.")
+    row: int = Field(description="Number of rows shown so far.")
     facts: Facts
 
 

@@ -1,1 +1,1 @@
-"""Texts: refusals as codes with arguments, and prose in several languages. Nothing here needs the other schemas."""
+"""Texts: refusals as codes with arguments, and prose in several languages. It imports no other schemas."""

@@ -1,8 +1,8 @@
 """Prose in several languages: a text, or a map from language to text, `{en: DC motor, zh: 直流电机}`.
 
-A :class:`LocalText` is a `str`, its English (or first) text, so code that only shows it needs to know nothing of languages.
-As JSON it is the text in one language, by default that of the `str`; with the serialisation context
-`{"language": "zh"}` the Chinese one, with `{"language": ALL}` the whole map.
+A :class:`LocalText` is a `str`, its English (or first) text, so code that only displays it can ignore languages. As
+JSON it is the text in one language, by default that of the `str`; with the serialisation context `{"language": "zh"}`
+the Chinese one, with `{"language": ALL}` the whole map.
 """
 
 import re
@@ -17,22 +17,22 @@ from thetascope_schemas.texts.refusal import refuse
 
 DEFAULT = "en"
 ALL = "*"
-"""As the language of a serialisation context: keep all languages."""
+"""Language of a serialisation context that keeps all languages."""
 _TAG = re.compile(r"[a-z]{2,3}(-[A-Za-z0-9]{2,8})*")
 _MOST = 20  # languages of one text
 
 
 class LocalText(str):
-    """A text that knows itself in other languages.
+    """A text with its translations.
 
     Args:
-        texts: language → text; not empty.
+        texts: text by language; not empty.
     """
 
     texts: Mapping[str, str]
 
     def __new__(cls, texts: Mapping[str, str]) -> Self:
-        """Make the text, in English where it has English, else in its first language."""
+        """Return the text in English if there is one, else in its first language."""
         text = super().__new__(cls, texts.get(DEFAULT) or next(iter(texts.values())))
         text.texts = dict(texts)
         return text
@@ -45,7 +45,7 @@ class LocalText(str):
 
 
 def in_language(text: str, language: str) -> str:
-    """Return prose in a language; a text without that language stays as it is."""
+    """Return prose in a language; a text without that language is returned unchanged."""
     return text.texts.get(language, str(text)) if isinstance(text, LocalText) else text
 
 
@@ -53,7 +53,7 @@ class LocalProse:
     """Annotation of a `str` field that takes a text or a map of texts.
 
     Args:
-        max_length: characters of the text in each language.
+        max_length: maximum number of characters in each language.
     """
 
     def __init__(self, max_length: int) -> None:
@@ -88,6 +88,7 @@ def _kind(value: object) -> str:
 
 
 def _local(texts: dict[str, str]) -> LocalText:
+    """Return a map of texts as one text; refuse tags that are not language tags."""
     for tag in texts:
         if not _TAG.fullmatch(tag):
             raise refuse("schema.language.unknown", value=tag, tag=tag[:40])
@@ -95,6 +96,7 @@ def _local(texts: dict[str, str]) -> LocalText:
 
 
 def _written(text: str, info: core_schema.SerializationInfo) -> object:
+    """Return a text as JSON data in the language of the context."""
     language = (info.context or {}).get("language", DEFAULT) if isinstance(info.context, Mapping | None) else DEFAULT
     if not isinstance(text, LocalText):
         return text

@@ -1,6 +1,6 @@
 """Refusals as codes with arguments: `refuse` for validators, `suggestion` for the nearest known names.
 
-This package has no catalogues. It gives the code of a sentence and its arguments; `thetascope.messages` renders them.
+This package has no catalogues. It returns codes of sentences and their arguments; `thetascope.messages` renders them.
 """
 
 from collections.abc import Iterable, Mapping
@@ -10,7 +10,7 @@ from typing import Any
 from pydantic_core import PydanticCustomError
 
 MOST_NAMES = 40
-"""Known names that a suggestion lists at most."""
+"""Maximum number of known names in a suggestion."""
 
 
 def refuse(code: str, /, field: str = "", value: object = None, **args: Any) -> PydanticCustomError:
@@ -19,7 +19,7 @@ def refuse(code: str, /, field: str = "", value: object = None, **args: Any) -> 
     Args:
         code: code of the problem, for example `fault.end.before-onset`. The remedy is the entry `code.remedy`.
         field: path below the model that is validated; empty for the model itself.
-        value: the value at fault; by default the one that pydantic validated.
+        value: the offending value; by default the one that pydantic validated.
         args: arguments of the two sentences: numbers, texts, lists of these, or messages as {code, args}.
     """
     context = {"code": code, "args": args, "field": field, "value": value, "shown": readable(code, args)}
@@ -27,7 +27,7 @@ def refuse(code: str, /, field: str = "", value: object = None, **args: Any) -> 
 
 
 def suggestion(word: str, known: Iterable[str]) -> dict[str, Any]:
-    """Return a message, as {code, args}, that names the known names nearest to a word, or else all of them."""
+    """Return a message, as {code, args}, with the known names nearest to a word, or else all of them."""
     names = sorted(known)
     near = get_close_matches(word, names, n=3, cutoff=0.6)
     if near:

@@ -170,7 +170,7 @@ def _sequence(name: str, numbers: Callable[[_Text, str, str], tuple[str, str]]) 
 
 
 def _lanes() -> list[str]:
-    """Return the function of eight streams: rows 2i and 2i + 1 hold pair first + i; rows are ``width`` numbers apart."""
+    """Return the function of eight streams: rows 2i and 2i + 1 hold pair first + i; a row has ``width`` numbers."""
     w = _Text()
     k0, k1 = (w.let(f"load {_I}, ptr %{name}, align 8") for name in ("k0", "k1"))
     a, b = _normals(w, *_words(w, k0, k1, w.splat("%at")))

@@ -83,7 +83,7 @@ def sine(amplitude: float, frequency: float, phase: float = 0.0, offset: float =
 
 
 def ramp(start: float, slope: float, initial: float = 0.0, end: float | None = None) -> Signal:
-    """Return a ramp: initial until start, then rising by slope per second until end (None: without end), then constant."""
+    """Return a ramp: initial until start, then rising by slope per second until end (None: never), then constant."""
     stop = np.inf if end is None else end
     edges = np.array([start] if end is None else [start, end])
 

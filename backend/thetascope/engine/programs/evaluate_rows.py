@@ -50,6 +50,6 @@ def _needed(program: Program, names: tuple[str, ...]) -> tuple[str, ...]:
 
 @lru_cache(maxsize=256)
 def _kernel(program: Program, names: tuple[str, ...], fixed: tuple[str, ...], moving: tuple[str, ...]) -> Kernel:
-    """Return the kernel that emits these outputs. Cached by the arguments, because a new program's digest takes time."""
+    """Return the kernel that emits these outputs. Cached by the arguments: the digest of a new program takes time."""
     bare = replace(program, time=DISCRETE, states=(), update=(), parameters=fixed, inputs=moving)
     return kernel(bare, Layout(staged=moving, emitted=tuple(_roots(program, names))))

@@ -61,7 +61,8 @@ class Writer:
             return "<mi>π</mi>"
         if not e:
             return f"<mn>{escape(text)}</mn>"
-        ten = f"<msup><mn>10</mn><mrow>{MINUS if power.startswith('-') else ''}<mn>{power.lstrip('+-')}</mn></mrow></msup>"
+        sign = MINUS if power.startswith("-") else ""
+        ten = f"<msup><mn>10</mn><mrow>{sign}<mn>{power.lstrip('+-')}</mn></mrow></msup>"
         return ten if mantissa in ("1", "1.0") else row(f"<mn>{mantissa}</mn><mo>·</mo>{ten}")
 
     def name(self, node: Node) -> str:
@@ -194,7 +195,7 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
     """Return the equations of a plant, with the terms of its faults.
 
     Args:
-        data: the plant as plain data (`shared.Plant` dumped).
+        data: the plant as plain data (the dump of thetascope_schemas' Plant).
 
     Returns:
         ``states``, ``definitions``, ``outputs``: for each equation ``name``, ``unit``, ``description`` and ``math``,
@@ -234,7 +235,8 @@ def _rate(name: str, discrete: bool) -> str:
     if discrete:
         return f"<msup>{symbol(name)}<mo>+</mo></msup>"
     if is_word(name):
-        return f"<mfrac><mrow><mi mathvariant='normal'>d</mi>{TIGHT}{symbol(name)}</mrow><mrow><mi mathvariant='normal'>d</mi><mi>t</mi></mrow></mfrac>"
+        d = "<mi mathvariant='normal'>d</mi>"
+        return f"<mfrac><mrow>{d}{TIGHT}{symbol(name)}</mrow><mrow>{d}<mi>t</mi></mrow></mfrac>"
     return symbol(name, DOT)
 
 

@@ -120,7 +120,9 @@ class _Reader:
         right = {"(": ")", "[": "]"}[left]
         inner = self.group(right)
         self.at += 1
-        return f'<mrow><mo fence="true" form="prefix">{left}</mo>{inner}<mo fence="true" form="postfix">{right}</mo></mrow>'
+        before = f'<mo fence="true" form="prefix">{left}</mo>'
+        after = f'<mo fence="true" form="postfix">{right}</mo>'
+        return f"<mrow>{before}{inner}{after}</mrow>"
 
     def letter(self, text: str) -> str:
         """Return a letter with its accents. Raises ValueError for an unknown accent."""
