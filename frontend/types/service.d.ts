@@ -817,7 +817,7 @@ export interface FinalValue {
   std: number | null;
 }
 
-/** The time from which a second session continues on its own. */
+/** The time at which the new session branches off. */
 export interface ForkRequest {
   /** Time in s, at most that of the session; null: the present. */
   t?: number | null;

@@ -1,4 +1,4 @@
-"""`thetascope check`: the equations of a plant file, or what is wrong with it and where."""
+"""`thetascope check`: print the equations of a plant file, or its errors and their places."""
 
 import time
 from collections.abc import Sequence
@@ -38,8 +38,15 @@ def report_text(plant: Plant, report: dict, say: Words) -> str:
     if report["channels"]:
         parts.append(table(["Φ", *report["channels"]], _labelled(plant.names("states"), report["Phi"])))
         parts.append(table(["Ψ", *report["channels"]], _labelled(plant.names("outputs"), report["Psi"])))
-    seen = report["observability"]
-    parts.append(say("cli.check.observability", rank=seen["rank"], size=seen["size"], text=seen["text"]))
+    observability = report["observability"]
+    parts.append(
+        say(
+            "cli.check.observability",
+            rank=observability["rank"],
+            size=observability["size"],
+            text=observability["text"],
+        )
+    )
     parts.append(say("cli.check.possible"))
     parts += [f"  {entry['kind']}" for entry in report["observers"] if entry["possible"]]
     parts.append(say("cli.check.impossible"))

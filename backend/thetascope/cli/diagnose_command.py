@@ -1,4 +1,4 @@
-"""`thetascope diagnose`: the faults in a record of a plant."""
+"""`thetascope diagnose`: find the faults in a record of a plant."""
 
 import argparse
 from pathlib import Path
@@ -22,17 +22,17 @@ _HEAD = ("alarm-at", "fault", "alternatives", "since", "blank", "size", "blank",
 
 
 def diagnose_command(options: argparse.Namespace, say: Words) -> int:
-    """Diagnose a recorded file; print the findings, and write them where asked."""
+    """Diagnose a recorded file; print the findings, and write them to a file if requested."""
     plant = plant_named(options.plant)
-    asked = {"false_alarms": options.false_alarms, "doubt": options.doubt}
-    settings = validated(DiagnosisSettings, {k: v for k, v in asked.items() if v is not None})
+    given = {"false_alarms": options.false_alarms, "doubt": options.doubt}
+    settings = validated(DiagnosisSettings, {k: v for k, v in given.items() if v is not None})
     try:
-        found = diagnose_recording(plant, recording(plant, columns_of(options.data)), settings, options.learn)
+        diagnosis = diagnose_recording(plant, recording(plant, columns_of(options.data)), settings, options.learn)
     except SpecError as error:
         raise from_engine(error) from None
     if options.json is not None:
-        options.json.write_text(found.model_dump_json(indent=1), encoding="utf-8")
-    print(text(found, say))
+        options.json.write_text(diagnosis.model_dump_json(indent=1), encoding="utf-8")
+    print(text(diagnosis, say))
     return 0
 
 
@@ -45,7 +45,7 @@ def plant_named(target: str) -> Plant:
 
 
 def columns_of(path: Path) -> dict[str, np.ndarray]:
-    """Return the columns of a CSV file with a line of names. Raises DocumentError naming the line that is not a row of numbers."""
+    """Return the columns of a CSV file with a header line. Raises DocumentError for a line that is not numbers."""
     try:
         return columns_of_csv(path.read_text(encoding="utf-8-sig"))
     except OSError as error:
@@ -56,25 +56,25 @@ def columns_of(path: Path) -> dict[str, np.ndarray]:
         raise DocumentError(error.problem, name=str(path), remedy=error.remedy) from None
 
 
-def text(found: ObserverDiagnosis, say: Words) -> str:
+def text(diagnosis: ObserverDiagnosis, say: Words) -> str:
     """Return the findings as a table, then the basis of the decisions."""
-    parts = [say.text(found.sentence), ""]
-    if found.alarms:
-        parts += [table(say.head(_HEAD), [_alarm(alarm, say) for alarm in found.alarms]), ""]
-    parts += [say("cli.diagnose.noise", output=n.output, std=number(n.estimated, 3)) for n in found.noise]
-    if found.calibration is not None:
-        c = found.calibration
+    parts = [say.text(diagnosis.sentence), ""]
+    if diagnosis.alarms:
+        parts += [table(say.head(_HEAD), [_alarm(alarm, say) for alarm in diagnosis.alarms]), ""]
+    parts += [say("cli.diagnose.noise", output=n.output, std=number(n.estimated, 3)) for n in diagnosis.noise]
+    if diagnosis.calibration is not None:
+        c = diagnosis.calibration
         basis = {"rate": c.false_alarms, "seeds": c.seeds, "begin": c.from_time}
         parts.append(say("cli.diagnose.thresholds", **basis))
-    if found.note:
-        parts.append(say.text(found.note))
-    if found.excitation is not None and found.excitation.text:
-        parts.append(say("cli.diagnose.excitation", text=say.text(found.excitation.text)))
+    if diagnosis.note:
+        parts.append(say.text(diagnosis.note))
+    if diagnosis.excitation is not None and diagnosis.excitation.text:
+        parts.append(say("cli.diagnose.excitation", text=say.text(diagnosis.excitation.text)))
     return "\n".join(parts)
 
 
 def _alarm(alarm: Alarm, say: Words) -> list[str]:
-    """Return an alarm as a line of the table."""
+    """Return an alarm as a row of the table."""
     sized = alarm.size is not None
     return [
         number(alarm.t, 5),

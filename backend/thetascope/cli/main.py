@@ -1,7 +1,7 @@
 """The command line: `thetascope serve | run | trial | diagnose | list | check`.
 
-Exit codes: 0 done, 1 refused or failed (the message says why), 2 wrong use of the command, 130 interrupted.
-Modules are imported by the commands that need them, so that `--help` and mistakes are answered quickly.
+Exit codes: 0 done, 1 refused or failed (with the reason), 2 wrong usage, 130 interrupted. Commands import their modules
+when they run, so that `--help` and usage errors are answered quickly.
 """
 
 import argparse
@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def parser(say: Words) -> argparse.ArgumentParser:
-    """Return the parser of the command line, its help in the language of `say`."""
+    """Return the parser of the command line, with help in the language of `say`."""
     top = argparse.ArgumentParser(prog="thetascope", description=say("cli.description"))
     top.add_argument("--version", action="version", version=f"%(prog)s {__version__}", help=say("cli.help.version"))
     top.add_argument("--language", metavar="LANGUAGE", help=say("cli.help.language"))
@@ -74,7 +74,7 @@ def parser(say: Words) -> argparse.ArgumentParser:
 
 
 def _judging(commands: Any, say: Words) -> None:
-    """Add the commands about the diagnosis."""
+    """Add the commands that evaluate the diagnosis."""
     trial = commands.add_parser("trial", help=say("cli.trial"), description=say("cli.trial.description"))
     trial.add_argument("experiment", metavar="EXPERIMENT|FILE", help=say("cli.help.experiment"))
     trial.add_argument("--seeds", type=_checked(_count, say), default=100, metavar="N", help=say("cli.help.seeds"))
@@ -96,7 +96,7 @@ def _judging(commands: Any, say: Words) -> None:
 
 
 def _checked(convert: Callable[[str], Value], say: Words) -> Callable[[str], Value]:
-    """Return the type of an argument whose mistakes are said in the language of `say`."""
+    """Return an argument type whose errors are in the language of `say`."""
 
     def converted(text: str) -> Value:
         try:
@@ -108,7 +108,7 @@ def _checked(convert: Callable[[str], Value], say: Words) -> Callable[[str], Val
 
 
 class _Mistake(Exception):
-    """An argument that cannot be used."""
+    """An invalid argument."""
 
     def __init__(self, problem: Message) -> None:
         super().__init__(problem)
@@ -186,7 +186,7 @@ def _check(options: argparse.Namespace, say: Words) -> int:
 
 
 def _expected() -> tuple[type[Exception], ...]:
-    """Return the errors whose message is enough for a user; others are faults of the program and keep their traceback."""
+    """Return the errors whose message suffices for a user; others are program errors and keep their traceback."""
     from thetascope.engine.errors import ThetascopeError
     from thetascope.runs.specs.refusals import InvalidSpec, Refusal
     from thetascope.runs.specs.spec_files import DocumentError, DocumentRefused
@@ -197,7 +197,7 @@ def _expected() -> tuple[type[Exception], ...]:
 
 
 def _reason(error: Exception, say: Words) -> str:
-    """Return why a command failed."""
+    """Return the reason why a command failed."""
     from thetascope.engine.errors import ExpressionError, SpecError
     from thetascope.runs.specs.refusals import from_engine
 

@@ -1,4 +1,4 @@
-"""`thetascope run`: the same specs, limits and store as the service, in this process."""
+"""`thetascope run`: run a spec in this process, with the limits and the store of the service."""
 
 import argparse
 import shlex
@@ -29,13 +29,13 @@ from thetascope.store import Database, RunStore, StoreError
 from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
 from thetascope_schemas.service.comparison import Comparison, ComparisonRow
 
-_STATES = 3  # in the table of several observers
+_STATES = 3  # most states in the table of several observers
 _JUDGED = ("found", "delay", "missed", "false", "wrong")
 _ESTIMATES = ("observer", "fault", "true", "estimate", "mean-error", "std", "settled")
 
 
 def run_command(options: argparse.Namespace, say: Words) -> int:
-    """Run an experiment, write the files asked for, print how the observers did."""
+    """Run an experiment, write the requested files, print the observers' results."""
     settings = load()
     spec = experiment_of(options.experiment, settings)
     spec = with_changes(spec, dict(parse_assignment(text) for text in options.changes))
@@ -51,7 +51,7 @@ def run_command(options: argparse.Namespace, say: Words) -> int:
 
 
 def experiment_of(target: str, settings: Settings) -> Experiment:
-    """The experiment of a library id or a file. Raises Unknown, DocumentError or DocumentRefused."""
+    """Return the experiment of a library id or a file. Raises Unknown, DocumentError or DocumentRefused."""
     path = Path(target)
     if not path.suffix and not path.exists():
         return library_experiment(target)
@@ -63,7 +63,7 @@ def experiment_of(target: str, settings: Settings) -> Experiment:
 
 
 def result_of(spec: Experiment, settings: Settings, store: RunStore | None, progress: Progress, say: Words) -> Finished:
-    """Return the run of a spec, from the store or computed (and kept in the store)."""
+    """Return the run of a spec, from the store or computed (and then stored)."""
     complete = resolved(spec)
     job = Job(complete.spec_hash(), spec)
     result = store and store.get_result(job.id, engine_version())
@@ -76,7 +76,7 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
 
 
 def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Progress) -> Result:
-    """Prepare and run in a thread, so that this one can draw the progress and hear Ctrl-C."""
+    """Prepare and run in a thread, so that the main thread can draw the progress and handle Ctrl-C."""
 
     def work() -> Result:
         prepared = assembly.prepare(spec)
@@ -104,7 +104,7 @@ def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Pr
 
 
 def open_store(settings: Settings, say: Words) -> RunStore | None:
-    """Return the store, or None with a warning: a run does not need it."""
+    """Return the store, or None with a warning, since a run does not need it."""
     try:
         return RunStore(Database(settings.database), settings.store_limit)
     except StoreError as error:
@@ -121,7 +121,7 @@ def _keep(store: RunStore, finished: Finished, say: Words) -> None:
 
 
 def write(finished: Finished, path: Path, command: str, language: str) -> None:
-    """Write a result in the format that the file's ending tells."""
+    """Write a result in the format given by the file's suffix."""
     suffix, whole = path.suffix.lower(), select(finished.result)
     if suffix == ".csv":
         with path.open("wb") as stream:
@@ -135,21 +135,21 @@ def write(finished: Finished, path: Path, command: str, language: str) -> None:
 def write_comparison(finished: Finished, path: Path) -> None:
     """Write the comparison of the observers as CSV or JSON."""
     spec = finished.snapshot.spec
-    found = compared(finished.result, spec)
+    comparison = compared(finished.result, spec)
     as_json = path.suffix.lower() == ".json"
     path.write_bytes(
-        found.model_dump_json(indent=1).encode() if as_json else comparison_csv(found, plant_of(spec.plant))
+        comparison.model_dump_json(indent=1).encode() if as_json else comparison_csv(comparison, plant_of(spec.plant))
     )
 
 
 def command_line(options: argparse.Namespace, path: Path) -> str:
-    """The command that writes one of the files again."""
+    """Return the command that writes one of the files again."""
     changes = [part for change in options.changes for part in ("--set", change)]
     return shlex.join(["thetascope", "run", options.experiment, *changes, "--out", path.name])
 
 
 def outcome(finished: Finished, say: Words) -> str:
-    """Return a run in a few lines: for every observer and fault the truth, the estimate and whether it has settled."""
+    """Return a run in a few lines: for every observer and fault the true value, the estimate and the settling."""
     from thetascope.diagnosis.evaluation.metrics import summary
 
     spec, result = finished.snapshot.spec, finished.result
@@ -177,11 +177,11 @@ def outcome(finished: Finished, say: Words) -> str:
 
 
 def side_by_side(comparison: Comparison, measures: dict[str, dict], say: Words) -> list[str]:
-    """Return a line for each observer that did not diverge, where there are several, or tests that looked for faults."""
+    """Return a line for each observer that did not diverge, if there are several or if faults were tested for."""
     rows = [row for row in comparison.observers if not measures.get(row.label, {}).get("diverged")]
     if len(rows) < 2 and not any(row.faults for row in rows):
         return []
-    rmse = {row.label: measures.get(row.label, {}).get("rmse", {}) for row in rows}  # the detector has none
+    rmse = {row.label: measures.get(row.label, {}).get("rmse", {}) for row in rows}  # the detector has no estimates
     states = list(dict.fromkeys(state for row in rows for state in rmse[row.label]))[:_STATES]
     judged = any(row.faults is not None for row in rows)
     rmse_heads = [say("cli.head.rmse", state=state) for state in states]
@@ -206,7 +206,7 @@ def _judged(row: ComparisonRow, say: Words) -> list[str]:
 
 
 def _rows(label: str, measures: dict, say: Words) -> list[list[str]]:
-    """Return lines of the table. Mean error and its scatter are over the last tenth of the run."""
+    """Return the table lines of an observer. Mean error and standard deviation are over the last tenth of the run."""
     settled = {step["channel"]: step["time"] for step in measures["settling"]}
     rows = []
     for channel, end in {} if measures["diverged"] else measures["theta"].items():
@@ -223,7 +223,7 @@ def _rows(label: str, measures: dict, say: Words) -> list[list[str]]:
 
 
 def _sentences(label: str, measures: dict, say: Words) -> list[str]:
-    """Return a sentence for an observer that diverged, and for one that estimates no fault."""
+    """Return a sentence if the observer diverged, or if it estimates no fault."""
     if measures["diverged"]:
         cause, t = say.text(measures["diverged"]["cause"]), number(measures["diverged"]["time"])
         return [say("report.diverged", label=label, t=t, cause=cause)]

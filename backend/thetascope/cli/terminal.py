@@ -1,4 +1,4 @@
-"""Progress bars and tables of the command line."""
+"""Progress bars and tables for the command line."""
 
 import sys
 import time
@@ -10,12 +10,12 @@ from thetascope.cli.words import Words
 
 _WIDTH = 32
 _PATIENCE = 0.4
-"""Seconds after which a run is long enough for a bar."""
+"""Seconds after which a bar appears."""
 _PLAIN_EVERY = 5.0
 
 
 class Progress:
-    """How far a run is: a bar that is redrawn on a terminal, a line now and then elsewhere (logs)."""
+    """Shows the progress of a run: a bar on a terminal, occasional lines elsewhere (logs)."""
 
     def __init__(self, say: Words, stream: TextIO | None = None, quiet: bool = False) -> None:
         self._say = say
@@ -27,7 +27,7 @@ class Progress:
         self._drawn = False
 
     def show(self, share: float) -> None:
-        """Draw the share done (0 to 1), if it is time to."""
+        """Draw the share done (0 to 1), at most a few times per second."""
         now = time.monotonic()
         if self._quiet or now - self._shown < (0.1 if self._terminal else _PLAIN_EVERY):
             return
@@ -51,7 +51,7 @@ class Progress:
 
 
 def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    """Return columns as wide as their widest entry, the first to the left and numbers to the right."""
+    """Return text columns as wide as their widest entry, the first aligned left and the others right."""
     lines = [list(head), *[list(row) for row in rows]]
     widths = [max(_width(line[i]) for line in lines) for i in range(len(head))]
     right = [bool(rows) and all(_numeric(row[i]) for row in rows) for i in range(len(head))]
@@ -62,7 +62,7 @@ def table(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
 
 
 def _width(text: str) -> int:
-    """Return the columns that a text takes on a terminal: Chinese characters take two."""
+    """Return the number of columns that a text takes on a terminal; Chinese characters take two."""
     return sum(
         2 if unicodedata.east_asian_width(char) in "WF" else 1 for char in text if not unicodedata.combining(char)
     )
@@ -74,7 +74,7 @@ def _padded(text: str, width: int, right: bool) -> str:
 
 
 def number(value: float | None, digits: int = 4) -> str:
-    """Return a number for people; a dash where there is none."""
+    """Return a number rounded for display; a dash for None."""
     return "–" if value is None else f"{value:.{digits}g}"
 
 

@@ -1,4 +1,4 @@
-"""`thetascope trial`: one experiment with many seeds, and how often each decision rule is right."""
+"""`thetascope trial`: run one experiment with many seeds and count how often each decision rule is right."""
 
 import argparse
 
@@ -20,24 +20,24 @@ def trial_command(options: argparse.Namespace, say: Words) -> int:
     spec = resolved(with_changes(experiment_of(options.experiment, load()), changes))
     progress = Progress(say, quiet=options.quiet)
     try:
-        found = trial(assembly.prepare(spec), options.seeds, options.lock, progress.show)
+        result = trial(assembly.prepare(spec), options.seeds, options.lock, progress.show)
     finally:
         progress.close()
-    print(text(found, say))
+    print(text(result, say))
     return 0
 
 
-def text(found: Trial, say: Words) -> str:
+def text(result: Trial, say: Words) -> str:
     """Return the table and the meaning of its columns."""
-    rows = [_row(t, found, say) for t in found.tallies]
-    faults = [say("cli.trial.fault", channel=channel, onset=onset) for channel, onset in found.faults]
-    legend = say("cli.trial.legend", runs=found.seeds, all=found.seeds * len(found.faults), faults=faults)
+    rows = [_row(t, result, say) for t in result.tallies]
+    faults = [say("cli.trial.fault", channel=channel, onset=onset) for channel, onset in result.faults]
+    legend = say("cli.trial.legend", runs=result.seeds, all=result.seeds * len(result.faults), faults=faults)
     return f"{table(say.head(_HEAD), rows)}\n{legend}"
 
 
-def _row(tally: Tally, found: Trial, say: Words) -> tuple[str, ...]:
+def _row(tally: Tally, result: Trial, say: Words) -> tuple[str, ...]:
     def share(count: int) -> str:
-        return f"{count} ({100 * count / found.seeds:.3g} %)"
+        return f"{count} ({100 * count / result.seeds:.3g} %)"
 
     delay = "–" if tally.delay is None else number(tally.delay)
     return (

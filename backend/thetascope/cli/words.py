@@ -21,16 +21,16 @@ class Words:
         return Message(code, **args).text(self.language)
 
     def text(self, value: Any) -> str:
-        """Return a message, prose in several languages or a plain text in this language."""
+        """Return a message, prose in several languages or plain text in this language."""
         return text_of(value, self.language)
 
     def head(self, names: Sequence[str]) -> list[str]:
-        """Return the heads of a table's columns."""
+        """Return the column headings of a table."""
         return [self(f"cli.head.{name}") for name in names]
 
 
 def chosen_language(arguments: Sequence[str], environ: Mapping[str, str] = os.environ) -> str:
-    """Return the language before the arguments are parsed, so that help and mistakes of use are in it, too."""
+    """Return the language before the arguments are parsed, so that help and usage errors use it, too."""
     for place, argument in enumerate(arguments):
         if argument == "--":
             break

@@ -1,1 +1,1 @@
-"""The service as a process: the ASGI application, and the library's kernels made beside it."""
+"""The service as a process: the ASGI application, and a process that compiles the library's kernels in advance."""

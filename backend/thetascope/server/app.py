@@ -1,4 +1,4 @@
-"""The service: `create_app(settings)` makes the ASGI application, `serve(settings)` runs it."""
+"""The service: `create_app(settings)` creates the ASGI application, `serve(settings)` runs it."""
 
 import time
 from collections.abc import AsyncIterator, Callable
@@ -42,7 +42,7 @@ problem document (RFC 9457) that names the field, the value and the remedy."""
 
 
 def create_app(settings: Settings | None = None) -> FastAPI:
-    """The application. Its store is opened when it starts and closed when it stops. Raises SettingsError."""
+    """Return the application. Its store is opened at startup and closed at shutdown. Raises SettingsError."""
     settings = settings or load()
 
     @asynccontextmanager
@@ -72,7 +72,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
 
 
 def _warm() -> None:
-    """Load the modules that the first run needs once the service answers, so that its user does not wait for them."""
+    """Load the modules of the first run after the service has started, so that its user does not wait for them."""
     time.sleep(0.3)
     import_module("thetascope.assembly")
     library.experiments()
@@ -83,7 +83,7 @@ def _api() -> APIRouter:
 
     @api.get("/health", response_model=None, tags=["service"])
     def health(services: Use) -> Response:
-        """Whether the service and its store work, and the versions of program, schema and numbers."""
+        """Return whether the service and its store work, and the versions of program, schema and numbers."""
         versions = {"version": __version__, "schema": SCHEMA_VERSION, "engine": engine_version()}
         return json_response({"status": "ok", **versions, "runs": services.runs.usage()})
 
@@ -94,9 +94,9 @@ def _api() -> APIRouter:
 
 
 def serve(settings: Settings, ready: Callable[[str], None] = lambda address: None) -> None:
-    """Serve until interrupted; `ready` is called with the page's address once requests are answered.
+    """Serve until interrupted; `ready` is called with the page's address as soon as requests are answered.
 
-    Raises StoreError before anything listens when the store cannot be used.
+    Raises StoreError before listening if the store cannot be used.
     """
     import uvicorn
 

@@ -2,8 +2,8 @@
 
     python -m thetascope.server.prewarm
 
-One experiment takes seconds the first time. The process has the lowest priority, so that sessions are not slowed down. Its standard
-input is a pipe from the service: when the service ends, however and whenever that is, the pipe closes and the process exits.
+One experiment takes seconds the first time. The process has the lowest priority, so that it does not slow sessions
+down. Its standard input is a pipe from the service: whenever the service ends, the pipe closes and the process exits.
 """
 
 import logging
@@ -21,7 +21,7 @@ from thetascope.runs.results.engine_version import engine_version
 log = logging.getLogger(__name__)
 
 _DONE = "warmed"
-_LATER = 10.0  # s; the first page is being opened meanwhile
+_LATER = 10.0  # s; leaves time to open the first page
 
 
 def begin() -> subprocess.Popen[bytes] | None:
@@ -38,7 +38,7 @@ def begin() -> subprocess.Popen[bytes] | None:
 
 
 def end(process: subprocess.Popen[bytes] | None) -> None:
-    """Stop the process and wait for it, if there is one."""
+    """Stop the process, if any, and wait for it."""
     if process is None:
         return
     if process.poll() is None:
@@ -49,27 +49,27 @@ def end(process: subprocess.Popen[bytes] | None) -> None:
 
 
 def _key() -> str:
-    """Return the cache entry that says that all is done. It changes with the numerics and with the library."""
+    """Return the cache key that marks the work as done. It changes with the numerics and with the library."""
     return f"{engine_version()}-{library.digest()[:16]}"
 
 
 def main() -> None:
-    """Exit with the service; until then open each experiment of the library as a live session would."""
+    """Open each experiment of the library as a live session would; exit when the service ends."""
     Thread(target=_exit_with_service, daemon=True).start()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the service, which ends this process
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C ends the service, which ends this process
     prepare()
 
 
 def _exit_with_service() -> None:
-    """Wait until the service's end of the pipe is closed. Then exit without delay: the caches are written atomically."""
+    """Wait until the service's end of the pipe closes, then exit immediately: caches are written atomically."""
     sys.stdin.buffer.read()
     os._exit(0)
 
 
 def prepare() -> None:
-    """Advance a session of every experiment by one row, and note that it is done."""
+    """Advance a session of every experiment by one row, and record that all are done."""
     from thetascope.engine.errors import ThetascopeError
-    from thetascope.live.session.session import Session  # imports SymPy, which the service starts without
+    from thetascope.live.session.session import Session  # imports SymPy, so the service starts without it
 
     if hasattr(os, "nice"):
         os.nice(19)

@@ -1,1 +1,1 @@
-"""Parts that all routes share: bodies, answers, problems, languages, headers, pages."""
+"""Parts shared by all routes: bodies, answers, problems, languages, headers, pages."""

@@ -1,4 +1,4 @@
-"""Runs as answers: the resource, its progress, its links, and waiting for a result without holding the event loop."""
+"""Answers about runs: the resource, its progress, its links; wait for a result without blocking the event loop."""
 
 import asyncio
 from collections.abc import Callable
@@ -52,7 +52,7 @@ def run_response(snapshot: Snapshot, language: str, status: int = 200) -> Respon
 
 
 def progress_response(snapshot: Snapshot, language: str, status: int = 200) -> Response:
-    """Return the answer that says how far a run is; while it is under way Retry-After says when to ask again."""
+    """Return the answer with a run's progress; Retry-After tells an active run's client when to ask again."""
     links = run_links(snapshot.id)
     detail = ""
     if snapshot.active:
@@ -72,7 +72,7 @@ def progress_response(snapshot: Snapshot, language: str, status: int = 200) -> R
 
 
 def listed(run: Snapshot | Record, language: str) -> dict[str, object]:
-    """Return one line of the list of runs: the run without its spec and summary."""
+    """Return an entry of the list of runs: the run without its spec and summary."""
     created = _time(run.created).isoformat().replace("+00:00", "Z")
     return {
         "id": run.id,
@@ -85,21 +85,21 @@ def listed(run: Snapshot | Record, language: str) -> dict[str, object]:
 
 
 async def ended(job: Job, seconds: float) -> Snapshot | None:
-    """Return the job's last snapshot, or None when it has not ended in time. Raises InvalidSpec when its spec was refused."""
+    """Return the job's last snapshot, or None if it does not end in time. Raises InvalidSpec for a refused spec."""
     future = asyncio.wrap_future(job.done)
     done, _ = await asyncio.wait({future}, timeout=seconds)
     return future.result() if done else None
 
 
 async def from_result(services: Services, id: str, make: Callable[[Finished], Value]) -> Value:
-    """Return what `make` builds from a run and its result, in a worker thread; a result that was dropped is computed again.
+    """Return the value that `make` builds from a run and its result in a worker thread; recompute a dropped result.
 
-    Raises Unknown, or NotReady when the run has failed, or does not end within the time that a request may wait.
+    Raises Unknown, or NotReady if the run failed or does not end within the time that a request may wait.
     """
 
     def attempt() -> Value | Job:
-        found = services.runs.finished(id)
-        return found if isinstance(found, Job) else make(found)
+        run = services.runs.finished(id)
+        return run if isinstance(run, Job) else make(run)
 
     answer = await run_in_threadpool(attempt)
     if not isinstance(answer, Job):

@@ -1,4 +1,4 @@
-"""The language of an answer: `?lang=` over `Accept-Language`, English where neither names one with a catalogue."""
+"""Choose the language of an answer: `?lang=`, then `Accept-Language`, then English."""
 
 from typing import Annotated
 
@@ -10,21 +10,21 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from thetascope.messages.catalogue import negotiate
 from thetascope_schemas.texts.local_text import ALL
 
-_KEY = "thetascope.language"  # in the scope of a request: {"language": …} once it has been asked for
+_KEY = "thetascope.language"  # in the scope of a request: {"language": …} after the first call of language_of
 
 
 def language_of(request: HTTPConnection) -> str:
-    """Return the language that a request or websocket asks for; its answer then says so, with Content-Language and Vary."""
+    """Return the requested language of a request or websocket; its answer then has Content-Language and Vary."""
     chosen = request.scope.setdefault(_KEY, {})
     if "language" not in chosen:
-        wanted = request.query_params.get("lang")
+        requested = request.query_params.get("lang")
         header = request.headers.get("accept-language", "")
-        chosen["language"] = negotiate([wanted[:40]] if wanted else accepted(header))
+        chosen["language"] = negotiate([requested[:40]] if requested else accepted(header))
     return chosen["language"]
 
 
 def accepted(header: str) -> list[str]:
-    """Return the tags of an Accept-Language header, the preferred ones first; those of quality 0 are left out."""
+    """Return the tags of an Accept-Language header in order of preference, without those of quality 0."""
     weighed = []
     for part in header[:1000].split(","):
         tag, _, rest = part.partition(";")
@@ -48,7 +48,7 @@ def _language(
 
 
 Language = Annotated[str, Depends(_language)]
-"""The language of the answer, for a route whose answer has sentences."""
+"""The language of the answer, for routes whose answers contain sentences."""
 
 
 def _prose(request: Request, language: Language) -> str:
@@ -56,17 +56,17 @@ def _prose(request: Request, language: Language) -> str:
 
 
 Prose = Annotated[str, Depends(_prose)]
-"""The language of prose that is data: one language, or all with `?lang=*`."""
+"""The language of prose in data: one language, or all with `?lang=*`."""
 
 
 class ContentLanguage:
-    """Adds Content-Language and Vary to the answers that were rendered in a language, and to nothing else."""
+    """Adds Content-Language and Vary to answers that were rendered in a language, and to no others."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        """Handle a request, and note in its answer the language that was chosen."""
+        """Handle a request, and add the chosen language to the headers of its answer."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

@@ -1,4 +1,4 @@
-"""The OpenAPI document: FastAPI's own, with the schemas of bodies that are read by hand."""
+"""The OpenAPI document: FastAPI's, with the schemas of bodies that routes parse themselves."""
 
 from typing import Any
 
@@ -15,19 +15,19 @@ BODIES = (Experiment, Plant, Record, RunRequest, SessionRequest, ForkRequest)
 
 
 def install(app: FastAPI) -> None:
-    """Let the application's document hold the schemas of the bodies too."""
+    """Add the schemas of the bodies to the application's document."""
     derive = app.openapi
 
     def document() -> dict[str, Any]:
         if app.openapi_schema is None:
-            made = derive()
+            openapi = derive()
             _, bodies = models_json_schema(
                 [(model, "validation") for model in BODIES], ref_template="#/components/schemas/{model}"
             )
-            schemas = made.setdefault("components", {}).setdefault("schemas", {})
+            schemas = openapi.setdefault("components", {}).setdefault("schemas", {})
             for name, schema in bodies["$defs"].items():
                 schemas.setdefault(name, schema)
-            app.openapi_schema = made
+            app.openapi_schema = openapi
         return app.openapi_schema
 
     app.openapi = document

@@ -1,4 +1,4 @@
-"""Every error as application/problem+json (RFC 9457), naming the field, the value and the remedy."""
+"""Return every error as application/problem+json (RFC 9457) with the field, the value and the remedy."""
 
 import logging
 import re
@@ -21,7 +21,7 @@ log = logging.getLogger(__name__)
 
 MEDIA_TYPE = "application/problem+json"
 
-#: For the OpenAPI page: the problems that any operation on a spec or a run may answer with.
+#: For the OpenAPI page: the problems that any operation on a spec or a run may return.
 RESPONSES = {
     code: {"model": Problem, "description": text, "content": {MEDIA_TYPE: {}}}
     for code, text in {
@@ -36,7 +36,7 @@ RESPONSES = {
 
 
 class BodyProblem(Exception):
-    """A body that is not read: its status is 400, 413 or 415."""
+    """A body that was not read: status 400, 413 or 415."""
 
     def __init__(self, status: int, why: Message) -> None:
         super().__init__(status, why)
@@ -44,18 +44,18 @@ class BodyProblem(Exception):
 
 
 def documented(*codes: int) -> dict[int | str, dict]:
-    """Return the `responses` of a route that may answer with these problems."""
+    """Return the `responses` of a route that may return these problems."""
     return {code: RESPONSES[code] for code in codes}
 
 
 def problem_response(document: Problem, headers: dict[str, str] | None = None) -> Response:
-    """Return the answer that carries a problem."""
+    """Return the answer with a problem."""
     body = document.model_dump_json(exclude_none=True)
     return Response(body, document.status, headers, MEDIA_TYPE)
 
 
 def install(app: FastAPI) -> None:
-    """Make every exception a problem document in the language of the request."""
+    """Turn every exception into a problem document in the language of the request."""
     for error, handler in {
         InvalidSpec: _invalid,
         SpecError: _engine,
@@ -78,7 +78,7 @@ async def _engine(request: Request, error: SpecError) -> Response:
 
 
 async def _body(request: Request, error: BodyProblem) -> Response:
-    """Answer and close the connection: the rest of the body was not read."""
+    """Return the problem and close the connection, since the rest of the body was not read."""
     document = problem(error.status, error.why, language=language_of(request))
     return problem_response(document, {"Connection": "close"})
 
@@ -90,7 +90,7 @@ async def _refusal(request: Request, error: Refusal) -> Response:
 
 
 async def _parameters(request: Request, error: RequestValidationError) -> Response:
-    """Answer to a query or path parameter of the wrong form."""
+    """Return the problem of an invalid query or path parameter."""
     errors = [
         entry.model_copy(update={"field": entry.field.partition(".")[2] or entry.field})
         for entry in field_errors(error.errors(), None, words())
@@ -99,7 +99,7 @@ async def _parameters(request: Request, error: RequestValidationError) -> Respon
 
 
 async def _http(request: Request, error: HTTPException) -> Response:
-    """Answer to what the framework refuses: unknown addresses and methods."""
+    """Return the problem of a request that the framework refuses: an unknown address or method."""
     headers, status, path = dict(error.headers or {}), error.status_code, request.url.path[:200]
     why = Message("http.refused", status=status, detail=str(error.detail))
     if status == 404:
@@ -112,7 +112,7 @@ async def _http(request: Request, error: HTTPException) -> Response:
 
 
 def methods_of(request: Request) -> list[str]:
-    """Return the methods that the interface knows for the request's address, over all its routes."""
+    """Return the methods that the interface allows for the request's address, over all its routes."""
     for template, operations in request.app.openapi()["paths"].items():
         if re.fullmatch(re.sub(r"\{[^}]*\}", "[^/]+", template), request.url.path):
             return sorted(method.upper() for method in operations)
@@ -125,5 +125,5 @@ async def _store(request: Request, error: StoreError) -> Response:
 
 
 async def _unexpected(request: Request, error: Exception) -> Response:
-    """Answer to a fault of the program: the log has the traceback, the client a sentence."""
+    """Return the problem of an internal error; the traceback is in the log only."""
     return problem_response(problem(500, Message("http.internal-error"), language=language_of(request)))

@@ -1,4 +1,4 @@
-"""Reading the body of a request: its type and size are checked before it is read, it is parsed off the event loop."""
+"""Read the body of a request: check its type and size first, and parse it off the event loop."""
 
 from collections.abc import Callable
 from typing import Any, TypeVar
@@ -15,7 +15,7 @@ Value = TypeVar("Value")
 
 
 async def read_body(request: Request, limit: int) -> bytes:
-    """Return the body, if it is JSON of at most `limit` bytes. Raises :class:`BodyProblem` (413, 415)."""
+    """Return the body if it is JSON of at most `limit` bytes. Raises :class:`BodyProblem` (413, 415)."""
     kind = request.headers.get("content-type", "").partition(";")[0].strip().lower()
     if kind != "application/json" and not (kind.startswith("application/") and kind.endswith("+json")):
         raise BodyProblem(415, Message("body.type", type=kind[:80]) if kind else Message("body.no-type"))
@@ -31,13 +31,13 @@ async def read_body(request: Request, limit: int) -> bytes:
 
 
 async def parsed(request: Request, limit: int, parse: Callable[[Any], Value]) -> Value:
-    """Return what `parse` makes of the body's JSON, in a worker thread."""
+    """Return the value of `parse` for the body's JSON, computed in a worker thread."""
     body = await read_body(request, limit)
     return await run_in_threadpool(lambda: parse(json_of(body)))
 
 
 def json_of(body: bytes) -> Any:
-    """Return the JSON data of a body. Raises InvalidSpec with the place of the mistake."""
+    """Return the JSON data of a body. Raises InvalidSpec with the place of the error."""
     try:
         return orjson.loads(body)
     except orjson.JSONDecodeError as error:
@@ -50,7 +50,7 @@ def _too_large(size: int, limit: int) -> BodyProblem:
 
 
 def body_schema(*models: str) -> dict[str, Any]:
-    """Return the `openapi_extra` of a route whose body is one of these schemas of the contract."""
+    """Return the `openapi_extra` of a route whose body has one of these schemas of the contract."""
     refs = [{"$ref": f"#/components/schemas/{model}"} for model in models]
     schema = refs[0] if len(refs) == 1 else {"anyOf": refs}
     return {"requestBody": {"required": True, "content": {"application/json": {"schema": schema}}}}

@@ -1,4 +1,4 @@
-"""Headers that restrict what a browser may do with this service on behalf of other sites."""
+"""Headers that restrict how browsers may use this service on behalf of other sites."""
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
@@ -14,7 +14,7 @@ POLICY = (
     "font-src 'self' data:; worker-src 'self' blob:; object-src 'none'; base-uri 'none'; form-action 'self'; "
     "frame-ancestors 'self'"
 )
-"""Everything is loaded from this service. Plotly sets styles in the page, and makes images of figures as blobs; Redoc starts a worker."""
+"""All content comes from this service. Plotly sets inline styles and creates image blobs; Redoc starts a worker."""
 
 _HEADERS = {
     "Content-Security-Policy": POLICY,
@@ -26,7 +26,7 @@ _SAFE = {"GET", "HEAD", "OPTIONS"}
 
 
 class Security:
-    """Adds the headers that a response does not set itself, and refuses changes requested by another site's page."""
+    """Adds headers that a response does not set itself, and refuses changes requested by pages of other sites."""
 
     def __init__(self, app: ASGIApp) -> None:
         self._app = app

@@ -1,4 +1,4 @@
-"""The services that the routers use, made once for each application."""
+"""The services used by the routers, one set per application."""
 
 from dataclasses import dataclass
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Bodies of the requests for sessions."""
+"""Request bodies for sessions."""
 
 from typing import Annotated
 
@@ -39,7 +39,7 @@ class SessionRequest(Strict):
 
 
 class ForkRequest(Strict):
-    """The time from which a second session continues on its own."""
+    """The time at which the new session branches off."""
 
     model_config = example(t=20)
 

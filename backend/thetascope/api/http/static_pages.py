@@ -1,4 +1,4 @@
-"""Files that a browser loads outside /api: the page, Plotly.js, the documentation. All are served from here, none from a CDN."""
+"""Serve files outside /api: the page, Plotly.js, the documentation. None is loaded from a CDN."""
 
 import gzip
 import mimetypes
@@ -24,7 +24,7 @@ FRONTEND = next(
 #: Addresses of pages whose files lie in frontend/pages.
 PAGES = ("runs", "records", "plants")
 
-# The operating system's table of types decides otherwise, and some have none or a wrong one for scripts.
+# Without these the operating system's table of types applies, which may lack scripts or have a wrong type for them.
 for _suffix, _kind in {
     ".js": "text/javascript",
     ".mjs": "text/javascript",
@@ -64,25 +64,25 @@ REDOC = """<!doctype html>
 
 @router.get("/docs")
 async def docs() -> Response:
-    """The interface, to read and try (Swagger UI)."""
+    """Interactive documentation of the interface (Swagger UI)."""
     return Response(DOCS, media_type="text/html; charset=utf-8")
 
 
 @router.get("/redoc")
 async def redoc() -> Response:
-    """The interface, to read (Redoc)."""
+    """Documentation of the interface (Redoc)."""
     return Response(REDOC, media_type="text/html; charset=utf-8")
 
 
 @router.get("/assets/docs.js")
 async def docs_script() -> Response:
-    """Return the script that starts Swagger UI; a file, since the content policy admits no script within a page."""
+    """Return the script that starts Swagger UI, as a file since the content policy forbids inline scripts."""
     return Response(DOCS_SCRIPT, media_type="text/javascript; charset=utf-8")
 
 
 @router.get("/assets/{name}")
 def asset(request: Request, name: str) -> Response:
-    """A file of an installed package, compressed once."""
+    """Return a file of an installed package, compressed once."""
     path = asset_path(name)
     if path is None:
         raise HTTPException(404)
@@ -97,7 +97,7 @@ def asset(request: Request, name: str) -> Response:
 
 
 def asset_path(name: str) -> Path | None:
-    """Where the file is, without importing the package (plotly takes long)."""
+    """Return the path of the file, without importing the package (importing plotly is slow)."""
     if name not in ASSETS:
         return None
     package, file = ASSETS[name]
@@ -107,7 +107,7 @@ def asset_path(name: str) -> Path | None:
 
 
 def _content(path: Path) -> bytes:
-    """The file; Redoc would load its maker's logo from elsewhere."""
+    """Return the content of the file; in Redoc, the address of a logo on another site is removed."""
     return path.read_bytes().replace(b"https://cdn.redoc.ly/redoc/logo-mini.svg", b"data:,")
 
 
@@ -118,11 +118,11 @@ def _packed(path: Path) -> tuple[str, bytes]:
 
 
 class Frontend(StaticFiles):
-    """The page's files; the browser asks each time whether they have changed, so an update is seen at once."""
+    """The page's files; the browser revalidates them at each request, so that an update is visible immediately."""
 
     async def get_response(self, path: str, scope: Scope) -> Response:
-        """Return a file of the page; browsers ask each time whether it has changed. Raises HTTPException 404."""
-        if path.split("/")[0] == "api":  # the page's folder has no say there
+        """Return a file of the page, which browsers revalidate at each request. Raises HTTPException 404."""
+        if path.split("/")[0] == "api":  # never a file of the page
             raise HTTPException(404)
         if path.split("/")[0] in PAGES:
             path = f"pages/{path}"
@@ -132,8 +132,8 @@ class Frontend(StaticFiles):
 
 
 def serve_frontend(app: FastAPI) -> None:
-    """Serve frontend/ at every address that no route knows.
+    """Serve frontend/ at every address that no route matches.
 
-    It is the router's default and not a mount at /, which would also take requests that a route refuses by method.
+    It is the router's default and not a mount at /, which would also catch requests that a route refuses by method.
     """
     app.router.default = Frontend(directory=FRONTEND, html=True, check_dir=False)

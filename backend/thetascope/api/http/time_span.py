@@ -1,4 +1,4 @@
-"""The times between which rows are asked for."""
+"""Query parameters for the times between which rows are returned."""
 
 from typing import Annotated
 

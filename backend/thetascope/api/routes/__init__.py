@@ -1,1 +1,1 @@
-"""One module a resource under /api."""
+"""The routes, one module per resource under /api."""

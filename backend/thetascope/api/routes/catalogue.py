@@ -1,4 +1,4 @@
-"""/api/catalogue: everything that a form needs, from the schemas and the observers themselves."""
+"""/api/catalogue: the content of forms, from the schemas and the observers."""
 
 from functools import cache
 from typing import Any, get_args
@@ -18,18 +18,18 @@ from thetascope_schemas.service.answers import Catalogue
 
 router = APIRouter(tags=["catalogue"])
 
-_FORMS = {"shape": "fault", "kind": "signal"}  # by the field that tells the members of a union apart
+_FORMS = {"shape": "fault", "kind": "signal"}  # by the field that distinguishes the members of a union
 
 
 @router.get("/catalogue", response_model=Catalogue)
 def get_catalogue(language: Language) -> Response:
-    """Return plants, experiments, observers with their gains, fault shapes and signals with their fields."""
+    """Return plants, experiments, observers with their gains, and the fields of fault shapes and signals."""
     return Response(_catalogue(language), media_type="application/json", headers={"Cache-Control": "no-cache"})
 
 
 @cache
 def _catalogue(language: str) -> bytes:
-    from thetascope import assembly  # SymPy comes with it, so the service starts without
+    from thetascope import assembly  # imports SymPy, so the service starts without it
 
     return orjson.dumps(
         {
@@ -79,7 +79,7 @@ def _form(model: type[BaseModel], tag: str, language: str) -> dict[str, Any]:
 
 
 def _field(name: str, schema: dict[str, Any], required: bool, code: str, language: str) -> dict[str, Any]:
-    """Return a field of a form: its type as the form knows it, its default and bounds; `code` is that of its description."""
+    """Return a field of a form: its type, default and bounds; `code` is that of its description."""
     options = schema.get("anyOf", [schema])
     kinds = [option.get("type") for option in options]
     typed = next(option for option in options if option.get("type") != "null")

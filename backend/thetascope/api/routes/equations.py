@@ -1,4 +1,4 @@
-"""/api/equations: a plant's equations, and those of observers, as MathML."""
+"""/api/equations: the equations of a plant and of observers, as MathML."""
 
 from typing import Any
 
@@ -27,7 +27,7 @@ router = APIRouter(tags=["equations"])
 
 
 class Question(Strict):
-    """Whose equations are asked for."""
+    """The plant and the observers whose equations are requested."""
 
     plant: PlantChoice
     observers: tuple[Kind, ...] | None = None
@@ -41,12 +41,12 @@ def get_equations(id: str, language: Language) -> Response:
 
 @router.post("/equations", response_model=Equations, responses=documented(404, 413, 415, 422))
 async def post_equations(request: Request, services: Use, language: Language) -> Response:
-    """Return the equations of a plant (in full, or a library id) and of the kinds of observers that are named (all, if none)."""
+    """Return the equations of a plant (in full, or a library id) and of the named kinds of observers (default: all)."""
 
     def answer(data: Any) -> dict[str, Any]:
-        asked = validated(Question, data)
-        plant = plant_of(asked.plant)
-        return _answer(plant, kinds() if asked.observers is None else asked.observers, language)
+        question = validated(Question, data)
+        plant = plant_of(question.plant)
+        return _answer(plant, kinds() if question.observers is None else question.observers, language)
 
     return json_response(await parsed(request, services.settings.max_body, answer))
 

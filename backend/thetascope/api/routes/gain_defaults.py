@@ -1,4 +1,4 @@
-"""/api/gains: the numbers that observers run with, their defaults filled in for the plant and its noise."""
+"""/api/gains: the gains of observers, with defaults computed for the plant and its noise."""
 
 from typing import Any
 
@@ -21,10 +21,10 @@ router = APIRouter(tags=["catalogue"])
     "/gains", response_model=PresentGains, openapi_extra=body_schema("Experiment"), responses=documented(413, 415, 422)
 )
 async def gains(request: Request, services: Use) -> Response:
-    """Return every gain of every observer of an experiment, defaults filled in, with the labels of rows and columns."""
+    """Return every gain of every observer of an experiment, defaults filled in, with labels of rows and columns."""
 
     def answer(data: Any) -> dict[str, Any]:
-        from thetascope.assembly.build.gains import present_gains  # SymPy comes with it, so the service starts without
+        from thetascope.assembly.build.gains import present_gains  # imports SymPy, so the service starts without it
 
         gains, labels = present_gains(resolved(validated(Experiment, data)))
         return {"gains": gains, "labels": labels}

@@ -1,4 +1,4 @@
-"""/api/lessons: questions about each experiment of the library, with the commands that answer them."""
+"""/api/lessons: questions about each experiment of the library, and the commands that answer them."""
 
 from typing import Any
 
@@ -17,7 +17,7 @@ router = APIRouter(tags=["lessons"])
 
 
 def plain(lesson: Lesson) -> dict[str, Any]:
-    """Return a lesson as data. Its commands have no id: the client that sends them chooses one."""
+    """Return a lesson as data. Its commands have no id, which the client chooses when it sends them."""
     return {
         "id": lesson.id,
         "questions": [
@@ -32,14 +32,14 @@ def plain(lesson: Lesson) -> dict[str, Any]:
 
 @router.get("/lessons", response_model=LessonList)
 def list_lessons() -> Response:
-    """Return all lessons. Their questions are in all languages."""
+    """Return all lessons, with their questions in all languages."""
     return json_response({"lessons": [plain(lesson) for lesson in library.lessons().values()]})
 
 
 @router.get("/lessons/{id}", response_model=LessonPlan, responses=documented(404))
 def get_lesson(id: str) -> Response:
     """Return the questions about one experiment, in all languages."""
-    found = library.lessons().get(id)
-    if found is None:
+    lesson = library.lessons().get(id)
+    if lesson is None:
         raise Unknown(Message("lesson.unknown", id=id[:80]))
-    return json_response(plain(found))
+    return json_response(plain(lesson))

@@ -16,8 +16,8 @@ router = APIRouter(tags=["messages"])
 def get_messages(request: Request, language: str) -> Response:
     """Return the sentences of a language: code → template, or a list with one template for each plural form.
 
-    `plural` lists the plural categories of Unicode's CLDR in the order of these forms. A language without a catalogue is
-    answered in English; `language` says which one it is.
+    `plural` lists the plural categories of Unicode's CLDR in the order of these forms. A language without a catalogue
+    is answered in English; `language` is the language of the answer.
     """
     tag, body = _compiled(negotiate([language]))
     headers = {"ETag": tag, "Cache-Control": "no-cache"}

@@ -1,4 +1,4 @@
-"""/api/plants and /api/experiments: the library, and checking a plant of one's own."""
+"""/api/plants and /api/experiments: the library, and checking a plant."""
 
 from typing import Any
 
@@ -22,7 +22,7 @@ router = APIRouter()
 
 
 def plant_line(plant: Plant, language: str) -> dict[str, object]:
-    """Return a plant of a list, its prose in a language."""
+    """Return an entry of the list of plants, its prose in a language."""
     return {
         "id": plant.id,
         "title": in_language(plant.title, language),
@@ -37,7 +37,7 @@ def plant_line(plant: Plant, language: str) -> dict[str, object]:
 
 
 def experiment_line(experiment: Experiment, language: str) -> dict[str, object]:
-    """Return an experiment of a list, its prose in a language."""
+    """Return an entry of the list of experiments, its prose in a language."""
     return {
         "id": experiment.id,
         "title": in_language(experiment.title, language),
@@ -74,10 +74,10 @@ def get_plant(id: str, language: Prose) -> Response:
     tags=["plants"],
 )
 async def check_plant(request: Request, services: Use, language: Language) -> Response:
-    """Check a plant's text: return its equations and the matrices Φ and Ψ, or what is wrong with it and where."""
+    """Check a plant: return its equations and the matrices Φ and Ψ, or the error and its place."""
 
     def check(data: Any) -> dict[str, Any]:
-        from thetascope.assembly import check_plant  # SymPy comes with it, so the service starts without
+        from thetascope.assembly import check_plant  # imports SymPy, so it is not imported at the start of the service
 
         return check_plant(validated(Plant, data), language)
 

@@ -1,4 +1,4 @@
-"""/api/diagnosis: the faults in a record; /api/observability: the faults that an experiment could show."""
+"""/api/diagnosis: diagnose a record; /api/observability: test whether an experiment can reveal its faults."""
 
 from typing import Any
 
@@ -30,13 +30,13 @@ router = APIRouter(tags=["diagnosis"])
     responses=documented(404, 413, 415, 422),
 )
 async def diagnose_record(request: Request, services: Use, language: Language) -> Response:
-    """Diagnose a record: faults, onsets, sizes and their uncertainty, as `thetascope diagnose` does for a file.
+    """Diagnose a record: return faults, onsets, sizes and their uncertainty, as `thetascope diagnose` does for a file.
 
-    The noise is taken from the record; thresholds come from the plant simulated with the recorded inputs.
+    The noise is estimated from the record; thresholds are computed by simulating the plant with the recorded inputs.
     """
     body = await read_body(request, services.settings.max_record)
-    told = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
-    return Response(encode(told, language), media_type="application/json")
+    diagnosis = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
+    return Response(encode(diagnosis, language), media_type="application/json")
 
 
 @router.post(
@@ -46,10 +46,10 @@ async def diagnose_record(request: Request, services: Use, language: Language) -
     responses=documented(404, 413, 415, 422),
 )
 async def observe(request: Request, services: Use, language: Language) -> Response:
-    """Return how well outputs determine states and faults: structural rank, rank and condition along the run."""
+    """Return how well the outputs determine states and faults: structural rank; rank and condition along the run."""
     body = await read_body(request, services.settings.max_body)
-    found = await run_in_threadpool(lambda: _observed(json_of(body)))
-    return Response(encode(found, language), media_type="application/json")
+    observability = await run_in_threadpool(lambda: _observed(json_of(body)))
+    return Response(encode(observability, language), media_type="application/json")
 
 
 def _observed(data: Any) -> Observability:
@@ -63,23 +63,23 @@ def _observed(data: Any) -> Observability:
 
 
 def _diagnosed(data: Any) -> ObserverDiagnosis:
-    from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording  # the engine comes with it
+    from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording  # imports the engine
 
-    asked = validated(Record, data)
-    plant = plant_of(asked.plant)
+    record = validated(Record, data)
+    plant = plant_of(record.plant)
     try:
-        return diagnose_recording(plant, recording(plant, _columns(asked)), asked.diagnosis, asked.learn)
+        return diagnose_recording(plant, recording(plant, _columns(record)), record.diagnosis, record.learn)
     except SpecError as error:
         raise from_engine(error) from None
 
 
-def _columns(asked: Record) -> dict[str, np.ndarray]:
+def _columns(record: Record) -> dict[str, np.ndarray]:
     from thetascope.assembly.analyses.csv_columns import columns_of_csv
 
-    if asked.csv is not None and asked.columns is None:
-        columns = columns_of_csv(asked.csv)
-    elif asked.columns is not None and asked.csv is None:
-        columns = {name: np.array(values) for name, values in asked.columns.items()}
+    if record.csv is not None and record.columns is None:
+        columns = columns_of_csv(record.csv)
+    elif record.columns is not None and record.csv is None:
+        columns = {name: np.array(values) for name, values in record.columns.items()}
     else:
         raise invalid("columns", None, Message("record.columns-or-csv"))
     rows = {len(column) for column in columns.values()}

@@ -28,7 +28,7 @@ REPORT_POLICY = (
     "default-src 'none'; script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:; font-src data:; "
     "frame-ancestors 'self'; sandbox allow-scripts allow-downloads"
 )
-"""The report carries its own script. It is shown apart from the program's origin, so it can reach nothing of it."""
+"""The report contains its script. A sandbox separates it from the program's origin, which it cannot access."""
 
 Names = Annotated[
     str | None, Query(description="Columns, separated by commas; `*` stands for anything.", max_length=8000)
@@ -48,9 +48,9 @@ async def get_data(
     every: Annotated[int, Query(ge=1, description="Take every n-th row.")] = 1,
     points: Annotated[int | None, Query(ge=1, description="Take at most so many rows, evenly spaced.")] = None,
 ) -> Response:
-    """The recorded columns, as CSV, JSON or MATLAB .mat (where dots in names become underscores).
+    """Return the recorded columns as CSV, JSON or MATLAB .mat (where dots in names become underscores).
 
-    CSV and JSON numbers read back to the very same float64. Missing values (after a divergence) are `nan` in CSV and
+    CSV and JSON numbers read back to exactly the same float64. Missing values (after a divergence) are `nan` in CSV and
     null in JSON.
     """
     time_span.check(start, end)
@@ -71,9 +71,10 @@ async def get_data(
 
 @router.get("/comparison", response_model=Comparison, responses=documented(404, 409))
 async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] = "json") -> Response:
-    """The observers on the same data: errors between fault events, settling, faults found and missed, cost.
+    """Compare the observers on the same data: errors between fault events, settling, faults found and missed, cost.
 
-    As CSV one measure a line. The cost is measured anew with each computation of the run; all else never changes.
+    The CSV has one measure per line. The cost is measured each time the run is computed; all other values are
+    reproducible.
     """
 
     def make(finished: Finished) -> Response:
@@ -88,13 +89,13 @@ async def get_comparison(id: str, services: Use, format: Literal["csv", "json"] 
 
 @router.get("/figures", response_model=FigureList, responses=documented(404, 409))
 async def list_figures(id: str, services: Use, language: Language) -> Response:
-    """The figures there are of this run: name, title and address."""
+    """Return the available figures of this run: name, title and address."""
     from thetascope import figures
 
     def make(finished: Finished) -> Response:
-        found = figures.figure_names(finished.snapshot.spec, finished.result.names, language)
+        entries = figures.figure_names(finished.snapshot.spec, finished.result.names, language)
         base = run_links(id)["figures"]
-        return json_response({"figures": [{**entry, "href": f"{base}/{entry['name']}"} for entry in found]})
+        return json_response({"figures": [{**entry, "href": f"{base}/{entry['name']}"} for entry in entries]})
 
     return await from_result(services, id, make)
 
@@ -103,7 +104,7 @@ async def list_figures(id: str, services: Use, language: Language) -> Response:
 async def get_figure(
     id: str, name: str, services: Use, language: Language, theme: Literal["light", "dark"] = "light"
 ) -> Response:
-    """One figure as Plotly's JSON: `{"data": […], "layout": {…}}`, arrays as base64 (`bdata`)."""
+    """Return one figure as Plotly's JSON: `{"data": […], "layout": {…}}`, arrays as base64 (`bdata`)."""
     from thetascope import figures
 
     def make(finished: Finished) -> Response:
@@ -124,7 +125,7 @@ async def get_report(
     language: Language,
     download: Annotated[bool, Query(description="Save it instead of showing it.")] = False,
 ) -> Response:
-    """Return the run as one HTML file that opens offline, in the asked language."""
+    """Return the run as one HTML file that opens offline, in the requested language."""
 
     def make(finished: Finished) -> Response:
         place = "attachment" if download else "inline"
@@ -138,7 +139,7 @@ async def get_report(
 
 
 def _written(table: Table, format: str, encoding: str, headers: dict[str, str]) -> Response:
-    """The table in the format asked for; CSV goes out in blocks, so that it is never in memory as a whole."""
+    """Return the table in the requested format; CSV is sent in blocks, so that it is never in memory in full."""
     kind = MEDIA_TYPES[format]
     if format == "csv":
         return StreamingResponse(csv_chunks(table), 200, headers, kind)

@@ -39,9 +39,9 @@ Wait = Annotated[
     },
 )
 async def create_run(request: Request, services: Use, language: Language, wait: Wait = None) -> Response:
-    """Run an experiment: a whole spec, or `{"experiment": id, "set": {path: value}}`.
+    """Run an experiment: a full spec, or `{"experiment": id, "set": {path: value}}`.
 
-    The run's id is the hash of the spec, so the same spec again is answered from the store.
+    The run's id is the hash of the spec, so posting the same spec again returns the stored run.
     """
     settings = services.settings
     started = await parsed(request, settings.max_body, lambda data: services.runs.submit(parse_request(data)))
@@ -61,7 +61,7 @@ def list_runs(
     limit: Annotated[int, Query(ge=1, le=1000)] = 100,
     offset: Annotated[int, Query(ge=0)] = 0,
 ) -> Response:
-    """Return the runs under way, then those stored, newest first, without specs and summaries."""
+    """Return the active runs, then the stored ones, newest first, without specs and summaries."""
     active, stored = services.runs.page(limit, offset)
     under_way = {run.id for run in active}
     runs = ([] if offset else active) + [run for run in stored if run.id not in under_way]
@@ -76,7 +76,7 @@ def get_run(id: str, services: Use, language: Language) -> Response:
 
 @router.get("/{id}/progress", response_model=Progress, responses=documented(404))
 async def get_progress(id: str, services: Use, language: Language, wait: Wait = 0.0) -> Response:
-    """Return how far a run is. With `wait`, the answer is held until the run ends or the time is over."""
+    """Return the progress of a run. With `wait`, the answer is delayed until the run ends or the time has passed."""
     job = services.runs.job(id)
     if job is not None and wait:
         await ended(job, min(wait, services.settings.max_wait))
@@ -85,13 +85,13 @@ async def get_progress(id: str, services: Use, language: Language, wait: Wait = 
 
 @router.post("/{id}/cancel", response_model=Run, responses=documented(404))
 def cancel_run(id: str, services: Use, language: Language) -> Response:
-    """Ask a run under way to stop. A run that has ended stays as it is."""
+    """Request an active run to stop. A run that has ended stays unchanged."""
     return run_response(services.runs.cancel(id), language)
 
 
 @router.delete("/{id}", status_code=204, responses={202: {"model": Run}, **documented(404)})
 def delete_run(id: str, services: Use, language: Language) -> Response:
-    """Cancel a run under way (202), or remove one that has ended, with its spec and result (204)."""
+    """Cancel an active run (202), or remove one that has ended, with its spec and result (204)."""
     snapshot = services.runs.cancel(id)
     if snapshot.active:
         return run_response(snapshot, language, 202)
@@ -102,11 +102,11 @@ def delete_run(id: str, services: Use, language: Language) -> Response:
 @router.put("/{id}/pin", response_model=Run, responses=documented(404, 409))
 @router.post("/{id}/pin", response_model=Run, responses=documented(404, 409))
 def pin_run(id: str, services: Use, language: Language) -> Response:
-    """Keep the run's result even when the store needs room."""
+    """Keep the run's result even when the store needs space."""
     return run_response(services.runs.pin(id, True), language)
 
 
 @router.delete("/{id}/pin", response_model=Run, responses=documented(404, 409))
 def unpin_run(id: str, services: Use, language: Language) -> Response:
-    """Allow the store to drop the run's result when it needs room."""
+    """Allow the store to drop the run's result when it needs space."""
     return run_response(services.runs.pin(id, False), language)

@@ -1,4 +1,4 @@
-"""/api/sessions/{id}/stream: the websocket of a live session. Its messages: shared/thetascope_schemas/service/session.py."""
+"""/api/sessions/{id}/stream: the websocket of a live session, with the messages of thetascope_schemas.service.session."""
 
 import asyncio
 import secrets
@@ -14,11 +14,11 @@ from thetascope_schemas.service.session import CLOSE_FULL, CLOSE_NO_SESSION, CLO
 from thetascope_schemas.texts.local_text import ALL
 
 _PATIENCE = 2.0
-"""Seconds that a connection has to accept its close frame."""
+"""Seconds within which a connection must accept its close frame."""
 
 
 class Stream:
-    """The route's ASGI application: frames go directly to the server, without a layer that inspects each of them."""
+    """The route's ASGI application: frames go directly to the server, without a layer that inspects them."""
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Serve one websocket until it closes."""
@@ -32,7 +32,7 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     comes in all languages, as maps.
     """
     services: Services = websocket.app.state.services
-    # Accepted before any check: only then does a browser give the page the close code.
+    # Accepted before any check: otherwise browsers do not pass the close code to the page.
     await websocket.accept()
     if not same_origin(websocket.headers.get("origin"), websocket.headers.get("host", "")):
         await websocket.close(CLOSE_ORIGIN, "the page comes from another origin")
@@ -68,7 +68,7 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     finally:
         room.leave(viewer)
     if viewer.closing is not None:
-        with suppress(Exception):  # it may be lost, or still accept nothing
+        with suppress(Exception):  # the connection may be lost or blocked
             await asyncio.wait_for(websocket.close(*viewer.closing), _PATIENCE)
 
 
@@ -88,7 +88,7 @@ async def _serve(websocket: WebSocket, room, viewer, services: Services) -> None
 
 
 async def _read(websocket: WebSocket, room, viewer, settings) -> None:
-    """Handle the viewer's messages, no faster than it may send them."""
+    """Handle the viewer's messages, at most at the rate that it may send them."""
     from thetascope.live.wire.messages import Allowance
 
     clock = asyncio.get_running_loop().time
@@ -103,9 +103,9 @@ async def _read(websocket: WebSocket, room, viewer, settings) -> None:
 
 
 def same_origin(origin: str | None, host: str) -> bool:
-    """Return whether a page of this service opens the connection. Clients other than browsers send no origin, and may.
+    """Return whether a page of this service opens the connection. Clients without an origin are not browsers: allowed.
 
-    The scheme is not compared: behind a proxy that ends TLS the page's is https and the service's http.
+    The scheme is not compared: behind a proxy that ends TLS, the page's is https and the service's is http.
     """
     if origin is None:
         return True
@@ -116,10 +116,10 @@ def same_origin(origin: str | None, host: str) -> bool:
 
 
 def matches(given: str, token: str) -> bool:
-    """Compare in a time that does not depend on where the two differ."""
+    """Compare in a time that does not depend on the position of the first difference."""
     return secrets.compare_digest(given.encode(), token.encode())
 
 
 def _number(text: str | None) -> int | None:
-    """Return the number of a frame; None for a text that is not one."""
+    """Return the number of a frame; None for a text that is not a number."""
     return int(text) if text is not None and text.isascii() and text.isdigit() and len(text) < 20 else None

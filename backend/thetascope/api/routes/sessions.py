@@ -1,4 +1,4 @@
-"""/api/sessions: live sessions, opened, forked, saved as runs, read and ended. The websocket is in session_stream.py."""
+"""/api/sessions: open, fork, save, read and end live sessions. The websocket is in session_stream.py."""
 
 from math import ceil, floor
 from typing import Annotated, Any, Literal
@@ -33,13 +33,13 @@ from thetascope_schemas.service.run import Problem, Progress, Run
 from thetascope_schemas.texts.refusal import suggestion
 
 router = APIRouter(prefix="/sessions", tags=["sessions"])
-router.routes.append(WebSocketRoute("/sessions/{id}/stream", Stream()))  # the router adds its prefix to requests only
+router.routes.append(WebSocketRoute("/sessions/{id}/stream", Stream()))  # appended directly: no prefix is added
 
 _FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
 
 
 def links(id: str) -> dict[str, str]:
-    """Where a session's parts are."""
+    """Return the addresses of a session's parts."""
     base = f"/api/sessions/{id}"
     return {"self": base, **{part: f"{base}/{part}" for part in ("stream", "fork", "save", "data", "comparison")}}
 
@@ -52,17 +52,17 @@ def links(id: str) -> dict[str, str]:
     responses=documented(404, 413, 415, 422, 503),
 )
 async def create_session(request: Request, services: Use, language: Language) -> Response:
-    """Open a session. The token grants control; the address alone lets one watch."""
-    asked = await parsed(request, services.settings.max_body, lambda data: validated(SessionRequest, data))
+    """Open a session. The token grants control; the address without it permits viewing only."""
+    body = await parsed(request, services.settings.max_body, lambda data: validated(SessionRequest, data))
     try:
-        return _opened(await services.live.create(asked.resolved, asked.t, asked.play, asked.speed))
+        return _opened(await services.live.create(body.resolved, body.t, body.play, body.speed))
     except TooManySessions:
         return _full(services, language)
 
 
 @router.get("/{id}", response_model=SessionState, responses=documented(404))
 async def get_session(id: str, services: Use, language: Language) -> Response:
-    """Return the status of a session, and its experiment with everything done so far."""
+    """Return the status of a session, and its experiment with all commands so far."""
     room = _room(services, id)
     status = room.status()
     return json_response(
@@ -85,7 +85,7 @@ async def get_session(id: str, services: Use, language: Language) -> Response:
 async def end_session(
     id: str, services: Use, language: Language, token: Annotated[str, Header(alias="X-Control-Token")] = ""
 ) -> Response:
-    """End a session, for all its viewers."""
+    """End a session for all its viewers."""
     room = _room(services, id)
     if not matches(token, room.token):
         return problem_response(problem(403, Message("session.token.wrong"), language=language))
@@ -101,13 +101,13 @@ async def end_session(
     responses=documented(404, 413, 422, 503),
 )
 async def fork_session(request: Request, id: str, services: Use, language: Language) -> Response:
-    """A second session that has the same past up to now, or up to `t`, and a token of its own."""
+    """Open a second session with the same past up to now, or up to `t`. It has its own token."""
     room = _room(services, id)
-    asked = validated(ForkRequest, await _optional(request, services))
-    if asked.t is not None and asked.t > room.t + 0.5 * room.session.record:
-        raise invalid("t", asked.t, Message("session.fork.beyond-now", t=room.t))
+    body = validated(ForkRequest, await _optional(request, services))
+    if body.t is not None and body.t > room.t + 0.5 * room.session.record:
+        raise invalid("t", body.t, Message("session.fork.beyond-now", t=room.t))
     try:
-        return _opened(await services.live.fork(room, asked.t))
+        return _opened(await services.live.fork(room, body.t))
     except TooManySessions:
         return _full(services, language)
 
@@ -123,7 +123,7 @@ async def fork_session(request: Request, id: str, services: Use, language: Langu
     },
 )
 async def save_session(id: str, services: Use, language: Language) -> Response:
-    """Make a run of the session up to now: an ordinary one, with the very same numbers."""
+    """Save the session up to now as an ordinary run with exactly the same numbers."""
     room = _room(services, id)
     if room.shown < 2:
         raise NotReady(Message("session.not-begun"))
@@ -140,7 +140,10 @@ async def save_session(id: str, services: Use, language: Language) -> Response:
 
 @router.post("/{id}/proposal", response_model=InputProposal, responses=documented(404, 409))
 async def propose_input(id: str, services: Use, language: Language) -> Response:
-    """Propose an input that separates the faults, tried on the plant from the session's present state; this may take a second."""
+    """Propose an input that separates the faults, tested on the plant from the session's present state.
+
+    The request takes about a second.
+    """
     room = _room(services, id)
     try:
         proposed = await propose_input_for(room)
@@ -220,7 +223,7 @@ def _named(id: str, suffix: str) -> dict[str, str]:
 
 
 async def _optional(request: Request, services: Services) -> Any:
-    """The JSON of a body that need not be there."""
+    """Return the JSON of an optional body."""
     if request.headers.get("content-length", "0") == "0" and "transfer-encoding" not in request.headers:
         return {}
     return json_of(await read_body(request, services.settings.max_body))
