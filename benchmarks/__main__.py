@@ -1,9 +1,9 @@
-"""Measure the engine and the service, or what is named: ``python -m benchmarks [NAME …] [--markdown]``."""
+"""Measure the engine and the service, or the named benchmarks: ``python -m benchmarks [NAME …] [--markdown]``."""
 
 import argparse
 import importlib
 
-ENGINE = ("kernels", "others", "compilation", "service")  # what is measured unless names are given
+ENGINE = ("kernels", "others", "compilation", "service")  # the benchmarks that run by default
 NAMES = (*ENGINE, "live", "memory", "page")
 
 

@@ -1,9 +1,9 @@
-"""From text to the first estimate, and a library experiment out of the cache. In seconds, like their targets.
+"""Measure the time from text to the first estimate, and that of a library experiment from the cache, in seconds.
 
     python -m benchmarks compilation
 
-Caches are folders of the benchmark's own, empty at first. The first estimate is the first recorded row after t = 0; all
-that is between is counted: reading and checking the text, mathematics, lowering, machine code, the step itself.
+Caches are temporary folders, empty at first. The first estimate is the first recorded row after t = 0. The time
+includes everything before it: parsing and checking the text, symbolic mathematics, lowering, machine code, the step.
 """
 
 import json
@@ -29,7 +29,7 @@ from thetascope_schemas import Experiment
 ROOT = Path(__file__).parents[1]
 TEXT, LIBRARY = 0.5, 0.02  # s, targets
 
-# everything that is imported on the way is imported first: imports are not counted
+# all modules are imported in advance, so that imports are not counted
 IN_NEW_PROCESS = """
 import sys, time
 import numpy.ma
@@ -54,7 +54,7 @@ first_estimate(json.load(sys.stdin))
 
 
 def figures() -> Iterator[Figure]:
-    """Yield the times of compiling, in a cache folder of their own that begins empty."""
+    """Yield the times of compiling, with a temporary cache folder that is empty at first."""
     with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as folder:
         before = os.environ.get("THETASCOPE_CACHE")
         os.environ["THETASCOPE_CACHE"] = folder
@@ -71,7 +71,7 @@ def figures() -> Iterator[Figure]:
 
 
 def first_estimate(spec: dict) -> float:
-    """Seconds from the spec as JSON to the first estimate."""
+    """Return the seconds from the spec as JSON to the first estimate."""
     begin = time.perf_counter()
     engine = prepare(library.resolve(Experiment.model_validate(spec))).engine
     simulation = Simulation(engine)
@@ -83,7 +83,7 @@ def first_estimate(spec: dict) -> float:
 
 
 def fresh(plant: str, observer: str, draw: random.Random) -> dict:
-    """A plant whose text was never seen: every equation with coefficients of its own."""
+    """Return a plant whose text is in no cache: every equation has new coefficients."""
     data = library.plant(plant).model_dump(mode="json") | {"id": "fresh"}
     data["dynamics"] = {s: f"{1 + 0.01 * draw.random()!r}*({text})" for s, text in data["dynamics"].items()}
     return {
@@ -96,7 +96,7 @@ def fresh(plant: str, observer: str, draw: random.Random) -> dict:
 
 
 def texts(count: int = 9) -> Iterator[Figure]:
-    """Yield the time from a plant's text to its first rows, for plants that no cache has seen."""
+    """Yield the time from a plant's text to its first rows, for plants that are in no cache."""
     draw = random.Random()
     for plant, observer in (
         ("zhao-contois", "zhao-adaptive"),
@@ -109,7 +109,7 @@ def texts(count: int = 9) -> Iterator[Figure]:
 
 
 def cold(count: int = 5) -> Figure:
-    """A new process, imports and SymPy's import and the start of Python included."""
+    """Return the time of a new process, including Python's start and all imports."""
     draw, seconds = random.Random(), []
     for _ in range(count):
         text = json.dumps(fresh("zhao-contois", "zhao-adaptive", draw))
@@ -120,7 +120,7 @@ def cold(count: int = 5) -> Figure:
 
 
 def from_cache(count: int = 15) -> Figure:
-    """The first process fills the cache and does not count."""
+    """Return the time with a full cache; the first process fills it and is not counted."""
     command, seconds = [sys.executable, "-c", IN_NEW_PROCESS], []
     for i in range(count + 1):
         took, good = subprocess.run(command, capture_output=True, text=True, cwd=ROOT, check=True).stdout.split()
@@ -134,7 +134,7 @@ def from_cache(count: int = 15) -> Figure:
 
 
 def large(n: int = 30, p: int = 5, count: int = 3) -> Figure:
-    """A chain of n states with p faults: Υ has n·p, Γ p(p+1)/2, x̂ and θ̂ n + p states."""
+    """Return the time of a chain of n states with p faults: Υ has n·p, Γ p(p+1)/2, x̂ and θ̂ n + p states."""
     seconds, draw = [], random.Random()
     for _ in range(count):
         x = [f"x{i + 1}" for i in range(n)]

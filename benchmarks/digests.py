@@ -2,7 +2,7 @@
 
 A refactoring must not change a number. Run this before and after, and compare the two outputs: every column of every
 library experiment, a scripted live session that receives every command, and one diagnosed record. With FILE the digests
-are compared with those in the file, and only what differs is printed.
+are compared with those in the file, and only differences are printed.
 """
 
 import hashlib
@@ -34,19 +34,21 @@ from thetascope_schemas.service.session import (
 
 def main(arguments: list[str]) -> int:
     """Print the digests, or compare them with a file's."""
-    found = {}
+    digests_by_name = {}
     for name, digest in digests():
-        found[name] = digest
+        digests_by_name[name] = digest
         if not arguments:
             print(f"{digest}  {name}", flush=True)
     if not arguments:
         return 0
     lines = (line.split("  ", 1) for line in Path(arguments[0]).read_text(encoding="utf-8").splitlines())
     expected = {name: digest for digest, name in lines}
-    different = [name for name in expected.keys() | found.keys() if expected.get(name) != found.get(name)]
+    different = [
+        name for name in expected.keys() | digests_by_name.keys() if expected.get(name) != digests_by_name.get(name)
+    ]
     for name in sorted(different):
-        print(f"{name}: {expected.get(name, 'absent')} in the file, {found.get(name, 'absent')} now")
-    print(f"{len(found)} digests, {len(different)} different")
+        print(f"{name}: {expected.get(name, 'absent')} in the file, {digests_by_name.get(name, 'absent')} now")
+    print(f"{len(digests_by_name)} digests, {len(different)} different")
     return 1 if different else 0
 
 
@@ -110,8 +112,8 @@ def record_digests() -> Iterator[tuple[str, str]]:
     run = prepare(library.resolve(Experiment.model_validate(spec.model_dump() | changes))).run()
     columns = {c: run.column(c) for c in run.names if c == "t" or c.startswith(("u.", "signal.", "y."))}
     plant = library.plant("friction-motor")
-    found = diagnose_recording(plant, recording(plant, columns), DiagnosisSettings(false_alarms=0.1))
-    yield "record/friction-motor", numbers_digest(found.model_dump())
+    diagnosis = diagnose_recording(plant, recording(plant, columns), DiagnosisSettings(false_alarms=0.1))
+    yield "record/friction-motor", numbers_digest(diagnosis.model_dump())
 
 
 def digest_of(*arrays: np.ndarray) -> str:

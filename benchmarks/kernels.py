@@ -1,6 +1,8 @@
-"""Compiled plant and observer against the same Runge–Kutta written by hand in C: one run, and batches. One thread.
+"""Compare the compiled plant and observer with the same Runge–Kutta method in handwritten C: one run, and batches.
 
-python -m benchmarks kernels
+Uses one thread.
+
+    python -m benchmarks kernels
 """
 
 from collections.abc import Iterator
@@ -15,18 +17,18 @@ from thetascope.engine.simulation.batch import run_batch, with_seed
 from thetascope.engine.simulation.experiment import Experiment
 
 RUNS = 1024
-SHARE = 32  # runs of the scalar code in a round: its time is proportional to their number
+SHARE = 32  # runs of the scalar code per round; its time is proportional to their number
 
 
 def figures(runs: int = RUNS) -> Iterator[Figure]:
-    """Yield the figures of one run and of batches, each against C written by hand."""
+    """Yield the figures of one run and of batches, each relative to handwritten C."""
     by_hand = ByHand.compiled()
     yield single(by_hand)
     yield from batches(by_hand, runs)
 
 
 def single(by_hand: ByHand, count: int = 41) -> Figure:
-    """Compare the kernel of one run with C that does the same. Raises AssertionError where they do not agree to 1e-10."""
+    """Compare the kernel of one run with equivalent C. Raises AssertionError if they do not agree to 1e-10."""
     e = engine()
     inputs, state = rows(e), start(e)
     call, names = kernels_alone(e)
@@ -39,7 +41,7 @@ def single(by_hand: ByHand, count: int = 41) -> Figure:
 
 
 def varied(base: Experiment, i: int, runs: int) -> Experiment:
-    """Run i of a batch in which seed, parameters, gains, starts and fault sizes all differ."""
+    """Return run i of a batch in which seed, parameters, gains, initial states and fault sizes all differ."""
     e, share = with_seed(base, i), i / runs
     estimator = e.estimators[0]
     numbers = estimator.parameters | {
@@ -63,7 +65,7 @@ def varied(base: Experiment, i: int, runs: int) -> Experiment:
 
 
 def batches(by_hand: ByHand, runs: int, count: int = 7) -> Iterator[Figure]:
-    """Noise drawn, states recorded each second; the C code draws its noise and records too, run after run."""
+    """Compare batches, with noise drawn and states recorded each second; the C code does the same, run after run."""
     base = engine(record=1.0)
     inputs, state = rows(base), start(base)
     seeds = [with_seed(base, i) for i in range(runs)]

@@ -1,10 +1,10 @@
-"""Measure live sessions: cost of a frame relative to a bare websockets server, sessions at 30 frames/s, latency of commands.
+"""Measure live sessions: the cost of a frame, sessions at 30 frames/s, the latency of commands.
 
     python -m benchmarks live
 
-The server is pinned to the first processor and the viewers to the others; where the system allows it, both have priority over
-other programs. For the cost, a bare server sends messages of the same size at the same rate on the same processor at the
-same time, so that other load affects both equally.
+The server is pinned to the first processor and the viewers to the others; where the system allows it, both have
+priority over other programs. The cost is relative to a bare websockets server that sends messages of the same size at
+the same rate on the same processor at the same time, so that other load affects both equally.
 """
 
 import json
@@ -27,7 +27,7 @@ from thetascope.client import Client
 ROOT = Path(__file__).parents[1]
 EXPERIMENT = "zhao-2012"  # 21 columns in rows of 10 ms
 SETTLE, WINDOW, WINDOWS = 8.0, 3.0, 5
-LONG = 8.0  # a window in which every session computes ahead about once
+LONG = 8.0  # a window in which each session computes ahead about once
 SESSIONS = 400
 
 BARE = """
@@ -52,7 +52,7 @@ asyncio.run(main())
 
 
 def figures() -> Iterator[Figure]:
-    """Yield what a frame costs, how many sessions hold their pace, and how soon a command acts."""
+    """Yield the cost of a frame, the gaps between frames of many sessions, and the latency of commands."""
     with service(SESSIONS) as server:
         yield cost(server, 1, 200, "frame to one of 200 viewers of a session ÷ bare websockets server")
         what = "frame of one of 100 sessions, simulation included"
@@ -65,7 +65,7 @@ def figures() -> Iterator[Figure]:
 
 @contextmanager
 def pinned(program: list[str], environment: dict[str, str] | None = None) -> Iterator[tuple[subprocess.Popen, str]]:
-    """Start a server on the first processor; yield it and its first line. This process moves to the other processors."""
+    """Start a server on the first processor; yield it and its first line. This process moves to the others."""
     processors = sorted(os.sched_getaffinity(0))
     os.sched_setaffinity(0, processors[:1])
     process = subprocess.Popen(program, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
@@ -129,9 +129,9 @@ def processor_time(process: subprocess.Popen) -> float:
 def cost(
     server: tuple[subprocess.Popen, str], sessions: int, viewers: int, what: str, diagnosis: bool = True
 ) -> Figure:
-    """Return the processor time per frame of the service divided by that of the bare server, both running at the same time."""
+    """Return the processor time per frame of the service divided by that of the bare server; both run at the same time."""
     process, address = server
-    found = []
+    ratios = []
     with ExitStack() as stack:
         watchers, mine = stack.enter_context(playing(address, sessions, viewers, diagnosis))
         watchers.run(SETTLE)
@@ -148,8 +148,8 @@ def cost(
                 (processor_time(p) - b) / sum(len(watcher.times) for watcher in group)
                 for p, b, group in zip((process, other), before, (mine, theirs), strict=True)
             ]
-            found.append(each[0] / each[1])
-    return Figure.of(what, found, "≤ 1.5")
+            ratios.append(each[0] / each[1])
+    return Figure.of(what, ratios, "≤ 1.5")
 
 
 def hold(server: tuple[subprocess.Popen, str], sessions: int) -> Iterator[Figure]:
@@ -165,8 +165,8 @@ def hold(server: tuple[subprocess.Popen, str], sessions: int) -> Iterator[Figure
             watchers.run(WINDOW)
             seconds = perf_counter() - before
             share = (processor_time(process) - used) / seconds
-            found = sorted(b - a for watcher in mine for a, b in pairwise(watcher.times))
-            gaps.append(found[int(0.99 * len(found))])
+            sorted_gaps = sorted(b - a for watcher in mine for a, b in pairwise(watcher.times))
+            gaps.append(sorted_gaps[int(0.99 * len(sorted_gaps))])
             busy.append(share)
             others.append(max(0.0, (first_processor() - all_used) / seconds - share))
     name = f"{sessions} sessions of 21 columns at 30 frames/s on one processor"
@@ -187,7 +187,7 @@ def latency(server: tuple[subprocess.Popen, str], sessions: int, commands: int =
 
     Percentiles are taken over 200 commands each; of fewer, the 99th would be the slowest command or the second slowest.
     """
-    draw, found = random.Random(1), []
+    draw, latencies = random.Random(1), []
     with playing(server[1], sessions) as (watchers, mine):
         watchers.run(SETTLE)
         for number in range(commands):
@@ -199,9 +199,9 @@ def latency(server: tuple[subprocess.Popen, str], sessions: int, commands: int =
             watchers.run(2.0, until=lambda watcher=watcher: watcher.effect is not None)
             if watcher.effect is None:
                 raise AssertionError("a command had no effect within two seconds")
-            found.append(watcher.effect - begin)
+            latencies.append(watcher.effect - begin)
     part = commands // WINDOWS
-    parts = [sorted(found[i : i + part]) for i in range(0, commands, part)]
+    parts = [sorted(latencies[i : i + part]) for i in range(0, commands, part)]
     middles, ends = ([each[round(share * part) - 1] for each in parts] for share in (0.5, 0.99))
     yield Figure.of(f"from command to frame with {sessions} sessions playing, median", middles, unit="ms")
     yield Figure.of(f"from command to frame with {sessions} sessions playing, p99", ends, "≤ 10 ms", "ms")

@@ -1,4 +1,4 @@
-"""Measure contenders side by side: they run in turn, in random order, round after round, in one process."""
+"""Measure contenders under equal conditions: in turn, in random order, round after round, in one process."""
 
 import random
 import statistics
@@ -20,12 +20,12 @@ class Figure:
 
     @classmethod
     def of(cls, what: str, values: Iterable[float], target: str = "", unit: str = "") -> "Figure":
-        """Return the median, the least and the largest of the values."""
+        """Return a figure with the median, the least and the largest of the values."""
         values = list(values)
         return cls(what, statistics.median(values), min(values), max(values), target, unit)
 
     def text(self) -> str:
-        """Return the figure as a line of a terminal."""
+        """Return the figure as a line for a terminal."""
         return f"{self.what:72s} {self._short(self.median):>9s}   [{self.range()}]   {self.target}"
 
     def markdown(self) -> str:
@@ -43,7 +43,10 @@ class Figure:
 
 
 def rounds(contenders: dict[str, Callable[[], object]], count: int = 15, seed: int = 0) -> dict[str, list[float]]:
-    """Return the seconds of each contender in each round, after a warm-up round; of short calls the fastest of several."""
+    """Return the seconds of each contender in each round, after a warm-up round; short calls run several times.
+
+    Of these repeated calls the fastest counts.
+    """
     order, draw = list(contenders), random.Random(seed)
     for run in contenders.values():
         run()

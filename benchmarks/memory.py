@@ -1,7 +1,7 @@
-"""Memory of the service while one session plays for long: as many rows as an hour at ten times real time brings.
+"""Measure the memory of the service during a long session: as many rows as an hour at ten times real time.
 
-python -m benchmarks memory                          200 times real time, so that it takes three minutes
-SPEED=10 python -m benchmarks memory                 the hour itself
+python -m benchmarks memory                          200 times real time, which takes three minutes
+SPEED=10 python -m benchmarks memory                 the full hour
 """
 
 import os
@@ -20,12 +20,15 @@ PARTS = 6
 
 
 def figures() -> Iterator[Figure]:
-    """Resident memory at the end of each sixth after the first two, over that at the end of the second, when all that is kept is full."""
+    """Yield the resident memory at the end of each sixth after the first two, relative to that after the second.
+
+    All buffers are full by then.
+    """
     speed = float(os.environ.get("SPEED", "200"))
     with service(1) as (process, address), Client(address) as client:
         begin = resident(process)
         session = client.post("/api/sessions", {"experiment": EXPERIMENT, "speed": speed})
-        watchers, found = Watchers(), []
+        watchers, megabytes = Watchers(), []
         viewer = watchers.connect(
             int(address.rpartition(":")[2]), f"{session['links']['stream']}?token={session['token']}"
         )
@@ -35,19 +38,19 @@ def figures() -> Iterator[Figure]:
                 while time.monotonic() < end:
                     watchers.run(10.0)
                     viewer.clear()
-                found.append(resident(process))
+                megabytes.append(resident(process))
             played = client.get(session["links"]["self"])["t"]
         finally:
             watchers.close()
     yield Figure.of("memory of the service as it starts, MB", [begin])
-    yield Figure.of("memory after a third of the time, MB", [found[1]])
+    yield Figure.of("memory after a third of the time, MB", [megabytes[1]])
     yield Figure.of(
-        f"memory later, of {played:.0f} s played ÷ after a third", [m / found[1] for m in found[2:]], "flat"
+        f"memory later, of {played:.0f} s played ÷ after a third", [m / megabytes[1] for m in megabytes[2:]], "flat"
     )
 
 
 def resident(process: subprocess.Popen) -> float:
-    """Resident memory of a process, MB."""
+    """Return the resident memory of a process in MB."""
     line = next(
         line for line in Path(f"/proc/{process.pid}/status").read_text().splitlines() if line.startswith("VmRSS")
     )

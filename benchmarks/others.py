@@ -1,9 +1,9 @@
-"""The same problem by scipy's solve_ivp and by python-control, as their users would write it.
+"""Solve the same problem by scipy's solve_ivp and by python-control, as their users would write it.
 
     python -m benchmarks others
 
-Both are given a right-hand side in plain Python, which on 19 numbers is quicker than NumPy, and are started again where
-inputs or noise jump. They run the first SECONDS of zhao-2012; times are compared per simulated second.
+Both receive a right-hand side in plain Python, which is faster than NumPy on 19 numbers, and are restarted where inputs
+or noise jump. They run the first SECONDS of zhao-2012; times are compared per simulated second.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,10 +15,10 @@ from benchmarks.measure import Figure, ratios, rounds
 from benchmarks.problem import ESTIMATES, HOLD, PLACES, engine, kernels_alone, rates, rows, start
 
 SECONDS = 1.0
-PIECE = HOLD * 0.001  # s on which all inputs are constant
+PIECE = HOLD * 0.001  # s, over which all inputs are constant
 PIECES = round(SECONDS / PIECE)
 TOLERANCE = {"rtol": 1e-6, "atol": 1e-9}
-CLOSE = 1e-5  # to which the answers must agree with the kernels'
+CLOSE = 1e-5  # largest difference from the kernels' results
 
 
 def figures() -> Iterator[Figure]:
@@ -44,7 +44,7 @@ def figures() -> Iterator[Figure]:
 
 
 def quiet() -> Figure:
-    """Without noise, to the same accuracy: solve_ivp takes long steps between the jumps of φ, and so may the kernels."""
+    """Compare without noise at equal accuracy: both integrators may take long steps between the jumps of φ."""
     e, coarse = engine(noise={}), engine(noise={}, step=0.005)
     inputs, state = rows(e)[:PIECES], start(e)
     call, names = kernels_alone(coarse)
@@ -59,19 +59,19 @@ def quiet() -> Figure:
 
 
 def by_scipy(inputs: np.ndarray, state: np.ndarray, method: str, together: int = 1, **tolerance: float) -> np.ndarray:
-    """The state at the end of the inputs' rows, which are constant on ``together`` rows at a time."""
+    """Return the state at the end of the inputs' rows, which are constant over ``together`` rows at a time."""
     length = together * PIECE
     for i in range(0, len(inputs), together):
         w = inputs[i].tolist()
-        found = solve_ivp(
+        solution = solve_ivp(
             lambda t, s, w=w: rates(s.tolist(), w), (0.0, length), state, method=method, **(tolerance or TOLERANCE)
         )
-        state = found.y[:, -1]
+        state = solution.y[:, -1]
     return state
 
 
 def by_control(inputs: np.ndarray, state: np.ndarray) -> Callable[[], np.ndarray]:
-    """python-control's nonlinear input/output system, simulated piece by piece with its default method."""
+    """Return a call of python-control's nonlinear input/output system, simulated in pieces by its default method."""
     import control
 
     def update(t: float, x: np.ndarray, u: np.ndarray, params: dict) -> list[float]:

@@ -1,6 +1,6 @@
-"""The live page in a browser: script time of one update of the scope, beside what Plotly takes for the same curves.
+"""Measure the live page in a browser: script time of one update of the scope, and Plotly's for the same curves.
 
-python -m benchmarks page        (THETASCOPE_BROWSER names the browser, else one that is installed is found)
+python -m benchmarks page        (THETASCOPE_BROWSER names the browser; by default an installed one is used)
 """
 
 import os
@@ -30,7 +30,7 @@ DRAWING = """async () => {
 
 
 def drawn(page) -> list[float]:
-    """Script time of frames of the live page with six observers, every band drawn, s."""
+    """Return the script time in s of frames of the live page with six observers and all bands drawn."""
     page.goto(page.url.partition("?")[0] + "?experiment=zhao-2012&t=20")
     page.wait_for_function("() => window.thetascope?.state.spec && thetascope.samples.now > 19.9")
     for label, kind in OTHERS.items():
@@ -45,7 +45,7 @@ def drawn(page) -> list[float]:
 
 
 def figures() -> Iterator[Figure]:
-    """Script time per update, and Plotly's over it, in one page."""
+    """Yield the script time per update, and Plotly's relative to it, in one page."""
     from playwright.sync_api import sync_playwright
 
     path = os.environ.get("THETASCOPE_BROWSER") or find()
@@ -58,14 +58,14 @@ def figures() -> Iterator[Figure]:
         page = browser.new_page(viewport={"width": 1440, "height": 900})
         page.goto(f"{address}/?experiment=zhao-2012&t=1")
         page.wait_for_selector(".strip canvas")
-        found = page.evaluate(SCRIPT.read_text(encoding="utf-8"), {"updates": 300})
+        measured = page.evaluate(SCRIPT.read_text(encoding="utf-8"), {"updates": 300})
         whole = drawn(page)
         browser.close()
-    own = found["own"]
+    own = measured["own"]
     middle = sorted(own)[len(own) // 2]
     yield Figure.of("page: script time of an update, 4 strips of 3 curves of 10 000 points", own, "≤ 2 ms", "ms")
     yield Figure.of("page: the same of the live page itself, 7 strips of 6 observers, all bands", whole, "", "ms")
-    yield Figure.of("page: Plotly.react of the same / update", [time / middle for time in found["react"]])
+    yield Figure.of("page: Plotly.react of the same / update", [time / middle for time in measured["react"]])
     yield Figure.of(
-        "page: updates drawn a second, by a browser without graphics card", [found["frames"]], "60 with one"
+        "page: updates drawn a second, by a browser without graphics card", [measured["frames"]], "60 with one"
     )

@@ -22,17 +22,17 @@ HOLD = 10  # steps: noise and switching signals change on multiples of 0.01 s
 RHO = LAMBDA = 4.0
 INPUTS = ("u.u", "signal.phi1", "signal.phi2", "signal.phi3", "theta.theta1", "theta.theta2", "theta.theta3")
 ESTIMATES = ("x.x1", "x.x2", "xh.x1", "xh.x2", "thetah.theta1", "thetah.theta2", "thetah.theta3")
-PLACES = [0, 1, 14, 15, 16, 17, 18]  # of the estimates in the order of the code written by hand
+PLACES = [0, 1, 14, 15, 16, 17, 18]  # of the estimates, in the order of the handwritten code
 
 
 def engine(**changes) -> Experiment:
-    """The experiment as engine objects; ``changes`` are fields of the spec."""
+    """Return the experiment as engine objects; ``changes`` are fields of the spec."""
     spec = library.experiment("zhao-2012").model_dump() | {"figures": []} | changes
     return prepare(library.resolve(Spec.model_validate(spec))).engine
 
 
 def rows(e: Experiment) -> np.ndarray:
-    """Inputs of the code written by hand: u, φ1…3, θ1…3, noise, a row each HOLD steps."""
+    """Return the inputs of the handwritten code: u, φ1…3, θ1…3, noise, one row per HOLD steps."""
     at = (np.arange(e.steps // HOLD) + 0.5) * HOLD * e.step
     return np.ascontiguousarray(
         np.stack([*(e.signals[n](at, at) for n in INPUTS), e.measurement.noise_at(at)[:, 0]], axis=1)
@@ -40,7 +40,7 @@ def rows(e: Experiment) -> np.ndarray:
 
 
 def start(e: Experiment) -> np.ndarray:
-    """Initial state in the order of the code written by hand."""
+    """Return the initial state in the order of the handwritten code."""
     s = Simulation(e).initial()
     values = dict(zip(e.estimators[0].program.states, s.observers[0], strict=True))
     order = [f"Upsilon.{i}.{j}" for i in range(2) for j in range(3)]
@@ -50,7 +50,7 @@ def start(e: Experiment) -> np.ndarray:
 
 
 def kernels_alone(e: Experiment) -> tuple[Callable[[], np.ndarray], tuple[str, ...]]:
-    """A call of the compiled plant and observer over the whole horizon, tables laid out before; and its states."""
+    """Return a call of the compiled plant and observer over the full horizon with prepared tables, and its states."""
     program = joined(e.plant, e.estimators[0].program)
     signals = e.signals | {"noise.y.y": e.measurement.noises[0]}
     breaks = np.concatenate([s.breaks(0.0, e.steps * e.step) for s in signals.values()])
@@ -70,7 +70,10 @@ def kernels_alone(e: Experiment) -> tuple[Callable[[], np.ndarray], tuple[str, .
 
 
 def rates(s: Sequence[float], w: Sequence[float]) -> list[float]:
-    """reference.c's `rates` in plain Python: on numbers quicker than NumPy. w: u, φ1…3, θ1…3, noise."""
+    """Return the same as reference.c's `rates`, in plain Python, which is faster than NumPy here.
+
+    w: u, φ1…3, θ1…3, noise.
+    """
     x1, x2, U00, U01, U02, U10, U11, U12, G00, G01, G02, G11, G12, G22, h1, h2, q1, q2, q3 = s
     u, p1, p2, p3, t1, t2, t3, noise = w
     v = x2 / x1
@@ -122,7 +125,7 @@ class ByHand:
             return cls(ctypes.CDLL(str(target)))
 
     def simulate(self, inputs: np.ndarray, steps: int, h: float, every: int, state: np.ndarray) -> np.ndarray:
-        """All 19 states after each ``every`` steps."""
+        """Return all 19 states after each ``every`` steps."""
         out, s = np.empty((steps // every, 19)), state.copy()
         d, p, n = ctypes.c_double, ctypes.c_void_p, ctypes.c_long
         self.library.simulate(
@@ -141,7 +144,7 @@ class ByHand:
     def batch(
         self, inputs: np.ndarray, h: float, every: int, state: np.ndarray, seeds: range, std: float
     ) -> np.ndarray:
-        """Runs one after the other, each with noise of its own seed."""
+        """Return the states of runs computed one after the other, each with the noise of its seed."""
         count = len(inputs)
         out, scratch = np.empty((len(seeds), count * HOLD // every, 19)), np.empty(count)
         inputs = inputs.copy()

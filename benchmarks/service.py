@@ -1,4 +1,4 @@
-"""The service as it is started by its users, spoken to over HTTP: a run with its figures, and the time to be ready.
+"""Measure the service over HTTP, as users start it: a run with its figures, and the time until it is ready.
 
 python -m benchmarks service
 """
@@ -22,7 +22,7 @@ ROOT = Path(__file__).parents[1]
 
 @contextmanager
 def service(data: Path) -> Iterator[tuple[str, float]]:
-    """A service of its own in a new process: its address, and the seconds until it answered."""
+    """Start a service in a new process; yield its address and the seconds until it answered."""
     more = {"PYTHONUNBUFFERED": "1", "THETASCOPE_PREPARE": "0"}
     environment = os.environ | {"THETASCOPE_DATA": str(data)} | more
     command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
@@ -43,7 +43,7 @@ def service(data: Path) -> Iterator[tuple[str, float]]:
 
 
 def figures() -> Iterator[Figure]:
-    """Yield the time of a whole run over HTTP and the time until the service is ready."""
+    """Yield the time of a complete run over HTTP and the time until the service is ready."""
     with tempfile.TemporaryDirectory(prefix="thetascope-benchmark-") as data:
         with service(Path(data)) as (address, _):
             yield whole(address)
@@ -51,7 +51,7 @@ def figures() -> Iterator[Figure]:
 
 
 def whole(address: str, count: int = 15) -> Figure:
-    """POST with another seed each time, so that the store cannot answer, then GET of all figures, as bytes."""
+    """Return the time of a POST with a new seed each time, so that the store cannot answer, and GET of all figures."""
     call, _ = kernels_alone(engine())
     seeds = itertools.count(1000)
     with Client(address) as client:
@@ -72,7 +72,7 @@ def whole(address: str, count: int = 15) -> Figure:
 
 
 def ready(data: Path, count: int = 5) -> Figure:
-    """From the start of the process to the first answer, with the files that an earlier start has left."""
+    """Return the time from the start of the process to the first answer, with the files of an earlier start."""
     seconds = []
     for _ in range(count):
         with service(data) as (_, took):

@@ -1,4 +1,4 @@
-"""Read many websocket connections in one process with little overhead, and note when frames arrive."""
+"""Read many websocket connections in one process with little overhead, and record when frames arrive."""
 
 import base64
 import os
@@ -19,7 +19,7 @@ class Watcher:
         self._acts_at: int | None = None
 
     def clear(self) -> None:
-        """Forget the frames so far."""
+        """Discard the frames so far."""
         self.times: list[float] = []
         self.bytes = 0
         self.effect: float | None = None
@@ -40,7 +40,7 @@ class Watcher:
         self.socket.sendall(length + mask + masked)
 
     def read(self) -> None:
-        """Read what has arrived."""
+        """Read the data that have arrived."""
         now = time.perf_counter()
         data = self._buffer + self.socket.recv(1 << 20)
         place = 0
@@ -78,7 +78,7 @@ class Watchers:
         self._all: list[Watcher] = []
 
     def connect(self, port: int, path: str) -> Watcher:
-        """Open a websocket to a path of this machine and return its watcher."""
+        """Open a websocket to a local port and path, and return its watcher."""
         connection = socket.create_connection(("127.0.0.1", port))
         key = base64.b64encode(os.urandom(16)).decode()
         connection.sendall(

@@ -1,7 +1,7 @@
-"""Find a Chromium for the browser tests, or get one, and print its path.
+"""Find a Chromium for the browser tests, or install one, and print its path.
 
-In this order: the one that THETASCOPE_BROWSER names, one that is installed, Playwright's own, Playwright's own after
-downloading it, Debian's package when this is root on Debian. One that does not start is passed over.
+Candidates in order: the one that THETASCOPE_BROWSER names, an installed one, Playwright's, Playwright's after
+downloading it, and Debian's package if this runs as root on Debian. A browser that does not start is skipped.
 """
 
 import os
@@ -16,7 +16,7 @@ MAC = tuple(Path(f"/Applications/{name}.app/Contents/MacOS/{name}") for name in 
 
 
 def main() -> int:
-    """Print the path of a browser that starts; everything else goes to standard error."""
+    """Print the path of a browser that starts; all other output goes to standard error."""
     path = find() or fetch()
     if path is None:
         print(
@@ -30,16 +30,16 @@ def main() -> int:
 
 
 def find() -> str | None:
-    """A browser that is here already. One that the variable names is taken or nothing: a typing error must show."""
+    """Return an installed browser. If the variable names one, return only that one, so that a typing error shows."""
     named = os.environ.get(VARIABLE)
     if named:
         return named if starts(named) else None
-    found = [shutil.which(name) for name in NAMES] + [str(path) for path in MAC if path.exists()]
-    return next((path for path in [*found, own()] if path and starts(path)), None)
+    candidates = [shutil.which(name) for name in NAMES] + [str(path) for path in MAC if path.exists()]
+    return next((path for path in [*candidates, own()] if path and starts(path)), None)
 
 
 def own() -> str | None:
-    """Where Playwright keeps the browser that it downloads, whether or not it is there."""
+    """Return the path at which Playwright stores its browser, whether or not it exists."""
     code = "from playwright.sync_api import sync_playwright as p\nwith p() as a: print(a.chromium.executable_path)"
     answer = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     path = answer.stdout.strip()
@@ -47,7 +47,7 @@ def own() -> str | None:
 
 
 def fetch() -> str | None:
-    """Download one."""
+    """Download a browser and return its path; None if that fails."""
     if os.environ.get(VARIABLE):
         return None
     run(sys.executable, "-m", "playwright", "install", "chromium")
@@ -61,7 +61,7 @@ def fetch() -> str | None:
 
 
 def run(*command: str) -> None:
-    """Run a command, its output on standard error; whether it worked shows in whether the browser then starts."""
+    """Run a command with its output on standard error; success is tested by starting the browser afterwards."""
     print(f"browser: {' '.join(command)}", file=sys.stderr, flush=True)
     subprocess.run(
         command,
@@ -73,7 +73,7 @@ def run(*command: str) -> None:
 
 
 def starts(path: str) -> bool:
-    """Whether it runs at all: Ubuntu's package, for one, is a script that only says how to install a snap."""
+    """Return whether the browser runs at all: Ubuntu's package, for example, only prints how to install a snap."""
     try:
         return subprocess.run([path, "--version"], capture_output=True, timeout=30, check=False).returncode == 0
     except (OSError, subprocess.TimeoutExpired):

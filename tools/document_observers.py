@@ -1,7 +1,7 @@
 """Write docs/observers.md, and the README's counts, from the registry: `python -m tools.document_observers`.
 
-Equations and remarks are the modules' docstrings, gains and options are declared by the observers, and the assumptions
-are those that a short run of each reports. Tests compare both files with the output of this module.
+Equations and remarks come from the modules' docstrings, gains and options from the observers' declarations, and the
+assumptions from a short run of each observer. Tests compare both files with the output of this module.
 """
 
 import inspect
@@ -64,7 +64,7 @@ as JSON.
 
 
 def main() -> int:
-    """Write the page and the README's counts."""
+    """Write docs/observers.md and the README's counts."""
     FILE.write_text(page(), encoding="utf-8")
     README.write_text(counted(README.read_text(encoding="utf-8")), encoding="utf-8")
     print(FILE, README, sep="\n")
@@ -72,7 +72,7 @@ def main() -> int:
 
 
 def counted(text: str) -> str:
-    """Return a text with its numbers of observers and plants, written as words, brought up to date."""
+    """Return a text with its numbers of observers and plants, written as words, updated."""
     for noun, count in (("observers", len(kinds())), ("plants", len(library.plants()))):
         word = WORDS[count] if count < len(WORDS) else str(count)
 
@@ -92,7 +92,7 @@ def page() -> str:
 
 
 def section(kind: Observer) -> str:
-    """One observer."""
+    """Return the section of one observer."""
     module = import_module(kind.write.__module__)
     times = {"continuous": "in continuous time", "discrete": "at the sample period", "plant": "in the plant's own time"}
     estimates = "the state and the faults" if kind.estimates_theta else "the state"
@@ -111,20 +111,20 @@ def section(kind: Observer) -> str:
 
 
 def table(head: str, rows: Iterable[str]) -> str:
-    """A Markdown table, or nothing where there are no rows."""
+    """Return a Markdown table, or nothing if there are no rows."""
     rows = list(rows)
     return "\n".join([f"| {head} |", "|---" * (head.count("|") + 1) + "|", *rows]) + "\n" if rows else ""
 
 
 def gain(g: Gain) -> str:
-    """A row of the table of gains."""
+    """Return a row of the table of gains."""
     symbol = f" ({g.symbol})" if g.symbol else ""
     default = "from the plant" if callable(g.default) else f"{g.default:g}"
     return f"| `{g.name}`{symbol} | {cell(str(g.meaning))}{size(g)} | {default} | {g.low:g} … {g.high:g} | {g.unit} |"
 
 
 def size(g: Gain) -> str:
-    """Return in words how many numbers a gain takes."""
+    """Return in words the number of values in a gain."""
     each = {"n": "state", "m": "output", "p": "fault channel", "n-m": "state that is not measured"}
     if g.size is None:
         return ""
@@ -135,21 +135,21 @@ def size(g: Gain) -> str:
 
 
 def option(o: Option) -> str:
-    """A row of the table of options."""
+    """Return a row of the table of options."""
     default = "from the plant" if callable(o.default) else f"`{o.default}`"
     values = f"{o.low} … {o.high}" if o.kind == "integer" else ", ".join(f"`{c}`" for c in o.choices)
     return f"| `{o.name}` | {cell(str(o.meaning))} | {default} | {values} |"
 
 
 def cell(text: str) -> str:
-    """Text that may stand in a table."""
+    """Return text escaped for a table cell."""
     return text.replace("|", "\\|")
 
 
 def checks(kind: str) -> tuple[Check, ...]:
     """Return the assumptions that a kind reports, from a short run on the first experiment it can be built for.
 
-    Experiments that use the kind come first. Raises the last SpecError where it can be built for no library experiment.
+    Experiments that use the kind come first. Raises the last SpecError if it can be built for no library experiment.
     """
     experiments = [library.experiment(name) for name in library.experiments()]
     experiments.sort(key=lambda e: all(o.kind != kind for o in e.observers))

