@@ -265,36 +265,36 @@ export interface ComparisonRow {
   cost: number | null;
 }
 
-/** The same value at all times. */
+/** A constant value. */
 export interface ConstantSignal {
   kind: 'constant';
   /** Value, in the signal's unit. */
   value: number;
 }
 
-/** The same value at all times. */
+/** A constant value. */
 export interface ConstantSignalInput {
   kind: 'constant';
   /** Value, in the signal's unit. */
   value: number;
 }
 
-/** Observers see y(t) at all times. */
+/** Continuous measurement: observers see y(t) at all times. */
 export interface ContinuousMeasurement {
   mode: 'continuous';
 }
 
-/** Observers see y(t) at all times. */
+/** Continuous measurement: observers see y(t) at all times. */
 export interface ContinuousMeasurementInput {
   mode: 'continuous';
 }
 
-/** The dynamics give derivatives. */
+/** Continuous time: the dynamics are derivatives. */
 export interface ContinuousTime {
   kind: 'continuous';
 }
 
-/** The dynamics give derivatives. */
+/** Continuous time: the dynamics are derivatives. */
 export interface ContinuousTimeInput {
   kind: 'continuous';
 }
@@ -361,7 +361,7 @@ export interface DiagnosisNow {
 
 /** Settings of the diagnosis. Thresholds are not set directly; they are calibrated by simulation. */
 export interface DiagnosisSettings {
-  /** Whether a diagnosis is made. */
+  /** Whether the run is diagnosed. */
   enabled: boolean;
   /** Accepted false alarms per hour, for each observer. */
   false_alarms: number;
@@ -379,7 +379,7 @@ export interface DiagnosisSettings {
 
 /** Settings of the diagnosis. Thresholds are not set directly; they are calibrated by simulation. */
 export interface DiagnosisSettingsInput {
-  /** Whether a diagnosis is made. */
+  /** Whether the run is diagnosed. */
   enabled?: boolean;
   /** Accepted false alarms per hour, for each observer. */
   false_alarms?: number;
@@ -395,14 +395,14 @@ export interface DiagnosisSettingsInput {
   accuracy?: number;
 }
 
-/** The dynamics give the next sample's values. */
+/** Discrete time: the dynamics are the values at the next sample. */
 export interface DiscreteTime {
   kind: 'discrete';
   /** Sample period in s. */
   period: number;
 }
 
-/** The dynamics give the next sample's values. */
+/** Discrete time: the dynamics are the values at the next sample. */
 export interface DiscreteTimeInput {
   kind: 'discrete';
   /** Sample period in s. */
@@ -692,7 +692,7 @@ export interface Facts {
   alarm_verdicts: (AlarmOutcome)[];
   /** The outcome for each fault so far. */
   fault_outcomes: (FaultOutcome)[];
-  /** Ids of the active faults that no alarm names now, one for each site. */
+  /** Ids of the active faults that no present alarm names, one for each site. */
   unseen: (string)[];
   /** The diagnosis in one sentence. */
   summary: Text;
@@ -767,9 +767,9 @@ export interface FieldError {
   code: string;
   /** Arguments of both sentences by name. */
   args: {[name: string]: JsonValue};
-  /** What is wrong with the value, in the asked language. */
+  /** The problem, in the requested language. */
   problem: string;
-  /** How to correct it, in the asked language. */
+  /** The remedy, in the requested language. */
   remedy: string;
 }
 
@@ -1493,7 +1493,7 @@ export interface PresentGains {
   labels: {[name: string]: {[name: string]: GainLabels}};
 }
 
-/** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the asked language. */
+/** A refusal or failure as application/problem+json (RFC 9457), with its sentences in the requested language. */
 export interface Problem {
   /** URI reference of the problem type. */
   type: string;
@@ -1858,14 +1858,14 @@ export interface RunSummary {
   seconds: {[name: string]: number};
 }
 
-/** Observers see y at 0, period, 2·period, …, held in between. */
+/** Sampled measurement: observers see y at 0, period, 2·period, …, held in between. */
 export interface SampledMeasurement {
   mode: 'sampled';
   /** Sample period in s. */
   period: number;
 }
 
-/** Observers see y at 0, period, 2·period, …, held in between. */
+/** Sampled measurement: observers see y at 0, period, 2·period, …, held in between. */
 export interface SampledMeasurementInput {
   mode: 'sampled';
   /** Sample period in s. */
@@ -2355,13 +2355,13 @@ export interface TableSignalInput {
   interpolation?: 'hold' | 'linear';
 }
 
-/** A message: code, arguments, and the sentence in the asked language. */
+/** A message: code, arguments, and the sentence in the requested language. */
 export interface Text {
   /** Key of the sentence in the catalogues, GET /api/messages/{language}. */
   code: string;
   /** Arguments of the sentence by name; a nested message is {code, args}. */
   args: {[name: string]: JsonValue};
-  /** The sentence in the asked language. */
+  /** The sentence in the requested language. */
   text: string;
 }
 

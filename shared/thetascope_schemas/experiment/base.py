@@ -11,7 +11,7 @@ from thetascope_schemas.texts.local_text import LocalProse
 from thetascope_schemas.texts.refusal import refuse, suggestion
 
 SCHEMA_VERSION = 1
-"""Version of these schemas, part of every spec's hash. Raise it when the same spec gives other numbers."""
+"""Version of these schemas, part of every spec's hash. Increase it when the same spec results in other numbers."""
 
 MAX_EXPRESSION = 2000  # characters of one expression
 MAX_STATES = 60
@@ -184,7 +184,7 @@ class Worded(Protocol):
 
 
 class Text(Strict):
-    """A message: code, arguments, and the sentence in the asked language."""
+    """A message: code, arguments, and the sentence in the requested language."""
 
     model_config = example(code="common.states", args={"n": 2}, text="2 states")
 
@@ -192,7 +192,7 @@ class Text(Strict):
     args: dict[str, JsonValue] = Field(
         default_factory=dict, description="Arguments of the sentence by name; a nested message is {code, args}."
     )
-    text: str = Field(default="", description="The sentence in the asked language.")
+    text: str = Field(default="", description="The sentence in the requested language.")
 
     @classmethod
     def of(cls, message: Worded, language: str = "en") -> "Text":

@@ -85,7 +85,7 @@ class DiagnosisSettings(Strict):
 
     model_config = example(enabled=True, false_alarms=0.01, test="glr", confidence=0.95, accuracy=0.1, doubt=0.01)
 
-    enabled: bool = Field(default=True, description="Whether a diagnosis is made.")
+    enabled: bool = Field(default=True, description="Whether the run is diagnosed.")
     false_alarms: Annotated[Number, Field(ge=1e-4, le=100)] = Field(
         default=0.01, description="Accepted false alarms per hour, for each observer."
     )

@@ -170,6 +170,7 @@ class Experiment(Strict):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Experiment":
+        """Check all fields against each other, and against the plant if it is complete."""
         self._check_times()
         self._check_labels()
         self._check_commands()
@@ -188,6 +189,7 @@ class Experiment(Strict):
         return {config.label: config for config in (*self.observers, *added)}
 
     def _check_times(self) -> None:
+        """Refuse a step beyond the horizon, intervals too short for it, and an invalid `record`."""
         if self.step > self.horizon:
             raise refuse("experiment.step.beyond-horizon", "step", self.step, step=self.step, horizon=self.horizon)
         for path, item in self._timed():
@@ -211,6 +213,7 @@ class Experiment(Strict):
         return None
 
     def _check_record(self, record: float) -> None:
+        """Refuse a spacing of rows beyond the horizon or that is not a multiple of the step."""
         steps = record / self.step
         if record > self.horizon:
             raise refuse("experiment.record.beyond-horizon", "record", record, horizon=self.horizon)
@@ -234,6 +237,7 @@ class Experiment(Strict):
                 yield f"{group}[{index}].signal", getattr(item, "signal", None)
 
     def _check_labels(self) -> None:
+        """Refuse repeated labels of observers and names of figures."""
         for field, names in (
             ("observers[{}].label", [item.label for item in self.observers]),
             ("figures[{}].name", [item.name for item in self.figures]),
@@ -243,6 +247,7 @@ class Experiment(Strict):
                     raise refuse("experiment.name.repeated", field.format(index), name, name=name)
 
     def _check_commands(self) -> None:
+        """Refuse times of commands that are not multiples of the step or not in order."""
         before = 0.0
         for index, command in enumerate(self.commands):
             steps = command.at / self.step

@@ -38,8 +38,8 @@ class FieldError(Strict):
         default="", description="Key of the problem's sentence in the catalogues, GET /api/messages/{language}."
     )
     args: dict[str, JsonValue] = Field(default_factory=dict, description="Arguments of both sentences by name.")
-    problem: str = Field(description="What is wrong with the value, in the asked language.")
-    remedy: str = Field(description="How to correct it, in the asked language.")
+    problem: str = Field(description="The problem, in the requested language.")
+    remedy: str = Field(description="The remedy, in the requested language.")
 
     def rendered(self, render: Render) -> "FieldError":
         """Return this error with problem and remedy in the words of `render`."""
@@ -71,6 +71,7 @@ def field_errors(
 
 
 def _field_error(error: Mapping[str, Any], data: object, render: Render) -> FieldError:
+    """Return one of pydantic's errors in this project's form."""
     context = error.get("ctx") or {}
     path, value = _path(error["loc"], data, error["type"]), error.get("input")
     if error["type"] == "refused":

@@ -17,7 +17,7 @@ class Noise(Strict):
 
 
 class ContinuousMeasurement(Strict):
-    """Observers see y(t) at all times."""
+    """Continuous measurement: observers see y(t) at all times."""
 
     model_config = example(mode="continuous")
 
@@ -25,7 +25,7 @@ class ContinuousMeasurement(Strict):
 
 
 class SampledMeasurement(Strict):
-    """Observers see y at 0, period, 2·period, …, held in between."""
+    """Sampled measurement: observers see y at 0, period, 2·period, …, held in between."""
 
     model_config = example(mode="sampled", period=0.1)
 

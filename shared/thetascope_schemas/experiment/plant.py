@@ -29,7 +29,7 @@ from thetascope_schemas.texts.refusal import refuse, suggestion
 
 
 class ContinuousTime(Strict):
-    """The dynamics give derivatives."""
+    """Continuous time: the dynamics are derivatives."""
 
     model_config = example(kind="continuous")
 
@@ -37,7 +37,7 @@ class ContinuousTime(Strict):
 
 
 class DiscreteTime(Strict):
-    """The dynamics give the next sample's values."""
+    """Discrete time: the dynamics are the values at the next sample."""
 
     model_config = example(kind="discrete", period=0.01)
 
@@ -228,6 +228,7 @@ class Plant(Strict):
 
     @model_validator(mode="after")
     def _consistent(self) -> "Plant":
+        """Refuse repeated or unknown names, and states without an equation."""
         self._check_unique()
         check_known(self.dynamics, self.names("states"), "dynamics", "plant.state.unknown")
         for state in self.names("states"):
@@ -244,11 +245,11 @@ class Plant(Strict):
 
     def _check_unique(self) -> None:
         """Refuse a repeated name, so that expressions, columns and messages are never ambiguous."""
-        seen: dict[str, str] = {}
+        declared: dict[str, str] = {}
         for field, name in self._declared():
-            if name in seen:
-                raise refuse("plant.name.repeated", field, name, name=name, by=seen[name])
-            seen[name] = field
+            if name in declared:
+                raise refuse("plant.name.repeated", field, name, name=name, by=declared[name])
+            declared[name] = field
 
     def _declared(self) -> Iterator[tuple[str, str]]:
         """Yield the path and the value of every declared name."""

@@ -45,7 +45,7 @@ def check_width(width: float, period: float) -> None:
 
 
 class ConstantSignal(Strict):
-    """The same value at all times."""
+    """A constant value."""
 
     model_config = example(kind="constant", value=0.08)
 

@@ -102,6 +102,6 @@ class Facts(Strict):
     alarm_verdicts: tuple[AlarmOutcome, ...] = Field(default=(), description="The verdict on each alarm.")
     fault_outcomes: tuple[FaultOutcome, ...] = Field(default=(), description="The outcome for each fault so far.")
     unseen: tuple[str, ...] = Field(
-        default=(), description="Ids of the active faults that no alarm names now, one for each site."
+        default=(), description="Ids of the active faults that no present alarm names, one for each site."
     )
     summary: Text = Field(description="The diagnosis in one sentence.")

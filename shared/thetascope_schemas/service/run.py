@@ -63,7 +63,7 @@ _SUMMARY = {
 
 
 class Problem(Strict):
-    """A refusal or failure as application/problem+json (RFC 9457), with its sentences in the asked language."""
+    """A refusal or failure as application/problem+json (RFC 9457), with its sentences in the requested language."""
 
     model_config = example(**_PROBLEM)
 

@@ -10,7 +10,7 @@ samples: a header of HEADER (little endian), then `count` float32 values of each
     columns   uint32   columns in this frame
 
 A slow viewer gets fewer, larger frames, whose `sequence` is that of the last frame they cover (0 if the server no
-longer knows it). A viewer that is too far behind jumps (see Jump).
+longer knows it). Rows are skipped for a viewer that is too far behind (see Jump).
 
 A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
 missed; otherwise, or if the server no longer knows that frame, it gets all rows again.

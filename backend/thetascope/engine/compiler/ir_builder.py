@@ -111,6 +111,7 @@ class Writer:
         return self._logic(op, args)
 
     def _logic(self, op: str, args: list[str]) -> str:
+        """Append a comparison, selection, sign or signed power, and return its value."""
         zero = self.const(0.0)
         if op in _COMPARE:
             return self.flag(self.compare(_COMPARE[op], args[0], args[1]))

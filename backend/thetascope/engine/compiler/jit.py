@@ -36,6 +36,7 @@ class Segments:
 
 @lru_cache(maxsize=1)
 def _machine() -> llvm.TargetMachine:
+    """Return LLVM's target machine for this processor."""
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_default_triple()
@@ -46,7 +47,7 @@ def _machine() -> llvm.TargetMachine:
 
 @lru_cache(maxsize=1)
 def platform_key() -> str:
-    """Return a hash of what machine code depends on beside the program: processor, compiler, engine's source."""
+    """Return a hash of the processor, the compiler and the engine's source: machine code depends on them, too."""
     _machine()
     cpu = (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten(), llvmlite.__version__)
     return hashlib.sha256(repr((cpu, cache.package_digest())).encode()).hexdigest()

@@ -72,6 +72,7 @@ class Lowering:
         return node
 
     def _lower(self, e: sympy.Expr) -> int:
+        """Return the node of an expression that has not been lowered yet."""
         g = self.graph
         if e.is_Symbol:
             if e.name not in self.known:
@@ -88,6 +89,7 @@ class Lowering:
         return self._function(e)
 
     def _sum(self, e: sympy.Add) -> int:
+        """Return the node of a sum, terms in the order of their ranks."""
         # positive terms first, so that negative ones become subtractions
         terms = [self(a) for a in sorted(e.args, key=lambda a: a.could_extract_minus_sign())]
         return reduce(self.graph.add, sorted(terms, key=self.rank))
@@ -96,6 +98,7 @@ class Lowering:
         return reduce(self.graph.mul, sorted(factors, key=self.rank), self.graph.const(1.0))
 
     def _product(self, e: sympy.Mul) -> int:
+        """Return the node of a product as one quotient, factors in the order of their ranks."""
         numerator = [a for a in e.args if not _is_reciprocal(a)]
         denominator = [1 / a for a in e.args if _is_reciprocal(a)]
         # 1/parameter is the same in every step: it is computed once, and a product is much faster than a division
@@ -108,6 +111,7 @@ class Lowering:
         return self.graph.div(top, self._multiply([self(b) for b in denominator])) if denominator else top
 
     def _power(self, e: sympy.Pow) -> int:
+        """Return the node of a power; a power of e is an exponential."""
         if e.base == sympy.E:
             return self.graph.call("exp", self(e.exp))
         if e.exp.is_Number:
@@ -115,6 +119,7 @@ class Lowering:
         return self.graph.call("pow", self(e.base), self(e.exp))
 
     def _function(self, e: sympy.Function) -> int:
+        """Return the node of a function. Raises ValueError if the engine does not have it."""
         name = e.func.__name__
         args = [self(a) for a in e.args]
         if name in ("Min", "Max"):

@@ -53,7 +53,7 @@ def value_of(node: Node) -> float:
 
 
 def exact_of(node: Node) -> Fraction | None:
-    """Return the value as a fraction if + − · / and integer powers of small integers give it, else None."""
+    """Return the value as a fraction if it results from + − · / and integer powers of small integers, else None."""
     parts = [arg.exact for arg in node.args if arg.exact is not None]
     if len(parts) < len(node.args):
         return None

@@ -122,6 +122,7 @@ class _Builder:
         return Pow(divisor, -1)
 
     def power(self, node: Node) -> Expr:
+        """Return a power. Refuses a negative power of a base that cancels to zero."""
         base, exponent = node.args
         if exponent.value is not None:
             built = self.build(base)

@@ -94,6 +94,7 @@ class Model:
         return parse(text, self._symbols, field).sympy(self._symbols)
 
     def _definition(self, i: int, data: Mapping) -> Definition:
+        """Return the i-th definition, and declare its symbol for later expressions."""
         expression = self._text(data["expression"], f"definitions.{i}.expression")
         low, high = (
             self._bound(b, f"definitions.{i}.domain.{k}") for k, b in enumerate(data.get("domain") or (None, None))

@@ -83,14 +83,14 @@ def time_program(text: str) -> Program:
     return _written(["time", text], write).program
 
 
-def derived(what: list, write: Callable[[], Program]) -> Program:
-    """Return a program that `write` derives from another; the key ``what`` must contain the digest of the latter."""
-    return _written(what, lambda: Written(write(), {})).program
+def derived(inputs: list, write: Callable[[], Program]) -> Program:
+    """Return a program that `write` derives from another; ``inputs`` must contain the digest of the latter."""
+    return _written(inputs, lambda: Written(write(), {})).program
 
 
-def _written(what: list, write: Callable[[], Written]) -> Written:
-    """Return the program of a key, in JSON values; `write` computes it if neither memory nor disk has it."""
-    text = json.dumps([what, cache.package_digest()], sort_keys=True, separators=(",", ":"))
+def _written(inputs: list, write: Callable[[], Written]) -> Written:
+    """Return the program determined by `inputs` (JSON values): from memory, else from disk, else from `write`."""
+    text = json.dumps([inputs, cache.package_digest()], sort_keys=True, separators=(",", ":"))
     key = hashlib.sha256(text.encode()).hexdigest()
     with _lock:
         if key in _memory:
