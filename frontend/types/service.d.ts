@@ -47,7 +47,7 @@ export interface Alarm {
   channel: string;
   /** Of an unexplained fault: the output whose residual shows it. */
   output: string;
-  /** Other channels that explain the data. */
+  /** Other channels that explain the data equally well. */
   alternatives: (string)[];
   /** Estimated time in s at which the fault began. */
   onset: number;
@@ -259,7 +259,7 @@ export interface ComparisonRow {
   isolation_errors: number | null;
   /** Median delay in s of the faults found. */
   delay: number | null;
-  /** Seconds after the end of a fault in which an alarm is not false, because θ̂ still returns. */
+  /** Seconds after the end of a fault in which an alarm does not count as false, because θ̂ is returning to 0. */
   grace: number;
   /** Measured processor time in µs per simulated second; it differs between runs. */
   cost: number | null;
@@ -536,7 +536,7 @@ export interface Experiment {
   description: string;
   /** Source of the experiment, such as a paper and its figure. */
   source: string;
-  /** Errors of the printed source. */
+  /** Errors in the printed source. */
   errata: (string)[];
   /** Id of a library plant, or a complete plant. */
   plant: string | Plant;
@@ -544,9 +544,9 @@ export interface Experiment {
   parameters: {[name: string]: number};
   /** Initial states that differ from the plant's values. */
   initial: {[name: string]: number};
-  /** Signal u(t) of each input, by name. */
+  /** Inputs u(t) that differ from the plant's defaults, by name. */
   inputs: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
-  /** Course φ(t) of each known signal, by name. */
+  /** Known signals φ(t) that differ from the plant's defaults, by name. */
   signals: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
   faults: (StepFault | RampFault | DriftFault | ExponentialFault | SineFault | PulseTrainFault | RandomWalkFault | TableFault | StuckFault | FreezeFault | DropoutFault | OutliersFault | NoiseBurstFault | QuantisationFault | DelayFault)[];
   /** Measurement noise of each output, by name. */
@@ -577,7 +577,7 @@ export interface ExperimentInput {
   description?: string | {[name: string]: string};
   /** Source of the experiment, such as a paper and its figure. */
   source?: string | {[name: string]: string};
-  /** Errors of the printed source. */
+  /** Errors in the printed source. */
   errata?: (string | {[name: string]: string})[];
   /** Id of a library plant, or a complete plant. */
   plant: string | PlantInput;
@@ -585,9 +585,9 @@ export interface ExperimentInput {
   parameters?: {[name: string]: number};
   /** Initial states that differ from the plant's values. */
   initial?: {[name: string]: number};
-  /** Signal u(t) of each input, by name. */
+  /** Inputs u(t) that differ from the plant's defaults, by name. */
   inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
-  /** Course φ(t) of each known signal, by name. */
+  /** Known signals φ(t) that differ from the plant's defaults, by name. */
   signals?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
   faults?: (StepFaultInput | RampFaultInput | DriftFaultInput | ExponentialFaultInput | SineFaultInput | PulseTrainFaultInput | RandomWalkFaultInput | TableFaultInput | StuckFaultInput | FreezeFaultInput | DropoutFaultInput | OutliersFaultInput | NoiseBurstFaultInput | QuantisationFaultInput | DelayFaultInput)[];
   /** Measurement noise of each output, by name. */
@@ -682,9 +682,9 @@ export interface Facts {
   observers: (ObserverNow)[];
   /** All faults, past and future, in the order of the experiment. */
   faults: (FaultNow)[];
-  /** Measurement noise by output, of the noisy outputs. */
+  /** Measurement noise of the noisy outputs, by name. */
   noise: {[name: string]: Noise};
-  /** Time in s at which the plant diverged. */
+  /** Time in s at which the plant diverged; null: it has not. */
   broken: number | null;
   /** The detector's alarms up to that time, in order of time. */
   alarms: (Alarm)[];

@@ -123,7 +123,7 @@ class Alarm(Strict):
     )
     channel: str = Field(default="", description="The channel that explains the data best; empty if none does.")
     output: str = Field(default="", description="Of an unexplained fault: the output whose residual shows it.")
-    alternatives: tuple[str, ...] = Field(default=(), description="Other channels that explain the data.")
+    alternatives: tuple[str, ...] = Field(default=(), description="Other channels that explain the data equally well.")
     onset: Number = Field(description="Estimated time in s at which the fault began.")
     onset_from: Number = Field(description="Earliest time in s at which it may have begun.")
     onset_to: Number = Field(description="Latest time in s at which it may have begun.")

@@ -78,7 +78,7 @@ class Experiment(Strict):
     title: Title = ""
     description: Prose = ""
     source: Prose = Field(default="", description="Source of the experiment, such as a paper and its figure.")
-    errata: tuple[Prose, ...] = Field(default=(), max_length=50, description="Errors of the printed source.")
+    errata: tuple[Prose, ...] = Field(default=(), max_length=50, description="Errors in the printed source.")
     plant: PlantChoice = Field(description="Id of a library plant, or a complete plant.")
     parameters: dict[Reference, Number] = Field(
         default_factory=dict, description="Parameters that differ from the plant's values."
@@ -86,9 +86,11 @@ class Experiment(Strict):
     initial: dict[Reference, Number] = Field(
         default_factory=dict, description="Initial states that differ from the plant's values."
     )
-    inputs: dict[Reference, Signal] = Field(default_factory=dict, description="Signal u(t) of each input, by name.")
+    inputs: dict[Reference, Signal] = Field(
+        default_factory=dict, description="Inputs u(t) that differ from the plant's defaults, by name."
+    )
     signals: dict[Reference, Signal] = Field(
-        default_factory=dict, description="Course φ(t) of each known signal, by name."
+        default_factory=dict, description="Known signals φ(t) that differ from the plant's defaults, by name."
     )
     faults: tuple[Fault, ...] = Field(default=(), max_length=MAX_FAULTS)
     noise: dict[Reference, Noise] = Field(

@@ -94,8 +94,8 @@ class Facts(Strict):
     t: Number = Field(description="The time in s: the end of a run, or the last row shown of a session.")
     observers: tuple[ObserverNow, ...]
     faults: tuple[FaultNow, ...] = Field(description="All faults, past and future, in the order of the experiment.")
-    noise: dict[str, Noise] = Field(description="Measurement noise by output, of the noisy outputs.")
-    broken: Number | None = Field(default=None, description="Time in s at which the plant diverged.")
+    noise: dict[str, Noise] = Field(description="Measurement noise of the noisy outputs, by name.")
+    broken: Number | None = Field(default=None, description="Time in s at which the plant diverged; null: it has not.")
     alarms: tuple[Alarm, ...] = Field(
         default=(), description="The detector's alarms up to that time, in order of time."
     )

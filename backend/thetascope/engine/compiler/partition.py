@@ -31,29 +31,29 @@ def partition(program: Program, differing: frozenset[str], staged: frozenset[str
     """
     graph = program.graph
     reached = _reached(program, set(differing))
-    mine = [i for i, s in enumerate(program.states) if s in reached]
-    common = [i for i, s in enumerate(program.states) if s not in reached]
-    roots = [program.update[i] for i in mine]
+    lane_states = [i for i, s in enumerate(program.states) if s in reached]
+    shared_states = [i for i, s in enumerate(program.states) if s not in reached]
+    roots = [program.update[i] for i in lane_states]
     differs = _depends(graph, program.update, reached)
-    moving = _depends(graph, program.update, {program.states[i] for i in common} | set(staged) | {"t"})
+    moving = _depends(graph, program.update, {program.states[i] for i in shared_states} | set(staged) | {"t"})
     handed = _frontier(graph, roots, differs, moving)
     lanes_graph, moved = _copy(graph, roots, {node: f"handed.{k}" for k, node in enumerate(handed)})
     names = tuple(f"handed.{k}" for k in range(len(handed)))
     lanes = replace(
         program,
-        states=tuple(program.states[i] for i in mine),
+        states=tuple(program.states[i] for i in lane_states),
         graph=lanes_graph,
         update=tuple(moved[r] for r in roots),
         inputs=program.inputs + names,
         outputs={},
     )
-    if not common and not handed:
+    if not shared_states and not handed:
         return Partition(None, lanes, (), ())
-    shared_roots = [program.update[i] for i in common]
+    shared_roots = [program.update[i] for i in shared_states]
     shared_graph, moved = _copy(graph, [*shared_roots, *handed], {})
     shared = replace(
         program,
-        states=tuple(program.states[i] for i in common),
+        states=tuple(program.states[i] for i in shared_states),
         graph=shared_graph,
         update=tuple(moved[r] for r in shared_roots),
         outputs={},
