@@ -259,7 +259,7 @@ export interface ComparisonRow {
   isolation_errors: number | null;
   /** Median delay in s of the faults found. */
   delay: number | null;
-  /** Seconds after the end of a fault in which an alarm does not count as false, because θ̂ is returning to 0. */
+  /** Seconds after the end of a fault in which an alarm is not false, because θ̂ is returning to 0. */
   grace: number;
   /** Measured processor time in µs per simulated second; it differs between runs. */
   cost: number | null;

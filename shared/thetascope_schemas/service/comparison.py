@@ -136,7 +136,7 @@ class ComparisonRow(Strict):
     )
     delay: Number | None = Field(default=None, description="Median delay in s of the faults found.")
     grace: Number = Field(
-        description="Seconds after the end of a fault in which an alarm does not count as false, because θ̂ is returning to 0."
+        description="Seconds after the end of a fault in which an alarm is not false, because θ̂ is returning to 0."
     )
     cost: Number | None = Field(
         default=None, description="Measured processor time in µs per simulated second; it differs between runs."
