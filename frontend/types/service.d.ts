@@ -1830,7 +1830,7 @@ export interface RunList {
 export interface RunRequest {
   /** Id of a library experiment. */
   experiment: string;
-  /** Path: new value. Items of lists by index, label or name; a number for an input is that constant. */
+  /** Path → new value. Items of lists by index, label or name; a number for an input means a constant. */
   set?: {[name: string]: JsonValue};
 }
 
@@ -1893,13 +1893,13 @@ export interface SessionOpened {
 
 /** A session on an experiment of the library, or on a spec. */
 export interface SessionRequest {
-  /** Id of a library experiment … */
+  /** Id of a library experiment; an alternative to `spec`. */
   experiment?: string | null;
-  /** … and values changed by path, as for runs. */
+  /** Values to change in the library experiment, by path. */
   set?: {[name: string]: JsonValue};
-  /** Or a whole experiment, its timed commands included. */
+  /** A full experiment with its timed commands. */
   spec?: ExperimentInput | null;
-  /** Start the time immediately. */
+  /** Start playing immediately. */
   play?: boolean;
   /** Simulated seconds per second; null: as fast as possible. */
   speed?: number | null;

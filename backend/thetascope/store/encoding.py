@@ -44,7 +44,7 @@ def decode(head: str, data: bytes, rows: int) -> Result:
 
 
 def plain(value: object) -> Any:
-    """Facts that observers report, as JSON: arrays and NumPy numbers as lists and numbers, complex as [re, im]."""
+    """Return an observer's facts as JSON data: arrays and NumPy numbers as lists and numbers, complex as [re, im]."""
     if isinstance(value, np.ndarray | np.generic):
         return value.tolist()
     if isinstance(value, complex):

@@ -41,7 +41,9 @@ def _language(
     request: Request,
     lang: Annotated[
         str | None,
-        Query(max_length=35, description="Language of the sentences in the answer, over Accept-Language: en, zh."),
+        Query(
+            max_length=35, description="Language of the sentences in the answer: en or zh. Overrides Accept-Language."
+        ),
     ] = None,
 ) -> str:
     return language_of(request)

@@ -16,12 +16,14 @@ class SessionRequest(Strict):
 
     model_config = example(experiment="zhao-2012", play=True)
 
-    experiment: Identifier | None = Field(default=None, description="Id of a library experiment …")
-    set: dict[str, JsonValue] = Field(
-        default_factory=dict, max_length=200, description="… and values changed by path, as for runs."
+    experiment: Identifier | None = Field(
+        default=None, description="Id of a library experiment; an alternative to `spec`."
     )
-    spec: Experiment | None = Field(default=None, description="Or a whole experiment, its timed commands included.")
-    play: Flag = Field(default=True, description="Start the time immediately.")
+    set: dict[str, JsonValue] = Field(
+        default_factory=dict, max_length=200, description="Values to change in the library experiment, by path."
+    )
+    spec: Experiment | None = Field(default=None, description="A full experiment with its timed commands.")
+    play: Flag = Field(default=True, description="Start playing immediately.")
     speed: Annotated[float, Field(ge=0.1, le=1000, strict=True)] | None = Field(
         default=1.0, description="Simulated seconds per second; null: as fast as possible."
     )

@@ -30,9 +30,7 @@ REPORT_POLICY = (
 )
 """The report contains its script. A sandbox separates it from the program's origin, which it cannot access."""
 
-Names = Annotated[
-    str | None, Query(description="Columns, separated by commas; `*` stands for anything.", max_length=8000)
-]
+Names = Annotated[str | None, Query(description="Columns, separated by commas; `*` matches any text.", max_length=8000)]
 
 
 @router.get("/data", response_model=None, responses=documented(404, 409, 422))
@@ -45,8 +43,8 @@ async def get_data(
     columns: Names = None,
     start: time_span.First = None,
     end: time_span.Last = None,
-    every: Annotated[int, Query(ge=1, description="Take every n-th row.")] = 1,
-    points: Annotated[int | None, Query(ge=1, description="Take at most so many rows, evenly spaced.")] = None,
+    every: Annotated[int, Query(ge=1, description="Return every n-th row.")] = 1,
+    points: Annotated[int | None, Query(ge=1, description="Return at most this many rows, evenly spaced.")] = None,
 ) -> Response:
     """Return the recorded columns as CSV, JSON or MATLAB .mat (where dots in names become underscores).
 
@@ -123,7 +121,7 @@ async def get_report(
     id: str,
     services: Use,
     language: Language,
-    download: Annotated[bool, Query(description="Save it instead of showing it.")] = False,
+    download: Annotated[bool, Query(description="Send the report as a download.")] = False,
 ) -> Response:
     """Return the run as one HTML file that opens offline, in the requested language."""
 

@@ -19,7 +19,7 @@ from thetascope_schemas.service.run import Progress, Run
 router = APIRouter(prefix="/runs", tags=["runs"])
 
 Wait = Annotated[
-    float | None, Query(ge=0, description="Seconds to hold the answer for the run's end; the server has a default.")
+    float | None, Query(ge=0, description="Longest wait in s for the run's end; the server has a default.")
 ]
 
 

@@ -179,7 +179,7 @@ async def get_session_data(
     services: Use,
     start: time_span.First = None,
     end: time_span.Last = None,
-    every: Annotated[int, Query(ge=1, description="Take every n-th row.")] = 1,
+    every: Annotated[int, Query(ge=1, description="Return every n-th row.")] = 1,
     format: Annotated[
         Literal["json", "bdata", "csv", "mat"], Query(description="bdata: JSON with base64 of float64.")
     ] = "json",

@@ -25,7 +25,7 @@ Parts = list[tuple[Experiment, Rows]]
 
 
 @dataclass(frozen=True)
-class _Watch:
+class _Callbacks:
     """Callbacks of a run: ``progress`` is called with the share done; ``cancelled`` returns True to stop it."""
 
     progress: Callable[[float], None] | None
@@ -45,7 +45,7 @@ def run(
     stages = [Stage(0, stages)] if isinstance(stages, Experiment) else list(stages)
     seconds: dict[str, float] = {}
     clock = time.perf_counter()
-    parts, substeps = _stable(stages, _Watch(progress, cancelled))
+    parts, substeps = _stable(stages, _Callbacks(progress, cancelled))
     seconds["simulate"] = time.perf_counter() - clock
     clock = time.perf_counter()
     result = gather(parts, substeps, seconds)
@@ -60,7 +60,7 @@ def run(
 
 def spans_of(experiment: Experiment, substeps: int) -> Parts:
     """Return the rows of an experiment, computed with a number of substeps that is known to suffice."""
-    return _spans([Stage(0, experiment)], substeps, _Watch(None, None), watching=False)[0]
+    return _spans([Stage(0, experiment)], substeps, _Callbacks(None, None), check_step=False)[0]
 
 
 def alone(experiment: Experiment, substeps: int) -> dict[str, float]:
@@ -81,7 +81,7 @@ def alone(experiment: Experiment, substeps: int) -> dict[str, float]:
     return {first.label: costs([rows.spent])[first.label]}
 
 
-def _stable(stages: list[Stage], watch: _Watch) -> tuple[Parts, int]:
+def _stable(stages: list[Stage], callbacks: _Callbacks) -> tuple[Parts, int]:
     """Simulate; where a step exceeds RK4's stability bound, start again with sufficient substeps.
 
     A step that is too large can also cause a divergence in a transient too short to be seen at the recorded rows. A
@@ -90,33 +90,33 @@ def _stable(stages: list[Stage], watch: _Watch) -> tuple[Parts, int]:
     """
     given = stages[0].experiment.substeps
     if given is not None:
-        return _spans(stages, given, watch, watching=False)[0], max(s.experiment.substeps or 1 for s in stages)
+        return _spans(stages, given, callbacks, check_step=False)[0], max(s.experiment.substeps or 1 for s in stages)
     substeps = 1
-    parts, needed = _spans(stages, substeps, watch)
+    parts, needed = _spans(stages, substeps, callbacks)
     while needed > substeps:
         substeps = allowed(stages[0].experiment, needed)
-        parts, needed = _spans(stages, substeps, watch)
+        parts, needed = _spans(stages, substeps, callbacks)
     escaped = _escapes(parts)
     if escaped:
-        finer = _spans(stages, substeps * _FINER, _Watch(None, watch.cancelled))[0]
+        finer = _spans(stages, substeps * _FINER, _Callbacks(None, callbacks.cancelled))[0]
         if _escapes(finer) < escaped:
             return finer, substeps * _FINER
     return parts, substeps
 
 
-def _spans(stages: list[Stage], substeps: int, watch: _Watch, watching: bool = True) -> tuple[Parts, int]:
+def _spans(stages: list[Stage], substeps: int, callbacks: _Callbacks, check_step: bool = True) -> tuple[Parts, int]:
     """Return the rows up to the horizon, or up to where more substeps are needed, and the number of substeps needed."""
     parts: Parts = []
     total = stages[0].experiment.steps + 1  # one more: the rows of a span lie at the beginnings of its steps
     for state, experiment, rows in spans(stages, total, substeps):
-        if watch.cancelled is not None and watch.cancelled():
+        if callbacks.cancelled is not None and callbacks.cancelled():
             raise Cancelled("the run was cancelled")
         parts.append((experiment, rows))
-        needed = needed_substeps(experiment, rows) if watching else 1
+        needed = needed_substeps(experiment, rows) if check_step else 1
         if needed > substeps:
             return parts, needed
-        if watch.progress is not None:
-            watch.progress(min(1.0, state.k / total))
+        if callbacks.progress is not None:
+            callbacks.progress(min(1.0, state.k / total))
     return parts, substeps
 
 

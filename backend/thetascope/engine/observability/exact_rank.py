@@ -15,7 +15,7 @@ class Elimination:
 
     @property
     def rank(self) -> int:
-        """The rank of the rows so far."""
+        """Return the rank of the rows so far."""
         return len(self.rows)
 
     def take(self, row: Row) -> bool:

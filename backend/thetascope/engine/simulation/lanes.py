@@ -28,7 +28,7 @@ class Blocks:
 
     @property
     def count(self) -> int:
-        """Number of blocks."""
+        """Return the number of blocks."""
         return -(-self.runs // self.width)
 
     @cached_property

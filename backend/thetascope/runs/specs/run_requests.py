@@ -19,7 +19,7 @@ class RunRequest(Strict):
     set: dict[str, JsonValue] = Field(
         default_factory=dict,
         max_length=200,
-        description="Path: new value. Items of lists by index, label or name; a number for an input is that constant.",
+        description="Path → new value. Items of lists by index, label or name; a number for an input means a constant.",
     )
 
 

@@ -1,7 +1,7 @@
-"""Observability and excitation along a run, from the Jacobians that an observer recorded.
+"""Checks of observability and excitation along a run, from the Jacobians that an observer recorded.
 
-States are scaled to their size, faults to their typical size and outputs by R, so that the numbers have no units: an
-excitation of 1 means that in one window a fault of typical size stands out by one standard deviation.
+States are scaled by their size, faults by their typical size and outputs by R, so that the numbers have no units: an
+excitation of 1 means that within one window a fault of typical size changes the outputs by one standard deviation.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from thetascope.engine.observers.support.kalman_defaults import output_scales, s
 from thetascope.engine.observers.support.matrices import Matrix
 from thetascope.messages import Message
 
-LARGEST = 12  # states, up to which Jacobians are recorded
+LARGEST = 12  # number of states up to which Jacobians are recorded
 RANK = 1e-9  # relative size of a singular value that counts as zero
 _POINTS = 60
 _WINDOW = 600  # rows
@@ -97,12 +97,12 @@ def observability(run: Observed, source: str) -> Check:
 
 
 def _over(run: Observed, A: np.ndarray, time: float) -> np.ndarray:
-    """The transition matrix over ``time`` with A frozen; for a plant in discrete time its own map is one step."""
+    """Return the transition matrix over ``time`` for constant A; for a discrete plant, that of one step."""
     return A if run.context.model["time"]["kind"] == "discrete" else _exponential(A * time)
 
 
 def _exponential(M: np.ndarray) -> np.ndarray:
-    """exp of a matrix or of a stack of them at once: Taylor to order 8 on M/2^s, squared s times."""
+    """Return exp of a matrix or of a stack of matrices: Taylor to order 8 on M/2^s, squared s times."""
     norm = np.abs(M).sum(axis=-1).max()
     squarings = max(0, int(np.ceil(np.log2(norm))) + 2) if norm > 0 else 0
     term = result = np.broadcast_to(np.eye(M.shape[-1]), M.shape)
@@ -115,14 +115,14 @@ def _exponential(M: np.ndarray) -> np.ndarray:
 
 
 def closed_loop(run: Observed, source: str, period: float | None = None) -> Check:
-    """Eigenvalues of A − KC (of F(I − KC) over a sample ``period``) with K = P Cᵀ R⁻¹, frozen along the run."""
+    """Check the eigenvalues of A − KC (F(I − KC) over a sample ``period``), K = P Cᵀ R⁻¹, frozen along the run."""
     name = stability("A − KC", discrete=False) if period is None else stability("F(I − KC)", discrete=True)
     if not run.facts["linearised"]:
         return _too_large(name, run, source)
     n, m = run.context.n, run.context.m
     A, C, P = run.matrix("A", n, n), run.matrix("C", m, n), run.matrix("P", n, n, symmetric=True)
     rows = _picked(A, C, P)
-    rows = rows[rows > len(P) // 10]  # what P(0) makes of the first instants is not the theorem's concern
+    rows = rows[rows > len(P) // 10]  # the transient of P(0) is not subject to the theorem
     if not len(rows):
         return Check(name, CANNOT_TELL, NO_ESTIMATE, source=source)
     worst = []
@@ -162,12 +162,12 @@ def excitation_check(run: Observed, level: np.ndarray, source: str) -> Check:
 
 
 def joint_observability(run: Observed, period: float, source: str) -> Check:
-    """λmin of the observability Gramian of (x, θ) over windows along the run: can this input tell all of them apart?"""
+    """Check λmin of the observability Gramian of (x, θ) over windows: whether this input excites all directions."""
     name, delta = Message("check.joint-observability"), run.gain("delta")
     if not run.facts["linearised"]:
         return _too_large(name, run, source)
-    asked = max(2, round(run.gain("window") / run.record))
-    length = min(asked, _WINDOW)
+    requested = max(2, round(run.gain("window") / run.record))
+    length = min(requested, _WINDOW)
     matrices = _matrices(run)
     rows = len(run.values["t"])
     starts = np.unique(np.linspace(0, rows - length, 6).astype(int)) if rows >= length else np.empty(0, dtype=int)
@@ -175,7 +175,9 @@ def joint_observability(run: Observed, period: float, source: str) -> Check:
     if not found:
         return Check(name, CANNOT_TELL, Message("check.window.short-or-infinite"), None, delta, source)
     value, span = float(min(found)), length * run.record
-    holds = None if value < delta and length < asked else value >= delta  # a shorter window than asked proves nothing
+    holds = (
+        None if value < delta and length < requested else value >= delta
+    )  # a window shorter than requested proves nothing
     return Check(
         name,
         verdict(holds),
@@ -187,7 +189,7 @@ def joint_observability(run: Observed, period: float, source: str) -> Check:
 
 
 def _gramian(run: Observed, matrices: tuple[np.ndarray, ...], first: int, length: int, period: float) -> float | None:
-    """λmin of Σ Φᵀ Hᵀ R⁻¹ H Φ over ``length`` rows, Φ the transition of (x, θ) since the first of them."""
+    """Return λmin of Σ Φᵀ Hᵀ R⁻¹ H Φ over ``length`` rows, with Φ the transition of (x, θ) since the first row."""
     A, C, Phi, Psi = (M[first : first + length] for M in matrices)
     if not all(np.isfinite(M).all() for M in (A, C, Phi, Psi)):
         return None
