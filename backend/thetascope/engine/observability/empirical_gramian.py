@@ -50,10 +50,10 @@ class Empirical:
     @property
     def text(self) -> Message:
         """Return the ranks, the conditions and the least visible combination in a sentence."""
-        seen, size = self.rank[self.rank >= 0], len(self.names)
-        if not len(seen):
+        ranks, size = self.rank[self.rank >= 0], len(self.names)
+        if not len(ranks):
             return Message("gramian.diverges")
-        low, high = int(seen.min()), int(seen.max())
+        low, high = int(ranks.min()), int(ranks.max())
         rank = Message("gramian.ranks", low=low, high=high) if low < high else low
         least = np.where(self.rank >= 0, self.singular[:, -1], np.inf)
         k = int(least.argmin())
@@ -137,14 +137,14 @@ def _sensitivity(
         ends = []
         for sign in (1.0, -1.0):
             change = sign * size * scales[name]
-            here, begin = e, state
+            changed, begin = e, state
             if name in e.plant.states:
                 x = state.plant.copy()
                 x[e.plant.states.index(name)] += change
                 begin = replace(state, plant=x)
             else:
-                here = replace(e, signals=e.signals | {name: total([e.signals[name], constant(change)])})
-            parts = [r.y for _, r in Simulation(here, here.substeps or 1).spans((rows - 1) * e.every + 1, begin)]
+                changed = replace(e, signals=e.signals | {name: total([e.signals[name], constant(change)])})
+            parts = [r.y for _, r in Simulation(changed, changed.substeps or 1).spans((rows - 1) * e.every + 1, begin)]
             ends.append(np.concatenate(parts)[::stride])
         with np.errstate(invalid="ignore"):  # a plant that diverges
             columns.append((ends[0] - ends[1]) / (2 * size))

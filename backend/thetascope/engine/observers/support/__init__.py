@@ -1,1 +1,1 @@
-"""What an observer's file is written with: the draft, defaults, checks."""
+"""Tools for writing an observer: the draft of its equations, defaults of gains, checks."""

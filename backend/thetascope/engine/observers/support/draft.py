@@ -1,6 +1,6 @@
-"""Draft: the equations of one observer for one plant. They use t, u, the known signals φ and the measured y, nothing else.
+"""Draft: the equations of one observer for one plant, as functions of t, u, the known signals φ and the measured y.
 
-The plant's state and the true θ have no symbol here, so an observer cannot see them.
+The plant's state and the true θ have no symbol here, so an observer cannot use them.
 """
 
 from __future__ import annotations
@@ -61,17 +61,17 @@ class Draft:
 
     @property
     def n(self) -> int:
-        """The number of states."""
+        """Return the number of states."""
         return self.model.n
 
     @property
     def m(self) -> int:
-        """The number of outputs."""
+        """Return the number of outputs."""
         return self.model.m
 
     @property
     def p(self) -> int:
-        """The number of fault channels to estimate."""
+        """Return the number of fault channels to estimate."""
         return len(self.channels)
 
     def gain(self, name: str) -> Any:
@@ -85,11 +85,11 @@ class Draft:
 
     @property
     def period(self) -> Symbol:
-        """The sample period in seconds (discrete observers)."""
+        """Return the sample period in seconds (discrete observers)."""
         return sympy.Symbol("g.period", real=True, positive=True)
 
     def measured(self, when: str = START) -> Matrix:
-        """Return y as measured (m×1). Discrete observers have it at the START of the sample interval, and NOW, at its end."""
+        """Return y as measured (m×1). Discrete observers have it at START and, for the end of the sample interval, NOW."""
         return self._matrix(column(symbols(f"{when}y", self.model.outputs)), "y")
 
     def inputs(self, when: str = START) -> Matrix:
@@ -98,12 +98,12 @@ class Draft:
 
     @property
     def x0(self) -> Matrix:
-        """The initial estimate of the state, given at run time (n×1)."""
+        """Return the initial estimate of the state, given at run time (n×1)."""
         return self._matrix(column(symbols("x0", self.model.states)), "x0")
 
     @property
     def theta0(self) -> Matrix:
-        """The initial estimate of θ, given at run time (p×1)."""
+        """Return the initial estimate of θ, given at run time (p×1)."""
         return self._matrix(column(symbols("theta0", self.channels)), "theta0")
 
     # ---- declarations ------------------------------------------------------------------------------------------------
@@ -152,10 +152,10 @@ class Draft:
 
         Args:
             name: unique in the draft.
-            value: a scalar or a matrix. Numbers and symbols in it stay as they are.
+            value: a scalar or a matrix. Numbers and symbols in it stay unchanged.
             symmetric: the value is symmetric, so it is computed above the diagonal only.
 
-        Raises ValueError where the name is taken.
+        Raises ValueError if the name exists.
         """
         if not isinstance(value, Matrix):
             return self._let(name, expression(value))
@@ -202,7 +202,7 @@ class Draft:
         self._products.setdefault((right.entries.T, left.entries.T), product.T)
 
     def set(self, states: Symbol | Matrix, value: Matrix | Expr | float) -> None:
-        """Give the derivative (continuous time) or the next value (discrete time) of states.
+        """Set the derivative (continuous time) or the next value (discrete time) of states.
 
         The value of a symmetric matrix must be symmetric. Raises ValueError for a second value, another shape, or a
         state that was not declared.
@@ -228,20 +228,20 @@ class Draft:
         self._update[state] = value
 
     def output(self, name: str, value: Expr) -> None:
-        """Offer a quantity to be recorded, for example ``Omega.0.1``. Raises ValueError where the name is taken."""
+        """Declare a quantity that can be recorded, for example ``Omega.0.1``. Raises ValueError if the name exists."""
         if name in self._outputs:
             raise ValueError(f"the output {name} is offered twice")
         self._outputs[name] = expression(value)
 
     def outputs(self, name: str, matrix: Matrix) -> None:
-        """Offer all entries of a matrix as ``name.i.j``."""
+        """Declare all entries of a matrix as outputs ``name.i.j``."""
         rows, columns = matrix.shape
         for i in range(rows):
             for j in range(columns):
                 self.output(f"{name}.{i}.{j}", matrix[i, j])
 
     def estimates(self, x: Iterable[Expr], theta: Iterable[Expr] | None, y: Iterable[Expr]) -> None:
-        """Offer x̂ (in the user's coordinates), θ̂ and ŷ, the columns L.x.*, L.theta.* and L.y.* of a run."""
+        """Declare x̂ (in the plant's coordinates), θ̂ and ŷ as outputs: columns L.x.*, L.theta.* and L.y.* of a run."""
         groups = (("x", self.model.states, x), ("theta", self.channels, theta), ("y", self.model.outputs, y))
         for prefix, names, values in groups:
             for name, value in zip(names, values, strict=True) if values is not None else ():
@@ -257,15 +257,15 @@ class Draft:
     ) -> ModelAt:
         """Return the plant's model at an estimate.
 
-        Equations that are affine in the states take x̂ as it is. The others, an h that is not affine, and the fault
-        coefficients take x̂ saturated to the plant's domain, and definitions saturated to theirs.
+        Equations that are affine in the states use x̂ unchanged. The others, an h that is not affine, and the fault
+        coefficients use x̂ saturated to the plant's domain, and definitions saturated to theirs.
 
         Args:
             x: the estimate of the state (n×1).
             theta: the estimate of θ (p×1), for the Jacobians.
             when: inputs and signals are those at START, MIDDLE, END, NOW, or at a fraction of the sample interval (on the
                 parabola through the first three).
-            saturate: False leaves the model as it is.
+            saturate: False uses the model without saturation.
             model: another model of the plant, with the same states, inputs and outputs.
         """
         return self._points.at(model or self.model, x, None if theta is None else list(theta), when, saturate)
@@ -277,7 +277,7 @@ class Draft:
 
     @property
     def definitions(self) -> tuple[tuple[Symbol, Expr], ...]:
-        """The intermediate results in their order."""
+        """Return the intermediate results in their order."""
         return tuple(self._definitions.items())
 
     def system(self, name: str) -> System:

@@ -19,7 +19,7 @@ def joseph(d: Draft, name: str, P: Matrix, K: Matrix, C: Matrix, R: Matrix) -> M
 
 
 def solve(draft: Draft, name: str, M: Matrix, b: Matrix) -> Matrix:
-    """Return M⁻¹ b by Gaussian elimination. Pivots are chosen by structure: the first entry that is not identically zero.
+    """Return M⁻¹ b by Gaussian elimination with structural pivots: the first entry that is not identically zero.
 
     Raises ZeroDivisionError if M is structurally singular. A pivot that vanishes at run time gives a division by zero.
     """
@@ -49,7 +49,7 @@ def solve(draft: Draft, name: str, M: Matrix, b: Matrix) -> Matrix:
 def cholesky(draft: Draft, name: str, M: Matrix) -> Matrix:
     """Return the lower triangular L with L Lᵀ = M for symmetric positive definite M. Only the lower triangle is read.
 
-    A pivot that rounding has made negative or tiny is taken as 1e-15 of its diagonal entry.
+    A pivot that is negative or tiny by rounding is replaced by 1e-15 of its diagonal entry.
     """
     size = M.shape[0]
     L = sympy.zeros(size, size)

@@ -30,7 +30,7 @@ _WINDOW = 600  # rows
 
 
 def offer_linearisation(d: Draft, A: Matrix, C: Matrix, Phi: Matrix, Psi: Matrix) -> None:
-    """Offer the model's Jacobians for the checks, unless the plant is so large that they would slow the run."""
+    """Declare the model's Jacobians as outputs for the checks, unless a large plant would make this slow the run."""
     d.facts["linearised"] = d.n <= LARGEST
     if d.facts["linearised"]:
         for name, matrix in (("A", A), ("C", C), ("Phi", Phi), ("Psi", Psi)):
@@ -38,7 +38,7 @@ def offer_linearisation(d: Draft, A: Matrix, C: Matrix, Phi: Matrix, Psi: Matrix
 
 
 def _matrices(run: Observed) -> tuple[np.ndarray, ...]:
-    """A, C, Φ, Ψ at every row, scaled: shapes (time, n, n), (time, m, n), (time, n, p), (time, m, p)."""
+    """Return A, C, Φ, Ψ at every row, scaled: (time, n, n), (time, m, n), (time, n, p), (time, m, p)."""
     c, p = run.context, len(run.channels)
     x, y, theta = (np.array(s) for s in (state_scales(c), output_scales(c), typical_sizes(c)))
     A = run.matrix("A", c.n, c.n) * x / x[:, None]
@@ -49,7 +49,7 @@ def _matrices(run: Observed) -> tuple[np.ndarray, ...]:
 
 
 def _picked(*matrices: np.ndarray) -> np.ndarray:
-    """Rows, spread over the run, at which all are finite."""
+    """Return rows, spread over the run, at which all matrices are finite."""
     finite = np.flatnonzero(np.all([np.isfinite(M).all(axis=(1, 2)) for M in matrices], axis=0))
     return (
         finite[np.unique(np.linspace(0, len(finite) - 1, min(_POINTS, len(finite))).astype(int))]
@@ -68,7 +68,7 @@ def _too_large(name: Message, run: Observed, source: str) -> Check:
 
 
 def observability(run: Observed, source: str) -> Check:
-    """Rank of the observability matrix of (A, C), frozen along the run."""
+    """Check the rank of the observability matrix of (A, C), frozen along the run."""
     name = Message("check.observability")
     if not run.facts["linearised"]:
         return _too_large(name, run, source)
@@ -148,8 +148,10 @@ def closed_loop(run: Observed, source: str, period: float | None = None) -> Chec
 
 
 def excitation(run: Observed, samples: float = 1.0) -> np.ndarray:
-    """λmin of ∫ ΩᵀR⁻¹Ω dt over the last window, in typical faults, at every row; ``samples``: measurements per second
-    where R is the variance of one measurement, 1 where it is an intensity."""
+    """Return λmin of ∫ ΩᵀR⁻¹Ω dt over the last window, in typical faults, at every row.
+
+    ``samples``: measurements per second where R is the variance of one measurement, 1 where it is an intensity.
+    """
     omega = run.matrix("Omega", run.context.m, len(run.channels))
     r = np.stack([np.broadcast_to(run.values[f"g.r.{i}"], len(omega)) for i in range(run.context.m)], axis=1)
     scaled = omega * typical_sizes(run.context) / np.sqrt(r)[:, :, None]
@@ -157,7 +159,7 @@ def excitation(run: Observed, samples: float = 1.0) -> np.ndarray:
 
 
 def excitation_check(run: Observed, level: np.ndarray, source: str) -> Check:
-    """Check that λmin of ∫ΩᵀR⁻¹Ω dt stays above δ once Υ has settled; ``level`` is λmin at every row (``excitation``)."""
+    """Check that λmin of ∫ΩᵀR⁻¹Ω dt, ``level`` at every row (``excitation``), stays above δ once Υ has settled."""
     return excitation_above(run, level, source, "check.excitation.weighted")
 
 
@@ -171,17 +173,17 @@ def joint_observability(run: Observed, period: float, source: str) -> Check:
     matrices = _matrices(run)
     rows = len(run.values["t"])
     starts = np.unique(np.linspace(0, rows - length, 6).astype(int)) if rows >= length else np.empty(0, dtype=int)
-    found = [g for g in (_gramian(run, matrices, k, length, period) for k in starts) if g is not None]
-    if not found:
+    smallest = [g for g in (_gramian(run, matrices, k, length, period) for k in starts) if g is not None]
+    if not smallest:
         return Check(name, CANNOT_TELL, Message("check.window.short-or-infinite"), None, delta, source)
-    value, span = float(min(found)), length * run.record
+    value, span = float(min(smallest)), length * run.record
     holds = (
         None if value < delta and length < requested else value >= delta
     )  # a window shorter than requested proves nothing
     return Check(
         name,
         verdict(holds),
-        Message("check.joint-observability.gramian", window=span, least=value, most=max(found), level=delta),
+        Message("check.joint-observability.gramian", window=span, least=value, most=max(smallest), level=delta),
         value,
         delta,
         source,
@@ -202,7 +204,7 @@ def _gramian(run: Observed, matrices: tuple[np.ndarray, ...], first: int, length
         blocks[:, n:, n:] = np.eye(p)
     transitions = _over(run, blocks, run.record)
     for k in range(length):
-        seen = np.hstack([C[k], Psi[k]]) @ carried
-        total += seen.T @ (seen / R[:, None]) * (run.record / period)
+        sensitivity = np.hstack([C[k], Psi[k]]) @ carried
+        total += sensitivity.T @ (sensitivity / R[:, None]) * (run.record / period)
         carried = transitions[k] @ carried
     return float(np.linalg.eigvalsh(total)[0])

@@ -1,4 +1,4 @@
-"""Numbers of the plant's model at a point: f, h, Φ, Ψ and the Jacobians A and C, as an observer has them."""
+"""Numerical values of the plant's model at a point: f, h, Φ, Ψ and the Jacobians A and C, as observers use them."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ def linearise(
     Args:
         model: the plant's model.
         channels: the fault channels, the columns of Φ and Ψ.
-        point: values by name in their units: states, channels, inputs, known signals, parameters and ``t`` in s. Where one
-            is missing, a state has its initial value, an input its default, a parameter its value, all others 0.
-        saturate: saturate the model to the plant's physical domain, as it is inside an observer.
+        point: values by name in their units: states, channels, inputs, known signals, parameters and ``t`` in s. By
+            default a state has its initial value, an input its default, a parameter its value, and all others 0.
+        saturate: saturate the model to the plant's physical domain, as inside an observer.
 
     Raises KeyError for a name that the plant does not have.
     """

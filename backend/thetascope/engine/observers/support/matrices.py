@@ -1,9 +1,9 @@
 """Matrices of expressions, written as in a paper: ``A @ P + P @ A.T + Q - K @ C @ P``.
 
-``Matrix`` holds SymPy expressions. A chain of products is evaluated when its entries are needed, in the order that costs
-the fewest multiplications. The intermediate products of a chain get names of their own in the Draft, so expressions
-stay small; the last product gets none, so a sum stays flat. A product that has a name is used again wherever the same two
-matrices meet, also transposed: after ``d.let("CP", C @ P)``, ``P @ C.T`` is CPᵀ and ``K @ C @ P`` is K (CP).
+``Matrix`` holds SymPy expressions. A chain of products is evaluated when its entries are needed, in the order that
+requires the fewest multiplications. Intermediate products of a chain are named in the Draft, so that expressions stay
+small; the last product is not named, so that a sum stays flat. A named product is reused wherever the same two matrices
+are multiplied, also transposed: after ``d.let("CP", C @ P)``, ``P @ C.T`` is CPᵀ and ``K @ C @ P`` is K (CP).
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Namer(Protocol):
     """Names intermediate products: a Draft."""
 
     def name_product(self, left: Matrix, right: Matrix, entries: ImmutableMatrix) -> Matrix:
-        """Give the product of two matrices a name and return its symbols."""
+        """Name the product of two matrices and return its symbols."""
         ...
 
     def named_product(self, left: Matrix, right: Matrix) -> Matrix | None:
@@ -38,7 +38,7 @@ class Matrix:
 
     Args:
         entries: a SymPy matrix, or rows of expressions.
-        name: what intermediate products of it are named after; may be empty.
+        name: prefix of the names of its intermediate products; may be empty.
         draft: names intermediate products; None for a constant.
     """
 
@@ -48,18 +48,18 @@ class Matrix:
 
     @property
     def entries(self) -> ImmutableMatrix:
-        """The expressions as a SymPy matrix."""
+        """Return the expressions as a SymPy matrix."""
         return self._given
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows and columns."""
+        """Return the numbers of rows and columns."""
         rows, columns = self.entries.shape
         return int(rows), int(columns)
 
     @property
     def T(self) -> Matrix:
-        """The transpose."""
+        """Return the transpose."""
         name = self.name.removesuffix("'") if self.name.endswith("'") else f"{self.name}'" if self.name else ""
         return Matrix(self.entries.T, name, self.draft)
 
@@ -106,7 +106,7 @@ class Matrix:
         return Product((*own, other))
 
     def inv(self) -> Matrix:
-        """Return the symbolic inverse; for small or diagonal matrices (draft_linalg.solve is for others)."""
+        """Return the symbolic inverse, for small or diagonal matrices; use draft_linalg.solve for others."""
         return self._with(self.entries.inv())
 
     def map(self, function: Callable[[Expr], Expr]) -> Matrix:
@@ -130,29 +130,29 @@ class Product(Matrix):
 
     @property
     def shape(self) -> tuple[int, int]:
-        """Rows of the first factor and columns of the last."""
+        """Return the rows of the first factor and the columns of the last."""
         return self.factors[0].shape[0], self.factors[-1].shape[1]
 
     @property
     def T(self) -> Matrix:
-        """The product of the transposed factors in reverse order."""
+        """Return the product of the transposed factors in reverse order."""
         return Product([f.T for f in reversed(self.factors)])
 
     @cached_property
     def last(self) -> tuple[Matrix, Matrix]:
-        """The two matrices of the product that is evaluated last; intermediate products are evaluated and named."""
+        """Return the last two matrices to multiply; all other intermediate products are evaluated and named."""
         split = _splits(self.factors, self.draft)[0, len(self.factors) - 1][1]
         return self._part(0, split), self._part(split + 1, len(self.factors) - 1)
 
     @cached_property
     def entries(self) -> ImmutableMatrix:  # pyright: ignore[reportIncompatibleMethodOverride, reportIncompatibleVariableOverride] computed when needed
-        """The product, evaluated."""
+        """Return the evaluated product."""
         left, right = self.last
         named = self.draft.named_product(left, right) if self.draft else None
         return named.entries if named is not None else times(left.entries, right.entries)
 
     def _part(self, first: int, last: int) -> Matrix:
-        """The factors first … last multiplied, with a name where they are more than one."""
+        """Return the product of the factors first … last, named if there are several."""
         if first == last:
             return self.factors[first]
         part = Product(self.factors[first : last + 1])
@@ -163,7 +163,7 @@ class Product(Matrix):
 
 
 def _splits(factors: Sequence[Matrix], draft: Namer | None) -> dict[tuple[int, int], tuple[int, int]]:
-    """For each range of factors: the fewest multiplications and where to split it. A named product costs nothing."""
+    """Return, for each range of factors, the fewest multiplications and the split. A named product costs nothing."""
     best: dict[tuple[int, int], tuple[int, int]] = {(i, i): (0, i) for i in range(len(factors))}
     for length in range(2, len(factors) + 1):
         for first in range(len(factors) - length + 1):
@@ -204,7 +204,7 @@ def _scalar(value: Expr | float) -> Expr:
 
 
 def expression(value: object) -> Expr:
-    """Return a number or an expression as a SymPy expression. Raises TypeError for anything else, above all for text."""
+    """Return a number or an expression as a SymPy expression. Raises TypeError for anything else, such as text."""
     if not isinstance(value, sympy.Basic | int | float):
         raise TypeError(f"an expression is needed, not {type(value).__name__}")
     return sympy.sympify(value)
@@ -239,7 +239,7 @@ def diag(entries: Sequence[Any] | Matrix) -> Matrix:
 
 
 def block(rows: Sequence[Sequence[Matrix]]) -> Matrix:
-    """Return the matrix made of blocks, row by row: ``block([[A, B], [C, D]])``."""
+    """Return the matrix composed of blocks, row by row: ``block([[A, B], [C, D]])``."""
     parts = [[part.entries for part in row] for row in rows]
     draft = next((part.draft for row in rows for part in row if part.draft is not None), None)
     joined = [sympy.ImmutableMatrix.hstack(*row) for row in parts]

@@ -23,8 +23,9 @@ measured, just after any jump there."""
 class ModelAt:
     """The plant's model at an estimate.
 
-    f (n×1), h (m×1), Phi (n×p), Psi (m×p) and the Jacobians A (n×n), C (m×n) are saturated to the plant's physical domain;
-    the estimate is not. A is the Jacobian of f + Φθ̂ in x, C that of h + Ψθ̂, with θ̂ as given, or zero where it was not.
+    f (n×1), h (m×1), Phi (n×p), Psi (m×p) and the Jacobians A (n×n), C (m×n) are saturated to the plant's physical
+    domain; the estimate is not. A is the Jacobian of f + Φθ̂ in x, C that of h + Ψθ̂, with the given θ̂, or zero by
+    default.
     """
 
     f: Matrix
@@ -37,12 +38,12 @@ class ModelAt:
 
     @cached_property
     def A(self) -> Matrix:
-        """∂(f + Φθ̂)/∂x (n×n)."""
+        """Return ∂(f + Φθ̂)/∂x (n×n)."""
         return self.jacobians()[0]
 
     @cached_property
     def C(self) -> Matrix:
-        """∂(h + Ψθ̂)/∂x (m×n)."""
+        """Return ∂(h + Ψθ̂)/∂x (m×n)."""
         return self.jacobians()[1]
 
     def matrix(self, entries: Any) -> Matrix:
@@ -51,7 +52,7 @@ class ModelAt:
 
 
 class Points:
-    """Writes the model at estimates: what ``Draft.at`` does.
+    """Writes the model at estimates, for ``Draft.at``.
 
     Args:
         channels: the fault channels, the columns of Φ and Ψ.
@@ -90,7 +91,7 @@ class Points:
         return ModelAt(column(f), column(h), Phi, Psi, lambda: self._jacobians(model, theta, put), put)
 
     def _known(self, model: Model, when: str | Rational) -> dict[Symbol, Expr]:
-        """Inputs, known signals, parameters and t at an instant."""
+        """Return inputs, known signals, parameters and t at an instant."""
         instants = {START: sympy.S.Zero, MIDDLE: sympy.S.Half, END: sympy.S.One, NOW: sympy.S.One}
         fraction = instants[when] if isinstance(when, str) else when
         swap: dict[Symbol, Expr] = {}
@@ -103,7 +104,7 @@ class Points:
         return swap
 
     def _at(self, prefix: str, names: Sequence[str], fraction: Rational) -> Sequence[Expr]:
-        """Known quantities at a fraction of the sample interval: on the parabola through START, MIDDLE and END."""
+        """Return known quantities at a fraction of the sample interval: the parabola through START, MIDDLE and END."""
         start, middle, end = (symbols(f"{when}{prefix}", names) for when in (START, MIDDLE, END))
         exact = {sympy.S.Zero: start, sympy.S.Half: middle, sympy.S.One: end}
         if fraction in exact:
@@ -132,7 +133,7 @@ class Points:
 
 
 def _clipped(d: Definition, inside: Mapping[Symbol, Expr], saturate: bool) -> Expr:
-    """The value of a definition, saturated to its range."""
+    """Return the value of a definition, saturated to its range."""
     value = d.expression.xreplace(inside)
     if not saturate or (d.low is None and d.high is None):
         return value

@@ -1,4 +1,4 @@
-"""Whether matrices that an observer claims to be symmetric are: only their upper triangle is computed."""
+"""Verify matrices declared as symmetric, of which only the upper triangle is computed."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from thetascope.engine.observers.support.matrices import Matrix
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-MOST_PAIRS = 20  # entries of each matrix that are compared with their mirror images
+MOST_PAIRS = 20  # most entries per matrix that are compared with their mirror images
 TOLERANCE = 1e-6
 
 
