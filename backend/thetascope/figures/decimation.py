@@ -17,7 +17,7 @@ _F4 = np.finfo(np.float32)
 
 
 def _buckets(rows: int, count: int) -> tuple[int, int]:
-    """Return (width, number) of the full buckets of `rows` samples when about `count` are wanted."""
+    """Return (width, number) of the full buckets of `rows` samples for about `count` buckets."""
     width = -(-rows // count)
     return width, rows // width
 

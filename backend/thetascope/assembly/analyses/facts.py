@@ -36,7 +36,7 @@ class DetectorState:
 
 @dataclass(frozen=True)
 class Losses:
-    """What diverged: label → (time in s, likely cause), and the time at which the plant did."""
+    """Divergences: label → (time in s, likely cause), and the time at which the plant diverged."""
 
     observers: Mapping[str, tuple[float, Message]] = field(default_factory=dict)
     plant: float | None = None

@@ -1,1 +1,1 @@
-"""Runs under way, in memory and in the store."""
+"""Runs that are active, in memory and in the store."""

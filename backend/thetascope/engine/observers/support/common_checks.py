@@ -12,7 +12,7 @@ _GREEK = {"Gamma": "Γ", "Upsilon": "Υ", "Omega": "Ω"}
 
 
 def verdict(condition: bool | np.bool | None) -> Verdict:
-    """Return the verdict on a condition: holds, fails, or cannot tell for None."""
+    """Return "holds" for True, "fails" for False, and "cannot tell" for None."""
     return CANNOT_TELL if condition is None else (HOLDS if condition else FAILS)
 
 
