@@ -27,7 +27,7 @@ class Progress:
         self._drawn = False
 
     def show(self, share: float) -> None:
-        """Draw the share done (0 to 1), at most a few times per second."""
+        """Draw the share done (0 to 1), unless the last drawing is too recent."""
         now = time.monotonic()
         if self._quiet or now - self._shown < (0.1 if self._terminal else _PLAIN_EVERY):
             return

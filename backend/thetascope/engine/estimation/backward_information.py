@@ -25,7 +25,7 @@ SYMMETRIC = ("vv", "ww")  # blocks of which only the upper triangle is stored
 
 
 def parts(filter_: Program) -> dict[str, int]:
-    """Return the filter's outputs that determine V, with their indices: the inputs of the backward pass in each row."""
+    """Return the filter's outputs that determine V, with their nodes: the inputs of the backward pass in each row."""
     return {name: node for name, node in filter_.outputs.items() if not name.startswith("omega.")}
 
 

@@ -111,7 +111,10 @@ def empirical(
 
 
 def _measured(experiment: Experiment, context: Context) -> tuple[Experiment, int, np.ndarray]:
-    """Return the experiment without observers and noise, recorded steps per row, and one row's noise std (m)."""
+    """Return the experiment without observers and noise, the rows per measured value, and the noise std (m).
+
+    The standard deviation is that of one measured value of each output.
+    """
     m = experiment.measurement
     interval = experiment.every * experiment.step
     stride = 1 if m.sample_every is None else max(1, round(m.sample_every / experiment.every))
