@@ -8,7 +8,7 @@ const GUARD = 25; // digits after which a decimal expansion of a double that was
 
 /**
  * @typedef {string | number | boolean | null | undefined | Message | Argument[]} Argument
- * @typedef {{code: string, args?: {[name: string]: any}, text?: string}} Message
+ * @typedef {{code: string, args?: {[name: string]: Argument}, text?: string}} Message
  */
 
 /**

@@ -7,6 +7,7 @@ from tests.live.session.test_session import do, zhao
 from tests.live.stage import Stage, staged
 from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.engine.inputs.fault_signals import theta
 from thetascope.live.facts.session_facts import FactsMemory, facts_of
 from thetascope.live.session.session import Session
@@ -162,3 +163,32 @@ def test_the_end_of_the_plant_is_told_with_the_last_row(monkeypatch):
         assert last["facts"]["summary"]["code"] == "diagnosis.summary.broken"
 
     staged(scenario)
+
+
+def test_facts_keep_alarms_while_the_detector_catches_up():
+    """Going back takes the detector to an earlier row: alarms of the log stay found until it has tested the rows again."""
+    session = Session(zhao(noise=NOISE))
+    session.leave_detection()
+    memory = FactsMemory(session.record)
+
+    def catch_up() -> None:
+        progress = session.pending_detection()
+        assert progress is not None
+        session.add_detection(progress, run_to_end(session.detector.catch_up(progress)))
+
+    session.advance(1500)
+    catch_up()
+    do(session, "inject", fault=FAULT)
+    session.advance(100)
+    catch_up()
+    found = facts_of(session, session.row, memory)
+    assert found.summary.code == "diagnosis.summary.one-found" and found.alarms[0].t < 15.3
+    do(session, "seek", t=15.5)
+    do(session, "inject", fault={"output": "y", "shape": "stuck", "onset": 0, "value": 0.1})
+    assert session.pending_detection() is not None
+    waiting = facts_of(session, session.row, memory)
+    assert [alarm.id for alarm in waiting.alarms] == [alarm.id for alarm in found.alarms]
+    assert waiting.summary.code == "diagnosis.summary.measurement"
+    assert facts_of(session, session.row, FactsMemory(session.record)).alarms == ()  # without the memory it is lost
+    catch_up()
+    assert facts_of(session, session.row, memory).alarms[0].id == found.alarms[0].id

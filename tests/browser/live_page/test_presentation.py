@@ -253,7 +253,7 @@ def test_nothing_overlaps_or_is_cut(page, experiment):
 def test_nothing_jumps(page, width, height):
     """Faults, alarms, a sentence of one line and one of three, a list unfolded over the plant: every part stays in its place."""
     live = presented(page, "/?experiment=zhao-2012&t=10", width=width, height=height)
-    until(live, "/quiet/.test(document.querySelector('.verdict').textContent)")
+    until(live, "/No fault/.test(document.querySelector('.verdict').textContent)")
     before = live.evaluate(BOXES)
     live.evaluate("thetascope.send({type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.01}})")
     live.evaluate("thetascope.send({type: 'inject', fault: {channel: 'theta3', shape: 'step', onset: 0, size: 0.02}})")

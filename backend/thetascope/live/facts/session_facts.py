@@ -44,8 +44,23 @@ def detector_state(
     if live.detector is None:
         return DetectorState(note=live.note)
     alarms = live.alarms(session.current.detection, t, memory.alarms)
+    if session.pending_detection() is not None:
+        alarms = _with_logged(session, alarms, t, memory)
+    memory.latest = {alarm.id: alarm for alarm in alarms}
     settled = max(float(live.detector.thresholds.begin * live.detector.interval), 0.0)
     return DetectorState(alarms, _judged(session, alarms, at, memory, settled), diagnosis, settled)
+
+
+def _with_logged(session: "Session", alarms: tuple[Alarm, ...], t: float, memory: "FactsMemory") -> tuple[Alarm, ...]:
+    """Return alarms up to t (s) with those of the log that the detector has yet to find again.
+
+    A command takes the detector back to an earlier row; the rows since then wait, and the log still has their alarms.
+    """
+    known = {alarm.id for alarm in alarms}
+    logged = [event.value for event in session.log if event.kind == "alarm" and event.t <= t]
+    ids = dict.fromkeys(str(value["id"]) for value in logged if isinstance(value, dict) and value.get("id"))
+    missing = [memory.latest[id] for id in ids if id not in known and id in memory.latest]
+    return tuple(sorted((*alarms, *missing), key=lambda alarm: alarm.t))
 
 
 def _judged(session: "Session", alarms: tuple[Alarm, ...], at: float, memory: "FactsMemory", grace: float) -> Judgement:
@@ -70,11 +85,12 @@ def losses(session: "Session", row: int) -> Losses:
 
 
 class FactsMemory:
-    """Results that are kept between two calls: alarms, and in which stretches of rows the true θ is not zero."""
+    """Results kept between two calls: alarms by their findings, the latest alarms by id, and in which stretches of rows the true θ is not zero."""
 
     def __init__(self, record: float) -> None:
         self._record = record
         self.alarms: dict[int, tuple[Finding, Alarm]] = {}
+        self.latest: dict[str, Alarm] = {}  # of the facts made last, by id
         self._known: dict[tuple[str, float], tuple[Signal, int, bool]] = {}  # signal, rows looked at, result
 
     def nonzero(self, signal: Signal, channel: str, start: float, end: float) -> bool:

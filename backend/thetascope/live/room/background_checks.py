@@ -53,8 +53,9 @@ class BackgroundChecks:
             log.error("session %s: alarms are lost", room.id, exc_info=error)
         if alarms:
             room.broadcast.publish_findings(alarms)
-            room.facts.changed()
             self.check(0.0)
+        if alarms is not None:  # without new alarms, too: a command takes the detector back to earlier rows
+            room.facts.changed()
         if not room.machine.closed and room.session.pending_detection() is not None:
             room.request_detection()
 
