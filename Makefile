@@ -7,6 +7,9 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 BIN := .venv/bin
 HERE = $(if $(PYTHON),,$(error Python 3.11 or newer is needed, and no python3 here is. Install one, or name it: make run PYTHON=/path/to/python3.11))
 
+# Half of the time tests wait for a session or a page, so there are more workers than cores.
+WORKERS ?= $(shell $(PYTHON) -c 'import os; print(2 * min(os.cpu_count() or 1, 8))')
+
 # A browser is opened where there is a screen; elsewhere a text browser would take the terminal.
 OPEN := $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname -s)),$(if $(CI)$(SSH_CONNECTION),,--open))
 SERVE := $(OPEN) $(if $(PORT),--port $(PORT)) $(if $(HOST),--host $(HOST))
@@ -21,7 +24,7 @@ run: ## Serve the page; the address is printed
 test: ## Check everything, in a browser too
 	$(HERE)@$(PYTHON) tools/environment.py dev
 	@browser=$$($(BIN)/python tools/browser.py) || exit 1; \
-	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(or $(ARGS),-n auto --dist worksteal)
+	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(or $(ARGS),-n $(WORKERS) --dist worksteal)
 
 lint: ## Check style and types
 	$(HERE)@$(PYTHON) tools/environment.py dev

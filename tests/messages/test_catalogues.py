@@ -142,8 +142,8 @@ def test_chinese_entries_are_chinese():
     def words(template: str | tuple[str, ...]) -> str:
         return FIELD.sub("", template if isinstance(template, str) else template[0])
 
-    english = catalogue("en").templates
-    chinese = {code: template for code, template in catalogue("zh").templates.items() if code in server_codes()}
+    english, codes = catalogue("en").templates, server_codes()
+    chinese = {code: template for code, template in catalogue("zh").templates.items() if code in codes}
     left = {
         code: words(template)
         for code, template in chinese.items()

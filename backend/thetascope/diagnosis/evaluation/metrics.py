@@ -276,7 +276,7 @@ def summary(result: Recorded, faults: Iterable[FaultOverTime]) -> dict[str, dict
         lost = report.diverged
         answer[report.label] = {
             "kind": report.kind,
-            "title": report.title,
+            "title": str(report.title),
             "diverged": None if lost is None else {"time": lost.time, "cause": str(lost.cause)},
             "rmse": state_rmse(result, report.label),
             "rmse_end": state_rmse(result, report.label, LAST),
