@@ -3,7 +3,6 @@
 
 import {get} from '../common/api.js';
 import {Catalogue} from './render.js';
-import {named as chineseName, said as chineseText} from './zh/server-text.js';
 
 /** @type {Catalogue} */
 let catalogue = new Catalogue({language: 'en', plural: ['one', 'other'], messages: {}});
@@ -32,12 +31,13 @@ export const hasWords = (code) => catalogue.has(code);
 
 /**
  * A message of the server, {code, args, text}, in the page's language; its text only where the code is unknown here.
+ * A plain text stays as it is.
  * @param {import('./render.js').Message | import('../types/service.js').Text | string | null | undefined} message
  * @returns {string}
  */
 export function say(message) {
   if (message === null || message === undefined) return '';
-  if (typeof message === 'string') return language() === 'zh' ? chineseText(message) : message;
+  if (typeof message === 'string') return message;
   const said = /** @type {import('./render.js').Message} */ (message); // the arguments that came over the wire
   return catalogue.has(said.code) ? catalogue.render(said) : (said.text ?? said.code);
 }
@@ -60,7 +60,7 @@ export function say(message) {
  */
 export function named(prose) {
   if (prose && typeof prose === 'object') return prose[language()] ?? prose.en ?? Object.values(prose)[0] ?? '';
-  return (language() === 'zh' ? chineseName(prose) : prose) ?? '';
+  return prose ?? '';
 }
 
 /**

@@ -7,6 +7,8 @@ from urllib.request import Request, urlopen
 
 import pytest
 
+from thetascope.client import Client
+
 
 def test_a_catalogue_comes_with_its_plural_rule_and_an_etag(address):
     """A language's templates are one document; the same tag is answered without a body."""
@@ -132,3 +134,47 @@ def test_a_run_keeps_the_languages_of_its_texts(client, address):
         with urlopen(f"{address}/api/runs?lang={language}") as answer:
             (listed,) = [line for line in json.load(answer)["runs"] if line["id"] == run["id"]]
         assert listed["title"].startswith(title)
+
+
+SENTENCE = re.compile(r"[A-Za-z][a-z’'-]*[a-z](?:,? [A-Za-z]?[a-z’'-]*[a-z])+")  # two Latin words in a row
+DIVERGES = {"horizon": 4, "faults": [], "observers.1.gains.L": [-40, 1, 1, 1]}
+
+
+def sentences(data: object, name: str = "") -> list[str]:
+    """Return the English sentences in an answer; arguments, citations and fixed values are not sentences."""
+    if isinstance(data, dict):
+        plain = ("spec", "args", "source", "verdict", "math")
+        return [text for key, value in data.items() if key not in plain for text in sentences(value, key)]
+    if isinstance(data, list):
+        return [text for value in data for text in sentences(value, name)]
+    return [data] if isinstance(data, str) and SENTENCE.search(data) else []
+
+
+@pytest.fixture(scope="module")
+def diverged(address) -> str:
+    """The address of a run in which an observer and the plant diverge."""
+    with Client(address, timeout=60) as client:
+        return f"{address}/api/runs/{client.run('reduced-order-mimo', DIVERGES)['id']}"
+
+
+def answer_of(url: str) -> dict:
+    with urlopen(url) as answer:
+        return json.load(answer)
+
+
+def test_a_run_is_answered_in_the_asked_language(diverged):
+    """Titles, checks, causes, notes and the summary of a run that diverged have no English sentence with ?lang=zh."""
+    summary = answer_of(f"{diverged}?lang=zh")["summary"]
+    checks = [check for one in summary["observers"] for check in one["checks"]]
+    assert summary["diverged"] and summary["notes"] and any(one["diverged"] for one in summary["observers"])
+    assert {"fails", "holds"} <= {check["verdict"] for check in checks}
+    assert sentences(summary) == []
+    english = answer_of(f"{diverged}?lang=en")["summary"]
+    assert sentences(english["notes"]) and sentences(english["diverged"]) and sentences(english["observers"])
+
+
+@pytest.mark.parametrize("path", ["/api/catalogue", "/api/equations/zhou-tan-2012"])
+def test_observers_are_described_in_the_asked_language(address, path):
+    """Observers, plants, gains, options, symbols and equations have no English sentence with ?lang=zh."""
+    assert sentences(answer_of(f"{address}{path}?lang=zh")) == []
+    assert sentences(answer_of(f"{address}{path}?lang=en"))

@@ -1,5 +1,7 @@
 """What a window tells about the faults, in numbers and in words."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -113,3 +115,23 @@ def test_the_band_widens_to_what_was_known_before():
     assert wide[2] == pytest.approx([1e-4, 1e-4], rel=1e-3)
     assert (wide[0] > 0.6 * np.array([0.01, 0.015])).all()
     assert (wide[0] < [0.01, 0.015]).all()
+
+
+@pytest.mark.parametrize(
+    "J",
+    [
+        [[400, 0, 0], [0, 400, 0], [0, 0, 400]],
+        [[0, 0, 0], [0, 400, 0], [0, 0, 400]],
+        [[200, 200, 0], [200, 200, 0], [0, 0, 400]],
+        [[20, 0, 0], [0, 400, 0], [0, 0, 400]],
+        [[210, 200, 0], [200, 210, 0], [0, 0, 400]],
+        [[1, 1, 1], [1, 1, 1], [1, 1, 1]],
+        [[20, 0, 0], [0, 20, 0], [0, 0, 20]],
+    ],
+)
+def test_the_excitation_is_worded_in_chinese(J):
+    """The Chinese sentence has the numbers of the English one and no English word."""
+    text = excitation(np.array(J, dtype=float), ["theta1", "theta2", "theta3"], [1.0, 1.0, 1.0], 0.1).text
+    chinese, number = text.text("zh"), re.compile(r"\d+\.?\d*")
+    assert re.findall(r"(?<![a-z])(?!theta)[a-z]{3,}", chinese) == []
+    assert sorted(number.findall(chinese)) == sorted(number.findall(str(text)))

@@ -17,7 +17,7 @@ from thetascope.assembly.analyses.observer_catalogue import observer_kinds
 from thetascope.assembly.build.gains import present_gains
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observers import registry
-from thetascope.engine.observers.support.declaration import Observer
+from thetascope.engine.observers.support.declaration import Observer, counted_by
 from thetascope.messages.catalogue import catalogue, languages
 from thetascope_schemas import Experiment, ResolvedExperiment
 from tools import document_observers
@@ -91,6 +91,7 @@ def messages_of(kind: Observer) -> Iterator[str]:
     """Yield the codes of everything that an observer shows to users."""
     yield from (kind.title.code, kind.summary.code)
     yield from (item.meaning.code for item in (*kind.gains, *kind.options))
+    yield from (counted_by(size).code for gain in kind.gains for size in (gain.size, gain.columns) if callable(size))
     yield from (meaning.code for _, meaning in kind.where)
 
 

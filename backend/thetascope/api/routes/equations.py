@@ -63,7 +63,7 @@ def _answer(plant: Plant, chosen: tuple[str, ...], language: str) -> dict[str, A
             "source": in_language(plant.source, language),
             "time": plant.time.kind,
             "channels": channels,
-            **plant_equations(plant.model_dump(mode="json")),
+            **plant_equations(plant.model_dump(mode="json", context={"language": language})),
         },
         "observers": {kind: _observer(kind, language) for kind in dict.fromkeys(chosen)},
     }

@@ -3,7 +3,7 @@
 from dataclasses import fields
 
 from thetascope.engine.observers.registry import kinds, observer
-from thetascope.engine.observers.support.declaration import Count, Gain, Observer, Option
+from thetascope.engine.observers.support.declaration import Count, Gain, Observer, Option, counted_by
 from thetascope.messages import text_of
 
 
@@ -29,14 +29,14 @@ def _gain(gain: Gain, language: str) -> dict:
     plain = {field.name: getattr(gain, field.name) for field in fields(gain)}
     plain["meaning"] = text_of(gain.meaning, language)
     plain["default"] = None if callable(gain.default) else gain.default  # None: it depends on plant and noise
-    plain["size"], plain["columns"] = _counted(gain.size), _counted(gain.columns)
+    plain["size"], plain["columns"] = _counted(gain.size, language), _counted(gain.columns, language)
     del plain["rows"]  # labels depend on the plant, see POST /api/gains
     return plain
 
 
-def _counted(size: Count | None) -> str | None:
-    """Return n, m, p, …, or the docstring of the function that counts."""
-    return size.__doc__ if callable(size) else size
+def _counted(size: Count | None, language: str) -> str | None:
+    """Return n, m, p, …, or the meaning of the function that counts, in a language."""
+    return counted_by(size).text(language) if callable(size) else size
 
 
 def _option(option: Option, language: str) -> dict:

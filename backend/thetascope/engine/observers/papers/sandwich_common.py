@@ -17,7 +17,7 @@ SOURCE = "Zhou & Tan 2012"
 
 
 def corrected(context: Context) -> int:
-    """the states of L1 and L2"""
+    """Return the number of states of L1 and L2, which K corrects."""
     return context.n - len(memory_names(context.model))
 
 

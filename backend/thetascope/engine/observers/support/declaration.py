@@ -28,7 +28,7 @@ class Context:
 
 
 Count = str | Callable[[Context], int]
-"""A number of rows or columns: n, m, p, n+p, n-m, or a function of the Context whose docstring says what it counts."""
+"""A number of rows or columns: n, m, p, n+p, n-m, or a function of the Context; see `counted_by`."""
 
 
 @dataclass(frozen=True)
@@ -89,6 +89,11 @@ def count(size: Count, context: Context) -> int:
         else:
             total += sign * (counts[part] if part in counts else int(part))
     return total
+
+
+def counted_by(size: Callable[[Context], int]) -> Message:
+    """Return the meaning of a function that counts rows or columns: the entry `gain.size.<its name>`."""
+    return Message(f"gain.size.{size.__name__.replace('_', '-')}")
 
 
 def labels(size: Count, context: Context) -> tuple[str, ...]:
