@@ -93,7 +93,7 @@ def test_every_package_from_elsewhere_is_declared(imports: grimp.ImportGraph):
 
 
 def test_every_folder_says_what_it_is_and_is_not_crowded():
-    """Each folder of modules has an __init__ with a docstring, and at most so many modules that a reader overlooks them."""
+    """Each folder of modules has an __init__ with a docstring, and few enough modules to survey."""
     for folder in {path.parent for path in CODE if path.parent.parent.name != ROOT.name}:
         assert ast.get_docstring(ast.parse((folder / "__init__.py").read_text())), folder
         assert len(list(folder.glob("*.py"))) - 1 <= MODULES_OF_A_FOLDER, folder

@@ -83,7 +83,7 @@ class Report:
         return mark("chip", name, self.scene.colour(label) if known else "")
 
     def span(self, low: float | None, high: float | None, digits: int = 4) -> Markup | str:
-        """Return an interval in brackets; nothing where there is none."""
+        """Return an interval in brackets; an empty text without an interval."""
         if low is None or high is None:
             return ""
         return mark("bracketed", self.say("report.interval", low=number(low, digits), high=number(high, digits)))
@@ -110,7 +110,7 @@ def hat(name: str) -> Markup:
 
 
 def number(value: float | None, digits: int = 4) -> Markup | str:
-    """Return a number for a table; a dash where there is none."""
+    """Return a number for a table; a dash for a missing one."""
     if value is None or not np.isfinite(value):
         return "–"
     if value == 0:

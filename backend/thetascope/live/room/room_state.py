@@ -1,8 +1,8 @@
 """The states of a room and every transition between them, in one table.
 
-    paused     time stands still
+    paused     time does not advance
     playing    rows become due with the clock
-    stepping   rows up to a target are shown as fast as possible, then time stands still
+    stepping   rows up to a target are shown as fast as possible, then time stops
     ended      no row can follow: the last row that the session may reach was shown, or the plant has diverged
     asleep     it would play, but nobody has been connected for a minute
     held …     the same while a long command (add-observer, reset, seek) is carried out: no row is shown
@@ -192,7 +192,7 @@ class RoomMachine:
 
     @property
     def asleep(self) -> bool:
-        """Whether time stands still because nobody is connected."""
+        """Whether time has stopped because nobody is connected."""
         return self.state in ASLEEP
 
     @property
