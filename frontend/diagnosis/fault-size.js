@@ -20,8 +20,8 @@ export function amount({size, half: given}, channel) {
   const width = Number.isFinite(half) && half > 0 ? half / unit : scale / unit / 1e3;
   const places = Math.max(0, Math.min(8, (leading(width) < 2 ? 1 : 0) - Math.floor(Math.log10(width))));
   /** @param {number} value */
-  const spelt = (value) => (value / unit).toFixed(places).replace('-', '−');
-  const both = `${size > 0 ? '+' : ''}${spelt(size)}${Number.isFinite(half) ? ` ± ${spelt(half)}` : ''}`;
+  const written = (value) => (value / unit).toFixed(places).replace('-', '−');
+  const both = `${size > 0 ? '+' : ''}${written(size)}${Number.isFinite(half) ? ` ± ${written(half)}` : ''}`;
   return power === 0 ? both : `${both} ·10${raised(power)}`;
 }
 
@@ -47,7 +47,7 @@ export const small = (value, digits = 2) =>
  * @param {{diagnosis: Diagnosis | null, t: number, alarms: Pick<Alarm, 'over' | 'subjects'>[]}} state
  * @returns {Diagnosis['resolution']}
  */
-export function untold({diagnosis, t, alarms}) {
+export function unresolved({diagnosis, t, alarms}) {
   if (!diagnosis || (diagnosis.calibration?.from_time ?? Infinity) > t) return [];
   const named = new Set(alarms.flatMap(({over, subjects}) => (over === null && subjects.length === 1 ? subjects : [])));
   return diagnosis.resolution.filter((one) => !one.identifiable && !one.resolvable && !named.has(one.channel));

@@ -27,7 +27,7 @@ const NAMES = new Set(['name', 'names', 'other']);
  * @param {service.Text} summary
  * @param {{state: DiagnosisState}} app
  */
-export const spell = (summary, {state}) => capital(t(summary.code, spokenArgs(summary.args, state)));
+export const summarySentence = (summary, {state}) => capital(t(summary.code, spokenArgs(summary.args, state)));
 
 /**
  * @param {Args} args

@@ -341,7 +341,7 @@ export interface Row {
   label: HTMLElement;
   plot: HTMLElement;
   values: HTMLElement;
-  untold: HTMLElement;
+  unresolved: HTMLElement;
   canvas: HTMLCanvasElement;
   ctx: CanvasRenderingContext2D;
   all: HTMLElement;

@@ -83,7 +83,7 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
     )
     assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
     assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
-    until(live, "document.querySelectorAll('.untold:not([hidden])').length >= 2", 20)
+    until(live, "document.querySelectorAll('.unresolved:not([hidden])').length >= 2", 20)
     assert "θ₁ or θ₂, not distinguishable" in live.locator("#panel-log").inner_text()
 
 
@@ -185,7 +185,7 @@ def test_faults_below_the_noise_are_said_to_be_unresolvable(page):
     until(live, "/cannot be resolved at this noise level/.test(document.querySelector('.hint')?.textContent)", 40)
     assert live.locator(".hint").inner_text() == "θ₁ and θ₂ cannot be resolved at this noise level."
     marks = live.evaluate(
-        "[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.untold').hidden)"
+        "[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.unresolved').hidden)"
     )
     assert marks == [True, True, False]
     live.click(".hint button")
@@ -224,10 +224,10 @@ def test_a_found_fault_that_ends_is_never_called_unfound(page):
 def test_what_is_named_is_not_called_lost(page):
     """A strip says that its fault is not told now only while no alarm names that fault alone."""
     page = opened(page, PAUSED)
-    said = page.evaluate("""import('/diagnosis/fault-size.js').then(({untold}) => {
+    said = page.evaluate("""import('/diagnosis/fault-size.js').then(({unresolved}) => {
       const resolution = ['a', 'b'].map((channel) => ({channel, identifiable: false, resolvable: false}));
       const alarm = (subjects, over = null) => ({subjects, over});
-      const of = (...alarms) => untold({t: 9, alarms, diagnosis: {calibration: {from_time: 1}, resolution}}).map(({channel}) => channel).join('');
+      const of = (...alarms) => unresolved({t: 9, alarms, diagnosis: {calibration: {from_time: 1}, resolution}}).map(({channel}) => channel).join('');
       return [of(), of(alarm(['a'])), of(alarm(['a'], 8)), of(alarm(['a', 'b']))];
     })""")
     assert said == ["ab", "b", "ab", "ab"]

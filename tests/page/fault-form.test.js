@@ -9,7 +9,7 @@ import {
   mainScale,
   ownFields,
   read,
-  spell,
+  asTyped,
 } from '../../frontend/live/panels/inject/fault-form.js';
 
 /** @import {Subject} from '../../frontend/live/panels/inject/fault-form.js' */
@@ -94,6 +94,6 @@ test('a typed text becomes a value of its field, or nothing', () => {
 test('a value is spelt as one types it', () => {
   for (const value of [1.5, -2e-9, [0, 2], null]) {
     const type = Array.isArray(value) ? 'array' : 'number';
-    assert.deepEqual(read(field({type, nullable: true}), spell(value)), value);
+    assert.deepEqual(read(field({type, nullable: true}), asTyped(value)), value);
   }
 });

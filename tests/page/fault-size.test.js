@@ -2,7 +2,7 @@
 
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
-import {amount, small, untold} from '../../frontend/diagnosis/fault-size.js';
+import {amount, small, unresolved} from '../../frontend/diagnosis/fault-size.js';
 
 /** @import {Diagnosis} from '../../frontend/live/types.js' */
 
@@ -30,12 +30,12 @@ test('a channel is called not identifiable only while no alarm names it alone', 
   const diagnosis = /** @type {Diagnosis} */ (/** @type {unknown} */ ({calibration: {from_time: 1}, resolution}));
   /** @param {...{subjects: string[], over: number | null}} alarms */
   const of = (...alarms) =>
-    untold({t: 9, alarms, diagnosis})
+    unresolved({t: 9, alarms, diagnosis})
       .map(({channel}) => channel)
       .join('');
   assert.deepEqual(
     [of(), of({subjects: ['a'], over: null}), of({subjects: ['a'], over: 8}), of({subjects: ['a', 'b'], over: null})],
     ['ab', 'b', 'ab', 'ab'],
   );
-  assert.deepEqual(untold({t: 0.5, alarms: [], diagnosis}), [], 'before anything is judged');
+  assert.deepEqual(unresolved({t: 0.5, alarms: [], diagnosis}), [], 'before anything is judged');
 });

@@ -10,12 +10,12 @@ import pytest
 from markupsafe import Markup, escape
 
 from thetascope.engine.model.result import Check
-from thetascope.figures.figure_data import Scene
+from thetascope.figures.figure_data import FigureData
 from thetascope.figures.html_symbols import symbol
 from thetascope.messages import Message
 from thetascope.report import words
 from thetascope.report.html_report import report
-from thetascope.report.words import Report, mark
+from thetascope.report.words import ReportContext, mark
 from thetascope_schemas.experiment.diagnosis import Diagnosis, ObserverDiagnosis
 
 HOSTILE = "</script><script>alert(1)</script><img src=x onerror=alert(1)>\"'><svg onload=alert(1)>&lt;b&gt;"
@@ -310,7 +310,7 @@ def sentences_of(value: object) -> list[str]:
 def test_the_text_of_a_message_is_escaped_and_its_markup_is_kept(experiment, result, plant):
     """Arguments that are markup stay markup; every other argument is text, whatever it holds."""
     spec = experiment()
-    own = Report(Scene(result(spec), spec, plant, "light", "en"))
+    own = ReportContext(FigureData(result(spec), spec, plant, "light", "en"))
     said = own.say("report.diverged", label=HOSTILE, t=mark("power", "1", "3"), cause="\x000\x00")
     assert "1·10<sup>3</sup>" in said and "<script" not in said and "<img" not in said
     assert own.say("report.detail", name="<b>", value=Markup("<i>x</i>")) == "&lt;b&gt; <i>x</i>"

@@ -7,7 +7,7 @@ figure(result, spec, plant, "faults", "dark")       one figure: {"data": [...], 
 from collections.abc import Sequence
 
 from thetascope.figures import general_figures, paper_figures
-from thetascope.figures.figure_data import Scene
+from thetascope.figures.figure_data import FigureData
 from thetascope.messages import Message, text_of
 
 __all__ = ["UnknownFigure", "figure", "figure_names"]
@@ -42,11 +42,11 @@ def figure(result, spec, plant, name: str, theme: str = "light", language: str =
     result: the run's `Result`; spec: its Experiment; plant: the Plant it ran on; theme: "light" or "dark"; language: of
     titles, captions and legends. Raises UnknownFigure, and ValueError for another theme.
     """
-    scene = Scene(result, spec, plant, theme, language)
+    run = FigureData(result, spec, plant, theme, language)
     try:
         for own in spec.figures:
             if own.name == name:
-                return paper_figures.build(scene, own)
-        return general_figures.build(scene, name)
+                return paper_figures.build(run, own)
+        return general_figures.build(run, name)
     except KeyError as problem:
         raise UnknownFigure(name, [entry["name"] for entry in figure_names(spec, result.names)]) from problem

@@ -14,7 +14,7 @@ from thetascope.messages import Message, text_of
 KINDS = {"x": "states", "theta": "channels", "y": "outputs", "u": "inputs", "signal": "signals"}
 
 
-class Scene:
+class FigureData:
     """A `Result`, its experiment and its plant, in one theme and language. Read-only."""
 
     def __init__(self, result, spec, plant, theme: str, language: str = "en"):

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from thetascope.figures.figure_data import Scene
+from thetascope.figures.figure_data import FigureData
 from thetascope.figures.html_symbols import HAT, TILDE, escape, symbol, wrap
 from thetascope.figures.strips import Line, Strip, stack
 
@@ -40,63 +40,61 @@ def available(spec, columns: Sequence[str]) -> list[str]:
     return [name for name, possible in offered if possible]
 
 
-def _compare(scene: Scene, kind: str) -> list[Strip]:
+def _compare(run: FigureData, kind: str) -> list[Strip]:
     """Return the strips of each state or channel: true value and all estimates."""
     strips = []
-    for item in getattr(scene.plant, {"x": "states", "theta": "channels"}[kind]):
-        shade = scene.intervals(kind, item.name) if kind == "theta" else []
+    for item in getattr(run.plant, {"x": "states", "theta": "channels"}[kind]):
+        shade = run.intervals(kind, item.name) if kind == "theta" else []
         edges = {at for interval in shade for at in interval}
-        marks = [at for at in scene.changes() if at not in edges]
-        lines = [*scene.estimates(kind, item.name), scene.truth(kind, item.name)]
-        strips.append(
-            Strip(scene.time, symbol(item.name), scene.caption(kind, item.name), lines, shade=shade, marks=marks)
-        )
+        marks = [at for at in run.changes() if at not in edges]
+        lines = [*run.estimates(kind, item.name), run.truth(kind, item.name)]
+        strips.append(Strip(run.time, symbol(item.name), run.caption(kind, item.name), lines, shade=shade, marks=marks))
     return strips
 
 
-def _outputs(scene: Scene) -> list[Strip]:
+def _outputs(run: FigureData) -> list[Strip]:
     strips = []
-    for item in scene.plant.outputs:
+    for item in run.plant.outputs:
         measured = Line(
-            scene.values(f"y.{item.name}"),
-            f"{symbol(item.name)} {scene.say('figure.measured')}",
-            scene.theme.soft,
-            scene.say("figure.measured"),
+            run.values(f"y.{item.name}"),
+            f"{symbol(item.name)} {run.say('figure.measured')}",
+            run.theme.soft,
+            run.say("figure.measured"),
             width=1.0,
             final=True,
             framing=True,
-            layer=-len(scene.labels),
+            layer=-len(run.labels),
         )
         strips.append(
             Strip(
-                scene.time,
+                run.time,
                 symbol(item.name),
-                scene.caption("y", item.name),
-                [measured, *scene.estimates("y", item.name)],
-                shade=scene.intervals("y", item.name),
-                marks=scene.changes(),
+                run.caption("y", item.name),
+                [measured, *run.estimates("y", item.name)],
+                shade=run.intervals("y", item.name),
+                marks=run.changes(),
             )
         )
     return strips
 
 
-def _residuals(scene: Scene) -> list[Strip]:
+def _residuals(run: FigureData) -> list[Strip]:
     strips = []
-    for item in scene.plant.outputs:
-        y, sign = scene.values(f"y.{item.name}"), f"{symbol(item.name)} − {symbol(item.name, HAT)}"
+    for item in run.plant.outputs:
+        y, sign = run.values(f"y.{item.name}"), f"{symbol(item.name)} − {symbol(item.name, HAT)}"
         lines = [
             Line(_difference(y, line.y), f"{sign} {line.legend}", line.colour, line.legend, layer=line.layer)
-            for line in scene.estimates("y", item.name)
+            for line in run.estimates("y", item.name)
         ]
         if lines:
             strips.append(
                 Strip(
-                    scene.time,
+                    run.time,
                     sign,
-                    scene.caption("y", item.name, "residual"),
+                    run.caption("y", item.name, "residual"),
                     lines,
-                    marks=scene.changes(),
-                    shade=scene.intervals("y", item.name),
+                    marks=run.changes(),
+                    shade=run.intervals("y", item.name),
                 )
             )
     return strips
@@ -107,12 +105,12 @@ def _difference(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         return a - b
 
 
-def _errors(scene: Scene) -> list[Strip]:
+def _errors(run: FigureData) -> list[Strip]:
     """Return the strips of |x̃| and |θ̃| on logarithmic axes: an exponential decay is a straight line."""
     strips = []
-    for kind, items in (("theta", scene.plant.channels), ("x", scene.plant.states)):
+    for kind, items in (("theta", run.plant.channels), ("x", run.plant.states)):
         for item in items:
-            truth, sign = scene.values(f"{kind}.{item.name}"), f"|{symbol(item.name, TILDE)}|"
+            truth, sign = run.values(f"{kind}.{item.name}"), f"|{symbol(item.name, TILDE)}|"
             lines = [
                 Line(
                     np.abs(_difference(line.y, truth)),
@@ -121,57 +119,57 @@ def _errors(scene: Scene) -> list[Strip]:
                     line.legend,
                     layer=line.layer,
                 )
-                for line in scene.estimates(kind, item.name)
+                for line in run.estimates(kind, item.name)
             ]
             if lines:
                 strips.append(
                     Strip(
-                        scene.time,
+                        run.time,
                         sign,
-                        scene.caption(kind, item.name),
+                        run.caption(kind, item.name),
                         lines,
                         log=True,
-                        marks=scene.changes(),
-                        shade=scene.intervals(kind, item.name),
+                        marks=run.changes(),
+                        shade=run.intervals(kind, item.name),
                     )
                 )
     return strips
 
 
-def _inputs(scene: Scene) -> list[Strip]:
+def _inputs(run: FigureData) -> list[Strip]:
     strips = []
-    for kind, items in (("u", scene.plant.inputs), ("signal", scene.plant.signals)):
+    for kind, items in (("u", run.plant.inputs), ("signal", run.plant.signals)):
         for item in items:
-            line = Line(scene.values(f"{kind}.{item.name}"), symbol(item.name), scene.theme.ink, framing=True)
-            strips.append(Strip(scene.time, symbol(item.name), scene.caption(kind, item.name), [line], height=72))
+            line = Line(run.values(f"{kind}.{item.name}"), symbol(item.name), run.theme.ink, framing=True)
+            strips.append(Strip(run.time, symbol(item.name), run.caption(kind, item.name), [line], height=72))
     return strips
 
 
-def _excitation(scene: Scene) -> list[Strip]:
+def _excitation(run: FigureData) -> list[Strip]:
     """Return one strip for each measure of excitation, with the threshold of the check of the same run."""
     strips: dict[str, list[Line]] = {}
     limits: dict[str, float] = {}
-    for label, name in _excitation_columns(scene.result.names, scene.labels):
+    for label, name in _excitation_columns(run.result.names, run.labels):
         strips.setdefault(name, []).append(
             Line(
-                scene.values(f"{label}.{name}"),
+                run.values(f"{label}.{name}"),
                 f"{escape(name)} {escape(label)}",
-                scene.colour(label),
-                scene.legend(label),
-                layer=-scene.labels.index(label),
+                run.colour(label),
+                run.legend(label),
+                layer=-run.labels.index(label),
             )
         )
-        for check in (check for r in scene.result.observers if r.label == label for check in r.checks):
+        for check in (check for r in run.result.observers if r.label == label for check in r.checks):
             if check.name.code == "check.excitation" and check.threshold and check.threshold > 0:
                 limits[name] = max(check.threshold, limits.get(name, 0.0))
     return [
         Strip(
-            scene.time,
+            run.time,
             "<i>λ</i><sub>min</sub>" if name in EXCITATION else wrap(name, 12),
             "excitation",
             lines,
             log=_wide(lines),
-            marks=scene.changes(),
+            marks=run.changes(),
             limit=limits.get(name),
         )
         for name, lines in strips.items()
@@ -184,9 +182,9 @@ def _wide(lines: Sequence[Line]) -> bool:
     return bool(positive) and max(y.max() for y in positive) > 10 * min(y.min() for y in positive)
 
 
-_BUILD: dict[str, Callable[[Scene], list[Strip]]] = {
-    "faults": lambda scene: _compare(scene, "theta"),
-    "states": lambda scene: _compare(scene, "x"),
+_BUILD: dict[str, Callable[[FigureData], list[Strip]]] = {
+    "faults": lambda run: _compare(run, "theta"),
+    "states": lambda run: _compare(run, "x"),
     "outputs": _outputs,
     "residuals": _residuals,
     "errors": _errors,
@@ -195,9 +193,9 @@ _BUILD: dict[str, Callable[[Scene], list[Strip]]] = {
 }
 
 
-def build(scene: Scene, name: str) -> dict:
+def build(run: FigureData, name: str) -> dict:
     """Return the general figure of that name. Raises KeyError if it does not exist or this run has nothing to draw."""
-    strips = _BUILD[name](scene)
+    strips = _BUILD[name](run)
     if not strips:
         raise KeyError(name)
-    return stack(scene.say(f"figure.{name}"), scene.say(f"figure.{name}.caption"), strips, scene.theme)
+    return stack(run.say(f"figure.{name}"), run.say(f"figure.{name}.caption"), strips, run.theme)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from thetascope.figures.figure_data import Scene
+from thetascope.figures.figure_data import FigureData
 from thetascope.figures.html_symbols import TILDE, escape, mathematical, symbol, wrap
 from thetascope.figures.strips import Abscissa, Line, Strip, stack
 from thetascope.figures.style import mix
@@ -21,17 +21,17 @@ def drawable(declared, columns: Sequence[str]) -> bool:
     return any(_traces(panel, columns) for panel in declared.panels)
 
 
-def build(scene: Scene, declared) -> dict:
+def build(run: FigureData, declared) -> dict:
     """Return one figure of the experiment's `figures`: its panels below one another, those over time on one axis."""
-    panels = [panel for panel in declared.panels if _traces(panel, scene.columns)]
+    panels = [panel for panel in declared.panels if _traces(panel, run.columns)]
     if not panels:
         raise KeyError(declared.name)
     axes: dict[tuple[str, str], Abscissa] = {}
     strips = [
-        _strip(scene, panel, axes.setdefault((panel.x, panel.x_title), _abscissa(scene, panel)), len(panels))
+        _strip(run, panel, axes.setdefault((panel.x, panel.x_title), _abscissa(run, panel)), len(panels))
         for panel in panels
     ]
-    return stack(scene.text(declared.title) or declared.name, scene.text(declared.caption), strips, scene.theme)
+    return stack(run.text(declared.title) or declared.name, run.text(declared.caption), strips, run.theme)
 
 
 def _traces(panel, columns) -> list:
@@ -41,83 +41,82 @@ def _traces(panel, columns) -> list:
     return [trace for trace in panel.traces if trace.column in columns and (trace.minus or "t") in columns]
 
 
-def _abscissa(scene: Scene, panel) -> Abscissa:
+def _abscissa(run: FigureData, panel) -> Abscissa:
     if panel.x == "t":
         return (
-            Abscissa(scene.t, mathematical(escape(scene.text(panel.x_title))) or scene.time.title)
+            Abscissa(run.t, mathematical(escape(run.text(panel.x_title))) or run.time.title)
             if panel.x_title
-            else scene.time
+            else run.time
         )
-    unit = scene.unit(*scene.split(panel.x)[1:])
+    unit = run.unit(*run.split(panel.x)[1:])
     return Abscissa(
-        scene.values(panel.x),
-        mathematical(escape(scene.text(panel.x_title)))
-        or scene.symbol(panel.x) + (f" ({escape(unit)})" if unit else ""),
+        run.values(panel.x),
+        mathematical(escape(run.text(panel.x_title))) or run.symbol(panel.x) + (f" ({escape(unit)})" if unit else ""),
         is_time=False,
     )
 
 
-def _strip(scene: Scene, panel, x: Abscissa, count: int) -> Strip:
-    traces = _traces(panel, scene.columns)
-    lines = [_line(scene, panel.log, traces, place) for place in range(len(traces))]
-    shown = {scene.split(column)[1:] for trace in traces for column in (trace.column, trace.minus) if column}
-    faults = [interval for kind, name in shown if kind in ("theta", "y") for interval in scene.intervals(kind, name)]
+def _strip(run: FigureData, panel, x: Abscissa, count: int) -> Strip:
+    traces = _traces(panel, run.columns)
+    lines = [_line(run, panel.log, traces, place) for place in range(len(traces))]
+    shown = {run.split(column)[1:] for trace in traces for column in (trace.column, trace.minus) if column}
+    faults = [interval for kind, name in shown if kind in ("theta", "y") for interval in run.intervals(kind, name)]
     shade = sorted(set(faults)) if x.is_time else []
     edges = {at for interval in shade for at in interval}
-    marks = [at for at in scene.changes() if at not in edges] if x.is_time else []
-    heading, caption = _heading(scene, panel, traces)
+    marks = [at for at in run.changes() if at not in edges] if x.is_time else []
+    heading, caption = _heading(run, panel, traces)
     height = 380 if not x.is_time else 340 if count == 1 else 170 if count < 4 else 124
     return Strip(x, heading, caption, lines, log=panel.log, shade=shade, marks=marks, height=height)
 
 
-def _default_label(scene: Scene, trace, truth: bool, kind: str) -> str:
+def _default_label(run: FigureData, trace, truth: bool, kind: str) -> str:
     """Return the legend of a line of the plant that the experiment does not name."""
     if truth or kind == "y":
-        return scene.say("figure.truth" if truth else "figure.measured")
-    return _name(scene, trace)
+        return run.say("figure.truth" if truth else "figure.measured")
+    return _name(run, trace)
 
 
-def _heading(scene: Scene, panel, traces: Sequence) -> tuple[str, str]:
+def _heading(run: FigureData, panel, traces: Sequence) -> tuple[str, str]:
     """Return the label left of the panel (the title of its vertical axis, or its symbols), and its words and unit."""
-    quantities = list(dict.fromkeys(scene.split(trace.column)[1:] for trace in traces))
-    title, words = scene.text(panel.y_title), [scene.text(panel.title)]
+    quantities = list(dict.fromkeys(run.split(trace.column)[1:] for trace in traces))
+    title, words = run.text(panel.y_title), [run.text(panel.title)]
     if title and len(title) <= _MATH_LENGTH:
         heading = f"<i>{mathematical(escape(title))}</i>"
     elif title:
-        heading, words = "", [title, scene.text(panel.title)]
+        heading, words = "", [title, run.text(panel.title)]
     else:
         accent = TILDE if all(trace.minus for trace in traces) else ""
         heading = ", ".join(symbol(name, accent) for _, name in quantities[:3]) + (" …" if len(quantities) > 3 else "")
     if not (title or panel.title) and len(quantities) == 1:
-        return heading, scene.caption(*quantities[0])
-    units = {scene.unit(kind, name) for kind, name in quantities}
+        return heading, run.caption(*quantities[0])
+    units = {run.unit(kind, name) for kind, name in quantities}
     unit = units.pop() if len(units) == 1 else ""
     rows = [mathematical(wrap(text)) for text in words if text] + ([escape(unit)] if unit and unit not in title else [])
     return heading, "<br>".join(rows)
 
 
-def _values(scene: Scene, trace) -> np.ndarray:
-    y = scene.values(trace.column)
+def _values(run: FigureData, trace) -> np.ndarray:
+    y = run.values(trace.column)
     if trace.minus:
         with np.errstate(over="ignore", invalid="ignore"):
-            y = y - scene.values(trace.minus)
+            y = y - run.values(trace.minus)
     return np.abs(y) if trace.absolute else y
 
 
-def _line(scene: Scene, log: bool, traces: Sequence, place: int) -> Line:
+def _line(run: FigureData, log: bool, traces: Sequence, place: int) -> Line:
     """Return the trace at `place`: observers in their colours, the plant in ink, dashed beside an estimate."""
     trace = traces[place]
-    y, plain = _values(scene, trace), not (trace.minus or log)
-    label, kind, _ = scene.split(trace.column)
-    label = label or (scene.split(trace.minus)[0] if trace.minus else None)
+    y, plain = _values(run, trace), not (trace.minus or log)
+    label, kind, _ = run.split(trace.column)
+    label = label or (run.split(trace.minus)[0] if trace.minus else None)
     if label is None:
-        truth = kind in ("x", "theta") and any(scene.split(other.column)[0] for other in traces)
+        truth = kind in ("x", "theta") and any(run.split(other.column)[0] for other in traces)
         dash = "dash" if truth and trace.style == "solid" else trace.style
-        text = mathematical(escape(scene.text(trace.label))) or _default_label(scene, trace, truth, kind)
-        colour = scene.theme.soft if kind == "y" else scene.theme.ink
+        text = mathematical(escape(run.text(trace.label))) or _default_label(run, trace, truth, kind)
+        colour = run.theme.soft if kind == "y" else run.theme.ink
         return Line(
             y,
-            _name(scene, trace) + f" {text}" * truth,
+            _name(run, trace) + f" {text}" * truth,
             colour,
             text,
             dash,
@@ -126,24 +125,24 @@ def _line(scene: Scene, log: bool, traces: Sequence, place: int) -> Line:
             layer=1 if truth else -99 if kind == "y" else 0,
         )
     dashed = any(
-        scene.split(other.column)[0] is None and not other.minus for other in traces
+        run.split(other.column)[0] is None and not other.minus for other in traces
     )  # the true value is drawn beside it
     dash = "solid" if dashed and trace.style == "dash" else trace.style
-    same = [other for other in traces if label in (scene.split(other.column)[0], scene.split(other.minus or "t")[0])]
-    colour = mix(scene.colour(label), scene.theme.ink, min(0.35 * same.index(trace), 0.7))
-    legend = scene.legend(label) if len(same) == 1 else f"{_name(scene, trace)} {scene.legend(label)}"
+    same = [other for other in traces if label in (run.split(other.column)[0], run.split(other.minus or "t")[0])]
+    colour = mix(run.colour(label), run.theme.ink, min(0.35 * same.index(trace), 0.7))
+    legend = run.legend(label) if len(same) == 1 else f"{_name(run, trace)} {run.legend(label)}"
     return Line(
         y,
-        f"{_name(scene, trace)} {escape(label)}",
+        f"{_name(run, trace)} {escape(label)}",
         colour,
         mathematical(escape(trace.label)) or legend,
         dash,
         final=plain,
-        layer=-scene.labels.index(label),
+        layer=-run.labels.index(label),
     )
 
 
-def _name(scene: Scene, trace) -> str:
+def _name(run: FigureData, trace) -> str:
     """Return the quantity of a trace as mathematics."""
-    text = scene.symbol(trace.column) + (f" − {scene.symbol(trace.minus)}" if trace.minus else "")
+    text = run.symbol(trace.column) + (f" − {run.symbol(trace.minus)}" if trace.minus else "")
     return f"|{text}|" if trace.absolute else text

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from markupsafe import Markup
 
 from thetascope.diagnosis.evaluation.observer_comparison import COVERED, FOUND, MISSED, Comparison, Row, best
-from thetascope.report.words import Report, bracketed, hat, mark, number, symbol
+from thetascope.report.words import ReportContext, bracketed, hat, mark, number, symbol
 
 _OUTCOMES = {FOUND: "found", COVERED: "covered", MISSED: "missed"}
 _FEW = 8  # windows: with more of them, peaks would make the table too wide to read
@@ -15,7 +15,7 @@ Part = dict[str, Cell]
 """A table and the legend below it."""
 
 
-def comparison(report: Report, compared: Comparison, summary: Mapping[str, dict]) -> Markup:
+def comparison(report: ReportContext, compared: Comparison, summary: Mapping[str, dict]) -> Markup:
     """Return all tables: at a glance, each fault, errors by window, estimates at the end, settling."""
     parts = [
         _glance(report, compared),
@@ -33,7 +33,7 @@ def marked(values: Sequence[float | None], texts: Sequence[Cell]) -> list[Cell]:
     return [mark("best", text) if place in winners else text for place, text in enumerate(texts)]
 
 
-def _glance(report: Report, compared: Comparison) -> Part:
+def _glance(report: ReportContext, compared: Comparison) -> Part:
     rows = compared.rows
     columns = _judged(report, rows) if any(row.verdicts is not None for row in rows) else []
     wins, cells = _wins(rows)
@@ -48,7 +48,7 @@ def _glance(report: Report, compared: Comparison) -> Part:
     return {"table": report.table(head, lines, len(columns)), "legend": _legend(report, rows)}
 
 
-def _judged(report: Report, rows: Sequence[Row]) -> list[tuple[str, Sequence[float | None], Sequence[Cell]]]:
+def _judged(report: ReportContext, rows: Sequence[Row]) -> list[tuple[str, Sequence[float | None], Sequence[Cell]]]:
     """Return the columns about faults and alarms: name of the head, values to be compared, texts."""
     known = [row.count(FOUND) for row in rows]
     texts: list[Cell] = [
@@ -72,7 +72,7 @@ def _judged(report: Report, rows: Sequence[Row]) -> list[tuple[str, Sequence[flo
     return [*columns, ("delay", delays, [_seconds(d) for d in delays])]
 
 
-def _legend(report: Report, rows: Sequence[Row]) -> Markup:
+def _legend(report: ReportContext, rows: Sequence[Row]) -> Markup:
     judged = [row for row in rows if row.verdicts is not None]
     grace = list(dict.fromkeys(number(row.grace, 3) for row in judged))
     sentences = [report.say("report.legend.cost")]
@@ -112,7 +112,7 @@ def _seconds(value: float | None) -> str:
     return "–" if value is None else f"{value:.3f}"
 
 
-def _faults(report: Report, rows: Sequence[Row]) -> Part:
+def _faults(report: ReportContext, rows: Sequence[Row]) -> Part:
     """Return a line for each fault: after how many seconds each observer's alarm named it."""
     rows = [row for row in rows if row.verdicts]
     lines = []
@@ -128,7 +128,7 @@ def _faults(report: Report, rows: Sequence[Row]) -> Part:
     return {"table": report.table(head, lines, len(rows) + 1), "legend": report.say("report.legend.faults")}
 
 
-def _windows(report: Report, compared: Comparison) -> Part:
+def _windows(report: ReportContext, compared: Comparison) -> Part:
     """Return RMSE and, in a few windows, peak of every quantity."""
     rows, spans, lines = compared.rows, compared.windows, []
     peaks = len(spans) <= _FEW
@@ -141,7 +141,7 @@ def _windows(report: Report, compared: Comparison) -> Part:
             under = marked(tops, [number(v, 3) for v in tops])
             columns.append([mark("below", *pair) for pair in zip(texts, under, strict=True)] if peaks else texts)
         kind, _, bare = name.partition(".")
-        title = symbol(bare) + bracketed(report.scene.unit(kind, bare))
+        title = symbol(bare) + bracketed(report.run.unit(kind, bare))
         lines += [
             [title, report.chip(row.label), *cells] for row, cells in zip(mine, zip(*columns, strict=True), strict=True)
         ]
@@ -151,12 +151,12 @@ def _windows(report: Report, compared: Comparison) -> Part:
     return {"table": report.table(head, lines, len(spans)), "legend": legend}
 
 
-def _final(report: Report, summary: Mapping[str, dict]) -> Part:
+def _final(report: ReportContext, summary: Mapping[str, dict]) -> Part:
     """Return the estimates at the end."""
     lines = [
         [
             report.chip(label),
-            hat(name) + bracketed(report.scene.unit("theta", name)),
+            hat(name) + bracketed(report.run.unit("theta", name)),
             *(number(v[key]) for key in ("truth", "estimate", "error", "mean_error", "std")),
         ]
         for label, entry in summary.items()
@@ -167,7 +167,7 @@ def _final(report: Report, summary: Mapping[str, dict]) -> Part:
     return {"table": report.table(head, lines, 5), "legend": report.say("report.legend.final")}
 
 
-def _settling(report: Report, rows: Sequence[Row], summary: Mapping[str, dict]) -> Part:
+def _settling(report: ReportContext, rows: Sequence[Row], summary: Mapping[str, dict]) -> Part:
     """Return a line for each step and observer: when its estimate came within 10 %, stayed within 10 % and 5 %."""
     keys = list(dict.fromkeys((step.channel, step.at) for row in rows for step in row.steps))
     lines = []

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from markupsafe import Markup
 
 from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
-from thetascope.report.words import Report, bracketed, mark, number, symbol, unit
+from thetascope.report.words import ReportContext, bracketed, mark, number, symbol, unit
 from thetascope_schemas.experiment.diagnosis import (
     Alarm,
     Calibration,
@@ -17,9 +17,9 @@ from thetascope_schemas.experiment.diagnosis import (
 )
 
 
-def diagnosis(report: Report, findings: Mapping[str, ObserverDiagnosis], seen: Observability) -> Markup:
+def diagnosis(report: ReportContext, findings: Mapping[str, ObserverDiagnosis], seen: Observability) -> Markup:
     """Return the detector's findings, then each observer's in the order of the spec, then what the outputs show at all."""
-    labels = [label for label in (DETECTOR, *report.scene.labels) if label in findings]
+    labels = [label for label in (DETECTOR, *report.run.labels) if label in findings]
     return report.render(
         "diagnosis.html",
         observers=[_observer(report, label, findings[label]) for label in labels],
@@ -28,7 +28,7 @@ def diagnosis(report: Report, findings: Mapping[str, ObserverDiagnosis], seen: O
     )
 
 
-def _observer(report: Report, label: str, found: ObserverDiagnosis) -> dict[str, object]:
+def _observer(report: ReportContext, label: str, found: ObserverDiagnosis) -> dict[str, object]:
     own = report.say("report.own-estimates", label=report.chip(label))
     excitation = found.excitation
     return {
@@ -45,7 +45,7 @@ def _observer(report: Report, label: str, found: ObserverDiagnosis) -> dict[str,
     }
 
 
-def _alarms(report: Report, alarms: Sequence[Alarm]) -> Markup:
+def _alarms(report: ReportContext, alarms: Sequence[Alarm]) -> Markup:
     rows = [
         [
             number(alarm.t, 6),
@@ -63,7 +63,7 @@ def _alarms(report: Report, alarms: Sequence[Alarm]) -> Markup:
     return report.table([report.say(f"report.head.{name}") for name in names], rows, 4)
 
 
-def _fault(report: Report, alarm: Alarm) -> Markup:
+def _fault(report: ReportContext, alarm: Alarm) -> Markup:
     if alarm.kind == "fault" and alarm.channel is not None:
         return symbol(alarm.channel)
     if alarm.output:
@@ -71,14 +71,14 @@ def _fault(report: Report, alarm: Alarm) -> Markup:
     return report.say("report.unexplained")
 
 
-def _size(report: Report, alarm: Alarm) -> Markup | str:
+def _size(report: ReportContext, alarm: Alarm) -> Markup | str:
     if alarm.size is None:
         return "–"
-    size = number(alarm.size) + unit(report.scene.unit("theta", alarm.channel))
+    size = number(alarm.size) + unit(report.run.unit("theta", alarm.channel))
     return size + report.span(alarm.size_from, alarm.size_to)
 
 
-def _thresholds(report: Report, calibration: Calibration) -> Markup:
+def _thresholds(report: ReportContext, calibration: Calibration) -> Markup:
     limits = [Markup("{} {}").format(name, number(value)) for name, value in calibration.thresholds.items()]
     return report.say(
         "report.thresholds",
@@ -92,10 +92,10 @@ def _thresholds(report: Report, calibration: Calibration) -> Markup:
     )
 
 
-def _resolution(report: Report, resolution: Sequence[Resolution]) -> Markup:
+def _resolution(report: ReportContext, resolution: Sequence[Resolution]) -> Markup:
     rows = [
         [
-            symbol(r.channel) + bracketed(report.scene.unit("theta", r.channel)),
+            symbol(r.channel) + bracketed(report.run.unit("theta", r.channel)),
             _yes(report, r.resolvable),
             _yes(report, r.identifiable),
             report.text(r.text),
@@ -109,11 +109,11 @@ def _resolution(report: Report, resolution: Sequence[Resolution]) -> Markup:
     return report.table([report.say(f"report.head.{name}") for name in names], rows, 3)
 
 
-def _yes(report: Report, value: bool) -> Markup:
+def _yes(report: ReportContext, value: bool) -> Markup:
     return mark("verdict", "holds" if value else "fails", report.say("report.yes" if value else "report.no"))
 
 
-def _excitation(report: Report, excitation: Excitation) -> Markup:
+def _excitation(report: ReportContext, excitation: Excitation) -> Markup:
     enough = excitation.level is not None and excitation.level >= excitation.needed
     return report.say(
         "report.excitation.enough" if enough else "report.excitation.too-low",
@@ -136,10 +136,10 @@ def _direction(direction: Mapping[str, float]) -> Markup:
     return text
 
 
-def _noise(report: Report, levels: Sequence[NoiseLevel]) -> Markup:
+def _noise(report: ReportContext, levels: Sequence[NoiseLevel]) -> Markup:
     rows = [
         [
-            symbol(level.output) + bracketed(report.scene.unit("y", level.output)),
+            symbol(level.output) + bracketed(report.run.unit("y", level.output)),
             number(level.declared),
             number(level.estimated),
         ]

@@ -17,12 +17,12 @@ from thetascope.assembly.build.diagnosis_settings import findings
 from thetascope.diagnosis.evaluation import metrics
 from thetascope.diagnosis.evaluation.observer_comparison import compare
 from thetascope.figures import figure, figure_names
-from thetascope.figures.figure_data import Scene
+from thetascope.figures.figure_data import FigureData
 from thetascope.report.comparison_section import comparison
 from thetascope.report.diagnosis_section import diagnosis
 from thetascope.report.observers_section import observers
 from thetascope.report.plant_section import plant_section, timeline
-from thetascope.report.words import Report, mark, number
+from thetascope.report.words import ReportContext, mark, number
 from thetascope_schemas.texts.local_text import ALL
 
 PACKAGES = ("numpy", "scipy", "llvmlite", "sympy", "plotly")
@@ -77,7 +77,7 @@ def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en
     `created` (text or datetime), `command` (the command line that makes this report), `versions` (name → version).
     Raises PlotlyMissing when the drawing script cannot be found.
     """
-    own = Report(Scene(result, spec, plant, "light", language))
+    own = ReportContext(FigureData(result, spec, plant, "light", language))
     figures = [
         figure(result, spec, plant, entry["name"], language=language) for entry in figure_names(spec, result.names)
     ]
@@ -107,9 +107,9 @@ def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en
     )
 
 
-def _alarms(own: Report) -> list[Markup]:
+def _alarms(own: ReportContext) -> list[Markup]:
     """Return what went wrong: divergence of the plant or of observers."""
-    result = own.scene.result
+    result = own.run.result
     lines = []
     if result.diverged:
         cause = own.text(result.diverged.cause)
@@ -121,8 +121,8 @@ def _alarms(own: Report) -> list[Markup]:
     return lines
 
 
-def _reproduce(own: Report, run_meta: Mapping[str, Any]) -> Markup:
-    result, spec = own.scene.result, own.scene.spec
+def _reproduce(own: ReportContext, run_meta: Mapping[str, Any]) -> Markup:
+    result, spec = own.run.result, own.run.spec
     command = run_meta.get("command")
     known = dict(run_meta.get("versions") or versions())
     steps = {"step": number(result.step), "n": result.substeps, "horizon": number(spec.horizon, 6)}

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check, ObserverReport
 from thetascope.messages import Message
-from thetascope.report.words import Report, mark, number, symbol
+from thetascope.report.words import ReportContext, mark, number, symbol
 from thetascope_schemas.experiment.observers import ObserverConfig
 
 _CODES = {HOLDS: "holds", FAILS: "fails", CANNOT_TELL: "cannot-tell"}
@@ -16,14 +16,14 @@ _CLASSES = {HOLDS: "holds", FAILS: "fails"}
 _HEAD = ("assumption", "here", "checked", "source", "found", "against")
 
 
-def observers(report: Report) -> Markup:
+def observers(report: ReportContext) -> Markup:
     """Return each observer: kind, gains, what it reports, the verdicts on its theorem's assumptions."""
-    configured = report.scene.spec.observer_configs()
-    found = [_observer(report, one, configured[one.label]) for one in report.scene.result.observers]
+    configured = report.run.spec.observer_configs()
+    found = [_observer(report, one, configured[one.label]) for one in report.run.result.observers]
     return report.render("observers.html", observers=found)
 
 
-def _observer(report: Report, one: ObserverReport, config: ObserverConfig) -> dict[str, object]:
+def _observer(report: ReportContext, one: ObserverReport, config: ObserverConfig) -> dict[str, object]:
     gains = [Markup("{} = {}").format(symbol(name), _value(value)) for name, value in config.gains.items()]
     gains += [Markup("{}: {}").format(name, str(value)) for name, value in config.options.items()]
     facts = [Markup("{}: {}").format(name.replace("_", " "), _fact(report, value)) for name, value in one.facts.items()]
@@ -39,7 +39,7 @@ def _observer(report: Report, one: ObserverReport, config: ObserverConfig) -> di
     }
 
 
-def counts(report: Report, found: Sequence[Check]) -> Markup:
+def counts(report: ReportContext, found: Sequence[Check]) -> Markup:
     """Return how many assumptions hold, fail and cannot be decided: "5 hold, 1 fails"."""
     number_of = Counter(check.verdict for check in found)
     parts = [
@@ -50,7 +50,7 @@ def counts(report: Report, found: Sequence[Check]) -> Markup:
     return report.joined(parts) if parts else report.say("report.verdict.none")
 
 
-def checks(report: Report, found: Sequence[Check]) -> Markup:
+def checks(report: ReportContext, found: Sequence[Check]) -> Markup:
     """Return a line for each assumption: name, verdict, sentence, source, the number found and its limit."""
     rows = [
         [
@@ -66,7 +66,7 @@ def checks(report: Report, found: Sequence[Check]) -> Markup:
     return report.table([report.say(f"report.head.{name}") for name in _HEAD], rows, 2)
 
 
-def _fact(report: Report, value: object) -> Markup | str:
+def _fact(report: ReportContext, value: object) -> Markup | str:
     """Return a fact; one that is a message, {code, args}, in the report's language."""
     if isinstance(value, Mapping) and "code" in value:
         return report.text(Message.from_data(value))

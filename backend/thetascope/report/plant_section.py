@@ -4,16 +4,16 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from thetascope.report.words import Report, expression, mark, number, symbol, unit
+from thetascope.report.words import ReportContext, expression, mark, number, symbol, unit
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 
 _GIVEN = {"channel", "output", "shape", "onset", "end"}  # fields of a fault that have columns of their own
 
 
-def plant_section(report: Report) -> Markup:
+def plant_section(report: ReportContext) -> Markup:
     """Return title, equations, parameters and fault channels."""
-    plant, spec = report.scene.plant, report.scene.spec
+    plant, spec = report.run.plant, report.run.spec
     discrete = plant.time.kind == "discrete"
     return report.render(
         "plant.html",
@@ -33,13 +33,13 @@ def plant_section(report: Report) -> Markup:
     )
 
 
-def timeline(report: Report) -> Markup:
+def timeline(report: ReportContext) -> Markup:
     """Return the faults in the order of their onset, and the noise."""
-    spec = report.scene.spec
+    spec = report.run.spec
     rows = []
     for fault in sorted(spec.faults, key=lambda fault: fault.onset):
         details = [name for name in type(fault).model_fields if name not in _GIVEN]
-        size_unit = unit(report.scene.unit(fault.site.prefix, fault.site.name)) if "size" in details else ""
+        size_unit = unit(report.run.unit(fault.site.prefix, fault.site.name)) if "size" in details else ""
         texts = [_detail(report, name, getattr(fault, name)) for name in details]
         rows.append(
             [
@@ -58,7 +58,7 @@ def timeline(report: Report) -> Markup:
     return report.render("timeline.html", faults=report.table(head, rows, 2), noise=report.joined(noise))
 
 
-def _equations(report: Report, plant: Plant) -> Iterator[tuple[Markup, Markup, Markup | str]]:
+def _equations(report: ReportContext, plant: Plant) -> Iterator[tuple[Markup, Markup, Markup | str]]:
     """Yield left side, right side and note: the states, the definitions, the outputs. Faults are marked where they enter."""
     prime = mark("next") if plant.time.kind == "discrete" else "′"
     for state in plant.states:
@@ -71,7 +71,7 @@ def _equations(report: Report, plant: Plant) -> Iterator[tuple[Markup, Markup, M
         yield symbol(output.name), right, output.unit
 
 
-def _domain(report: Report, domain: tuple[float | str | None, float | str | None]) -> Markup | str:
+def _domain(report: ReportContext, domain: tuple[float | str | None, float | str | None]) -> Markup | str:
     if domain == (None, None):
         return ""
     low, high = (
@@ -92,7 +92,7 @@ def _faults(plant: Plant, equation: str, kinds: tuple[str, ...]) -> Markup:
     return text
 
 
-def _quantities(report: Report, plant: Plant, spec: Experiment) -> list[tuple[Markup, Markup]]:
+def _quantities(report: ReportContext, plant: Plant, spec: Experiment) -> list[tuple[Markup, Markup]]:
     """Return the parameters in effect and the initial state, each as a name and the values."""
     parameters = [
         Markup("{} = {}{}").format(symbol(p.name), number(spec.parameters.get(p.name, p.value), 6), unit(p.unit))
@@ -106,7 +106,7 @@ def _quantities(report: Report, plant: Plant, spec: Experiment) -> list[tuple[Ma
     return [(name, report.joined(items)) for name, items in groups if items]
 
 
-def _detail(report: Report, name: str, value: object) -> Markup:
+def _detail(report: ReportContext, name: str, value: object) -> Markup:
     """Return one more field of a fault, with its value."""
     if isinstance(value, tuple | list):
         shown: Markup | str = report.say("report.points", n=len(value))

@@ -14,7 +14,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
 from thetascope.figures import html_symbols
-from thetascope.figures.figure_data import Scene
+from thetascope.figures.figure_data import FigureData
 from thetascope.messages import Message, text_of
 
 TEMPLATES = Path(__file__).parent / "templates"
@@ -32,16 +32,16 @@ def _macros() -> Any:
     return environment().get_template("marks.html").module
 
 
-class Report:
+class ReportContext:
     """What the sections of one report share: the run as figures show it, and the language.
 
     Args:
-        scene: result, spec, plant, theme and language.
+        run: result, spec, plant, theme and language.
     """
 
-    def __init__(self, scene: Scene) -> None:
-        self.scene = scene
-        self.language = scene.language
+    def __init__(self, run: FigureData) -> None:
+        self.run = run
+        self.language = run.language
 
     def render(self, template: str, **context: Any) -> Markup:
         """Return a template filled with a context; `say` is in it."""
@@ -78,9 +78,9 @@ class Report:
 
     def chip(self, label: str) -> Markup:
         """Return an observer's name with its colour; the detector has none."""
-        known = label in self.scene.labels
+        known = label in self.run.labels
         name = label if known else self.say("report.detector-name") if label == "detector" else label
-        return mark("chip", name, self.scene.colour(label) if known else "")
+        return mark("chip", name, self.run.colour(label) if known else "")
 
     def span(self, low: float | None, high: float | None, digits: int = 4) -> Markup | str:
         """Return an interval in brackets; an empty text without an interval."""

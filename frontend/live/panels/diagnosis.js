@@ -3,12 +3,12 @@
 
 import {childrenOf, fill, h} from '../../common/dom.js';
 import {called, capital, spoken} from '../../common/names.js';
-import {line, spell} from '../../diagnosis/finding-line.js';
+import {line, summarySentence} from '../../diagnosis/finding-line.js';
 import {findings} from '../../diagnosis/findings.js';
 import {wholeLines} from '../../widgets/whole-lines.js';
 import {asOfNow, heading, link, seconds} from '../../widgets/controls.js';
 import {createSeen} from '../../diagnosis/detectability.js';
-import {untold} from '../../diagnosis/fault-size.js';
+import {unresolved} from '../../diagnosis/fault-size.js';
 import {createSure} from '../../diagnosis/confidence.js';
 import {asSentence, t} from '../../i18n/words.js';
 
@@ -79,7 +79,7 @@ export function mount(element, app) {
     const {facts} = state;
     if (!state.plant || !facts) return;
     const all = findings({...state, facts});
-    const words = spell(facts.summary, app);
+    const words = summarySentence(facts.summary, app);
     if (verdict.textContent !== words) verdict.textContent = words;
     const weak = state.broken === null ? weakness(state) : '';
     const lost = state.broken === null ? state.observers.filter((one) => one.diverged) : [];
@@ -142,7 +142,7 @@ export function mount(element, app) {
  * @param {State} state
  */
 function weakness(state) {
-  const lost = untold(state);
+  const lost = unresolved(state);
   const {excitation, resolution = []} = state.diagnosis ?? {};
   if (!excitation || lost.length === 0) return '';
   if (lost.every((one) => one.smallest !== null))

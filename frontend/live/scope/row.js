@@ -130,7 +130,7 @@ export function createRow(showAll) {
   const label = h('div', {class: 'strip-label'});
   const canvas = h('canvas', {role: 'img'});
   const values = h('div', {class: 'strip-values', 'aria-hidden': 'true'});
-  const mark = h('span', {class: 'untold', hidden: true});
+  const mark = h('span', {class: 'unresolved', hidden: true});
   const all = tool('all', 'M8 2v12M5 4.500L8 2l3 2.500M5 11.500L8 14l3-2.500', showAll);
   const plot = h('div', {class: 'strip-plot'}, canvas, mark, all);
   return {
@@ -138,7 +138,7 @@ export function createRow(showAll) {
     canvas,
     values,
     plot,
-    untold: mark,
+    unresolved: mark,
     ctx: context(canvas),
     range: new Range(),
     element: h('div', {class: 'strip'}, label, plot, values),

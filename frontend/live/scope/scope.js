@@ -7,7 +7,7 @@ import {mountHead} from './head.js';
 import {mountPointer} from './pointer.js';
 import {createRow, fit, label, labelAll} from './row.js';
 import {showValues} from './values.js';
-import {untold} from '../../diagnosis/fault-size.js';
+import {unresolved} from '../../diagnosis/fault-size.js';
 import {leaving, setTicks, wanted} from './axis-view.js';
 import {stripsOf} from '../state/strips.js';
 import {say, t} from '../../i18n/words.js';
@@ -58,10 +58,10 @@ export function mountScope(root, app) {
   );
   app.subscribe(
     (state) =>
-      untold(state)
+      unresolved(state)
         .map((one) => `${one.channel} ${one.smallest === null}`)
         .join(),
-    () => scope.showUntold(),
+    () => scope.showUnresolved(),
   );
   app.subscribe(
     (state) => [state.cursor, state.looking],
@@ -120,7 +120,7 @@ export class Scope {
     if (wanted.length !== this.list.children.length || wanted.some((element, i) => this.list.children[i] !== element)) {
       this.list.replaceChildren(...wanted);
     }
-    this.showUntold();
+    this.showUnresolved();
     this.measure();
     this.showEmpty();
     this.aimed = 0;
@@ -129,10 +129,10 @@ export class Scope {
   }
 
   /** Say which faults the input of the last window does not tell. */
-  showUntold() {
+  showUnresolved() {
     const {state} = this.app;
-    const lost = untold(state);
-    for (const {strip, untold: mark} of this.rows.values()) {
+    const lost = unresolved(state);
+    for (const {strip, unresolved: mark} of this.rows.values()) {
       if (strip.kind === 'excitation') continue;
       const one = strip.kind === 'theta' ? lost.find(({channel}) => channel === strip.subject) : undefined;
       mark.hidden = one === undefined;
@@ -332,8 +332,8 @@ export class Scope {
       : row.strip.traces
           .flatMap(({label}) => state.checks[label] ?? [])
           .find(({name, value}) => name.code === 'check.excitation' && value === null);
-    row.untold.hidden = !why;
+    row.unresolved.hidden = !why;
     const words = why ? say(why.text) : '';
-    if (row.untold.textContent !== words) row.untold.textContent = words;
+    if (row.unresolved.textContent !== words) row.unresolved.textContent = words;
   }
 }

@@ -23,7 +23,7 @@ export function showValues(rows, app) {
   const {state, samples} = app;
   const row = Math.min(samples.rows - 1, Math.round(moment(state, samples.now) / samples.record));
   for (const {strip, values, range, canvas} of rows) {
-    const spell = strip.log
+    const format = strip.log
       ? excitation
       : written(range.target ? {low: range.target[0], high: range.target[1]} : range);
     const shown = [
@@ -32,7 +32,7 @@ export function showValues(rows, app) {
     ];
     const words = shown.map(({column, fallen, label}, i) => {
       const value = samples.value(column, row);
-      const said = fallen !== null && value !== value ? t('page.scope.diverged') : spell(value);
+      const said = fallen !== null && value !== value ? t('page.scope.diverged') : format(value);
       const cell = values.children[i];
       put(cell, said);
       if (strip.log) cell?.classList.toggle('warning', said === t('page.scope.diverged'));

@@ -32,7 +32,7 @@ export function read(search) {
 export function write({experiment, changes = {}, run = null}) {
   const query = new URLSearchParams();
   if (experiment) query.set('experiment', experiment);
-  for (const [path, to] of Object.entries(changes)) query.append('set', `${path}=${spell(to)}`);
+  for (const [path, to] of Object.entries(changes)) query.append('set', `${path}=${asTyped(to)}`);
   if (run) query.set('run', run);
   const text = query.toString();
   return text ? `?${text}` : '/runs/';
@@ -58,6 +58,6 @@ export function value(typed) {
  * @param {unknown} to
  * @returns {string}
  */
-export function spell(to) {
+export function asTyped(to) {
   return typeof to === 'string' ? to : JSON.stringify(to);
 }

@@ -1,6 +1,6 @@
 // Data, report and specification of the run, and the command that repeats it.
 
-import {spell} from './address.js';
+import {asTyped} from './address.js';
 import {h, number} from '../../common/dom.js';
 import {language, t} from '../../i18n/words.js';
 
@@ -57,7 +57,7 @@ function command(chosen, changes) {
   const words = [
     'thetascope run',
     quoted(chosen),
-    ...Object.entries(changes).map(([path, to]) => `--set ${quoted(`${path}=${spell(to)}`)}`),
+    ...Object.entries(changes).map(([path, to]) => `--set ${quoted(`${path}=${asTyped(to)}`)}`),
     '--out run.csv',
   ];
   const line = h('code', {}, words.join(' '));

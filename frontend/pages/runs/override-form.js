@@ -1,7 +1,7 @@
 // The form for changes before a run: seed, noise, gains, and any other value by its path.
 // Values go to the server as they are typed; a refusal is shown under the field that it names.
 
-import {spell, value} from './address.js';
+import {asTyped, value} from './address.js';
 import {fill, h, symbol} from '../../common/dom.js';
 import {original, spelt} from './run-state.js';
 import {explained} from '../../common/problem.js';
@@ -66,7 +66,7 @@ export function createForm(store, act) {
       inputmode: 'decimal',
       title: hint,
       'aria-describedby': error.id,
-      value: spell(changes[path] ?? original(spec, path)),
+      value: asTyped(changes[path] ?? original(spec, path)),
       oninput: () => act.change(path, input.value.trim() === '' ? undefined : value(input.value)),
     });
     fields.set(path, {input, error});
@@ -110,7 +110,7 @@ export function createForm(store, act) {
     details.open = open || Object.keys(changes).some((path) => path !== 'seed' && !path.startsWith('noise.'));
     more.value = Object.entries(changes)
       .filter(([path]) => !fields.has(path))
-      .map(([path, to]) => `${path} = ${spell(to)}`)
+      .map(([path, to]) => `${path} = ${asTyped(to)}`)
       .join('\n');
     fill(moreError);
     fill(

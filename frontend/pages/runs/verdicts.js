@@ -3,7 +3,7 @@
 
 import {fill, h, number} from '../../common/dom.js';
 import {alarmFrom} from '../../diagnosis/alarms.js';
-import {line, spell} from '../../diagnosis/finding-line.js';
+import {line, summarySentence} from '../../diagnosis/finding-line.js';
 import {findings, stateOf} from '../../diagnosis/findings.js';
 import {took} from '../../widgets/controls.js';
 import {trajectory, visible} from '../../diagnosis/detectability.js';
@@ -57,7 +57,7 @@ function detector({spec}, plant, facts, {detector: diagnosis}) {
   const app = {state};
   const all = findings(state);
   return [
-    h('p', {class: 'verdict'}, spell(state.facts.summary, app)),
+    h('p', {class: 'verdict'}, summarySentence(state.facts.summary, app)),
     h(
       'div',
       {class: 'side-by-side'},

@@ -119,7 +119,7 @@ def test_a_strip_that_cannot_tell_says_why(page):
     opened = settled(page, "/?experiment=friction-motor&t=10")
     until(
         opened,
-        "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] .untold').innerText)",
+        "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] .unresolved').innerText)",
     )
 
 

@@ -32,7 +32,7 @@ WRONG = """(() => {
     const over = Math.min(Math.min(a.right, b.right) - Math.max(a.left, b.left), Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
     if (over > 1 && !a.element.contains(b.element)) wrong.push(`${name(a)} / ${name(b)}`);
   }));
-  const controls = all('button, select, input:not([type=checkbox]), .clock, .connection, .rail, .verdict, .untold');
+  const controls = all('button, select, input:not([type=checkbox]), .clock, .connection, .rail, .verdict, .unresolved');
   const cards = all('#scope, #hysteresis, #panel-diagnosis, #panel-plant, .desk');
   apart(controls);
   apart(cards);

@@ -20,7 +20,7 @@ from thetascope.diagnosis.isolation.decision_state import DecisionState
 from thetascope.diagnosis.monitor.detector import Detector, prepare_detector, unwatchable
 from thetascope.diagnosis.monitor.monitor import MonitorState
 from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis
-from thetascope.diagnosis.outcome.findings import of_detector
+from thetascope.diagnosis.outcome.findings import detector_report
 from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.engine.errors import SpecError, Unwatchable
@@ -144,7 +144,7 @@ def diagnose_recording(
         raise SpecError("plant", plant.id, Message("record.not-calibrated", reason=error.args[0])) from None
     state = _monitor_record(detector, experiment, record, learn)
     run_diagnosis = RunDiagnosis(detector, state, (), detector.interval, _defaults(plant, record))
-    report = of_detector(
+    report = detector_report(
         run_diagnosis,
         settings.confidence,
         settings.accuracy,

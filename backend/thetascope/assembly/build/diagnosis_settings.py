@@ -6,7 +6,7 @@ from dataclasses import replace
 from thetascope.diagnosis.evaluation.observer_comparison import DETECTOR
 from thetascope.diagnosis.monitor.detector import DetectorSettings
 from thetascope.diagnosis.outcome.diagnose_run import DiagnosisRequest, diagnose
-from thetascope.diagnosis.outcome.findings import of_detector, of_observer
+from thetascope.diagnosis.outcome.findings import detector_report, observer_report
 from thetascope.diagnosis.yield_points import run_to_end
 from thetascope.engine.errors import Cancelled
 from thetascope.engine.execution.run_experiment import Parts
@@ -65,9 +65,9 @@ def inspector(
         run_diagnosis = run_to_end(diagnose(parts, columns, result.substeps, request), check)
         confidence = spec.diagnosis.confidence
         report = {
-            "detector": of_detector(run_diagnosis, confidence, spec.diagnosis.accuracy, span(spec)),
+            "detector": detector_report(run_diagnosis, confidence, spec.diagnosis.accuracy, span(spec)),
             "observers": [
-                of_observer(own, run_diagnosis.interval, confidence, spec.diagnosis.false_alarms)
+                observer_report(own, run_diagnosis.interval, confidence, spec.diagnosis.false_alarms)
                 for own in run_diagnosis.observers
             ],
         }

@@ -186,7 +186,7 @@ def _median_share(rows: int) -> float:
     return (1 - 2 / (9 * rows)) ** 3
 
 
-def of_detector(
+def detector_report(
     diagnosis: RunDiagnosis, confidence: float, accuracy: float, horizon: float, begin: int | None = None
 ) -> dict:
     """Return the detector's diagnosis.
@@ -238,7 +238,7 @@ def excitation_of(detector: Detector, J: np.ndarray, accuracy: float) -> Excitat
 # ---- observers' own estimates ------------------------------------------------------------------------------------------
 
 
-def of_observer(own: EstimateDiagnosis, interval: float, confidence: float, rate: float) -> dict:
+def observer_report(own: EstimateDiagnosis, interval: float, confidence: float, rate: float) -> dict:
     """Return the diagnosis by one observer's estimates; `interval`: time between decisions, s; `rate`: false alarms per
     hour."""
     if own.tested is None:

@@ -112,7 +112,7 @@ class BackwardPass:
         module."""
         rows, values = (
             len(backward_inputs),
-            {f"heed.{k}": h for k, h in enumerate(trusted_outputs)} | {"delta": delta, "rho": rho},
+            {f"trusted.{k}": h for k, h in enumerate(trusted_outputs)} | {"delta": delta, "rho": rho},
         )
         params = np.array([values[name] for name in self.layout.shared_params(self.program)])
         states = np.zeros((rows // stride + 1, len(self.program.states)))

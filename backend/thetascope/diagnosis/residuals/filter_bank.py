@@ -9,7 +9,7 @@ import numpy as np
 from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter, rowwise
 from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import Layout, kernel
-from thetascope.engine.estimation.hypothesis_bank import sums, suppositions
+from thetascope.engine.estimation.hypothesis_bank import hypothesis_program, sums
 
 WIDTH = 8  # hypotheses in one pass: the lanes of a vector register
 LOST = 1e120  # energy of a hypothesis under which the filter diverges
@@ -72,7 +72,7 @@ class FilterBank:
 
     def __init__(self, filter_: InnovationFilter):
         self.filter = filter_
-        self.program = suppositions(filter_.program, filter_.p, filter_.m)
+        self.program = hypothesis_program(filter_.program, filter_.p, filter_.m)
         used = variables(self.program.graph, list(self.program.update))
         shared = [i for i in self.program.inputs if i in used and i not in filter_.names]
         lane_params = self.program.parameters[len(filter_.program.parameters) :]

@@ -78,7 +78,7 @@ class InnovationFilter:
         values = experiment.parameters | {"interval": self.interval}
         values |= {f"q.{i}": v * (doubt / DOUBT) ** 2 for i, v in enumerate(process_noise(context))}
         values |= {f"R.{k}": float(v) for k, v in enumerate(self._variance())}
-        values |= {f"heed.{k}": 1.0 for k in range(self.m)}
+        values |= {f"trusted.{k}": 1.0 for k in range(self.m)}
         for i, (state, scale) in enumerate(zip(context.model["states"], state_scales(context), strict=True)):
             low, high = state.get("domain") or (None, None)
             edge = _EDGE * scale
@@ -88,7 +88,7 @@ class InnovationFilter:
             }
         order = self.layout.shared_params(self.program)
         self._params = np.array([values[p] for p in order] or [0.0])
-        self._trust_places = [order.index(f"heed.{k}") for k in range(self.m)]
+        self._trust_places = [order.index(f"trusted.{k}") for k in range(self.m)]
 
     def _variance(self) -> np.ndarray:
         """Return the variance (m,) of one row of y such that rows count as independent: noise held for several rows

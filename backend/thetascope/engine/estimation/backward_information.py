@@ -49,7 +49,7 @@ def forms(n: int, p: int) -> dict[str, tuple[tuple[int, ...], list[tuple[int, ..
 def onsets(filter_: Program, n: int, p: int, m: int) -> Program:
     """Return the backward pass of a filter with n states, p channels and m outputs, one step per row, last row first.
 
-    Inputs: `parts` (those that are not constant). Parameters: ``heed.k`` (0: output k is ignored), ``delta`` and
+    Inputs: `parts` (those that are not constant). Parameters: ``trusted.k`` (0: output k is ignored), ``delta`` and
     ``rho``. The states are `forms`, zero after the last row.
     """
     return derived(["onsets", filter_.digest], lambda: _Writer(filter_, n, p, m).program())
@@ -68,14 +68,14 @@ class _Writer:
         M = {name: self._block(name, shape) for name, (shape, _) in forms(n, p).items()}
         M = self._through(M, F, G)
         for k in range(m - 1, -1, -1):
-            M = self._seen(M, *outputs[k], self.graph.var(f"heed.{k}"))
+            M = self._before_correction(M, *outputs[k], self.graph.var(f"trusted.{k}"))
         kept = [(name, place) for name, (_, places) in forms(n, p).items() for place in places]
         return Program(
             name=f"onsets of {self.filter.name}",
             time=DISCRETE,
             states=tuple(_name(name, place) for name, place in kept),
             inputs=tuple(self.given),
-            parameters=(*(f"heed.{k}" for k in range(m)), "delta", "rho"),
+            parameters=(*(f"trusted.{k}" for k in range(m)), "delta", "rho"),
             graph=self.graph,
             update=tuple(_at(M[name], place) for name, place in kept),
             outputs={},
@@ -122,14 +122,16 @@ class _Writer:
             "r": [g.add(g.mul(rho, M["r"][j]), g.mul(delta, M["w"][j])) for j in p],
         }
 
-    def _seen(self, M: dict, c: list[int], d: list[int], K: list[int], weight: int, nu: int, heed: int) -> dict:
+    def _before_correction(
+        self, M: dict, c: list[int], d: list[int], K: list[int], weight: int, nu: int, trusted: int
+    ) -> dict:
         """Return M before the correction by an output, V⁺ = V − K ω with ω = c V + d w; ω/σ adds to the evidence."""
         g, n, p = self.graph, range(self.n), range(self.p)
         MK = [total(g, list(zip(M["vv"][i], K, strict=True))) for i in n]
-        square = g.add(total(g, list(zip(K, MK, strict=True))), g.mul(heed, g.mul(weight, weight)))  # KᵀMK + 1/σ²
+        square = g.add(total(g, list(zip(K, MK, strict=True))), g.mul(trusted, g.mul(weight, weight)))  # KᵀMK + 1/σ²
         Kw = [total(g, [(K[k], M["vw"][k][j]) for k in n]) for j in p]
         Kr = [total(g, [(K[k], M["vr"][k][j]) for k in n]) for j in p]
-        shown = g.sub(g.mul(heed, g.mul(weight, nu)), total(g, list(zip(K, M["v"], strict=True))))
+        score = g.sub(g.mul(trusted, g.mul(weight, nu)), total(g, list(zip(K, M["v"], strict=True))))
         sc, sd = [g.mul(square, b) for b in c], [g.mul(square, b) for b in d]
 
         def less(a: int, *products: tuple[int, int]) -> int:
@@ -150,8 +152,8 @@ class _Writer:
             "vr": [[less(M["vr"][i][j], (c[i], Kr[j])) for j in p] for i in n],
             "wr": [less(M["wr"][j], (d[j], Kr[j])) for j in p],
             "rr": M["rr"],
-            "v": [g.add(M["v"][i], g.mul(c[i], shown)) for i in n],
-            "w": [g.add(M["w"][j], g.mul(d[j], shown)) for j in p],
+            "v": [g.add(M["v"][i], g.mul(c[i], score)) for i in n],
+            "w": [g.add(M["w"][j], g.mul(d[j], score)) for j in p],
             "r": M["r"],
         }
 

@@ -44,13 +44,13 @@ def sums(p: int, m: int) -> list[str]:
 
 
 @lru_cache(maxsize=128)
-def suppositions(filter_: Program, p: int, m: int) -> Program:
+def hypothesis_program(filter_: Program, p: int, m: int) -> Program:
     """Return a filter for p channels and m outputs with its sums.
 
     Its inputs ``base.j`` (the known θ) and ``d`` replace ``known.j`` and ``profile.j``. Parameters: COURSE and BOUNDS
     of each channel, and SPAN.
     """
-    return derived(["suppositions", filter_.digest], lambda: _write(filter_, p, m))
+    return derived(["hypothesis_program", filter_.digest], lambda: _write(filter_, p, m))
 
 
 def _write(filter_: Program, p: int, m: int) -> Program:
@@ -68,11 +68,11 @@ def _write(filter_: Program, p: int, m: int) -> Program:
         bent.append(g.call("where", begun, g.add(risen, left), risen))
         known = g.add(g.var(f"base.{j}"), g.mul(size, course))
         here |= {f"profile.{j}": course, f"known.{j}": g.add(own, g.call("min", g.call("max", known, least), most))}
-    shown = [f"omega.{k}.{j}" for k in range(m) for j in range(p)] + [f"nu.{k}" for k in range(m)]
-    moved = g.absorb(filter_.graph, [*filter_.update, *(filter_.outputs[name] for name in shown)], here)
-    omega = [[moved[filter_.outputs[f"omega.{k}.{j}"]] for j in range(p)] for k in range(m)]
-    nu = [moved[filter_.outputs[f"nu.{k}"]] for k in range(m)]
-    heeded = [[g.mul(g.var(f"heed.{k}"), o) for o in row] for k, row in enumerate(omega)]
+    columns = [f"omega.{k}.{j}" for k in range(m) for j in range(p)] + [f"nu.{k}" for k in range(m)]
+    replaced = g.absorb(filter_.graph, [*filter_.update, *(filter_.outputs[name] for name in columns)], here)
+    omega = [[replaced[filter_.outputs[f"omega.{k}.{j}"]] for j in range(p)] for k in range(m)]
+    nu = [replaced[filter_.outputs[f"nu.{k}"]] for k in range(m)]
+    trusted_omega = [[g.mul(g.var(f"trusted.{k}"), o) for o in row] for k, row in enumerate(omega)]
 
     def added(name: str, products: list[tuple[int, int]], when: int | None = None) -> int:
         total = g.var(name)
@@ -82,17 +82,19 @@ def _write(filter_: Program, p: int, m: int) -> Program:
         return total
 
     early, since = g.call("lt", d, g.var("until")), g.call("le", g.var("begin"), d)
-    update = [*(moved[i] for i in filter_.update), *bent]
+    update = [*(replaced[i] for i in filter_.update), *bent]
     update += [
-        added(f"sum.J.{i}.{j}", [(heeded[k][i], omega[k][j]) for k in range(m)]) for i in range(p) for j in range(i, p)
+        added(f"sum.J.{i}.{j}", [(trusted_omega[k][i], omega[k][j]) for k in range(m)])
+        for i in range(p)
+        for j in range(i, p)
     ]
-    update += [added(f"sum.s.{j}", [(heeded[k][j], nu[k]) for k in range(m)]) for j in range(p)]
-    update += [added(f"sum.early.{j}", [(heeded[k][j], omega[k][j]) for k in range(m)], early) for j in range(p)]
+    update += [added(f"sum.s.{j}", [(trusted_omega[k][j], nu[k]) for k in range(m)]) for j in range(p)]
+    update += [added(f"sum.early.{j}", [(trusted_omega[k][j], omega[k][j]) for k in range(m)], early) for j in range(p)]
     update += [added(f"sum.q.{k}", [(nu[k], nu[k])], since) for k in range(m)]
     inputs = tuple(i for i in filter_.inputs if not i.startswith(("known.", "profile.")))
     channels = [f"{name}.{j}" for j in range(p) for name in (*COURSE, *BOUNDS)]
     return Program(
-        name=f"suppositions of {filter_.name}",
+        name=f"hypotheses of {filter_.name}",
         time=DISCRETE,
         states=(*filter_.states, *sums(p, m)),
         inputs=(*inputs, *(f"base.{j}" for j in range(p)), "d"),

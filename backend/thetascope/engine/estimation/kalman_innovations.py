@@ -36,7 +36,7 @@ def innovations(plant: Program) -> Program:
     Inputs: those of the plant (θ apart), ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀)
     and ``profile.j``: V and Ω are sensitivities to a θ_j − θ₀_j that is a constant times this profile. Parameters:
     those of the plant, the bounds ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y),
-    ``heed.k`` (0: output k does not correct the filter) and ``interval``. Outputs: ``omega.k.j`` and ``nu.k``, both
+    ``trusted.k`` (0: output k does not correct the filter) and ``interval``. Outputs: ``omega.k.j`` and ``nu.k``, both
     divided by the innovation's standard deviation (``weight.k`` is its reciprocal), and the matrices of V's recursion:
     ``F.i.j``, ``G.i.j`` (constant θ), ``C.k.i``, ``D.k.j`` (Ψ), ``K.k.i``.
     """
@@ -96,7 +96,7 @@ class _Writer:
                 *plant.parameters,
                 *per_state,
                 *(f"R.{k}" for k in range(self.m)),
-                *(f"heed.{k}" for k in range(self.m)),
+                *(f"trusted.{k}" for k in range(self.m)),
                 "interval",
             ),
             graph=g,
@@ -143,7 +143,7 @@ class _Writer:
             weight = g.div(fresh, g.call("sqrt", variance))
             outputs |= {f"omega.{k}.{j}": g.mul(o, weight) for j, o in enumerate(omega)}
             outputs[f"nu.{k}"] = g.mul(nu, weight)
-            followed = g.div(g.mul(fresh, g.var(f"heed.{k}")), variance)
+            followed = g.div(g.mul(fresh, g.var(f"trusted.{k}")), variance)
             gain = [g.mul(followed, b) for b in cP]
             outputs |= {f"C.{k}.{i}": b for i, b in enumerate(c)} | {f"D.{k}.{j}": b for j, b in enumerate(Psi[k])}
             outputs |= {f"K.{k}.{i}": b for i, b in enumerate(gain)} | {f"weight.{k}": weight}

@@ -11,7 +11,7 @@ from thetascope.diagnosis.isolation.decision_state import DecisionState, Finding
 from thetascope.diagnosis.monitor.detector import Detector, DetectorSettings, prepare_detector, unwatchable
 from thetascope.diagnosis.monitor.monitor import MonitorState
 from thetascope.diagnosis.outcome.diagnose_run import RunDiagnosis, advance_over_rows, with_noise_of
-from thetascope.diagnosis.outcome.findings import WINDOW, alarm, of_detector
+from thetascope.diagnosis.outcome.findings import WINDOW, alarm, detector_report
 from thetascope.diagnosis.yield_points import Steps, run_to_end
 from thetascope.engine.errors import Unwatchable
 from thetascope.engine.observers.support.declaration import Context
@@ -204,7 +204,7 @@ class LiveDetector:
             monitor = progress.monitor if outside else run_to_end(self.catch_up(progress))
         interval = self.detector.interval if self.detector else 0.0
         diagnosis = RunDiagnosis(self.detector, monitor, (), interval, self.note)
-        data = of_detector(diagnosis, self.settings.confidence, self.settings.accuracy, self.horizon)
+        data = detector_report(diagnosis, self.settings.confidence, self.settings.accuracy, self.horizon)
         return DiagnosisNow(diagnosis=ObserverDiagnosis.model_validate(data))
 
     def _with_noise_of(self, experiment: Engine) -> Detector:

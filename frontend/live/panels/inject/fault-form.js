@@ -138,5 +138,5 @@ export function read(field, text) {
  * A value as one types it.
  * @param {unknown} value
  */
-export const spell = (value) =>
+export const asTyped = (value) =>
   Array.isArray(value) ? value.join(', ') : value === null || value === undefined ? '' : String(value);

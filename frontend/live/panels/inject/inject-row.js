@@ -1,7 +1,7 @@
 // One row of the inject panel: a fault of one channel, or of one output's measurement.
 
 import {fill, h, number} from '../../../common/dom.js';
-import {firstValues, limits, mainField, mainScale, ownFields, read, spell} from './fault-form.js';
+import {firstValues, limits, mainField, mainScale, ownFields, read, asTyped} from './fault-form.js';
 import {badge, refusal, seconds, slider} from '../../../widgets/controls.js';
 import {named, t} from '../../../i18n/words.js';
 
@@ -299,7 +299,7 @@ function moreFields(row, main, touch) {
         : h('input', {
             id,
             type: 'text',
-            value: spell(value),
+            value: asTyped(value),
             inputmode: field.type === 'array' ? 'text' : 'decimal',
             title: named(field.description),
             autocomplete: 'off',
