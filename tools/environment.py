@@ -29,7 +29,7 @@ PAGE_NOTE = ROOT / "node_modules" / ".package-lock.json"
 
 
 class SetupError(Exception):
-    """The environment cannot be created; the text says what to do."""
+    """The environment cannot be created; the text names the remedy."""
 
 
 def main(arguments: list[str]) -> int:

@@ -15,7 +15,7 @@ const titleOf = (problem) =>
       : say(problem.title) || t('page.problem.failed');
 
 /**
- * The block for what no field of the form can show; `errors` are those of the problem that are left.
+ * The block for errors that no field of the form can show; `errors` are those of the problem that are left.
  * @param {Problem} problem
  * @param {service.FieldError[]} [errors]
  */

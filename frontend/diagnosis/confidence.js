@@ -35,7 +35,7 @@ export function certainty({diagnosis, spec, plant}) {
     cal.false_alarms < 1
       ? t('page.certainty.one-in', {hours: number(1 / cal.false_alarms, 3)})
       : t('page.certainty.per-hour', {n: number(cal.false_alarms, 3)});
-  const said = [
+  const paragraphs = [
     t('page.certainty.calibrated', {
       rate,
       threshold: number(cal.thresholds.glr, 3),
@@ -47,7 +47,7 @@ export function certainty({diagnosis, spec, plant}) {
   ];
   for (const {output, declared, estimated} of noise) {
     if (estimated !== null)
-      said.push(
+      paragraphs.push(
         declared === null
           ? t('page.certainty.noise-undeclared', {output: called(output, plant), estimated: number(estimated, 3)})
           : t('page.certainty.noise', {
@@ -57,5 +57,5 @@ export function certainty({diagnosis, spec, plant}) {
             }),
       );
   }
-  return [...said, t('page.certainty.bands'), ...(cal.note ? [spoken(cal.note, plant)] : [])];
+  return [...paragraphs, t('page.certainty.bands'), ...(cal.note ? [spoken(cal.note, plant)] : [])];
 }

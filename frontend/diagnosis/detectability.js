@@ -1,4 +1,4 @@
-// What can be seen? How small a fault may be, which faults this input does not tell apart, and an input that would.
+// Detectability: the smallest faults that are found, those that this input does not distinguish, and an input that would.
 
 import {post, reason} from '../common/api.js';
 import {fill, h, number} from '../common/dom.js';
@@ -10,7 +10,7 @@ import {asSentence, named, t} from '../i18n/words.js';
 /** @import {App, Diagnosis, DiagnosisState} from '../live/types.js' */
 /** @import * as service from '../types/service.js' */
 
-const DECADES = [-3, 1.5]; // of level/needed, what the bar shows
+const DECADES = [-3, 1.5]; // of level/needed, the range of the bar
 
 /**
  * @param {App} app
@@ -251,7 +251,7 @@ function table(resolution, app) {
             'th',
             {scope: 'row'},
             badge(short.get(one.channel) ?? split(one.channel)),
-            h('span', {class: 'said'}, named(title)),
+            h('span', {class: 'visually-hidden'}, named(title)),
           ),
           h('td', {}, one.smallest === null ? '–' : small(one.smallest)),
           h('td', {}, small(one.typical)),

@@ -85,7 +85,7 @@ export function line(one, app) {
   ]);
   const shown =
     alarm?.size === null || alarm?.size === undefined
-      ? verdict === 'unseen'
+      ? verdict === 'undetected'
         ? ''
         : t('page.diagnosis.not-in-model')
       : amount(alarm, channel);
@@ -96,10 +96,10 @@ export function line(one, app) {
         : one.again
           ? t('page.diagnosis.alarm-was-on')
           : null,
-    blamed: () => h('span', {class: 'alarm'}, t('page.diagnosis.other-fault')),
+    misattributed: () => h('span', {class: 'alarm'}, t('page.diagnosis.other-fault')),
     false: () => h('span', {class: 'alarm'}, t('page.diagnosis.no-fault')),
     over: () => t('page.diagnosis.ended'),
-    unseen: () => t('page.diagnosis.not-found'),
+    undetected: () => t('page.diagnosis.not-found'),
     past: () => t('page.diagnosis.cleared'),
   }[verdict]();
   return h(

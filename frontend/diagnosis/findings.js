@@ -9,7 +9,7 @@ import {alarmFrom} from './alarms.js';
 
 /**
  * @typedef {object} Finding
- * @property {'found'|'blamed'|'false'|'over'|'unseen'|'past'} verdict   an alarm on a fault that acts; while another acts than those named; while none
+ * @property {'found'|'misattributed'|'false'|'over'|'undetected'|'past'} verdict   an alarm on a fault that acts; while another acts than those named; while none
  *                                 has acted; on a fault that has ended; a fault without an alarm; an alarm that is
  * cleared
  * @property {string} subject
@@ -27,7 +27,7 @@ const MOST_PAST = 20;
 const VERDICTS = {
   acting: 'found',
   covering: 'found',
-  'other-fault': 'blamed',
+  'other-fault': 'misattributed',
   'no-fault': 'false',
   'fault-over': 'over',
   cleared: 'past',
@@ -57,9 +57,9 @@ export function findings({facts, faults, alarms}) {
     const verdict = verdicts.get(alarm.id);
     return verdict ? [ofAlarm(alarm, verdict)] : [];
   });
-  const unseen = facts.unseen.flatMap((id) => faults.filter((fault) => fault.id === id)).map(ofFault);
+  const undetected = facts.undetected.flatMap((id) => faults.filter((fault) => fault.id === id)).map(ofFault);
   const past = judged.filter((one) => one.verdict === 'past');
-  return [...judged.filter((one) => one.verdict !== 'past'), ...unseen, ...past.slice(-MOST_PAST).reverse()];
+  return [...judged.filter((one) => one.verdict !== 'past'), ...undetected, ...past.slice(-MOST_PAST).reverse()];
 }
 
 /** @param {Alarm} alarm @param {service.AlarmOutcome} verdict @returns {Finding} */
@@ -76,7 +76,7 @@ const ofAlarm = (alarm, {state, delay, covers_since: again}) => ({
 
 /** @param {FaultState} fault @returns {Finding} */
 const ofFault = (fault) => ({
-  verdict: 'unseen',
+  verdict: 'undetected',
   subject: fault.subject,
   subjects: [fault.subject],
   onChannel: fault.onChannel,

@@ -193,7 +193,7 @@ export const presented = () => kept(sessionStorage, PRESENTED) === 'on';
 const DONE = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
 
 /**
- * The address of the session as it is now: the short form while nobody has done anything to a library experiment.
+ * The address of the session as it is now: the short form while a library experiment is unchanged.
  * @param {App} app
  */
 export async function addressOf(app) {

@@ -39,7 +39,7 @@ import {named, say, speak, t} from '../i18n/words.js';
  */
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
-const WATCHED = 50; // s in which a horizon should be over: an experiment of an hour is not watched for one
+const PLAYED_IN = 50; // s in which a horizon should pass, so that an hour-long experiment is played faster
 const AWAITED = 10; // s after which the first fault should come
 const BRISK = 100; // the fastest that a session begins with
 const ADDRESS = 5000; // ms between updates of the address while time runs
@@ -153,7 +153,7 @@ function prepare(samples, arrivals, message) {
 }
 
 /**
- * The parent's curves, faintly behind: a second connection that only watches.
+ * The parent's curves, faintly behind: a second, read-only connection.
  * @param {string} id
  */
 function watchParent(id) {
@@ -292,7 +292,7 @@ addEventListener('pagehide', () => {
  */
 function openingSpeed({horizon, faults}) {
   const first = Math.min(...faults.map(({onset}) => onset).filter((onset) => onset > 0));
-  const wanted = Math.min(BRISK, Math.max(horizon / WATCHED, Number.isFinite(first) ? first / AWAITED : 0));
+  const wanted = Math.min(BRISK, Math.max(horizon / PLAYED_IN, Number.isFinite(first) ? first / AWAITED : 0));
   return SPEEDS.findLast((speed) => speed !== null && speed <= wanted) ?? SPEEDS[0];
 }
 

@@ -693,7 +693,7 @@ export interface Facts {
   /** The outcome for each fault so far. */
   fault_outcomes: (FaultOutcome)[];
   /** Ids of the active faults that no present alarm names, one for each site. */
-  unseen: (string)[];
+  undetected: (string)[];
   /** The diagnosis in one sentence. */
   summary: Text;
 }

@@ -1,4 +1,4 @@
-// Numbers as the scope shows them: of one width, with as many decimals as the axis can tell apart.
+// Numbers as the scope shows them: of one width, with as many decimals as the axis can distinguish.
 
 const RAISED = '⁰¹²³⁴⁵⁶⁷⁸⁹';
 

@@ -76,7 +76,7 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
         )
     inject(live, "channel: 'theta2', shape: 'step', size: 0.015")
     live.evaluate("thetascope.act.play()")
-    said = until(live, f"/does not tell them apart/.test({VERDICT}) && {VERDICT}", 40)
+    said = until(live, f"/does not distinguish them/.test({VERDICT}) && {VERDICT}", 40)
     assert "θ₁ or θ₂" in said
     assert (
         live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
@@ -131,7 +131,7 @@ def test_rank_and_condition_along_the_run(page):
 
 
 def test_a_proposed_input_is_applied(page):
-    """With its own input held the motor's faults are not told apart; the proposal is shown, and Apply sends it to the session."""
+    """With its own input held the motor's faults are not distinguished; the proposal is shown, and Apply sends it to the session."""
     live = started(page, "/?experiment=dc-motor&t=2")
     live.evaluate("thetascope.send({type: 'set-signal', name: 'voltage', signal: {kind: 'constant', value: 12}})")
     live.evaluate("thetascope.act.step(2000)")
@@ -196,7 +196,7 @@ def test_a_fault_that_is_not_found_is_told_inside_its_card(page):
     """The line of a tiny fault lies in the Diagnosis card, wherever the mark of the same name on a strip belongs."""
     live = started(page)
     inject(live, "channel: 'theta2', shape: 'step', size: 0.0005")
-    line = live.wait_for_selector(".finding.unseen").bounding_box()
+    line = live.wait_for_selector(".finding.undetected").bounding_box()
     card = live.locator("#panel-diagnosis").bounding_box()
     assert card["x"] <= line["x"] and line["x"] + line["width"] <= card["x"] + card["width"]
     assert card["y"] <= line["y"] and line["y"] + line["height"] <= card["y"] + card["height"]
@@ -217,7 +217,7 @@ def test_a_found_fault_that_ends_is_never_called_unfound(page):
     assert [one for one in live.evaluate("window.said") if "Not found" in one or "not found" in one] == []
     live.evaluate("thetascope.act.pause()")
     inject(live, "channel: 'theta3', shape: 'step', size: 0.0005")
-    until(live, "document.querySelector('.finding.unseen .lit') !== null")
+    until(live, "document.querySelector('.finding.undetected .lit') !== null")
     assert live.locator(".finding.past .lit").count() == 0
 
 

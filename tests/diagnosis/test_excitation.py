@@ -25,8 +25,8 @@ def block(*parts: np.ndarray) -> np.ndarray:
 def test_two_faults_that_act_alike_are_named_with_what_shows():
     """Of θ1 − 0.7 θ2 alone is known: neither is identifiable, and their combination is given."""
     found = excitation(PAIR, ["theta1", "theta2"], [0.01, 0.015], 0.1)
-    apart = "theta1 and theta2 cannot be told apart with this input"
-    assert str(found.text) == f"{apart}: only their combination theta1 − 0.7 theta2 shows"
+    apart = "theta1 and theta2 cannot be distinguished with this input"
+    assert str(found.text) == f"{apart}: only their combination theta1 − 0.7 theta2 is visible"
     assert found.level == 0.0
     assert found.needed == pytest.approx(100)
     assert found.identifiable == {"theta1": False, "theta2": False}
@@ -48,17 +48,11 @@ def test_a_fault_without_excitation_is_named():
 def test_how_far_the_least_visible_stands_out():
     """√λmin in typical faults: 12 where 10 are asked is enough, 3 is not."""
     enough = excitation(np.diag([1.44e4, 1e6]), ["a", "b"], [0.1, 0.1], 0.1)
-    assert (
-        str(enough.text)
-        == "all faults can be told apart: the least visible combination stands out 12 times above the noise"
-    )
+    assert str(enough.text) == "all faults can be distinguished: the least visible combination is 12 times the noise"
     assert enough.level == pytest.approx(144)
     assert not enough.groups
     little = excitation(np.diag([900, 1e6]), ["a", "b"], [0.1, 0.1], 0.1)
-    assert (
-        str(little.text)
-        == "a shows too little now: a typical fault stands out 3 times above the noise, 10 times are asked for"
-    )
+    assert str(little.text) == "a is hardly visible now: a typical fault is 3 times the noise, 10 times are required"
     assert little.identifiable == {"a": False, "b": True}
 
 
@@ -69,8 +63,8 @@ def test_several_groups_are_kept_apart():
     found = excitation(J, list("abcdef"), [0.01, 0.015, 1, 1, 1, 1], 0.1)
     assert found.groups == (("a", "b"), ("c", "d", "e"))
     assert str(found.text) == (
-        "a and b cannot be told apart with this input: only their combination a − 0.7 b shows; "
-        "c, d and e cannot be told apart with this input: only 2 combinations of them show"
+        "a and b cannot be distinguished with this input: only their combination a − 0.7 b is visible; "
+        "c, d and e cannot be distinguished with this input: only 2 combinations of them are visible"
     )
     assert found.identifiable["f"]
 

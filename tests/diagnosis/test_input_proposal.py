@@ -50,11 +50,11 @@ def told(e: Engine, window: float, among=None):
 
 
 def test_a_motor_at_constant_speed_is_given_a_voltage_that_moves():
-    """Load and friction look the same at constant speed; the voltage proposed, sent as it is, tells them apart."""
+    """Load and friction look the same at constant speed; the voltage proposed, sent as it is, distinguishes them."""
     still = healthy("dc-motor", inputs={"voltage": constant(12)})
     before = told(still, 2.0, PAIR)
     assert str(before.text).startswith(
-        "load_torque and friction_increase cannot be told apart with this input: only their"
+        "load_torque and friction_increase cannot be distinguished with this input: only their"
     )
     assert not any(before.identifiable.values())
     found = proposed(still, 2.0, PAIR, k=10_000)
@@ -79,7 +79,7 @@ def test_zhao_with_equal_known_signals_has_no_input_that_helps():
     alike = healthy("zhao-2012", signals={"phi1": constant(1), "phi2": constant(1)})
     seen = told(alike, 10.0)
     assert (
-        "theta1 and theta2 cannot be told apart with this input: only their combination theta1 + theta2 shows"
+        "theta1 and theta2 cannot be distinguished with this input: only their combination theta1 + theta2 is visible"
         in str(seen.text)
     )
     assert seen.identifiable == {"theta1": False, "theta2": False, "theta3": True}
@@ -87,10 +87,10 @@ def test_zhao_with_equal_known_signals_has_no_input_that_helps():
     assert found.input is None
     assert found.signal is None
     assert "phi1, phi2" in str(found.text)
-    assert "theta1 and theta2 cannot be told apart" in str(found.text)
+    assert "theta1 and theta2 cannot be distinguished" in str(found.text)
     InputProposal.model_validate(vars(found))
     paper = told(healthy("zhao-2012"), 10.0)
-    assert str(paper.text).startswith("all faults can be told apart")
+    assert str(paper.text).startswith("all faults can be distinguished")
     assert all(paper.identifiable.values())
 
 
@@ -103,7 +103,7 @@ def test_a_motor_at_rest_is_set_in_motion_gently():
     assert found.input == "torque"
     values = found.signal.get("values", [found.signal.get(n, 0) for n in ("low", "high", "amplitude")])
     assert max(map(abs, values)) <= 0.2  # a twentieth of −2 … 2, and not a quarter
-    assert "would show the fault" in str(found.text)
+    assert "would make the fault visible" in str(found.text)
 
 
 def test_what_no_input_can_tell_does_not_hide_the_rest():
@@ -112,7 +112,7 @@ def test_what_no_input_can_tell_does_not_hide_the_rest():
     e = healthy("dts200", inputs={"Q1": constant(30), "Q2": constant(30)})
     found = proposed(e, 200.0, names)
     assert found.level > 1
-    assert "leak2 and clog20 cannot be told apart" in str(found.text)
+    assert "leak2 and clog20 cannot be distinguished" in str(found.text)
 
 
 def test_tanks_are_asked_to_move():

@@ -49,8 +49,8 @@ CASES = {
     "broken": lambda: said([A], alarm(21, "a"), broken=40.0),
     "no-diagnosis": lambda: summary(Situation(50, (), None, note="the plant has no fault channels")),
     "unexplained": lambda: said([fault("y", 20, kind="output")], alarm(21, output="y.y")),
-    "blamed": lambda: said([A], alarm(21, "b")),
-    "blamed-for-output": lambda: said([fault("y", 20, kind="output")], alarm(21, "b")),
+    "misattributed": lambda: said([A], alarm(21, "b")),
+    "misattributed-for-output": lambda: said([fault("y", 20, kind="output")], alarm(21, "b")),
     "false-alarm": lambda: said([], alarm(21, "b")),
     "either": lambda: said([A], alarm(21, "a", "b")),
     "measurement": lambda: said([fault("y", 20, kind="output")]),
@@ -88,11 +88,11 @@ def test_a_situation_gets_its_message_with_words_in_every_language(key):
 
 
 def test_sentences_carry_the_numbers():
-    """Size with its interval, onset and delay; two faults that act unseen are counted; the newest covered fault is named."""
+    """Size with its interval, onset and delay; two faults that act undetected are counted; the newest covered fault is named."""
     assert str(CASES["one-found"]()) == "a actuator fault: +1 ± 0.1 since 21 s, found in 1 s."
     assert str(said([A, B])) == "2 faults are active. None is found yet."
     assert str(CASES["one-again"]()).endswith("A second a fault began at 45 s while this alarm was still on.")
-    assert str(CASES["either"]()) == "a or b: this input does not tell them apart."
+    assert str(CASES["either"]()) == "a or b: this input does not distinguish them."
     assert str(CASES["identified-found"]()).startswith("3 faults, all identified. c was found 1 s")
 
 
@@ -102,8 +102,8 @@ def test_a_fault_whose_alarm_has_cleared_counts_as_unseen():
 
 
 def test_bad_news_comes_first():
-    """Before "identified": an unseen fault; before that a false alarm, then one that names the wrong fault; a lost plant is first."""
+    """Before "identified": an undetected fault; before that a false alarm, then one that names the wrong fault; a lost plant is first."""
     assert said([A, B], alarm(21, "a")).code == "diagnosis.summary.looking-beside"
     assert said([A, B], alarm(10, "c"), alarm(21, "a")).code == "diagnosis.summary.false-alarm"
-    assert said([A, B], alarm(10, "c"), alarm(21, "a"), alarm(22, "c")).code == "diagnosis.summary.blamed"
+    assert said([A, B], alarm(10, "c"), alarm(21, "a"), alarm(22, "c")).code == "diagnosis.summary.misattributed"
     assert said([A, B], alarm(10, "c"), alarm(21, "a"), broken=30.0).code == "diagnosis.summary.broken"

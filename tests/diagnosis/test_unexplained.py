@@ -1,4 +1,4 @@
-"""Faults of the measurement that the model does not know: told apart from those in its channels."""
+"""Faults of the measurement that the model does not know: distinguished from those in its channels."""
 
 import numpy as np
 import pytest

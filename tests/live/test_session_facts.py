@@ -44,7 +44,7 @@ def test_the_verdicts_of_a_session_are_those_of_the_run_of_its_spec():
     assert [f.outcome for f in live.fault_outcomes] == ["found", "found"]
     assert live.fault_outcomes == run.fault_outcomes
     assert live.alarm_verdicts == run.alarm_verdicts
-    assert live.unseen == run.unseen == ()
+    assert live.undetected == run.undetected == ()
     assert live.summary == run.summary and live.summary.code == "diagnosis.summary.one-found"
     assert live.observers == run.observers and live.faults == run.faults and live.noise == run.noise
 
@@ -58,7 +58,7 @@ def test_what_was_done_while_time_stands_still_acts_at_once():
     now = facts_now(session)
     assert before.faults == () and before.summary.code == "diagnosis.summary.quiet"
     (fault,) = now.faults
-    assert fault.active and now.unseen == (fault.id,) and now.summary.code == "diagnosis.summary.looking"
+    assert fault.active and now.undetected == (fault.id,) and now.summary.code == "diagnosis.summary.looking"
     assert session.log[-1].fault == fault.id
 
 
@@ -141,7 +141,7 @@ def test_a_room_sends_an_alarm_with_its_verdict_when_its_row_is_shown():
         first = next(one["facts"] for one in page.of("facts") if one["facts"]["alarms"])
         assert first["alarms"][0]["id"] == event["value"]["id"] == first["alarm_verdicts"][0]["id"]
         assert 0 <= first["t"] - event["t"] < 0.15
-        assert first["fault_outcomes"][0]["alarm"] == event["value"]["id"] and first["unseen"] == []
+        assert first["fault_outcomes"][0]["alarm"] == event["value"]["id"] and first["undetected"] == []
 
     staged(scenario)
 

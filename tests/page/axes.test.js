@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {marks, niceStep, quantiles, Range} from '../../frontend/live/scope/axes.js';
-import {leaving, spelt, wanted} from '../../frontend/live/scope/axis-view.js';
+import {leaving, tickTexts, wanted} from '../../frontend/live/scope/axis-view.js';
 import {Samples} from '../../frontend/live/state/samples.js';
 import {randomNumbers, samplesOf} from './helpers.js';
 
@@ -134,7 +134,7 @@ test('the marks of an axis have at most seven characters, and one power of ten s
   ]) {
     const step = niceStep(high - low, 4);
     const ticks = marks(low, high, step);
-    const [labels, power] = spelt(ticks, step);
+    const [labels, power] = tickTexts(ticks, step);
     const unit = power ? 10 ** Number([...power.replace('·10', '')].map((sign) => digits.get(sign)).join('')) : 1;
     assert.ok(labels.every((label) => label.length <= 7) && new Set(labels).size === labels.length, labels.join());
     labels.forEach((label, i) => {

@@ -59,7 +59,7 @@ const facts = (more) => ({
   alarms: [],
   alarm_verdicts: [],
   fault_outcomes: [],
-  unseen: [],
+  undetected: [],
   summary: {code: 'diagnosis.summary.quiet', args: {}, text: ''},
   ...more,
 });
@@ -86,7 +86,7 @@ test('every state of an alarm has its finding; alarms that are on come first, th
         faults: [fault('b@20.0', 'b')],
         alarms: states.map((state, k) => alarm(`d-${k}`, k, state === 'cleared' ? {cleared: k + 0.5} : {})),
         alarm_verdicts: states.map((state, k) => verdict(`d-${k}`, state, {delay: 0.6, covers_since: 25})),
-        unseen: ['b@20.0'],
+        undetected: ['b@20.0'],
       }),
     ),
   );
@@ -95,10 +95,10 @@ test('every state of an alarm has its finding; alarms that are on come first, th
     [
       ['d-1', 'found', 0.6, null],
       ['d-2', 'found', null, 25],
-      ['d-3', 'blamed', 0.6, null],
+      ['d-3', 'misattributed', 0.6, null],
       ['d-4', 'false', 0.6, null],
       ['d-5', 'over', 0.6, null],
-      ['b@20.0', 'unseen', null, null],
+      ['b@20.0', 'undetected', null, null],
       ['d-6', 'past', 0.6, null],
       ['d-0', 'past', 0.6, null],
     ],

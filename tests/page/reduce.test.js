@@ -18,7 +18,7 @@ const facts = {
   alarms: [],
   alarm_verdicts: [],
   fault_outcomes: [],
-  unseen: [],
+  undetected: [],
   summary: {code: 'diagnosis.summary.quiet', args: {}, text: ''},
 };
 

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
 import {Problem} from '../../frontend/common/api.js';
-import {createStore, initial, original, reduce, spelt, stale} from '../../frontend/pages/runs/run-state.js';
+import {createStore, initial, original, reduce, formField, stale} from '../../frontend/pages/runs/run-state.js';
 
 /** @import {Experiment, Plant, Run, RunState} from '../../frontend/pages/types.js' */
 
@@ -40,10 +40,10 @@ test('a path finds a value by field, index, label, channel or output', () => {
     assert.equal(original(spec, path), undefined, path);
 });
 
-test('a field of a refusal is spelt as the form spells it', () => {
-  assert.equal(spelt(spec, 'observers[0].gains.rho'), 'observers.adaptive.gains.rho');
-  assert.equal(spelt(spec, 'noise.y.std'), 'noise.y.std');
-  assert.equal(spelt(spec, 'faults[1].end'), 'faults.1.end');
+test('a field of a refusal is formField as the form spells it', () => {
+  assert.equal(formField(spec, 'observers[0].gains.rho'), 'observers.adaptive.gains.rho');
+  assert.equal(formField(spec, 'noise.y.std'), 'noise.y.std');
+  assert.equal(formField(spec, 'faults[1].end'), 'faults.1.end');
 });
 
 test('a change is kept until it is taken back to the value of the library', () => {

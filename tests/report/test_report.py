@@ -168,7 +168,7 @@ def test_every_assumption_has_its_line_and_the_verdicts_are_counted(experiment, 
     outcome = result(spec)
     outcome = replace(outcome, observers=tuple(replace(o, checks=(*o.checks, failed)) for o in outcome.observers))
     html = report(outcome, spec, plant, {})
-    assert sections(html)["Observers and their assumptions"].count("1 holds, 1 fails, 1 cannot be told") == 2
+    assert sections(html)["Observers and their assumptions"].count("1 holds, 1 fails, 1 undecided") == 2
     lines = table_rows(html, "assumption")
     plain = [[re.sub("<.*?>", "", cell) for cell in line] for line in lines]
     assert plain[1] == [
@@ -225,7 +225,7 @@ def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, pla
         "level": 4.2,
         "needed": 100,
         "direction": {"theta1": 0.71, "theta2": -0.71, "theta3": 0.0},
-        "text": "θ1 and θ2 cannot be told apart.",
+        "text": "θ1 and θ2 cannot be distinguished.",
         "proposal": "Let u be a square wave of period 4 s.",
     }
     found = {"sentence": "A sensor bias since 20.0 s.", "noise": noise, "excitation": excitation}
@@ -252,7 +252,7 @@ def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, pla
         "0.0011",
         "would be needed",
         "0.71",
-        "cannot be told apart",
+        "cannot be distinguished",
         "square wave of period 4 s",
         "0.00098",
         "It estimates no faults.",

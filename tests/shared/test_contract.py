@@ -60,7 +60,7 @@ def test_every_schema_refuses_unknown_fields(schema: type[Strict]) -> None:
 
 
 def test_examples_cover_every_kind_of_signal_and_fault() -> None:
-    """The nine signals and fifteen fault shapes of the design are told apart by one word."""
+    """The nine signals and fifteen fault shapes of the design are distinguished by one word."""
     signals = {
         s.model_fields["kind"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.signals"
     }

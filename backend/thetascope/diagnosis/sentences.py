@@ -6,7 +6,7 @@ from thetascope.messages import Message
 
 
 def joined(sentences: Sequence[Message]) -> Message:
-    """Return messages as one, separated by semicolons. Raises ValueError if there is none."""
+    """Return messages as one, separated by semicolons. Raises ValueError for an empty list."""
     if not sentences:
         raise ValueError("no message to join")
     first, *rest = sentences

@@ -19,7 +19,7 @@ class SpecError(ThetascopeError):
 
     def __init__(self, field: str, value: object, problem: Message, remedy: Message | None = None) -> None:
         if not isinstance(problem, Message):
-            raise TypeError("the problem of a SpecError is a Message, so that it can be said in every language")
+            raise TypeError("the problem of a SpecError is a Message, so that it can be rendered in every language")
         remedy = remedy or Message(f"{problem.code}.remedy", **problem.args)
         super().__init__(field, value, problem, remedy)  # the arguments, so that the error survives pickling
         self.field, self.value, self.problem, self.remedy = field, value, problem, remedy

@@ -25,7 +25,7 @@ def _names(folder: str) -> tuple[str, ...]:
 
 @cache
 def _read(folder: str, name: str):
-    """One file, when it is first asked for: a run needs two of them, and reading them all takes longer than the run."""
+    """One file, read when it is first used: a run needs two of them, and reading them all takes longer than the run."""
     path = _HERE / folder / f"{name}.yaml"
     item = _SCHEMAS[folder].model_validate(yaml.load(path.read_text(encoding="utf-8"), Loader=_LOADER))
     if item.id != name:

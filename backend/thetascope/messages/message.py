@@ -93,7 +93,7 @@ def _restore(code: str, args: dict[str, Any]) -> Message:
 
 
 def _plain(value: Any) -> Any:
-    """Return a value as plain data. Raises TypeError for what no template can show."""
+    """Return a value as plain data. Raises TypeError for a value that no template can show."""
     if isinstance(value, Message):
         return value
     if type(value) in _PLAIN:

@@ -1,4 +1,4 @@
-"""The observers in the report: gains, what they report about themselves, every assumption of their theorems in numbers."""
+"""The observers in the report: gains, reported facts, and every assumption of their theorems in numbers."""
 
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -17,7 +17,7 @@ _HEAD = ("assumption", "here", "checked", "source", "found", "against")
 
 
 def observers(report: ReportContext) -> Markup:
-    """Return each observer: kind, gains, what it reports, the verdicts on its theorem's assumptions."""
+    """Return each observer: kind, gains, facts, the verdicts on its theorem's assumptions."""
     configured = report.run.spec.observer_configs()
     found = [_observer(report, one, configured[one.label]) for one in report.run.result.observers]
     return report.render("observers.html", observers=found)

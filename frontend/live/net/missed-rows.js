@@ -7,7 +7,7 @@ import {get} from '../../common/api.js';
 
 /** @typedef {{rows: number, columns: {[name: string]: {bdata: string}}}} Table   float64 in base64 */
 
-const MOST = 4000; // rows asked for
+const MOST = 4000; // rows per request
 const PIECE = 8192; // rows per push
 const TRIES = [0, 400, 1500, 4000]; // ms before each; then there is a hole, which is what there is
 
@@ -78,7 +78,7 @@ export class Arrivals {
             if (samples.sent === names) samples.push(...rows);
           },
         });
-        if (samples.sent === names) return; // else an observer came or went, and its columns are to be asked for, too
+        if (samples.sent === names) return; // else an observer was added or removed, and its columns are requested, too
       } catch {
         /* the server is busy or the session over: once more */
       }

@@ -83,7 +83,7 @@ class Connection {
     this.stopped = false;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
-    this.heard = 0;
+    this.lastMessage = 0;
     this.hurry = this.hurry.bind(this);
     addEventListener('online', this.hurry);
     this.watch = setInterval(() => this.listen(), 2000);
@@ -107,7 +107,7 @@ class Connection {
 
   /** @param {string | ArrayBuffer} data */
   receive(data) {
-    this.heard = performance.now();
+    this.lastMessage = performance.now();
     if (typeof data !== 'string') {
       const frame = decode(data);
       this.sequence = frame.sequence;
@@ -166,7 +166,7 @@ class Connection {
     if (
       this.socket.readyState === WebSocket.OPEN &&
       navigator.onLine === false &&
-      performance.now() - this.heard > SILENCE
+      performance.now() - this.lastMessage > SILENCE
     )
       this.socket.close();
   }

@@ -1,4 +1,4 @@
-// Axes that are calm: marks at round numbers, and ranges that widen when they must, shrink only after a while, and
+// Axes that change seldom: marks at round numbers, and ranges that widen when they must, shrink only after a while, and
 // glide.
 
 /** @import {Bins, Samples} from '../types.js' */

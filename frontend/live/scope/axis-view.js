@@ -145,7 +145,7 @@ export function setTicks(strip, range, height) {
   strip.ticks = marks(range.low, range.high, step);
   [strip.labels, strip.power] = strip.log
     ? [strip.ticks.map((value) => `10${raised(Math.round(value))}`), '']
-    : spelt(strip.ticks, step);
+    : tickTexts(strip.ticks, step);
 }
 
 /**
@@ -154,7 +154,7 @@ export function setTicks(strip, range, height) {
  * @param {number} step
  * @returns {[string[], string]}
  */
-export function spelt(ticks, step) {
+export function tickTexts(ticks, step) {
   const most = Math.max(...ticks.map(Math.abs));
   /** @param {number} unit @param {number} places */
   const write = (unit, places) =>

@@ -17,12 +17,12 @@ const NEAR = 6; // px
 export function markWords({strip, place}, x, y, timeAt, {state, samples}) {
   const [from, at, to] = [timeAt(x - NEAR), timeAt(x), timeAt(x + NEAR)];
   /** @param {number} time */
-  const spelt = (time) => time.toFixed(state.record >= 1 ? 0 : 1);
+  const seconds = (time) => time.toFixed(state.record >= 1 ? 0 : 1);
   /** @param {string} mark @param {number} start @param {number | null} end */
-  const said = (mark, start, end = null) =>
+  const timed = (mark, start, end = null) =>
     end === null
-      ? t('page.marks.at', {t: spelt(start), mark})
-      : t('page.marks.during', {from: spelt(start), to: spelt(end), mark});
+      ? t('page.marks.at', {t: seconds(start), mark})
+      : t('page.marks.during', {from: seconds(start), to: seconds(end), mark});
   const gone = strip.leaving?.find(
     ({from: a, to: b, up}) =>
       (a + b) / 2 > timeAt(x - 3 * NEAR) &&
@@ -39,11 +39,11 @@ export function markWords({strip, place}, x, y, timeAt, {state, samples}) {
         );
   for (const alarm of named) {
     if (y < 2 * NEAR && alarm.t > from && alarm.t < to)
-      return said(alarm.subject === strip.subject ? t('page.marks.alarm') : t('page.marks.second'), alarm.t);
+      return timed(alarm.subject === strip.subject ? t('page.marks.alarm') : t('page.marks.second'), alarm.t);
     if (y > place.height - 2 * NEAR && alarm.from < to && alarm.to > from)
-      return said(t('page.marks.onset'), alarm.from, alarm.to);
+      return timed(t('page.marks.onset'), alarm.from, alarm.to);
     if (y < NEAR && at > alarm.t && at < (alarm.over ?? samples.now))
-      return said(t('page.marks.stands'), alarm.t, alarm.over ?? samples.now);
+      return timed(t('page.marks.alarm-on'), alarm.t, alarm.over ?? samples.now);
   }
   return gone ? t('page.marks.leaves') : '';
 }

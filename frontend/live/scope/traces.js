@@ -5,7 +5,7 @@
 // A browser strokes a path in time that grows with the square of what crosses in it: a noisy curve in one piece takes
 // 17 ms without a graphics card, in pieces 1 ms. Pieces share their end points and are opaque, so nobody sees where
 // they meet. They begin at rows of their own, not at the edge of the window: a curve that scrolls does not shimmer.
-export const PIECE = 7; // so many bins and one more (twice as many rows where each is a point) are a piece
+export const PIECE = 7; // this number of bins and one more (twice as many rows where each is a point) are a piece
 export const WHOLE = -1;
 
 /**

@@ -32,11 +32,11 @@ export function showValues(rows, app) {
     ];
     const words = shown.map(({column, fallen, label}, i) => {
       const value = samples.value(column, row);
-      const said = fallen !== null && value !== value ? t('page.scope.diverged') : format(value);
+      const text = fallen !== null && value !== value ? t('page.scope.diverged') : format(value);
       const cell = values.children[i];
-      put(cell, said);
-      if (strip.log) cell?.classList.toggle('warning', said === t('page.scope.diverged'));
-      return `${label} ${said}`;
+      put(cell, text);
+      if (strip.log) cell?.classList.toggle('warning', text === t('page.scope.diverged'));
+      return `${label} ${text}`;
     });
     if (strip.log && shown.length === 1)
       words.push(judge(values.children[1], samples.value(shown[0].column, row), strip));

@@ -9,8 +9,8 @@
 /** @import {Experiment} from '../types.js' */
 
 /**
- * What an address asks for.
- * @typedef {object} Asked
+ * The content of an address.
+ * @typedef {object} LinkContent
  * @property {string | null} session
  * @property {string | null} experiment
  * @property {number} t   s
@@ -62,10 +62,10 @@ export async function write({spec, t, experiment, base}) {
 }
 
 /**
- * What an address asks for: {experiment, changed?, spec?, t, session}. `from` is a Location or URL.
+ * The content of an address: {experiment, changed?, spec?, t, session}. `from` is a Location or URL.
  * @throws {Error} where the fragment is damaged
  * @param {{search: string, hash: string}} from
- * @returns {Promise<Asked>}
+ * @returns {Promise<LinkContent>}
  */
 export async function read(from) {
   const query = new URLSearchParams(from.search);
@@ -78,18 +78,18 @@ export async function read(from) {
   };
   if (!fragment) return request;
   const content = await unpack(fragment);
-  if (!isSession(content)) throw new Error('what the link holds is no session');
+  if (!isSession(content)) throw new Error('the link holds no session');
   return {...request, ...content};
 }
 
 /**
  * Whether a fragment holds an experiment, and how it differs.
- * @param {unknown} found
- * @returns {found is Partial<Asked>}
+ * @param {unknown} content
+ * @returns {content is Partial<LinkContent>}
  */
-function isSession(found) {
-  if (!isObject(found)) return false;
-  const {spec, changed: differs, experiment, t = 0} = found;
+function isSession(content) {
+  if (!isObject(content)) return false;
+  const {spec, changed: differs, experiment, t = 0} = content;
   return (isObject(spec) || (isObject(differs) && typeof experiment === 'string')) && Number.isFinite(t);
 }
 
@@ -101,14 +101,14 @@ const isObject = (value) => value !== null && typeof value === 'object' && !Arra
 
 /**
  * The spec that an address with a fragment means; `load(id)` gives a library experiment with its plant in full.
- * @param {Asked} asked
+ * @param {LinkContent} content
  * @param {(id: string) => Promise<Experiment>} load
  * @returns {Promise<Experiment | null>}
  */
-export async function specOf(asked, load) {
-  if (asked.spec) return asked.spec;
-  if (!asked.changed || !asked.experiment) return null;
-  return {...(await load(asked.experiment)), ...asked.changed};
+export async function specOf(content, load) {
+  if (content.spec) return content.spec;
+  if (!content.changed || !content.experiment) return null;
+  return {...(await load(content.experiment)), ...content.changed};
 }
 
 /** @param {Uint8Array<ArrayBuffer>} bytes @param {CompressionStream | DecompressionStream} through */

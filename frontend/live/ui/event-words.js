@@ -101,7 +101,7 @@ const OWN = new Set([
  * @property {Event} event
  * @property {Plant | null} plant
  * @property {Signs} signs
- * @property {string} name   what the page calls its subject
+ * @property {string} name   the name of its subject on the page
  */
 
 /** @type {{[kind: string]: (shown: Shown) => string}} The words for each kind of event. */
@@ -116,10 +116,10 @@ const WORDS = {
   'fault-ends': ({name}) => t('page.events.fault-ends', {name}),
   gain: ({event: {subject, value}, signs}) => {
     const {gain, value: size} = /** @type {GainSet} */ (value);
-    return t('page.events.gain', {gain: signs[gain] ?? plain(gain), label: subject, size: spelt(size)});
+    return t('page.events.gain', {gain: signs[gain] ?? plain(gain), label: subject, size: valueText(size)});
   },
   signal: ({name}) => t('page.events.signal', {name}),
-  noise: ({event, name}) => t('page.events.noise', {name, size: spelt(event.value)}),
+  noise: ({event, name}) => t('page.events.noise', {name, size: valueText(event.value)}),
   'observer-added': ({event}) => t('page.events.observer-added', {label: event.subject}),
   'observer-removed': ({event}) => t('page.events.observer-removed', {label: event.subject}),
   alarm: ({event, plant}) => alarm(event, plant),
@@ -176,7 +176,7 @@ function injected({value, t: at}, name) {
   const fault = /** @type {Injected} */ (value);
   const shape = t(`page.fault.shape.${fault.shape}`);
   const main = MAIN.find((one) => one in fault);
-  const size = main && spelt(fault[main]);
+  const size = main && valueText(fault[main]);
   const event = !main
     ? t('page.events.inject-shape', {name, shape})
     : main === 'size'
@@ -186,7 +186,7 @@ function injected({value, t: at}, name) {
 }
 
 /** @param {unknown} value @returns {string} */
-function spelt(value) {
-  if (Array.isArray(value)) return `(${value.map(spelt).join(', ')})`;
+function valueText(value) {
+  if (Array.isArray(value)) return `(${value.map(valueText).join(', ')})`;
   return typeof value === 'number' ? number(value, 3) : String(value ?? '');
 }

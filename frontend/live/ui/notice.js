@@ -14,7 +14,7 @@ import {say, t} from '../../i18n/words.js';
 
 const SHOWN = 6000; // ms
 const OFFERED = 14_000; // ms, where there is something to click on
-const BEFORE = 0.2; // of the time at which a plant broke down: so much earlier one may go on from
+const BEFORE = 0.2; // of the time at which a plant diverged: how much earlier the session can be continued
 const PATIENCE = 700; // ms of a lost connection before it is worth a word
 
 /** @param {string} words @param {() => void} act */

@@ -1,7 +1,7 @@
 // The chosen experiment: its description, its form, the run and its progress.
 
 import {fill, h} from '../../common/dom.js';
-import {spelt, stale} from './run-state.js';
+import {formField, stale} from './run-state.js';
 import {createForm} from './override-form.js';
 import {problemBlock} from '../../common/problem.js';
 import {timeline} from './fault-bars.js';
@@ -88,7 +88,7 @@ export function mountHead(root, store, act) {
     );
     status.classList.toggle('note', !running && stale(state));
     const left =
-      problem && spec ? problem.errors.filter((error) => !form.has(spelt(spec, error.field))) : problem?.errors;
+      problem && spec ? problem.errors.filter((error) => !form.has(formField(spec, error.field))) : problem?.errors;
     fill(trouble, problem && (left?.length || !problem.errors.length) ? problemBlock(problem, left) : null);
   }
 

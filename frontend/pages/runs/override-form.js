@@ -3,7 +3,7 @@
 
 import {asTyped, value} from './address.js';
 import {fill, h, symbol} from '../../common/dom.js';
-import {original, spelt} from './run-state.js';
+import {original, formField} from './run-state.js';
 import {explained} from '../../common/problem.js';
 import {t} from '../../i18n/words.js';
 
@@ -145,7 +145,7 @@ export function createForm(store, act) {
     reset.hidden = Object.keys(state.changes).length === 0;
     for (const [path, {input}] of fields) input.classList.toggle('changed', path in state.changes);
     if (state.problem === before?.problem) return;
-    const errors = new Map((state.problem?.errors ?? []).map((error) => [spelt(state.spec, error.field), error]));
+    const errors = new Map((state.problem?.errors ?? []).map((error) => [formField(state.spec, error.field), error]));
     for (const [path, {input, error}] of fields) {
       const wrong = errors.get(path);
       input.toggleAttribute('aria-invalid', Boolean(wrong));

@@ -94,12 +94,12 @@ export const original = (spec, path) =>
   path.split('.').reduce((at, key) => step(at, key), /** @type {unknown} */ (spec));
 
 /**
- * A field's name in an answer of the server, spelt as the form spells it: observers[0].gains.rho →
+ * A field's name in an answer of the server, formField as the form spells it: observers[0].gains.rho →
  * observers.adaptive.gains.rho.
  * @param {Experiment | null} spec
  * @param {string} field
  */
-export function spelt(spec, field) {
+export function formField(spec, field) {
   const keys = field.replaceAll('[', '.').replaceAll(']', '').split('.').filter(Boolean);
   /** @type {unknown} */
   let at = spec;

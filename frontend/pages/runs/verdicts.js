@@ -1,4 +1,4 @@
-// Between the experiment and its figures: what the detector found, and who found what how fast; with the numbers
+// Between the experiment and its figures: the detector's findings, and which observer found which fault how fast; with the numbers
 // behind it folded away.
 
 import {fill, h, number} from '../../common/dom.js';
@@ -70,7 +70,7 @@ function detector({spec}, plant, facts, {detector: diagnosis}) {
         h(
           'div',
           {class: 'small'},
-          certainty(state).map((said) => h('p', {}, said)),
+          certainty(state).map((paragraph) => h('p', {}, paragraph)),
         ),
       ),
   ];
@@ -179,7 +179,7 @@ const outcomes = (faults, plant) =>
 function own({observer, alarms, note, calibration, resolution}, place, plant) {
   const raised = alarms.map(alarmFrom);
   const on = raised.filter((alarm) => alarm.over === null);
-  const said = (on.length ? on : raised.slice(-3)).map((alarm) => {
+  const lines = (on.length ? on : raised.slice(-3)).map((alarm) => {
     const channel = plant.channels.find((one) => one.name === alarm.subject);
     const fault = {
       fault: called(alarm.subject, plant),
@@ -204,8 +204,8 @@ function own({observer, alarms, note, calibration, resolution}, place, plant) {
     ' ',
     note
       ? say(note)
-      : said.length
-        ? said.reduce((first, second) => t('page.text.semicolon', {first, second}))
+      : lines.length
+        ? lines.reduce((first, second) => t('page.text.semicolon', {first, second}))
         : t('page.runs.own-estimates.quiet'),
     limit && h('span', {class: 'soft'}, ` ${t('page.runs.thresholds', {limits: limit})}`),
     lost.map((one) => h('span', {class: 'soft'}, ` ${asSentence(spoken(one.text, plant))}`)),

@@ -184,7 +184,10 @@ class Worded(Protocol):
 
 
 class Text(Strict):
-    """A message: code, arguments, and the sentence in the requested language."""
+    """A message: code, arguments, and the sentence in the requested language.
+
+    A plain text, as earlier versions stored sentences, is read as a sentence without a code.
+    """
 
     model_config = example(code="common.states", args={"n": 2}, text="2 states")
 
@@ -193,6 +196,11 @@ class Text(Strict):
         default_factory=dict, description="Arguments of the sentence by name; a nested message is {code, args}."
     )
     text: str = Field(default="", description="The sentence in the requested language.")
+
+    @model_validator(mode="before")
+    @classmethod
+    def _plain(cls, value: Any) -> Any:
+        return {"code": "", "text": value} if isinstance(value, str) else value
 
     @classmethod
     def of(cls, message: Worded, language: str = "en") -> "Text":

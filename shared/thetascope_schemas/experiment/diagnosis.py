@@ -163,7 +163,7 @@ class Observability(Strict):
     model_config = example(
         rank=5,
         size=5,
-        text="all faults and states can be told apart",
+        text="all faults and states can be distinguished",
         window=10.0,
         t=[0.0, 90.0],
         ranks=[5, 5],

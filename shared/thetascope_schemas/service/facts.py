@@ -40,7 +40,7 @@ EXAMPLE = {
     "alarms": [],
     "alarm_verdicts": [],
     "fault_outcomes": [],
-    "unseen": ["theta3@20.0"],
+    "undetected": ["theta3@20.0"],
     "summary": {"code": "diagnosis.summary.looking", "args": {"n": 1}, "text": "A fault is active. Not found yet."},
 }
 
@@ -101,7 +101,7 @@ class Facts(Strict):
     )
     alarm_verdicts: tuple[AlarmOutcome, ...] = Field(default=(), description="The verdict on each alarm.")
     fault_outcomes: tuple[FaultOutcome, ...] = Field(default=(), description="The outcome for each fault so far.")
-    unseen: tuple[str, ...] = Field(
+    undetected: tuple[str, ...] = Field(
         default=(), description="Ids of the active faults that no present alarm names, one for each site."
     )
     summary: Text = Field(description="The diagnosis in one sentence.")

@@ -122,7 +122,7 @@ def test_things_have_one_name_in_chinese(page):
     said = live.evaluate("""async () => {
       const {spoken, called} = await import('/common/names.js');
       const {plant} = thetascope.state;
-      return [spoken('leak1, level1 and clog13 cannot be told apart with this input: only 2 combinations of them show', plant), called('y1', plant), called('leak1', plant)];
+      return [spoken('leak1, level1 and clog13 cannot be distinguished with this input: only 2 combinations of them are visible', plant), called('y1', plant), called('leak1', plant)];
     }""")
     assert "1 号罐泄漏" in said[0] and "leak1" not in said[0] and said[1:] == ["y₁", "1 号罐泄漏"]
     options = live.locator("#panel-comparison option").all_inner_texts()

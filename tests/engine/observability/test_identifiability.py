@@ -43,11 +43,11 @@ def test_faults_of_the_papers_plants_can_be_told_apart_in_principle(name: str):
 
 
 def test_a_leak_at_the_bottom_is_an_open_outlet():
-    """Three tanks: a leak in tank 2 and a clogged outlet act alike, so no input tells them apart."""
+    """Three tanks: a leak in tank 2 and a clogged outlet act alike, so no input distinguishes them."""
     found = structure(data("dts200"))
     assert [(g.channels, g.states, g.hidden) for g in found.groups] == [(("leak2", "clog20"), (), 1)]
     assert found.rank == found.size - 1
-    assert "leak2 and clog20 cannot be told apart by any input" in str(found.text)
+    assert "leak2 and clog20 cannot be distinguished by any input" in str(found.text)
 
 
 def test_known_signals_that_do_not_move_confound_two_faults():
@@ -101,7 +101,7 @@ def test_what_shows_in_no_output_is_named():
     assert told == {(("lost",), ()), (("bias",), ("x1",)), ((), ("x3",))}
     assert sorted(found.unidentifiable) == ["bias", "lost"]
     assert "lost shows in no output" in str(found.text)
-    assert "bias cannot be told from the state x1" in str(found.text)
+    assert "bias cannot be distinguished from the state x1" in str(found.text)
     assert found.hidden == 2
 
 
@@ -126,12 +126,12 @@ def test_a_plant_of_a_hundred_unknowns_is_not_decided():
 
 
 def test_the_check_of_a_plant_tells():
-    """What no input can tell apart is a part of the report on a plant, as data and in words."""
+    """What no input can distinguish is a part of the report on a plant, as data and in words."""
     plant = oscillator(channels=[channel("force", x2="1"), channel("slip", x2="2*k")])
     seen = check_plant(Plant.model_validate(plant))["observability"]
     assert seen["not_identifiable"] == ["force", "slip"]
     assert (seen["rank"], seen["size"], seen["state_rank"], seen["states"]) == (3, 4, 2, 2)
-    assert seen["text"] == seen["groups"][0]["text"] == "force and slip cannot be told apart by any input"
+    assert seen["text"] == seen["groups"][0]["text"] == "force and slip cannot be distinguished by any input"
     chinese = check_plant(Plant.model_validate(plant), "zh")["observability"]
     assert chinese["text"] == chinese["groups"][0]["text"] == "任何输入都无法区分 force和slip"
 
@@ -152,10 +152,14 @@ def test_the_verdict_is_the_same_from_the_cache(tmp_path, monkeypatch):
         (Group((), ("x1",), 0), "the state x1 cannot be determined from the outputs", "状态 x1 无法由输出确定"),
         (
             Group(("a", "b"), ("x1", "x2"), 1),
-            "a and b cannot be told apart by any input, nor from the states x1 and x2",
+            "a and b cannot be distinguished by any input, nor from the states x1 and x2",
             "任何输入都无法区分 a和b，也无法将其与状态 x1和x2 区分",
         ),
-        (Group(("a",), tuple("uvwxyz"), 0), "a cannot be told from 6 of the states", "a 无法与其中 6 个状态区分"),
+        (
+            Group(("a",), tuple("uvwxyz"), 0),
+            "a cannot be distinguished from 6 of the states",
+            "a 无法与其中 6 个状态区分",
+        ),
     ],
 )
 def test_a_group_is_worded_in_every_language(group, english, chinese):

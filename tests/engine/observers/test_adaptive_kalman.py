@@ -180,7 +180,7 @@ def test_works_in_coordinates_without_canonical_form():
 
 
 def test_two_biases_of_one_output_lose_excitation():
-    """Two channels that enter the output alike cannot be told apart: the excitation is zero and the check fails."""
+    """Two channels that enter the output alike cannot be distinguished: the excitation is zero and the check fails."""
     channels = [{"name": c, "kind": "sensor", "enters": {"y": "1"}, "typical": 0.5} for c in ("one", "two")]
     result = run(
         {**LAG, "channels": channels},

@@ -46,7 +46,7 @@ class Security:
 
         if scope["method"] not in _SAFE and Headers(scope=scope).get("sec-fetch-site") == "cross-site":
             language = language_of(Request(scope))
-            refusal = problem_response(problem(403, Wording("http.cross-site"), language=language))
-            await refusal(scope, receive, send_with_headers)
+            response = problem_response(problem(403, Wording("http.cross-site"), language=language))
+            await response(scope, receive, send_with_headers)
             return
         await self._app(scope, receive, send_with_headers)

@@ -60,7 +60,7 @@ def facts(spec: ResolvedExperiment, t: float, at: float, detector: DetectorState
         alarms=tuple(detector.alarms),
         alarm_verdicts=tuple(AlarmOutcome(**vars(v)) for v in judgement.alarms) if judgement else (),
         fault_outcomes=tuple(FaultOutcome(**vars(v)) for v in judgement.faults) if judgement else (),
-        unseen=tuple(p.ids[0] for p in judgement.unseen) if judgement else (),
+        undetected=tuple(p.ids[0] for p in judgement.undetected) if judgement else (),
         summary=Text.of(summary(_situation(spec, t, detector, losses, observers))),
     )
 

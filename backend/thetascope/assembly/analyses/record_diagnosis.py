@@ -36,9 +36,7 @@ _EVEN = 0.05  # tolerance for equal spacing, relative to the period; times are o
 _LARGEST = 1e30  # beyond the range of every sensor
 _MEDIAN = 0.4549  # of the square of a standard normal number
 _ROUNDS = 3  # of estimating the noise,
-_SURE = (
-    0.01  # with a filter that doubts the model by so much less: one that follows the noise would find too little of it
-)
+_SURE = 0.01  # the filter uses this share of the doubt: a filter that follows the noise would underestimate it
 _LAGS = 8  # most samples for which noise may be held
 _STANDS_OUT = 5.0  # ratio of squared differences where a sensor's value is new to all others
 _FINEST = 20  # simulation steps per sample

@@ -158,7 +158,7 @@ class WindowNoise:
 
 @dataclass(frozen=True)
 class ThetaBounds:
-    """Lower and upper bounds of θ (p,) each, ±∞ where there is none."""
+    """Lower and upper bounds of θ (p,) each, ±∞ where a θ has no bound."""
 
     low: np.ndarray
     high: np.ndarray

@@ -89,7 +89,7 @@ class Step:
 
 @dataclass(frozen=True)
 class Row:
-    """One observer. Errors by column name ("x.x1", "theta.theta1"), one number a window, None where there is none.
+    """One observer. Errors by column name ("x.x1", "theta.theta1"), one number per window, None if a window has no value.
 
     `judgement` is None, and so are the counts, if no tests ran on the observer. `cost` is in processor seconds per
     simulated second.

@@ -44,14 +44,14 @@ def summary(now: Situation) -> Message:
         return _say("no-diagnosis", note=now.note)
     pairs = list(zip(now.alarms, now.judgement.alarms, strict=True))
     good = [(alarm, verdict) for alarm, verdict in pairs if verdict.state in ("acting", "covering")]
-    wrong = _wrong(pairs, good, now.judgement.unseen)
+    wrong = _wrong(pairs, good, now.judgement.undetected)
     if wrong is not None:
         return wrong
     either = [alarm for alarm, _ in good if alarm.alternatives]
     if either:
         return _say("either", names=(either[-1].channel, *either[-1].alternatives))
-    if now.judgement.unseen:
-        return _unseen(now.judgement.unseen, len(good), now.hidden)
+    if now.judgement.undetected:
+        return _undetected(now.judgement.undetected, len(good), now.hidden)
     if good:
         return _found(good, now.kinds or {})
     return _quiet(now, [verdict.state for _, verdict in pairs])
@@ -60,29 +60,31 @@ def summary(now: Situation) -> Message:
 def _wrong(
     pairs: Sequence[tuple[AlarmLike, AlarmVerdict]],
     good: Sequence[tuple[AlarmLike, AlarmVerdict]],
-    unseen: Sequence[Presence],
+    undetected: Sequence[Presence],
 ) -> Message | None:
     """Return the message about an alarm that the model does not explain, or that names another fault, or none."""
     for alarm, verdict in pairs:
         if alarm.kind == "unexplained" and verdict.state not in ("cleared", "fault-over"):
             return _say("unexplained", name=_subject(alarm))
-    blamed = [alarm for alarm, verdict in pairs if verdict.state == "other-fault"]
-    real = [(p.name, p.kind) for p in unseen] or [(_subject(alarm), "channel") for alarm, _ in good]
-    if blamed and real:
+    wrong = [alarm for alarm, verdict in pairs if verdict.state == "other-fault"]
+    real = [(p.name, p.kind) for p in undetected] or [(_subject(alarm), "channel") for alarm, _ in good]
+    if wrong and real:
         name, kind = real[0]
-        return _say("blamed" if kind == "channel" else "blamed-for-output", name=_subject(blamed[0]), other=name)
+        return _say(
+            "misattributed" if kind == "channel" else "misattributed-for-output", name=_subject(wrong[0]), other=name
+        )
     false = [alarm for alarm, verdict in pairs if verdict.state == "no-fault"]
     return _say("false-alarm", name=_subject(false[0])) if false else None
 
 
-def _unseen(unseen: Sequence[Presence], found: int, hidden: frozenset[str]) -> Message:
+def _undetected(undetected: Sequence[Presence], found: int, hidden: frozenset[str]) -> Message:
     """Return the message about faults that act and that no alarm names."""
-    first = next((p for p in unseen if p.kind == "channel"), unseen[0])
+    first = next((p for p in undetected if p.kind == "channel"), undetected[0])
     if first.kind == "output":
         return _say("measurement", name=first.name)
     if first.name in hidden:
         return _say("hidden-beside", n=found, name=first.name) if found else _say("hidden", name=first.name)
-    return _say("looking-beside", n=found, name=first.name) if found else _say("looking", n=len(unseen))
+    return _say("looking-beside", n=found, name=first.name) if found else _say("looking", n=len(undetected))
 
 
 def _found(good: Sequence[tuple[AlarmLike, AlarmVerdict]], kinds: Mapping[str, str]) -> Message:

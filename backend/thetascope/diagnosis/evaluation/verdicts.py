@@ -165,7 +165,7 @@ class FaultVerdict:
 
 @dataclass(frozen=True)
 class AlarmVerdict:
-    """The verdict on one alarm, and what it means at the time of judging.
+    """The verdict on one alarm, and its state at the time of judging.
 
     Attributes:
         id: of the alarm.
@@ -175,7 +175,7 @@ class AlarmVerdict:
             fault-over: the fault has ended, and the alarm is about to clear; no-fault: none acted (a false alarm).
         found: ids of the faults that it was the first to find.
         delay: seconds from the newest of these to the alarm; None if it found none.
-        covers_since: onset of the newest fault that it covers and that still acts; None if there is none.
+        covers_since: onset of the newest fault that it covers and that still acts; None if it covers none.
     """
 
     id: str
@@ -190,12 +190,12 @@ class AlarmVerdict:
 class Judgement:
     """All verdicts on one detector, in order of time.
 
-    `unseen`: of the faults that act at the time of judging those that no alarm that is on names, the newest of each site.
+    `undetected`: of the faults that act at the time of judging those that no alarm that is on names, the newest of each site.
     """
 
     faults: tuple[FaultVerdict, ...]
     alarms: tuple[AlarmVerdict, ...]
-    unseen: tuple[Presence, ...] = ()
+    undetected: tuple[Presence, ...] = ()
 
     def count(self, verdict: str) -> int:
         """Return how many faults have this outcome, or alarms this verdict."""
@@ -336,8 +336,8 @@ def judge(
     acting = [p for p in present if np.isinf(p.until)]
     ids = frozenset(id for p in acting for id in p.ids)
     verdicts = tuple(_alarm(alarm, outcomes, present, ids, own, grace) for alarm in ordered)
-    unseen = [p for p in acting if not any(_seen(p, a, present, own, grace) for a in ordered)]
-    newest = {(p.kind, p.name): p for p in unseen}
+    undetected = [p for p in acting if not any(_seen(p, a, present, own, grace) for a in ordered)]
+    newest = {(p.kind, p.name): p for p in undetected}
     return Judgement(outcomes, verdicts, tuple(newest.values()))
 
 

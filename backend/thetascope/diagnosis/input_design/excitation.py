@@ -1,4 +1,4 @@
-"""Excitation: how well the input of a window separates the faults, and in a sentence what it does not show.
+"""Excitation: how well the input of a window separates the faults, and which of them it does not show, in a sentence.
 
 J (p, p) is the information of a window about all faults of the plant: J⁻¹ is the covariance of their estimate. In units
 of typical faults, T J T with T = diag(typical), its eigenvalues are the squared signal-to-noise ratios of combinations
@@ -17,7 +17,7 @@ from thetascope.messages import Message
 MENTIONED = 0.1  # of a unit vector: smaller components are left out
 _BLIND = 0.3  # signal-to-noise ratio of a typical fault below which it is not excited at all
 _UNSEEN = 1.0  # signal-to-noise ratio below which a combination is not seen
-_JOINED = 0.1  # correlation in the space of what is not seen, from which channels belong to one group
+_JOINED = 0.1  # correlation within the invisible directions from which on channels belong to one group
 _EPS = 1e-14
 
 
@@ -57,9 +57,9 @@ def excitation(
     """
     J, T, needed = np.asarray(J, dtype=float), np.asarray(typical, dtype=float), 1.0 / accuracy**2
     if not len(names) or not np.isfinite(J).all():
-        unseen = dict.fromkeys(names, np.inf)
+        unlimited = dict.fromkeys(names, np.inf)
         text = Message("diagnosis.excitation.unknown" if len(names) else "diagnosis.none.no-channels")
-        return Excitation(None, needed, unseen, dict.fromkeys(names, False), {}, (), text)
+        return Excitation(None, needed, unlimited, dict.fromkeys(names, False), {}, (), text)
     N = J * np.outer(T, T)
     values, vectors = np.linalg.eigh((N + N.T) / 2)
     values = np.where(values <= _EPS * max(float(values[-1]), 1e-300), 0.0, values)
@@ -139,7 +139,7 @@ def _group_text(
     T: np.ndarray,
     needed: float,
 ) -> Message:
-    """Return what a window does not show of one group of channels."""
+    """Return the sentence about one group of channels that a window does not show."""
     part = weak[group]
     share = (part**2).sum(axis=0)
     hidden = max(1, round(float(share.sum())))

@@ -39,7 +39,7 @@ class Explanation:
         covariance: (events, events), of the sizes for white noise of variance one.
         statistic: GLR of the events.
         early: (events,), share of their information that comes while the response is settling.
-        passed: (events, p), change of the sizes per unit of error in what is known of a channel.
+        passed: (events, p), change of the sizes per unit of error in a channel's known fault.
     """
 
     events: tuple[Event, ...]

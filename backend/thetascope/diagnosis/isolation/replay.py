@@ -160,7 +160,7 @@ class ReplayWindow:
 
     @cached_property
     def bounds(self) -> ThetaBounds:
-        """Bounds of further changes of θ: those of θ less what is known at the end."""
+        """Bounds of further changes of θ: those of θ minus the known θ at the end."""
         present = _course(self.base, self.fixed, np.array([float(self.end)]))[0]
         return self.evidence.thresholds.bounds.relative_to(present)
 

@@ -1,6 +1,6 @@
 """The diagnosis as plain data in the user's units (the shapes of shared/thetascope_schemas/experiment/diagnosis.py).
 
-Sentences are messages: whoever shows them renders them in the reader's language.
+Sentences are messages, which are rendered in the reader's language where they are shown.
 """
 
 from statistics import NormalDist

@@ -1,1 +1,1 @@
-"""Observers, one file each. See base.py for what a file offers and draft.py for how equations are written down."""
+"""Observers, one file each. support/declaration.py describes the contents of a file, support/draft.py the form of its equations."""

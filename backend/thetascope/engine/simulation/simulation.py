@@ -89,7 +89,7 @@ class Simulation:
         known = self.remember and e.measurement.direct
         passed = None
         if known:
-            assert y is not None, "what is to be remembered is emitted"
+            assert y is not None, "a program that remembers y emits it"
             passed = np.where((index > first)[:, None], y[earlier, -1], state.memory.passed)
         spent = {s.label: (self.spent.get(s.label, 0.0), count * e.step) for s in e.estimators}
         return after, Rows(

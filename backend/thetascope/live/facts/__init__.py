@@ -1,1 +1,1 @@
-"""The facts of a live session: what acts and what was found at the row that is shown, and observers over a window."""
+"""The facts of a live session: active faults and findings at the row that is shown, and the comparison of observers over a window."""

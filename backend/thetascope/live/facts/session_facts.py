@@ -23,7 +23,7 @@ _CHUNK = 64  # rows of θ that are looked at first
 def facts_of(session: "Session", row: int, memory: "FactsMemory", diagnosis: ObserverDiagnosis | None = None) -> Facts:
     """Return the facts of a session of which rows 0 … row − 1 have been shown.
 
-    A fault or a command acts from the next row on: what was done while time stands still counts. `diagnosis` is the
+    A fault or a command acts from the next row on: commands given while time is paused count. `diagnosis` is the
     newest report of the detector.
     """
     t = max(0, row - 1) * session.record

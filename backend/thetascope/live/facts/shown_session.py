@@ -1,4 +1,4 @@
-"""A session and what is shown of it: all that facts need to know of a room."""
+"""A session and the row that is shown: the part of a room that facts need."""
 
 from collections.abc import Awaitable, Callable
 from typing import TYPE_CHECKING, Any, Protocol
@@ -58,7 +58,7 @@ class ShownSession(Protocol):
 
     @property
     def session(self) -> "Session":
-        """The session, which may have come further than what is shown."""
+        """The session, which may be ahead of the row that is shown."""
         ...
 
     @property

@@ -1,1 +1,1 @@
-"""One session without input or output: an experiment advanced row by row, changed, rewound and watched."""
+"""One session without input or output: an experiment advanced row by row, changed, rewound and diagnosed."""

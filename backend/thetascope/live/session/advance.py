@@ -73,7 +73,7 @@ def commit(state: SessionState, simulated: SimulatedRows | None) -> tuple[Sessio
         detection, alarms = setup.detector.observe(
             current.detection, state.experiment, recorded, batch.values, count > _SMALL, state.detects_outside
         )
-        alarms = log_events.unseen(alarms, state.log)
+        alarms = log_events.unlogged(alarms, state.log)
     events = _in_order(state, count, alarms, columns.lost_since(current.live_columns, setup.record))
     snapshots = state.snapshots.add(current)
     if not columns.plant_lost and (columns.lost or {}) == (current.live_columns.lost or {}):
@@ -92,6 +92,6 @@ def commit(state: SessionState, simulated: SimulatedRows | None) -> tuple[Sessio
 
 
 def _in_order(state: SessionState, count: int, alarms: list[Event], lost: list[Event]) -> tuple[Event, ...]:
-    """Return the events of the next `count` rows by row: what the spec has planned, alarms, divergences."""
+    """Return the events of the next `count` rows by row: planned by the spec, alarms, divergences."""
     due = log_events.due_events(state.spec, state.log, state.row, state.row + count, state.setup.record)
     return tuple(sorted([*due, *alarms, *lost], key=lambda event: event.row))

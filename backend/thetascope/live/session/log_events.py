@@ -36,7 +36,7 @@ _RECENT = 100  # events
 
 
 def due_events(spec: ResolvedExperiment, log: Sequence[Event], first: int, last: int, record: float) -> list[Event]:
-    """Return events of what the spec has planned for rows first … last − 1, without those that are in the log already.
+    """Return the events that the spec has planned for rows first … last − 1, without those that are in the log already.
 
     Faults that begin or end, and timed commands; `record`: time between rows, s.
     """
@@ -116,7 +116,7 @@ def _injected(fault: Fault) -> Message:
     return Message("event.injected", **args) if size is None else Message("event.injected-size", **args, size=size)
 
 
-def unseen(alarms: Sequence[Event], log: Sequence[Event]) -> list[Event]:
+def unlogged(alarms: Sequence[Event], log: Sequence[Event]) -> list[Event]:
     """Return the alarms that are not in the log yet: after going back, waiting rows are tested again."""
     logged = {(event.kind, event.row, event.subject) for event in log[-_RECENT:]}
     return [event for event in alarms if (event.kind, event.row, event.subject) not in logged]

@@ -176,7 +176,7 @@ class Session:
         detection = self.current.detection
         if detection is None or not detection.continues(progress):
             return []
-        alarms = log_events.unseen(self.detector.events(progress, after), self.log)
+        alarms = log_events.unlogged(self.detector.events(progress, after), self.log)
         detection = DetectorProgress(after, detection.waiting[len(progress.waiting) :])
         state = replace(self.state, current=replace(self.current, detection=detection))
         self.state = state.with_log((*self.log, *alarms))

@@ -60,7 +60,7 @@ class SimulatedRows:
 
 @dataclass(frozen=True)
 class RecordedBatch:
-    """The rows from `first` on, where a snapshot is: what was recorded, and the columns made of it."""
+    """The rows from `first` on, where a snapshot is: the recorded states, and the columns computed from them."""
 
     first: int
     recorded: Rows

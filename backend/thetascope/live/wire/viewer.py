@@ -1,4 +1,4 @@
-"""One connection that watches a session: what it is sent, and when."""
+"""One connection of a viewer to a session: the messages for it, and when they are sent."""
 
 import asyncio
 from collections.abc import Awaitable, Callable, Coroutine

@@ -2,6 +2,8 @@
 
 import json
 
+from pydantic import ValidationError
+
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.results.engine_version import engine_version
@@ -51,10 +53,20 @@ def snapshot_of(record: Record) -> Snapshot:
         status=record.status,
         created=record.created,
         progress=1.0 if record.status == "done" else 0.0,
-        summary=None if record.summary is None else RunSummary.model_validate(record.summary),
+        summary=_summary_of(record),
         problem=None if record.error is None else Problem.model_validate(record.error),
         pinned=record.pinned,
     )
+
+
+def _summary_of(record: Record) -> RunSummary | None:
+    """Return the stored summary; None if an earlier version wrote it in a form that the schema no longer accepts."""
+    if record.summary is None:
+        return None
+    try:
+        return RunSummary.model_validate(record.summary)
+    except ValidationError:
+        return None
 
 
 #: The problem of a run that an earlier server accepted and did not finish.

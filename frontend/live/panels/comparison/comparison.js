@@ -120,7 +120,10 @@ export function mount(element, app) {
         }),
       ],
     );
-    fill(scroll, h('table', {}, h('caption', {class: 'said'}, t('page.comparison.title')), h('thead', {}, head), body));
+    fill(
+      scroll,
+      h('table', {}, h('caption', {class: 'visually-hidden'}, t('page.comparison.title')), h('thead', {}, head), body),
+    );
     fill(element, heading(t('page.comparison.title')), scroll, more);
     forms = [new Form(), new Form(), new Form()];
     compute();

@@ -109,7 +109,7 @@ export function limits(field, subject) {
 }
 
 /**
- * A typed text as a value of a field; undefined where it is none.
+ * A typed text as a value of a field; undefined if it is not valid.
  * @param {TypedField} field
  * @param {string} text
  * @returns {FieldValue | undefined}

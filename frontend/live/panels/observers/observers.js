@@ -89,7 +89,7 @@ export function mount(element, app) {
       });
       if (mine === serial) for (const card of cards.values()) card.defaults(gains[card.label], labels[card.label]);
     } catch {
-      /* the gains that were set are shown all the same */
+      /* the gains that were set are shown without them */
     }
   };
   const load = async () => {

@@ -1,7 +1,7 @@
 """Joint unscented Kalman filter: Julier & Uhlmann 1997; scaled sigma points of Wan & van der Merwe 2000.
 
 As the joint extended filter, z = (x, θ), but mean and covariance go through the model on 2N + 1 sigma points instead of
-Jacobians. Noise is additive; the points are drawn anew from the predicted covariance, so that it holds Q as well.
+Jacobians. Noise is additive; the points are drawn anew from the predicted covariance, so that they include Q.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Full-order observer in the normal form (6) of normal_form.py: what the reduced-order observer is compared with.
+"""Full-order observer in the normal form (6) of normal_form.py: the baseline for the reduced-order observer.
 
     ẑ' = A ẑ + B [α(ẑ, t) + F(ẑ, t) u] + L (y − C ẑ)
 

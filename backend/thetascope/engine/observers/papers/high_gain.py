@@ -2,7 +2,7 @@
 
     x̂' = f(x̂, u) + J⁻¹ Δ k0 (y − h(x̂)),   J = ∂T/∂x,   Δ = diag(ρ, …, ρⁿ)
 
-It knows of no faults: its error shows what they do to a plain observer.
+It does not estimate faults: its error shows their effect on a plain observer.
 """
 
 from __future__ import annotations

@@ -75,7 +75,7 @@ def require(condition: bool, model: Model, why: Message) -> None:
 
 
 def describe(d: Draft, at: ModelAt) -> None:
-    """Offer what the checks need: the direction d, Φ and the Jacobian of γ at x̂."""
+    """Add the outputs that the checks need: the direction d, Φ and the Jacobian of γ at x̂."""
     model = d.model
     vector, reason = direction(model, d.channels)
     d.facts["matching"] = reason.as_data() if reason else None

@@ -2,7 +2,7 @@
 
     ω' = (Ã − HC̃)(ω + Hy) + B̃ [α(ẑ, t) + F(ẑ, t) u],   ẑ = (y1, ω1 + H1 y1, y2, ω2 + H2 y2, …)        (17)
 
-Only what is not measured is estimated: in the normal form (6) the coordinates of each output but the first, n − m in
+Only unmeasured coordinates are estimated: in the normal form (6) the coordinates of each output but the first, n − m in
 all. Ã, B̃, C̃ are the chains of integrators shortened by one, H is block diagonal with one column an output. α + F u
 is the highest derivative of the outputs at x̂, so the observer is written down for the plant's own states.
 """
