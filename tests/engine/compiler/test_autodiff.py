@@ -6,7 +6,7 @@ import pytest
 from thetascope.engine.compiler.autodiff import SLOPES, derivatives
 from thetascope.engine.compiler.graph import Graph, evaluate
 
-OPERATIONS = [*SLOPES, "min", "max", "where"]
+OPERATIONS = [*SLOPES, "mul", "fma", "abs", "min", "max", "where"]
 ARITY = {"fma": 3, "where": 3} | dict.fromkeys(("add", "sub", "mul", "div", "pow", "spow", "atan2", "min", "max"), 2)
 
 

@@ -198,6 +198,7 @@ EMITTED: dict[str, Callable[..., float]] = {name: getattr(math, name) for name i
     "LessEqual": lambda a, b: a <= b,
     "And_": lambda a, b: a and b,
     "Or_": lambda a, b: a or b,
+    "Divisor": lambda x: x or math.inf,
     "Where": lambda condition, a, b: a if condition else b,
     "SignedPower": lambda x, a: math.copysign(abs(x) ** a, x),
     "Backlash": lambda x, dx, z, m1, m2, d1, d2: (

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Set
 from functools import reduce
 
@@ -18,6 +19,8 @@ _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
     "Or_": "or",
     "Where": "where",
     "SignedPower": "spow",
+    "SignNext": "sign",
+    "LessNext": "le",
 }
 
 
@@ -126,6 +129,9 @@ class Lowering:
             return reduce(lambda a, b: self.graph.call(name.lower(), a, b), args)
         if name == "Backlash":
             return self._backlash(*args)
+        if name == "Divisor":
+            g, (x,) = self.graph, args
+            return g.call("where", g.call("lt", g.const(0.0), g.call("abs", x)), x, g.const(math.inf))
         if name not in _BY_NAME:
             raise ValueError(f"{name} is not a function of the engine")
         return self.graph.call(_BY_NAME[name], *args)

@@ -2,8 +2,9 @@
 
 All are real and opaque: SymPy does not rewrite them and evaluates them only with numbers. They define their
 derivatives. Those named like SymPy's own (`Abs`, `sign`, `floor`, `Min`, `Max`, `atan2`) print like them, but never
-turn into square roots, conjugates, Heaviside or Dirac terms, and are cheap to construct. Derivatives hold almost
-everywhere: at a kink or a jump they are the derivative of the selected branch. Conditions are the real numbers 1 and 0.
+turn into square roots, conjugates, Heaviside or Dirac terms, and are cheap to construct. Their derivatives follow the
+rule in derivatives.py: at a kink they are the limit along one direction, at a jump those of the selected branch. Conditions
+are the real numbers 1 and 0.
 """
 
 import math
@@ -103,11 +104,35 @@ class Abs(Real):
     """|x|."""
 
     nargs = (1,)
+    is_nonnegative = True
+    is_extended_nonnegative = True
     compute = staticmethod(math.fabs)
 
+    @classmethod
+    def eval(cls, *args: Expr) -> Expr | None:
+        """Return |x|^a for |⌊x⌉^a| and |x| for ||x||, the value for a number, else None: unevaluated."""
+        inner = args[0]
+        if isinstance(inner, Abs):
+            return inner
+        return Abs(inner.args[0]) ** inner.args[1] if isinstance(inner, SignedPower) else super().eval(*args)
+
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Return sign(x)."""
-        return sign(self.args[0])
+        """Return the sign of x; at 0 the one that it has next."""
+        return SignNext(self.args[0])
+
+
+class SignNext(Real):
+    """Sign of x; at 0 the sign that x has next along the direction of derivatives.py, which replaces it."""
+
+    nargs = (1,)
+    compute = staticmethod(builtins.sign)
+
+
+class LessNext(Real):
+    """a < b, as 1 or 0; where both are equal, whether a is the smaller one next along the direction."""
+
+    nargs = (2,)
+    compute = staticmethod(lambda a, b: int(a <= b))
 
 
 class sign(Real):
@@ -133,11 +158,11 @@ class Min(Real):
     def fdiff(self, argindex: int = 1) -> Expr:
         """Return 1 for the argument that is the smaller one, else 0."""
         a, b = self.args
-        return Where(LessEqual(a, b), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
+        return Where(LessNext(a, b), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
 
     def _eval_derivative(self, symbol: Expr) -> Expr:
         a, b = self.args
-        return Where(LessEqual(a, b), a.diff(symbol), b.diff(symbol))
+        return Where(LessNext(a, b), a.diff(symbol), b.diff(symbol))
 
 
 class Max(Real):
@@ -149,11 +174,11 @@ class Max(Real):
     def fdiff(self, argindex: int = 1) -> Expr:
         """Return 1 for the argument that is the larger one, else 0."""
         a, b = self.args
-        return Where(LessEqual(b, a), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
+        return Where(LessNext(b, a), *((ONE, ZERO) if argindex == 1 else (ZERO, ONE)))
 
     def _eval_derivative(self, symbol: Expr) -> Expr:
         a, b = self.args
-        return Where(LessEqual(b, a), a.diff(symbol), b.diff(symbol))
+        return Where(LessNext(b, a), a.diff(symbol), b.diff(symbol))
 
 
 class atan2(Real):
@@ -163,9 +188,44 @@ class atan2(Real):
     compute = staticmethod(math.atan2)
 
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Return x / (x² + y²) for y, and −y / (x² + y²) for x."""
+        """Return x / (x² + y²) for y, and −y / (x² + y²) for x; 0 at the origin."""
         y, x = self.args
-        return (x if argindex == 1 else -y) / (x**2 + y**2)
+        return (x if argindex == 1 else -y) / Divisor(x**2 + y**2)
+
+
+class Divisor(Real):
+    """x, or ∞ for x = 0: a quotient by it is 0 where x vanishes."""
+
+    nargs = (1,)
+    compute = staticmethod(lambda x: x or math.inf)
+
+    @classmethod
+    def eval(cls, *args: Expr) -> Expr | None:
+        """Return a number that is not 0, else None: unevaluated."""
+        return args[0] if isinstance(args[0], Number) and args[0] != 0 else None
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Return 1, which holds where x is not 0; at 0 the divisor makes it 0 again."""
+        return ONE
+
+
+class Power(Real):
+    """x^a with an exponent that may be below or above 1, while it is differentiated; see derivatives.py."""
+
+    nargs = (2,)
+
+    @classmethod
+    def eval(cls, *args: Expr) -> Expr | None:
+        """Return None: powers are evaluated as SymPy's."""
+        return None
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Return a x^(a − 1) for x, and x^a log x for a; 0 at x = 0 where the result would be infinite."""
+        x, a = self.args
+        if argindex == 2:
+            return self * log(Max(x, Float(1e-300)))
+        steep = And_(And_(LessEqual(x, ZERO), LessEqual(ZERO, x)), Less(a, ONE))
+        return a * Where(steep, ZERO, x ** (a - 1))
 
 
 class SignedPower(Real):
@@ -175,16 +235,22 @@ class SignedPower(Real):
 
     @classmethod
     def eval(cls, *args: Expr) -> Expr | None:
-        """Return x for a = 1, the value for numbers, else None: unevaluated."""
+        """Return x for a = 1, one power for a power of a power, the value for numbers, else None: unevaluated."""
         x, a = args
+        if isinstance(x, SignedPower):
+            return SignedPower(x.args[0], x.args[1] * a)
+        if x.is_Pow and x.exp.is_Integer and x.exp.is_odd and x.exp.is_positive:
+            return SignedPower(x.base, x.exp * a)
         return x if a.is_Number and float(a) == 1 else super().eval(x, a)
 
     compute = staticmethod(builtins.signed_power)
 
     def fdiff(self, argindex: int = 1) -> Expr:
-        """Return a |x|^(a − 1) for x, and ⌊x⌉^a log |x| for a."""
+        """Return a |x|^(a − 1) for x, and ⌊x⌉^a log |x| for a; 0 at x = 0 where the result would be infinite."""
         x, a = self.args
-        return a * Abs(x) ** (a - 1) if argindex == 1 else self * log(Abs(x))
+        if argindex == 2:
+            return self * log(Max(Abs(x), Float(1e-300)))
+        return Power(Abs(x), a).fdiff() if not a.is_number else a * Abs(x) ** (a - 1)
 
 
 class Backlash(Real):

@@ -9,6 +9,7 @@ import sympy
 from sympy import Add, Expr, Float, Integer, Mul, Number, Pow, Rational, S, Symbol
 
 from thetascope.engine.errors import ExpressionError
+from thetascope.engine.language.derivatives import real
 from thetascope.engine.language.lexer import SPLIT
 from thetascope.engine.language.sympy_functions import BUILDERS, And_, Less, LessEqual, Or_, in_pairs
 from thetascope.engine.language.syntax_tree import Node
@@ -53,6 +54,7 @@ def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol]) -> Expr:
         result = builder.build(parsed.tree)
     except (RecursionError, OverflowError, ValueError, ZeroDivisionError) as error:
         raise builder.error(parsed.tree, Message("expression.involved"), SPLIT) from error
+    result = real(result)
     if not all(_is_double(number) for number in result.atoms(Number)):
         builder.refuse(parsed.tree, Message("expression.double"))
     return result

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from thetascope.engine.compiler.system import CONTINUOUS, DISCRETE, System
 from thetascope.engine.errors import SpecError
+from thetascope.engine.language.derivatives import derivative
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.language.parser import parse
 from thetascope.messages import Message
@@ -169,9 +170,9 @@ class Model:
     def _total(e: Expr, state: Symbol, slopes: Mapping[Symbol, Mapping[Symbol, Expr]]) -> Expr:
         """Return the total derivative of an expression with respect to a state."""
         free = e.free_symbols
-        direct = e.diff(state) if state in free else sympy.S.Zero
+        direct = derivative(e, state) if state in free else sympy.S.Zero
         return direct + sum(
-            (e.diff(d) * s[state] for d, s in slopes.items() if d in free and s[state] != 0), sympy.S.Zero
+            (derivative(e, d) * s[state] for d, s in slopes.items() if d in free and s[state] != 0), sympy.S.Zero
         )
 
     def jacobian(self, vector: Matrix) -> ImmutableMatrix:

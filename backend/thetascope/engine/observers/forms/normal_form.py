@@ -19,6 +19,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from thetascope.engine.errors import SpecError
+from thetascope.engine.language.derivatives import derivative, jacobian
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model, clock
 from thetascope.engine.observers.forms.observable_form import rank_at, sample, tidy
@@ -121,15 +122,15 @@ def _cached(key: _Key) -> NormalForm:
         raise _refused(model, Message("observer.reason.degree", degrees=blocks, total=sum(blocks), states=model.n))
     map_ = sympy.ImmutableMatrix([e for chain in chains for e in chain[:-1]])
     top = sympy.ImmutableMatrix([chain[-1] for chain in chains])
-    jacobian = map_.jacobian(sympy.Matrix(model.x))
-    if max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) < model.n:
+    slopes = jacobian(map_, model.x)
+    if max(rank_at(slopes, sample(model, seed)) for seed in range(4)) < model.n:
         raise _refused(model, Message("observer.reason.dependent"))
     z = tuple(sympy.Symbol(f"z[{k + 1}]", real=True) for k in range(model.n))  # a name that no plant can use
     try:
         inverse = invert(list(zip(z, map_, strict=True)), model)
     except NoInverse as why:
         raise _refused(model, Message("observer.reason.inverse", why=why.message)) from None
-    F = top.jacobian(sympy.Matrix(model.u)) if model.u else sympy.ImmutableMatrix(model.m, 0, [])
+    F = jacobian(top, model.u) if model.u else sympy.ImmutableMatrix(model.m, 0, [])
     return NormalForm(model.outputs, blocks, map_, top, sympy.ImmutableMatrix(F), z, {x: inverse[x] for x in model.x})
 
 
@@ -138,25 +139,24 @@ def _chain(model: Model, i: int) -> list[Expr]:
 
     If none ever enters, return them up to the first that adds no new coordinate.
     """
-    x = sympy.Matrix(model.x)
     f = model.f.xreplace(model.expansion)
     outside = set(model.u) | set(model.signals)
     chain = [model.h.xreplace(model.expansion)[i]]
     if chain[0].free_symbols & outside:
         raise _refused(model, Message("observer.reason.direct", output=model.outputs[i]))
     while True:
-        derivative = tidy(chain[-1].diff(clock()) + (sympy.Matrix([chain[-1]]).jacobian(x) * f)[0])  # (3)
-        stop = derivative.free_symbols & outside or not _is_new(model, chain, derivative)
-        chain.append(derivative)
+        following = tidy(derivative(chain[-1], clock()) + (jacobian(chain[-1:], model.x) * f)[0])  # (3)
+        stop = following.free_symbols & outside or not _is_new(model, chain, following)
+        chain.append(following)
         if stop:
             return chain
         if len(chain) > model.n:
             raise _refused(model, Message("observer.reason.no-input", count=model.n, output=model.outputs[i]))
 
 
-def _is_new(model: Model, chain: list[Expr], derivative: Expr) -> bool:
-    jacobian = sympy.Matrix([*chain, derivative]).jacobian(sympy.Matrix(model.x))
-    return max(rank_at(jacobian, sample(model, seed)) for seed in range(4)) == len(chain) + 1
+def _is_new(model: Model, chain: list[Expr], following: Expr) -> bool:
+    slopes = jacobian([*chain, following], model.x)
+    return max(rank_at(slopes, sample(model, seed)) for seed in range(4)) == len(chain) + 1
 
 
 def _refused(model: Model, why: Message) -> SpecError:

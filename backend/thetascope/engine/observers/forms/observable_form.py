@@ -15,6 +15,7 @@ import numpy as np
 
 from thetascope.engine.compiler.numeric import numbers
 from thetascope.engine.errors import SpecError
+from thetascope.engine.language.derivatives import jacobian
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.messages import Message
@@ -46,13 +47,13 @@ def canonical_form(model: Model) -> CanonicalForm:
     drift = f.subs({u: 0 for u in model.u})
     lie = [model.h.xreplace(model.expansion)[0]]
     for _ in range(model.n - 1):
-        lie.append(tidy((sympy.Matrix([lie[-1]]).jacobian(x) * drift)[0]))
+        lie.append(tidy((jacobian(lie[-1:], model.x) * drift)[0]))
     map_ = sympy.Matrix(lie)
     outside = map_.free_symbols - set(model.x) - set(model.parameters)
     if outside:
         names = sorted(s.name for s in outside)
         raise _refused(model, Message("observer.reason.moving-coordinates", names=names))
-    J = map_.jacobian(x).applyfunc(tidy)
+    J = jacobian(map_, model.x).applyfunc(tidy)
     points = [sample(model, seed) for seed in range(8)]
     rank = max(rank_at(J, p) for p in points)
     if rank < model.n:
@@ -108,13 +109,12 @@ def rank_at(M: Matrix, point: dict[str, float]) -> int:
 
 def _triangular(model: Model, f: Matrix, J: Matrix, lie: list, points: list[dict[str, float]]) -> bool | None:
     """Return whether (5) holds: input term i depends on the canonical z1 … zi only. Tested at several points."""
-    x = sympy.Matrix(model.x)
     undecided = False
     for u in model.u:
-        g = f.diff(u)
+        g = jacobian(f, [u])
         for i in range(model.n - 1):
-            term = (sympy.Matrix([lie[i]]).jacobian(x) * g)[0]
-            gradient = sympy.Matrix([term]).jacobian(x)
+            term = (jacobian([lie[i]], model.x) * g)[0]
+            gradient = jacobian([term], model.x)
             if not any(gradient):
                 continue
             for point in points:

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from thetascope.engine.errors import SpecError
+from thetascope.engine.language.derivatives import jacobian
 from thetascope.engine.language.lazy_sympy import functions, sympy
 from thetascope.engine.language.parser import Node, parse
 from thetascope.engine.model.plant_model import Model
@@ -148,7 +149,7 @@ def before(o: Backlash) -> Expr:
 
 def input_matrix(model: Model) -> ImmutableMatrix:
     """Return B of (11), ∂f/∂u (n × inputs)."""
-    return _jacobian(model.f, list(model.u))
+    return jacobian(model.f, list(model.u))
 
 
 def slope(o: Backlash) -> Expr:
@@ -180,16 +181,12 @@ def blocks(model: Model, parts: Sandwich) -> dict[str, ImmutableMatrix]:
     f1, f2 = (sympy.Matrix([f[i] for i in group]) for group in (parts.front, parts.back))
     drives = sympy.Matrix([slope(o) * o.args[0] for o in parts.operators])
     found = {
-        "A11": _jacobian(f1, front),
-        "A22": _jacobian(f2, back),
-        "C11": _jacobian(h, front),
-        "C22": _jacobian(h, back),
-        "W": _jacobian(f2, outputs),
-        "X": _jacobian(drives, front),
+        "A11": jacobian(f1, front),
+        "A22": jacobian(f2, back),
+        "C11": jacobian(h, front),
+        "C22": jacobian(h, back),
+        "W": jacobian(f2, outputs),
+        "X": jacobian(drives, front),
     }
     still = dict.fromkeys(outputs, sympy.S.Zero)
     return {name: sympy.ImmutableMatrix(m.xreplace(still)) for name, m in found.items()}
-
-
-def _jacobian(vector: Matrix, symbols: list) -> ImmutableMatrix:
-    return sympy.ImmutableMatrix(len(vector), len(symbols), lambda i, j: vector[i].diff(symbols[j]))
