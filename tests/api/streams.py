@@ -94,11 +94,12 @@ def delete(client: Client, session: dict, token: str) -> int:
     return answer.status
 
 
-def closed(page: Page) -> int:
-    """The code with which the service closes a connection."""
+def closed(page: Page, reason: str = "") -> int:
+    """Return the code with which the service closes a connection; its reason contains `reason`."""
     with pytest.raises(ConnectionClosed) as end:
         while True:
             page.receive()
+    assert reason in end.value.rcvd.reason
     return end.value.rcvd.code
 
 

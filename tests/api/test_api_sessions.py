@@ -9,7 +9,7 @@ import pytest
 from tests.api.streams import FAULT, closed, delete, opened, spec_of, watching
 from tests.runs.samples import spec_data
 from thetascope.client import ServiceError
-from thetascope_schemas.service.session import CLOSE_ORIGIN, CLOSE_TOKEN
+from thetascope_schemas.service.session import CLOSE_ENDED, CLOSE_ORIGIN, CLOSE_TOKEN
 
 
 def test_a_session_plays_at_once_and_says_how_it_stands(client, address):
@@ -234,3 +234,5 @@ def test_a_viewer_says_its_language_on_connecting(client, address, query, header
         page.say("inject", fault=FAULT)
         page.until(lambda: page.of("event"))
         assert page.of("event")[-1]["message"]["text"] == "已注入 gain：阶跃，大小 0.3"
+        delete(client, session, session["token"])
+        assert closed(page, "会话已被结束") == CLOSE_ENDED

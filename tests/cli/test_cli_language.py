@@ -5,7 +5,9 @@ import re
 
 import pytest
 
+from thetascope.cli.argparse_words import ENTRIES
 from thetascope.cli.words import chosen_language
+from thetascope.messages import Message
 
 CHINESE = re.compile("[\u4e00-\u9fff]")
 
@@ -32,13 +34,12 @@ def test_the_option_wins_over_the_environment(arguments, environ, language):
 
 @pytest.mark.parametrize("command", ["", "serve", "run", "trial", "diagnose", "list", "check"])
 def test_help_is_chinese(call, command):
-    """Every option and description of every command; the words of argparse itself stay English."""
+    """Usage, headings, and every option and description of every command."""
     code, shown, _ = call("--language", "zh", *([command] if command else []), "--help")
-    assert code == 0
+    assert code == 0 and shown.startswith("用法：thetascope")
+    assert re.findall(r"\b[a-z]+ [a-z]+ [a-z]+\b", shown) == []
     helps = re.findall(r"^  +(?:-\S+(?:, \S+)?(?: [A-Z.]+\S*)?|[A-Z|.a-z]+) {2,}(\S.*)$", shown, re.MULTILINE)
-    own = [text for text in helps if not text.startswith("show this help")]
-    assert [text for text in own if not CHINESE.search(text)] == []
-    assert own or command == "list"
+    assert helps and [text for text in helps if not CHINESE.search(text)] == []
 
 
 @pytest.mark.parametrize(
@@ -51,12 +52,28 @@ def test_help_is_chinese(call, command):
         (["run", "shen-hu-2015", "--out", "a.txt"], 2, ".csv、.json、.mat或.html"),
         (["diagnose", "dc-moto", "a.csv"], 1, "库中没有对象"),
         (["trial", "dc-motor", "--seeds", "none"], 2, "不是 1 至"),
+        ([], 2, "错误：缺少以下参数：COMMAND"),
+        (["run"], 2, "错误：缺少以下参数：EXPERIMENT|FILE"),
+        (["run", "dc-motor", "--sett", "a=1"], 2, "错误：无法识别的参数：--sett a=1"),
+        (["run", "dc-motor", "--set"], 2, "错误：参数 --set：缺少一个值"),
+        (["serve", "--port", "many"], 2, "错误：参数 --port：'many' 不是有效的 int 值"),
+        (["fly"], 2, "错误：参数 COMMAND：'fly' 不可选"),
     ],
 )
 def test_refusals_are_chinese(call, arguments, code, said):
     """Mistakes of use and refused specs, wherever they are found."""
     found, _, error = call("--language", "zh", *arguments)
     assert found == code and said in error
+
+
+def test_argparse_is_english_in_english(call):
+    """The entries repeat argparse's own sentences, so English is not changed."""
+    code, _, error = call("--language", "en", "run")
+    assert code == 2 and "usage: thetascope" in error
+    assert "error: the following arguments are required: EXPERIMENT|FILE" in error
+    assert {text.rstrip("\n"): Message(code).text("en") for text, code in ENTRIES.items()} == {
+        text.rstrip("\n"): text.rstrip("\n") for text in ENTRIES
+    }
 
 
 def test_a_plant_file_is_checked_in_chinese(call, tmp_path):

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from thetascope import __version__
+from thetascope.cli.argparse_words import translate_argparse
 from thetascope.cli.words import Words, chosen_language
 from thetascope.messages import Message
 
@@ -24,6 +25,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command and return its exit code."""
     arguments = sys.argv[1:] if arguments is None else arguments
     say = Words(chosen_language(arguments))
+    translate_argparse(say.language)
     options = parser(say).parse_args(arguments)
     try:
         return options.command(options, say)

@@ -8,6 +8,7 @@ from markupsafe import Markup
 
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check, ObserverReport
 from thetascope.messages import Message
+from thetascope.messages.catalogue import catalogue
 from thetascope.report.words import ReportContext, mark, number, symbol
 from thetascope_schemas.experiment.observers import ObserverConfig
 
@@ -26,7 +27,7 @@ def observers(report: ReportContext) -> Markup:
 def _observer(report: ReportContext, one: ObserverReport, config: ObserverConfig) -> dict[str, object]:
     gains = [Markup("{} = {}").format(symbol(name), _value(value)) for name, value in config.gains.items()]
     gains += [Markup("{}: {}").format(name, str(value)) for name, value in config.options.items()]
-    facts = [Markup("{}: {}").format(name.replace("_", " "), _fact(report, value)) for name, value in one.facts.items()]
+    facts = [Markup("{}: {}").format(_fact_name(report, name), _fact(report, v)) for name, v in one.facts.items()]
     return {
         "chip": report.chip(one.label),
         "title": report.text(one.title) or one.kind,
@@ -66,10 +67,19 @@ def checks(report: ReportContext, found: Sequence[Check]) -> Markup:
     return report.table([report.say(f"report.head.{name}") for name in _HEAD], rows, 2)
 
 
+def _fact_name(report: ReportContext, name: str) -> Markup | str:
+    """Return the name of a fact in the report's language; one without words as it is."""
+    code = name.lower().replace(" ", "-")
+    known = f"fact.{code}" in catalogue(report.language).templates
+    return report.say(f"fact.{code}") if known else name.replace("_", " ")
+
+
 def _fact(report: ReportContext, value: object) -> Markup | str:
     """Return a fact; one that is a message, {code, args}, in the report's language."""
     if isinstance(value, Mapping) and "code" in value:
         return report.text(Message.from_data(value))
+    if isinstance(value, bool):
+        return report.say("report.yes" if value else "report.no")
     return "–" if value is None else _value(value)
 
 

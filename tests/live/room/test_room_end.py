@@ -6,7 +6,10 @@ import numpy as np
 
 from tests.live.stage import Stage, same, staged
 from thetascope.live.session.session import Session
+from thetascope.messages import Message
 from thetascope_schemas.service.session import CLOSE_ENDED
+
+ENDED = Message("session.close.ended")
 
 
 def test_a_session_ends_at_its_limit():
@@ -32,8 +35,8 @@ def test_closing_ends_every_connection_with_its_reason():
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
         await stage.say(page, "play")
-        stage.room.close(CLOSE_ENDED, "enough")
-        assert page.viewer.closing == (CLOSE_ENDED, "enough") and page.viewer.closed.is_set()
+        stage.room.close(CLOSE_ENDED, ENDED)
+        assert page.viewer.closing == (CLOSE_ENDED, ENDED) and page.viewer.closed.is_set()
         assert stage.room.tick(1.0) is None
 
     staged(scenario)
@@ -67,7 +70,7 @@ def test_a_session_that_is_closed_gives_its_past_back():
         fork = await stage.room.fork(1.0)
         kept = fork.rows(0, 100).copy()
         past = weakref.ref(stage.session.history)
-        stage.room.close(CLOSE_ENDED, "it was ended")
+        stage.room.close(CLOSE_ENDED, ENDED)
         assert past() is None and stage.session.history.end == 0 and stage.session.log == ()
         np.testing.assert_array_equal(fork.rows(0, 100), kept)
         fork.advance(10)

@@ -6,6 +6,7 @@ from hypothesis import strategies as st
 
 from tests.live.stage import Stage, staged
 from thetascope.live.room.room_state import HELD, TRANSITIONS, IllegalTransition, RoomMachine, State, Transition
+from thetascope.messages import Message
 from thetascope_schemas.service.session import CLOSE_ENDED
 
 OBSERVED = ("playing", "stepping", "moving", "running", "ended", "held", "asleep", "closed")
@@ -96,7 +97,7 @@ def test_a_closed_room_does_nothing_more():
         page = await stage.connect()
         await stage.say(page, "play")
         await stage.go(0.5)
-        stage.room.close(CLOSE_ENDED, "enough")
+        stage.room.close(CLOSE_ENDED, Message("session.close.ended"))
         for text in ('{"type": "pause", "id": 90}', '{"type": "clear", "id": 91}', '{"type": "reset", "id": 92}'):
             stage.room.commands.receive(page.viewer, text, 1000)
         stage.room.prefetch_rows()

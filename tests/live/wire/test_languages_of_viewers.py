@@ -8,6 +8,7 @@ from tests.live.stage import Stage, staged
 from thetascope.live.wire.localize import encode
 from thetascope.live.wire.messages import read
 from thetascope.messages import Message
+from thetascope.messages.catalogue import catalogue, languages
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.service.session import Event
 
@@ -76,3 +77,10 @@ def test_nested_messages_and_lists_are_rendered():
     sent = json.loads(encode(event, "zh"))
     assert sent["message"]["text"] == "已清除 θ1，包括尚未发生的计划故障" and sent["value"] == {"text": "left alone"}
     assert json.loads(encode(event, "en")) == event.model_dump(mode="json")
+
+
+@pytest.mark.parametrize("language", languages())
+def test_the_reasons_for_closing_fit_into_a_close_frame(language):
+    """A close frame has room for 123 bytes of UTF-8."""
+    reasons = [words for code, words in catalogue(language).templates.items() if code.startswith("session.close.")]
+    assert len(reasons) == 8 and max(len(words.encode()) for words in reasons) <= 123

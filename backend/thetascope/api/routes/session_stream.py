@@ -10,6 +10,7 @@ from starlette.websockets import WebSocket
 
 from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
+from thetascope.messages import Message
 from thetascope_schemas.service.session import CLOSE_FULL, CLOSE_NO_SESSION, CLOSE_ORIGIN, CLOSE_TOKEN
 from thetascope_schemas.texts.local_text import ALL
 
@@ -35,15 +36,15 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     # Accepted before any check: otherwise browsers do not pass the close code to the page.
     await websocket.accept()
     if not same_origin(websocket.headers.get("origin"), websocket.headers.get("host", "")):
-        await websocket.close(CLOSE_ORIGIN, "the page comes from another origin")
+        await _close(websocket, CLOSE_ORIGIN, Message("session.close.origin"))
         return
     room = services.live.find(websocket.path_params["id"])
     if room is None:
-        await websocket.close(CLOSE_NO_SESSION, "the session does not exist, or has ended")
+        await _close(websocket, CLOSE_NO_SESSION, Message("session.close.no-session"))
         return
     token = websocket.query_params.get("token")
     if token is not None and not matches(token, room.token):
-        await websocket.close(CLOSE_TOKEN, "the token is not this session's")
+        await _close(websocket, CLOSE_TOKEN, Message("session.close.token"))
         return
     from thetascope.live.room.room import RoomFull
     from thetascope.live.wire.viewer import Viewer
@@ -61,7 +62,7 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     try:
         room.join(viewer, _number(websocket.query_params.get("after")))
     except RoomFull:
-        await websocket.close(CLOSE_FULL, "the session has as many viewers as it may have")
+        await _close(websocket, CLOSE_FULL, Message("session.close.full"))
         return
     try:
         await _serve(websocket, room, viewer, services)
@@ -69,7 +70,12 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
         room.leave(viewer)
     if viewer.closing is not None:
         with suppress(Exception):  # the connection may be lost or blocked
-            await asyncio.wait_for(websocket.close(*viewer.closing), _PATIENCE)
+            await asyncio.wait_for(_close(websocket, *viewer.closing), _PATIENCE)
+
+
+async def _close(websocket: WebSocket, code: int, reason: Message) -> None:
+    """Close a connection with a code and the reason in the viewer's language."""
+    await websocket.close(code, reason.text(language_of(websocket)))
 
 
 async def _serve(websocket: WebSocket, room, viewer, services: Services) -> None:

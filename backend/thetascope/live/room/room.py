@@ -23,6 +23,7 @@ from thetascope.live.room.room_parts import RoomServices
 from thetascope.live.room.room_state import RoomMachine, Transition
 from thetascope.live.room.serial_queue import Callback, SerialQueue
 from thetascope.live.wire.viewer import Viewer
+from thetascope.messages import Message
 from thetascope_schemas import Experiment
 from thetascope_schemas.service.session import Event, Hello, Status
 
@@ -170,7 +171,7 @@ class Room:
         viewer.outbox.row = span.last
         return data
 
-    def close(self, code: int, reason: str) -> None:
+    def close(self, code: int, reason: Message) -> None:
         """End the session and close all connections with a code and a reason."""
         self.machine.fire(Transition.CLOSE)
         self.queue.submit(self.session.release, lambda *_: None)  # its memory; the room waits for the garbage collector

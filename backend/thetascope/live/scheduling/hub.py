@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 
 log = logging.getLogger(__name__)
 
+_ENDED = Message("session.close.ended")
 _THREADS = 2  # kernels release Python's lock; the code around them does not
 _WORKSHOPS = 2
 _CHECKS = 0.2
@@ -105,7 +106,7 @@ class Hub:
             session = await room.fork(t)
         return self._add(session, room.machine.playing, room.playback.speed, room.id)
 
-    def close(self, room: "Room", reason: str = "the session was ended") -> None:
+    def close(self, room: "Room", reason: Message = _ENDED) -> None:
         """End a session."""
         self._rooms.pop(room.id, None)
         room.close(CLOSE_ENDED, reason)
@@ -201,7 +202,7 @@ class Hub:
         idle, now = self._settings.idle, loop.time()
         for room in list(self._rooms.values()):
             if room.empty_since is not None and now - room.empty_since > idle:
-                self.close(room, "nobody was connected for too long")
+                self.close(room, Message("session.close.idle"))
         if self._rooms:
             gc.freeze()  # objects that have lived until now: collections then have little to search
             self._frozen = True

@@ -9,6 +9,7 @@ from pydantic import BaseModel
 from thetascope.live.wire.eager_send import Continuation, send_eagerly
 from thetascope.live.wire.localize import encode
 from thetascope.live.wire.outbox import Outbox, Overflow
+from thetascope.messages import Message
 from thetascope_schemas.service.session import CLOSE_SLOW
 
 
@@ -43,7 +44,7 @@ class Viewer:
     ) -> None:
         self.control, self.language = control, language
         self.outbox = Outbox()
-        self.closing: tuple[int, str] | None = None
+        self.closing: tuple[int, Message] | None = None
         self.closed = asyncio.Event()
         self._text, self._samples, self._loop = text, samples, loop
         self._parked: asyncio.Future[None] | None = None  # while the task has nothing to send
@@ -61,7 +62,7 @@ class Viewer:
         try:
             self.outbox.put(text, key)
         except Overflow:
-            self.close(CLOSE_SLOW, "the viewer does not read its messages")
+            self.close(CLOSE_SLOW, Message("session.close.slow"))
         self.wake()
 
     def frame(self, data: bytes, first: int, last: int) -> None:
@@ -83,11 +84,11 @@ class Viewer:
         try:
             self._continuation = send_eagerly(sending)
         except Exception:
-            self.close(1006, "the connection is lost")
+            self.close(1006, Message("session.close.lost"))
         if self._continuation is not None:
             self.wake()
 
-    def close(self, code: int, reason: str) -> None:
+    def close(self, code: int, reason: Message) -> None:
         """Ask the holder of the connection, who waits for `closed`, to close it."""
         self.closing = self.closing or (code, reason)
         self.closed.set()

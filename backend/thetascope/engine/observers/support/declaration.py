@@ -43,7 +43,8 @@ class Gain:
         size: the number of entries of a column, or of rows of a matrix; None for a single number.
         columns: the number of columns of a matrix; None for a column.
         rows: labels of the rows; by default the names of the states, outputs or channels that ``size`` counts.
-        symbol, unit: as the paper and the page write them.
+        symbol: as the paper and the page write it.
+        unit: in signs, or an entry of the catalogues if it contains words.
         live: False where it acts at the start only, or on diagnostics only, so that moving it later has no effect.
     """
 
@@ -54,7 +55,7 @@ class Gain:
     high: float = 1e6
     size: Count | None = None
     symbol: str = ""
-    unit: str = ""
+    unit: str | Message = ""
     live: bool = True
     columns: Count | None = None
     rows: Callable[[Context], Sequence[str]] | None = None

@@ -73,7 +73,7 @@ Q = Gain(
     1e15,
     size="n",
     symbol="Q",
-    unit="state²/s",
+    unit=Message("unit.state-squared-per-second"),
 )
 R_INTENSITY = Gain(
     "r",
@@ -83,7 +83,7 @@ R_INTENSITY = Gain(
     1e15,
     size="m",
     symbol="R",
-    unit="output²·s",
+    unit=Message("unit.output-squared-seconds"),
 )
 R_VARIANCE = Gain(
     "r",
@@ -93,7 +93,7 @@ R_VARIANCE = Gain(
     1e15,
     size="m",
     symbol="R",
-    unit="output²",
+    unit=Message("unit.output-squared"),
 )
 P0_QUIET = Gain(
     "p0",
@@ -103,7 +103,7 @@ P0_QUIET = Gain(
     1e15,
     size="n",
     symbol="P(0)",
-    unit="state²",
+    unit=Message("unit.state-squared"),
     live=False,
 )
 P0 = Gain(
@@ -114,7 +114,7 @@ P0 = Gain(
     1e15,
     size="n",
     symbol="P(0)",
-    unit="state²",
+    unit=Message("unit.state-squared"),
     live=False,
 )
 LAMBDA = Gain(
@@ -134,7 +134,7 @@ GAMMA0_QUIET = Gain(
     1e15,
     size="p",
     symbol="Γ(0)",
-    unit="fault²",
+    unit=Message("unit.fault-squared"),
     live=False,
 )
 GAMMA0 = Gain(
@@ -145,7 +145,7 @@ GAMMA0 = Gain(
     1e15,
     size="p",
     symbol="Γ(0)",
-    unit="fault²",
+    unit=Message("unit.fault-squared"),
     live=False,
 )
 Q_THETA = Gain(
@@ -156,7 +156,7 @@ Q_THETA = Gain(
     1e15,
     size="p",
     symbol="Qθ^½",
-    unit="fault/√s",
+    unit=Message("unit.fault-per-root-second"),
 )
 WINDOW = Gain(
     "window",
