@@ -9,16 +9,20 @@ from thetascope.messages.catalogue import languages
 from thetascope_schemas.texts.local_text import in_language
 
 SENTENCE = re.compile(r"[A-Za-z][a-z’'-]*[a-z](?:,? [A-Za-z]?[a-z’'-]*[a-z]){2,}")  # three Latin words in a row
-READ = """() => {
-  const shown = (element) => element.checkVisibility();
-  const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
+READ = """(html) => {
+  const root = html ? new DOMParser().parseFromString(html, 'text/html') : document;
+  const shown = (element) => html || element.checkVisibility();
+  const walk = root.createTreeWalker(root.body, NodeFilter.SHOW_TEXT);
   const found = [];
   for (let node = walk.nextNode(); node; node = walk.nextNode()) {
     const element = node.parentElement;
-    if (shown(element) && !element.closest('script, style, noscript, code, kbd, math, textarea, .source, [lang=en]')) found.push(node.data);
+    const skipped = 'script, style, noscript, code, kbd, math, textarea, pre, .source, [lang=en]';
+    if (shown(element) && !element.closest(skipped)) found.push(node.data);
   }
-  for (const element of document.querySelectorAll('[title], [aria-label], [placeholder], [alt]'))
-    if (shown(element)) for (const name of ['title', 'aria-label', 'placeholder', 'alt']) found.push(element.getAttribute(name) ?? '');
+  for (const element of root.querySelectorAll('[title], [aria-label], [placeholder], [alt], [data-title]'))
+    if (shown(element))
+      for (const name of ['title', 'aria-label', 'placeholder', 'alt', 'data-title'])
+        found.push(element.getAttribute(name) ?? '');
   return found.map((text) => text.trim()).filter(Boolean);
 }"""
 
@@ -46,9 +50,9 @@ def sentences(texts: list[str]) -> set[str]:
     return found
 
 
-def english(page) -> set[str]:
-    """Return the English sentences that can be read on a page now."""
-    return sentences(page.evaluate(READ))
+def english(page, html: str = "") -> set[str]:
+    """Return the English sentences that can be read on a page now, or in a document given as text."""
+    return sentences(page.evaluate(READ, html))
 
 
 def chinese(page, path: str, **more):
@@ -133,4 +137,24 @@ def test_records_and_plants_have_no_english_sentence(page):
     plants.click(".own button.run")
     plants.wait_for_selector(".problem")
     seen |= english(plants)
+    assert "\n".join(sorted(seen)) == ""
+
+
+def test_a_run_and_its_report_have_no_english_sentence(page):
+    """The page of a run, folds open and the first figures drawn, then its report; a sandwich system and a comparison."""
+    runs = chinese(page, "/runs/?experiment=zhou-tan-2012")
+    seen = english(runs)
+    for experiment in ("zhou-tan-2012", "zhao-2012-observers"):
+        if experiment not in runs.url:
+            runs.click(f"a[href*='experiment={experiment}']")
+            runs.wait_for_url(f"**experiment={experiment}*")
+        runs.click("button.run")
+        until(runs, "document.querySelectorAll('figure[data-name]').length > 3", 60)
+        runs.evaluate("document.querySelectorAll('details').forEach((one) => (one.open = true))")
+        runs.locator("figure[data-name]").first.scroll_into_view_if_needed()
+        runs.wait_for_selector("figure .modebar-btn", state="attached")
+        seen |= english(runs)
+        address = runs.locator("a[href*='/report']").first.get_attribute("href")
+        assert address
+        seen |= english(runs, runs.evaluate("(address) => fetch(address).then((answer) => answer.text())", address))
     assert "\n".join(sorted(seen)) == ""

@@ -118,7 +118,7 @@ def test_markup_in_user_text_stays_text(experiment, result, plant):
         report(result(spec), spec, hostile_plant, {"id": HOSTILE, "command": HOSTILE, "versions": {HOSTILE: HOSTILE}})
     )
     reference = Page(report(result(clean), clean, plant, {}))
-    assert page.tags.count("script") == reference.tags.count("script") == 3
+    assert page.tags.count("script") == reference.tags.count("script") == 4
     assert set(page.tags) <= set(reference.tags) | {"ul", "li"}
     assert not [a for a in page.attributes if a[1].startswith("on")]
     assert HOSTILE in "".join(page.text)
@@ -274,7 +274,7 @@ def test_markup_in_a_diagnosis_stays_text(experiment, result, plant):
         "noise": [{"output": "<b onclick=x()>", "declared": None, "estimated": None}],
     }
     page = Page(report(diagnosed(result(spec), adaptive=hostile), spec, plant, {}))
-    assert page.tags.count("script") == 3 and "img" not in page.tags and "svg" not in page.tags
+    assert page.tags.count("script") == 4 and "img" not in page.tags and "svg" not in page.tags
     assert not [a for a in page.attributes if a[1].startswith("on")]
     assert "".join(page.text).count(HOSTILE) == 5
 
@@ -335,3 +335,13 @@ def test_a_fact_that_is_a_message_is_worded(experiment, result, plant):
     observers = tuple(replace(o, facts={"matching": fact.as_data()}) for o in outcome.observers)
     html = report(replace(outcome, observers=observers), spec, plant, {}, "zh")
     assert fact.text("zh") in html and "observer.matching.different" not in html
+
+
+def test_the_buttons_of_the_figures_are_in_the_reports_language(experiment, result, plant):
+    """The report carries the words of Plotly's buttons, by the English ones that the page gives Plotly too."""
+    spec = experiment()
+    html = report(result(spec), spec, plant, {}, "zh")
+    words = json.loads(re.search(r"id=plotly-words>(.*?)</script>", html)[1])
+    page = (Path(__file__).parents[2] / "frontend/i18n/plotly-locale.js").read_text(encoding="utf-8")
+    assert words["Download plot as a PNG"] == "下载为 PNG 图片"
+    assert list(words) and set(words) == set(re.findall(r"^    '?(.+?)'?: t\('page\.plotly", page, re.MULTILINE))

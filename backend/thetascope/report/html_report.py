@@ -18,6 +18,7 @@ from thetascope.diagnosis.evaluation import metrics
 from thetascope.diagnosis.evaluation.observer_comparison import compare
 from thetascope.figures import figure, figure_names
 from thetascope.figures.figure_data import FigureData
+from thetascope.messages.catalogue import catalogue
 from thetascope.report.comparison_section import comparison
 from thetascope.report.diagnosis_section import diagnosis
 from thetascope.report.observers_section import observers
@@ -57,6 +58,12 @@ def embedded_json(value: object) -> str:
     """Return JSON that is safe inside a <script> element: no text in it can end the element."""
     text = json.dumps(value, ensure_ascii=False, separators=(",", ":"))
     return text.replace("<", "\\u003c").replace(">", "\\u003e").replace("&", "\\u0026").replace("\u2028", "\\u2028")
+
+
+def _plotly_words(language: str) -> dict[str, str]:
+    """Return the words of Plotly's buttons in a language by its own English ones, which are the English entries."""
+    english, words = catalogue("en").templates, catalogue(language).templates
+    return {str(english[code]): str(words[code]) for code in english if code.startswith("page.plotly.")}
 
 
 def versions() -> dict[str, str]:
@@ -101,6 +108,7 @@ def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en
         observers=observers(own) if summary else "",
         reproduce=_reproduce(own, run_meta),
         figures_json=Markup(embedded_json(figures)),  # no text in it can end its element
+        plotly_words=Markup(embedded_json(_plotly_words(language))),
         plotly=Markup(_script()),
         style=Markup(_asset("report.css")),  # these two are files of this package
         script=Markup(_asset("report.js")),

@@ -5,7 +5,12 @@
 
 /** @type {PlotlyFigure[]} */
 const figures = JSON.parse(document.getElementById('figures')?.textContent ?? '[]');
+/** @type {{[english: string]: string}} */
+const dictionary = JSON.parse(document.getElementById('plotly-words')?.textContent ?? '{}');
+const locale = document.documentElement.lang;
 const options = {
+  locale,
+  locales: {[locale]: {dictionary}},
   responsive: false,
   displaylogo: false,
   showSendToCloud: false,

