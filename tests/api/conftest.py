@@ -1,4 +1,4 @@
-"""The service as its users have it: started by the command line, spoken to over HTTP."""
+"""The service as users run it: started by the command line, addressed over HTTP."""
 
 import os
 import subprocess
@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[2]
 
 @contextmanager
 def service(data: Path, **settings: object) -> Iterator[str]:
-    """Start the service on a free port; gives its address. Settings are those of backend/thetascope/settings.py."""
+    """Start the service on a free port and return its address; settings as in backend/thetascope/settings.py."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("THETASCOPE_")}
     environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in settings.items()}
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
@@ -35,7 +35,7 @@ def service(data: Path, **settings: object) -> Iterator[str]:
 
 @pytest.fixture(scope="session")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
-    """One service for the tests that need no settings of their own. Bodies are limited to 200 kB."""
+    """Return the address of one service for tests without settings of their own; bodies are limited to 200 kB."""
     with service(tmp_path_factory.mktemp("service"), max_body="200k", wait=20) as started:
         yield started
 
@@ -54,7 +54,7 @@ def run(address: str) -> dict:
 
 
 def until(condition) -> None:
-    """Wait for what the service does."""
+    """Wait until a condition of the service holds."""
     deadline = time.monotonic() + 30
     while not condition():
         assert time.monotonic() < deadline

@@ -1,4 +1,4 @@
-"""The far end of a session's websocket, as the tests need it."""
+"""A client's end of a session's websocket, for tests."""
 
 import json
 import time
@@ -18,7 +18,7 @@ from thetascope.client import Client
 
 @dataclass
 class Page:
-    """A connection, and all it was sent."""
+    """A connection and all messages received on it."""
 
     connection: ClientConnection
     texts: list[dict] = field(default_factory=list)
@@ -26,7 +26,7 @@ class Page:
     number: int = 1000
 
     def receive(self, timeout: float = 20) -> dict | Frame:
-        """The next message."""
+        """Return the next message."""
         message = self.connection.recv(timeout)
         if isinstance(message, str):
             self.texts.append(json.loads(message))
@@ -35,14 +35,14 @@ class Page:
         return self.frames[-1]
 
     def until(self, condition: Callable[[], object], seconds: float = 20) -> None:
-        """Receive until something is so."""
+        """Receive messages until a condition holds."""
         end = time.monotonic() + seconds
         while not condition():
             assert time.monotonic() < end
             self.receive()
 
     def say(self, type: str, **fields: object) -> dict:
-        """Send a command; its answer."""
+        """Send a command and return its answer."""
         self.number += 1
         self.connection.send(json.dumps({"type": type, "id": self.number, **fields}))
         self.until(lambda: self.answers(self.number))
@@ -57,11 +57,11 @@ class Page:
 
     @property
     def end(self) -> int:
-        """Rows so far."""
+        """Return the number of rows received."""
         return self.frames[-1].end if self.frames else 0
 
     def rows(self) -> np.ndarray:
-        """All rows, columns × rows; there must be no gap."""
+        """Return all rows, columns × rows; fail on a gap."""
         known = {f.first + i: f.samples[:, i] for f in self.frames for i in range(f.samples.shape[1])}
         assert sorted(known) == list(range(len(known)))
         return np.array([known[row] for row in sorted(known)]).T
@@ -71,7 +71,7 @@ class Page:
 def watching(
     address: str, session: dict, token: str | None = None, query: str = "", **options: object
 ) -> Iterator[Page]:
-    """Connect to a session; with its own token unless another one, or "" for none, is given."""
+    """Connect to a session with its own token, with another one, or with none ("")."""
     token = session["token"] if token is None else token
     url = f"ws{address.removeprefix('http')}{session['links']['stream']}?{query}" + (f"&token={token}" if token else "")
     with connect(url, max_size=None, compression=None, close_timeout=1, **options) as connection:
@@ -82,12 +82,12 @@ FAULT = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
 
 
 def opened(client: Client, **fields: object) -> dict:
-    """A session on the small plant."""
+    """Open a session on the small plant."""
     return client.post("/api/sessions", {"spec": spec_data(record=0.01), **fields})
 
 
 def delete(client: Client, session: dict, token: str) -> int:
-    """Status of a DELETE with this control token."""
+    """Return the status of a DELETE with this control token."""
     client._connection.request("DELETE", session["links"]["self"], headers={"X-Control-Token": token})
     answer = client._connection.getresponse()
     answer.read()

@@ -1,4 +1,4 @@
-"""The answers that routes build as plain data match the models that document them."""
+"""Answers that routes build as plain data match the models that document them."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Comparing the observers of a live session over a window: the figures are those of the run of its spec."""
+"""The comparison of a live session's observers over a window equals that of the run of its spec."""
 
 import numpy as np
 import pytest
@@ -8,12 +8,12 @@ from thetascope.diagnosis.evaluation.metrics import rmse
 
 
 def opened(client, t: float):
-    """A session on the library's first experiment, paused at a time."""
+    """Open a session on the library's first experiment, paused at a time."""
     return client.post("/api/sessions", {"experiment": "zhao-2012", "t": t, "play": False})
 
 
-def test_the_figures_of_a_window_are_those_of_the_rows_in_it(client):
-    """RMSE of the chosen state against the rows that /data gives; noise about the straight line of the last quarter."""
+def test_window_figures_follow_from_its_rows(client):
+    """RMSE of the chosen state equals that of /data; noise is the spread about a line through the last quarter."""
     session = opened(client, 30)
     link = session["links"]["comparison"]
     figures = client.get(f"{link}?from=10&to=20&state=x1&channel=theta3")
@@ -29,7 +29,7 @@ def test_the_figures_of_a_window_are_those_of_the_rows_in_it(client):
 
 
 def test_the_newest_fault_of_the_channel_is_followed_and_found(client):
-    """θ3 of 20 s: how long θ̂ took into its 10 %, and the detector's verdict with its delay; before it there is none."""
+    """For the θ3 fault at 20 s: settling time within 10 % and the detector's verdict with its delay; none before it."""
     link = opened(client, 30)["links"]["comparison"]
     figures = client.get(f"{link}?from=0&to=30&channel=theta3")
     assert figures["fault"]["id"] == "theta3@20.0"
@@ -39,8 +39,8 @@ def test_the_newest_fault_of_the_channel_is_followed_and_found(client):
     assert client.get(f"{link}?channel=theta1&to=30")["fault"] is None
 
 
-def test_a_window_of_nothing_and_unknown_names(client):
-    """Before the first row of a window there are no figures; an unknown state is refused with those there are."""
+def test_an_empty_window_has_no_figures_and_unknown_names_are_refused(client):
+    """An empty window has no figures; for an unknown state the error lists the known ones."""
     link = opened(client, 3)["links"]["comparison"]
     assert client.get(f"{link}?from=5&to=6")["observers"][0]["rmse"] is None
     for query, words in (("state=z", "x1"), ("channel=theta9", "theta1"), ("from=2&to=1", "")):

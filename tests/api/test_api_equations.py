@@ -13,8 +13,8 @@ def test_a_library_plant_and_all_kinds(client):
     assert {item["id"] for item in client.get("/api/catalogue")["observers"]} == set(answer["observers"])
 
 
-def test_a_plant_of_ones_own_and_chosen_kinds(client):
-    """POST takes a plant in full; what is wrong in its text is refused with the place."""
+def test_a_posted_plant_and_chosen_kinds(client):
+    """POST takes a whole plant; an error in its text is refused with its position."""
     plant = library.plant("dc-motor").model_dump(mode="json") | {"id": "mine"}
     answer = client.post("/api/equations", {"plant": plant, "observers": ["adaptive-kalman"]})
     assert answer["plant"]["id"] == "mine" and list(answer["observers"]) == ["adaptive-kalman"]
@@ -24,15 +24,15 @@ def test_a_plant_of_ones_own_and_chosen_kinds(client):
 
 
 def test_names_in_equations_are_escaped(client):
-    """A description may hold anything; only mathematics is markup."""
+    """A description may contain any text; only mathematics is markup."""
     plant = library.plant("shen-hu-2015").model_dump(mode="json")
     plant["states"][0]["description"] = "<script>alert(1)</script>"
     answer = client.post("/api/equations", {"plant": plant, "observers": []})
     assert "script" not in answer["plant"]["states"][0]["math"]
 
 
-def test_unknown_plants_and_kinds_are_named(client):
-    """A misspelt id is answered with the nearest, a misspelt kind with the choices."""
+def test_unknown_plants_and_kinds_are_refused_with_suggestions(client):
+    """A misspelt id is answered with the nearest one, a misspelt kind with the choices."""
     with pytest.raises(ServiceError, match="zhao-contois"):
         client.get("/api/equations/zhao-conto")
     with pytest.raises(ServiceError, match="joint-ekf"):
@@ -40,15 +40,15 @@ def test_unknown_plants_and_kinds_are_named(client):
 
 
 def test_gains_are_filled_in(client):
-    """What depends on plant and noise is a number; what was given stays as it is."""
+    """Gains that depend on plant and noise become numbers; given gains are unchanged."""
     spec = library.experiment("dc-motor").model_dump(mode="json")
     gains = client.post("/api/gains", spec)["gains"]
     assert gains["adaptive"]["lambda"] == 2 and gains["adaptive"]["q"] == [0.1, 1.0]
     assert len(gains["adaptive"]["gamma0"]) == 4 and all(value > 0 for value in gains["adaptive"]["r"])
 
 
-def test_lessons_are_listed_and_given(client):
-    """Each with its questions in both languages and the commands that carry them out."""
+def test_lessons_are_listed_and_returned(client):
+    """Each lesson has its questions in both languages and the commands that carry them out."""
     listed = client.get("/api/lessons")["lessons"]
     assert {lesson["id"] for lesson in listed} == set(library.experiments())
     lesson = client.get("/api/lessons/zhao-2012")

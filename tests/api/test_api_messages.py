@@ -11,7 +11,7 @@ from thetascope.client import Client
 
 
 def test_a_catalogue_comes_with_its_plural_rule_and_an_etag(address):
-    """A language's templates are one document; the same tag is answered without a body."""
+    """The templates of a language are one document; a request with its ETag is answered without a body."""
     with urlopen(f"{address}/api/messages/zh-CN") as answer:
         data, tag = json.load(answer), answer.headers["etag"]
     assert data["language"] == "zh" and data["plural"] == ["other"]
@@ -72,8 +72,8 @@ def problem_of(address, method, path, body, headers):
 
 
 @pytest.mark.parametrize(("method", "path", "body", "status"), REFUSED, ids=lambda value: str(value)[:50])
-def test_every_refusal_is_chinese_where_chinese_is_asked_for(address, method, path, body, status):
-    """Title, problem and remedy are in the language of Accept-Language, and the answer says so."""
+def test_every_refusal_is_chinese_if_chinese_is_requested(address, method, path, body, status):
+    """Title, problem and remedy are in the language of Accept-Language, which the answer states."""
     code, headers, problem = problem_of(address, method, path, body, {"Accept-Language": "zh-CN,zh;q=0.9,en;q=0.5"})
     assert code == status
     assert headers["content-language"] == "zh" and "Accept-Language" in headers["vary"]
@@ -84,7 +84,7 @@ def test_every_refusal_is_chinese_where_chinese_is_asked_for(address, method, pa
     assert problem["code"]
 
 
-def test_lang_wins_over_accept_language_and_english_is_the_default(address):
+def test_lang_overrides_accept_language_and_english_is_the_default(address):
     """?lang= is for links; an unknown language is answered in English."""
     path = "/api/runs/0123456789abcdef"
     for suffix, accept, language in (
@@ -98,14 +98,14 @@ def test_lang_wins_over_accept_language_and_english_is_the_default(address):
 
 
 def test_answers_without_sentences_do_not_depend_on_the_language(address):
-    """Caches need not keep them once for each language."""
+    """Caches need not store them once per language."""
     with urlopen(f"{address}/api/health?lang=zh") as answer:
         assert "content-language" not in answer.headers and "Accept-Language" not in answer.headers.get("vary", "")
 
 
 @pytest.mark.parametrize("path", ["/api/plants", "/api/experiments", "/api/catalogue", "/api/plants/dc-motor"])
-def test_the_library_is_answered_in_the_asked_language(address, path):
-    """Titles and descriptions are resolved; English stays the default."""
+def test_the_library_is_answered_in_the_requested_language(address, path):
+    """Titles and descriptions are in the requested language, by default in English."""
     texts = {}
     for language in ("en", "zh"):
         with urlopen(Request(address + path, headers={"Accept-Language": language})) as answer:
@@ -116,7 +116,7 @@ def test_the_library_is_answered_in_the_asked_language(address, path):
 
 
 def test_a_plant_can_be_read_in_all_its_languages(address):
-    """?lang=* keeps the maps, so that an edited copy loses nothing."""
+    """?lang=* returns the maps of languages, so that an edited copy loses none."""
     with urlopen(f"{address}/api/plants/dc-motor?lang=*") as answer:
         plant = json.load(answer)
     assert plant["title"] == {"en": "DC motor with load and friction", "zh": "带负载和摩擦的直流电机"}
@@ -126,7 +126,7 @@ def test_a_plant_can_be_read_in_all_its_languages(address):
 
 
 def test_a_run_keeps_the_languages_of_its_texts(client, address):
-    """The store keeps every language, and each answer has the asked one, also in the list of runs."""
+    """The store keeps every language; answers and the list of runs use the requested one."""
     run = client.run("dc-motor", {"horizon": 0.1})
     for language, title in (("en", "DC motor: actuator"), ("zh", "直流电机：执行器")):
         with urlopen(f"{address}/api/runs/{run['id']}?lang={language}") as answer:
@@ -152,7 +152,7 @@ def sentences(data: object, name: str = "") -> list[str]:
 
 @pytest.fixture(scope="module")
 def diverged(address) -> str:
-    """The address of a run in which an observer and the plant diverge."""
+    """Return the address of a run in which an observer and the plant diverge."""
     with Client(address, timeout=60) as client:
         return f"{address}/api/runs/{client.run('reduced-order-mimo', DIVERGES)['id']}"
 
@@ -162,7 +162,7 @@ def answer_of(url: str) -> dict:
         return json.load(answer)
 
 
-def test_a_run_is_answered_in_the_asked_language(diverged):
+def test_a_run_is_answered_in_the_requested_language(diverged):
     """Titles, checks, causes, notes and the summary of a run that diverged have no English sentence with ?lang=zh."""
     summary = answer_of(f"{diverged}?lang=zh")["summary"]
     checks = [check for one in summary["observers"] for check in one["checks"]]
@@ -174,7 +174,7 @@ def test_a_run_is_answered_in_the_asked_language(diverged):
 
 
 @pytest.mark.parametrize("path", ["/api/catalogue", "/api/equations/zhou-tan-2012"])
-def test_observers_are_described_in_the_asked_language(address, path):
+def test_observers_are_described_in_the_requested_language(address, path):
     """Observers, plants, gains, options, symbols and equations have no English sentence with ?lang=zh."""
     assert sentences(answer_of(f"{address}{path}?lang=zh")) == []
     assert sentences(answer_of(f"{address}{path}?lang=en"))

@@ -1,4 +1,4 @@
-"""What a browser loads: types, caching, policy, and nothing from elsewhere."""
+"""The files that a browser loads: types, caching, content policy, and no request to another host."""
 
 import gzip
 import json
@@ -11,8 +11,8 @@ from thetascope.client import ServiceError
 from thetascope.engine.observers.registry import kinds
 
 
-def test_plotly_comes_from_the_installed_wheel_compressed_and_is_not_sent_twice(client):
-    """Its version is the one that the figures are made for."""
+def test_plotly_is_served_from_the_wheel_compressed_and_cached(client):
+    """Its version is the one for which the figures are made."""
     from importlib.metadata import version
 
     status, headers, plain = client.request("GET", "/assets/plotly.min.js")
@@ -28,7 +28,7 @@ def test_plotly_comes_from_the_installed_wheel_compressed_and_is_not_sent_twice(
 
 @pytest.mark.parametrize("page", ["/docs", "/redoc"])
 def test_the_documentation_loads_only_files_of_this_service(client, page):
-    """Offline: every script and style is here, with its type; no script stands within the page."""
+    """It works offline: every script and style is served with its type; no script is inline."""
     html = client.request("GET", page)[2].decode()
     loaded = re.findall(r'(?:src|href)="(?!data:)([^"]+)"', html)
     assert loaded and all(path.startswith("/assets/") for path in loaded)
@@ -40,7 +40,7 @@ def test_the_documentation_loads_only_files_of_this_service(client, page):
 
 
 def test_every_answer_has_the_security_headers(client):
-    """Pages, data and problems alike."""
+    """Pages, data and problem documents have them."""
     for path in ("/docs", "/api/health", "/openapi.json"):
         headers = client.request("GET", path)[1]
         assert "default-src 'self'" in headers["content-security-policy"]
@@ -49,7 +49,7 @@ def test_every_answer_has_the_security_headers(client):
 
 
 def test_files_outside_the_page_are_not_served(client):
-    """No path leads out of the folder."""
+    """No path leads out of the page's folder."""
     for path in (
         "/../backend/thetascope/settings.py",
         "/%2e%2e/backend/thetascope/settings.py",
@@ -61,8 +61,9 @@ def test_files_outside_the_page_are_not_served(client):
         assert refusal.value.status == 404
 
 
-def test_the_openapi_document_has_every_schema_it_refers_to_with_units_bounds_and_an_example(client):
-    """Bodies that are read by hand are described as well."""
+def test_the_openapi_document_is_complete(client):
+    """Every schema that it refers to is in it, with units, bounds and an example; bodies read by hand are described,
+    too."""
     document = client.get("/openapi.json")
     schemas = document["components"]["schemas"]
     referred = set(re.findall(r'"#/components/schemas/([^"]+)"', json.dumps(document)))
@@ -73,8 +74,8 @@ def test_the_openapi_document_has_every_schema_it_refers_to_with_units_bounds_an
     assert {"Plant", "RunRequest", "Problem", "Run", "Progress"} <= set(schemas)
 
 
-def test_the_catalogue_has_what_a_form_needs(client):
-    """Every observer with its gains and their meaning, every fault shape and signal with typed fields."""
+def test_the_catalogue_suffices_for_the_forms(client):
+    """It has every observer with its gains and their meaning, and every fault shape and signal with typed fields."""
     catalogue = client.catalogue()
     assert [kind["id"] for kind in catalogue["observers"]] == list(kinds())
     zhao = next(kind for kind in catalogue["observers"] if kind["id"] == "zhao-adaptive")
@@ -88,15 +89,15 @@ def test_the_catalogue_has_what_a_form_needs(client):
     assert {plant["id"] for plant in catalogue["plants"]} >= {"dts200", "dc-motor", "quadruple-tank"}
 
 
-def test_library_items_come_in_full_and_are_specs_that_can_be_posted_back(client):
-    """Copy, change, run."""
+def test_library_items_are_complete_specs(client):
+    """A library experiment can be changed and posted as a run."""
     lines = client.get("/api/experiments")["experiments"]
     assert {line["id"] for line in lines} >= {"zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012"}
     plant = client.get(client.get("/api/plants")["plants"][0]["href"])
     assert client.check(plant)["valid"]
 
 
-def test_health_and_openapi_tell_the_version_of_the_package(client):
-    """Both name thetascope.__version__."""
+def test_health_and_openapi_state_the_version_of_the_package(client):
+    """Both return thetascope.__version__."""
     assert client.health()["version"] == thetascope.__version__
     assert client.get("/openapi.json")["info"]["version"] == thetascope.__version__

@@ -14,7 +14,7 @@ JSON = {"Content-Type": "application/json"}
 
 @pytest.fixture
 def send(address):
-    """A request as it is; gives status, headers and the problem document."""
+    """Send a raw request; return status, headers and the problem document."""
     connection = HTTPConnection(urlsplit(address).netloc, timeout=20)
 
     def send_one(method: str, path: str, body: object = None, headers: dict | None = None) -> tuple[int, dict, dict]:
@@ -59,7 +59,7 @@ def send(address):
     ],
 )
 def test_a_wrong_spec_names_the_field_the_value_and_the_remedy(send, change, field, words):
-    """422, whatever part of the program found it."""
+    """The status is 422, whichever part of the program finds the error."""
     status, _, problem = send("POST", "/api/runs", spec_data() | change)
     assert status == 422
     first = problem["errors"][0]
@@ -86,13 +86,13 @@ def test_a_wrong_spec_names_the_field_the_value_and_the_remedy(send, change, fie
         "é",
     ],
 )
-def test_a_body_that_is_no_object_of_json_is_refused(send, body):
-    """Cut off, of another type, or nested a thousand deep."""
+def test_a_body_that_is_not_a_json_object_is_refused(send, body):
+    """It may be truncated, of another type, or nested a thousand deep."""
     assert send("POST", "/api/runs", body.encode())[0] == 422
 
 
 def test_a_run_request_reports_its_own_fields(send):
-    """Path by path, and unknown ids with the nearest."""
+    """Errors have their paths; unknown ids come with the nearest known ones."""
     status, _, problem = send("POST", "/api/runs", {"experiment": "zhao-2021"})
     assert status == 404 and "zhao-2012" in problem["detail"]
     status, _, problem = send(
@@ -103,8 +103,8 @@ def test_a_run_request_reports_its_own_fields(send):
     assert status == 422 and problem["errors"][0]["field"] == "sett"
 
 
-def test_a_body_over_the_limit_is_refused_by_its_announced_length_before_it_is_read(address):
-    """Only the headers are sent, and the answer is there already."""
+def test_a_body_with_too_large_a_content_length_is_refused_before_it_is_read(address):
+    """The answer comes after the headers alone."""
     connection = HTTPConnection(urlsplit(address).netloc, timeout=5)
     connection.putrequest("POST", "/api/runs")
     connection.putheader("Content-Type", "application/json")
@@ -116,7 +116,7 @@ def test_a_body_over_the_limit_is_refused_by_its_announced_length_before_it_is_r
 
 
 def test_a_body_over_the_limit_in_chunks_is_cut_off(address):
-    """Without a length the bytes are counted."""
+    """Without a Content-Length the bytes are counted."""
     connection = HTTPConnection(urlsplit(address).netloc, timeout=5)
     chunks = (b" " * 10_000 for _ in range(25))
     connection.request("POST", "/api/runs", chunks, JSON, encode_chunked=True)
@@ -125,15 +125,15 @@ def test_a_body_over_the_limit_in_chunks_is_cut_off(address):
 
 
 def test_a_body_of_another_type_is_refused(send):
-    """415 names what came and what is wanted; a form of another site's page cannot start a run either."""
+    """415 names the type sent and the one required; a form on another site cannot start a run either."""
     for kind in ("text/plain", "application/x-www-form-urlencoded", "application/yaml"):
         status, _, problem = send("POST", "/api/runs", "{}", {"Content-Type": kind})
         assert status == 415 and kind in problem["detail"]
     assert send("POST", "/api/runs", "{}", {})[0] == 415
 
 
-def test_addresses_and_methods_that_are_not_there_are_problems_too(send):
-    """404 with near matches, 405 with the methods there are."""
+def test_unknown_addresses_and_methods_are_problem_documents(send):
+    """404 has near matches, 405 the permitted methods."""
     assert send("GET", "/api/nothing")[0] == 404
     assert send("GET", "/nothing")[0] == 404
     status, headers, problem = send("PATCH", "/api/runs")
@@ -144,13 +144,13 @@ def test_addresses_and_methods_that_are_not_there_are_problems_too(send):
     assert send("GET", "/api/runs/0123456789abcdef")[0] == 404
 
 
-def test_another_sites_page_may_not_change_anything(send):
-    """Browsers say where a request comes from."""
+def test_a_page_of_another_site_cannot_change_anything(send):
+    """Browsers state the origin of a request."""
     assert send("POST", "/api/runs", spec_data(), {**JSON, "Sec-Fetch-Site": "cross-site"})[0] == 403
 
 
-def test_a_plant_is_checked_and_a_wrong_one_shows_the_place(client):
-    """Φ and Ψ are read off the text; a mistake has its column."""
+def test_a_plant_is_checked_and_an_error_has_its_position(client):
+    """Φ and Ψ are derived from the text; an error has its column."""
     report = client.check(PLANT)
     assert report["Phi"] == [["u"]] and report["sizes"]["channels"] == 1
     with pytest.raises(ServiceError) as refusal:

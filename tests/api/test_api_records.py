@@ -1,4 +1,4 @@
-"""Recorded data over HTTP: what the command line says of a file."""
+"""Recorded data over HTTP: the same diagnosis as on the command line."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from thetascope.client import ServiceError
 
 @pytest.fixture
 def record(client) -> dict[str, list[float]]:
-    """What sensors would have recorded of the motor whose friction rises tenfold at 10 s."""
+    """Return simulated measurements of the motor whose friction rises tenfold at 10 s."""
     run = client.post("/api/runs?wait=60", {"experiment": "friction-motor", "set": {"seed": 5}})
     data = client.get(f"/api/runs/{run['id']}/data?format=json")["columns"]
     return {
@@ -22,7 +22,7 @@ def csv(columns: dict[str, list[float]]) -> str:
 
 
 def test_a_record_is_diagnosed(client, record):
-    """As columns and as CSV text, with a library plant and one in full: the same fault, onset, size and noise."""
+    """Columns or CSV text, a library plant or a whole one give the same fault, onset, size and noise."""
     plant = library.plant("friction-motor").model_dump(mode="json")
     first = client.post("/api/diagnosis", {"plant": "friction-motor", "columns": record})
     (alarm,) = first["alarms"]
@@ -31,8 +31,8 @@ def test_a_record_is_diagnosed(client, record):
     assert client.post("/api/diagnosis", {"plant": plant, "csv": csv(record)}) == first
 
 
-def test_a_sound_beginning_is_learnt(client, record):
-    """With ``learn`` the first seconds belong to the plant; the settings of the diagnosis are the experiment's own."""
+def test_a_healthy_beginning_is_learnt(client, record):
+    """With ``learn`` deviations in the first seconds are attributed to the plant; other settings are the experiment's."""
     asked = {"plant": "friction-motor", "columns": record, "learn": 5.0, "diagnosis": {"confidence": 0.9}}
     (alarm,) = client.post("/api/diagnosis", asked)["alarms"]
     assert alarm["channel"] == "friction" and alarm["t"] > 10
@@ -50,16 +50,16 @@ def test_a_sound_beginning_is_learnt(client, record):
         ({"columns": {"t": list(np.arange(300.0))}}, "y_speed"),
     ],
 )
-def test_what_is_no_record_is_refused(client, record, change, words):
-    """Each mistake is answered with its field and what to do."""
+def test_an_invalid_record_is_refused(client, record, change, words):
+    """Each error names its field and the remedy."""
     asked = {"plant": "friction-motor", "columns": record} | ({"columns": None} if "csv" in change else {}) | change
     with pytest.raises(ServiceError, match=words):
         client.post("/api/diagnosis", asked)
 
 
-def test_what_an_experiment_could_show(client):
-    """Rank by the equations, and rank and condition along the run: zhao-2012 has full rank in every window; where dc-motor's input
-    stands still for a window its speed sensor's bias hides among others."""
+def test_the_observability_of_an_experiment(client):
+    """zhao-2012 has full structural rank and full rank in every window; at constant input dc-motor's speed sensor bias
+    is hidden."""
     spec = library.experiment("zhao-2012").model_dump(mode="json")
     found = client.post("/api/observability", spec)
     assert (

@@ -13,8 +13,8 @@ from scipy.io import loadmat
 from thetascope.client import ServiceError
 
 
-def test_the_columns_are_those_of_the_contract_in_its_order(client, run):
-    """t, inputs, known signals, states, faults, outputs, then the observer's."""
+def test_the_columns_have_the_documented_order(client, run):
+    """The order is t, inputs, known signals, states, faults, outputs, then the observer's columns."""
     names = list(client.data(run["id"]))
     assert names[0] == "t"
     first = [name.split(".")[0] for name in names]
@@ -25,8 +25,8 @@ def test_the_columns_are_those_of_the_contract_in_its_order(client, run):
     ]
 
 
-def test_csv_json_and_mat_hold_the_same_numbers_to_the_last_bit(client, run):
-    """Read by other programs' readers."""
+def test_csv_json_and_mat_contain_the_same_numbers_bit_for_bit(client, run):
+    """Each file is read by a reader of another program."""
     base = run["links"]["data"]
     exact = client.data(run["id"])
     text = client.request("GET", f"{base}?format=csv")[2].decode()
@@ -39,8 +39,8 @@ def test_csv_json_and_mat_hold_the_same_numbers_to_the_last_bit(client, run):
     assert np.array_equal(matlab["adaptive_theta_theta1"].ravel(), exact["adaptive.theta.theta1"])
 
 
-def test_a_part_of_the_data_is_a_range_some_columns_and_fewer_rows(client, run):
-    """from, to, columns with patterns, every, points."""
+def test_a_part_of_the_data_can_be_requested(client, run):
+    """A range of times, columns with patterns, every n-th row, or a number of points."""
     found = client.data(run["id"], ["t", "theta.*"], start=1, end=2)
     assert list(found) == ["t", "theta.theta1", "theta.theta2", "theta.theta3"]
     assert (found["t"][0], found["t"][-1], len(found["t"])) == (1, 2, 101)
@@ -49,7 +49,7 @@ def test_a_part_of_the_data_is_a_range_some_columns_and_fewer_rows(client, run):
 
 
 def test_data_that_the_browser_has_is_not_sent_again(client, run):
-    """A result never changes, so its tag is its id."""
+    """A result never changes, so its ETag is its id."""
     status, headers, _ = client.request("GET", run["links"]["data"])
     assert status == 200 and headers["content-disposition"].endswith('.csv"')
     client._connection.request("GET", run["links"]["data"], headers={"If-None-Match": headers["etag"]})
@@ -57,8 +57,8 @@ def test_data_that_the_browser_has_is_not_sent_again(client, run):
     assert (answer.status, answer.read()) == (304, b"")
 
 
-def test_the_comparison_is_in_the_summary_and_by_itself_as_json_and_csv(client, run):
-    """The same numbers in all three; each line of the CSV names observer, measure and what it is of."""
+def test_the_comparison_is_in_the_summary_and_separate_as_json_and_csv(client, run):
+    """All three have the same numbers; each line of the CSV names observer, measure and subject."""
     alone = client.get(run["links"]["comparison"])
     assert alone == run["summary"]["comparison"]
     row, detector = alone["observers"]
@@ -79,7 +79,7 @@ def test_the_comparison_is_in_the_summary_and_by_itself_as_json_and_csv(client, 
 
 
 def test_each_listed_figure_is_plotlys_json_with_packed_arrays(client, run):
-    """The experiment's own figures first; arrays decode to finite numbers of the run."""
+    """The experiment's own figures come first; arrays decode to finite numbers of the run."""
     figures = client.get(run["links"]["figures"])["figures"]
     own = [figure["name"] for figure in run["spec"]["figures"]]
     assert [figure["name"] for figure in figures][: len(own)] == own
@@ -91,16 +91,16 @@ def test_each_listed_figure_is_plotlys_json_with_packed_arrays(client, run):
         assert np.isfinite(t).all() and t.size > 2
 
 
-def test_an_unknown_figure_names_those_there_are(client, run):
-    """404 with the nearest."""
+def test_an_unknown_figure_is_refused_with_suggestions(client, run):
+    """404 names the nearest figure."""
     name = client.get(run["links"]["figures"])["figures"][0]["name"]
     with pytest.raises(ServiceError, match=name) as refusal:
         client.figure(run["id"], name[:-1] + "_")
     assert refusal.value.status == 404
 
 
-def test_the_report_is_one_file_that_needs_nothing_else_and_can_reach_nothing(client, run):
-    """Plotly.js is inside; the policy shuts it off from the service's origin."""
+def test_the_report_is_one_self_contained_file(client, run):
+    """Plotly.js is inside; the content policy forbids requests to the service."""
     _, headers, content = client.request("GET", run["links"]["report"])
     html = content.decode()
     assert html.startswith("<!doctype html>") and len(html) > 3_000_000
@@ -112,8 +112,8 @@ def test_the_report_is_one_file_that_needs_nothing_else_and_can_reach_nothing(cl
     assert download["content-disposition"].startswith("attachment")
 
 
-def test_the_targets_of_the_paper_come_out_of_the_rest_answer(client):
-    """READING.md §1, noise-free: means of the estimates on [30,40], [55,70], [90,100] s to 1e-6."""
+def test_the_paper_targets_are_met_over_rest(client):
+    """Noise-free, the means of the estimates on [30,40], [55,70], [90,100] s agree to 1e-6 (READING.md §1)."""
     run = client.run("zhao-2012-noise-free")
     found = client.data(run["id"], ["t", "adaptive.theta.*"])
     t = found.pop("t")
@@ -128,7 +128,7 @@ def test_the_targets_of_the_paper_come_out_of_the_rest_answer(client):
 
 
 def test_problem_documents_of_parameters_name_the_parameter(client, run):
-    """Formats, counts, columns, ranges."""
+    """Invalid formats, counts, columns and ranges."""
     for query, field in (
         ("format=xml", "format"),
         ("every=0", "every"),
@@ -146,8 +146,8 @@ def test_problem_documents_of_parameters_name_the_parameter(client, run):
         assert json.dumps(refusal.value.problem["errors"][0]["remedy"]) != '""'
 
 
-def test_an_observer_added_while_the_run_goes_on_is_in_report_and_figures(client):
-    """A run with an add-observer command, as a live session saves it, has a report and figures with the added observer."""
+def test_an_observer_added_during_the_run_is_in_report_and_figures(client):
+    """A run with an add-observer command, as a live session saves it, has a report and figures with that observer."""
     spec = client.get("/api/experiments/zhao-2012")
     added = {
         "command": "add-observer",

@@ -1,4 +1,4 @@
-"""/api/runs over HTTP: started, found again, long ones followed and cancelled."""
+"""/api/runs over HTTP: starting, repeating, following and cancelling runs."""
 
 import json
 
@@ -10,13 +10,13 @@ from thetascope.client import ServiceError
 
 
 def posted(client: Client, data: dict, query: str = "") -> tuple[int, dict, dict]:
-    """Status, headers and answer of a POST of a run."""
+    """Return status, headers and answer of a POST of a run."""
     status, headers, content = client.request("POST", f"/api/runs{query}", json.dumps(data).encode())
     return status, headers, json.loads(content)
 
 
-def test_a_new_spec_answers_201_and_again_200_with_the_same_run(client):
-    """The id is the hash of the spec; whoever asks gets the one run."""
+def test_a_new_spec_is_answered_with_201_and_a_known_one_with_200(client):
+    """The id is the hash of the spec; all clients get the same run."""
     status, headers, run = posted(client, spec_data(seed=11))
     assert (status, run["status"], run["progress"]) == (201, "done", 1)
     assert headers["location"] == run["links"]["self"] == f"/api/runs/{run['id']}"
@@ -25,7 +25,7 @@ def test_a_new_spec_answers_201_and_again_200_with_the_same_run(client):
 
 
 def test_a_library_experiment_with_changes_is_the_same_run_as_its_whole_spec(client):
-    """Two ways to say it, one id; prose does not matter."""
+    """Both requests have one id; prose does not affect it."""
     changed = posted(client, {"experiment": "zhao-2012", "set": {"horizon": 1, "observers.adaptive.gains.rho": 8}})[2]
     whole = client.experiment("zhao-2012") | {"horizon": 1, "title": "Mine"}
     whole["observers"][0]["gains"]["rho"] = 8
@@ -33,8 +33,8 @@ def test_a_library_experiment_with_changes_is_the_same_run_as_its_whole_spec(cli
     assert changed["spec"]["observers"][0]["gains"]["rho"] == 8
 
 
-def test_the_summary_tells_of_every_observer_its_errors_and_the_assumptions_it_checked(client, run):
-    """What a list of runs needs to show, without the data."""
+def test_the_summary_has_errors_and_checks_of_every_observer(client, run):
+    """It suffices for a list of runs, without the data."""
     observer = run["summary"]["observers"][0]
     assert observer["label"] == "adaptive"
     assert set(observer["rmse"]) == {"x1", "x2"} and all(value > 0 for value in observer["rmse"].values())
@@ -46,8 +46,8 @@ def test_the_summary_tells_of_every_observer_its_errors_and_the_assumptions_it_c
     assert run["summary"]["rows"] == 501
 
 
-def test_a_long_run_answers_202_and_can_be_followed_to_its_cancellation(client):
-    """Location is the run; progress rises; after cancelling it ends soon and has no data."""
+def test_a_long_run_is_answered_with_202_and_can_be_cancelled(client):
+    """Location is the run; progress increases; after cancellation it ends within seconds and has no data."""
     status, headers, answer = posted(client, long_data(seed=21), "?wait=0")
     assert status == 202 and answer["status"] in ("queued", "running")
     assert headers["location"] == f"/api/runs/{answer['id']}" and headers["retry-after"]
@@ -62,16 +62,16 @@ def test_a_long_run_answers_202_and_can_be_followed_to_its_cancellation(client):
     assert refusal.value.status == 409
 
 
-def test_a_long_run_is_waited_for_as_long_as_asked(client):
-    """Two seconds of kernel: 202 at once, done when waited for, and the same run when asked again."""
+def test_a_request_waits_as_long_as_specified(client):
+    """A run of two seconds: 202 without waiting, 200 with waiting, and the same run when posted again."""
     spec = spec_data(horizon=2000, record=1, seed=31)
     assert posted(client, spec, "?wait=0")[0] == 202
     status, _, run = posted(client, spec, "?wait=30")
     assert status in (200, 201) and run["status"] == "done"
 
 
-def test_a_deleted_run_is_gone_and_one_under_way_is_cancelled_first(client):
-    """204 for the one, 202 for the other."""
+def test_a_deleted_run_is_removed_and_an_active_one_cancelled_first(client):
+    """DELETE answers 204 for the one and 202 for the other."""
     done = posted(client, spec_data(seed=41))[2]["links"]["self"]
     assert client.request("DELETE", done)[0] == 204
     with pytest.raises(ServiceError) as refusal:
@@ -83,8 +83,8 @@ def test_a_deleted_run_is_gone_and_one_under_way_is_cancelled_first(client):
     assert client.get(answer["links"]["progress"] + "?wait=20")["status"] == "cancelled"
 
 
-def test_a_pin_is_set_and_taken_away(client):
-    """POST and DELETE on the run's pin."""
+def test_a_pin_is_set_and_removed(client):
+    """PUT and DELETE on the run's pin."""
     run = posted(client, spec_data(seed=51))[2]
     assert client.post(run["links"]["pin"])["pinned"]
     assert client.get(run["links"]["self"])["pinned"]
@@ -93,7 +93,7 @@ def test_a_pin_is_set_and_taken_away(client):
 
 
 def test_runs_are_listed_newest_first_with_their_links(client):
-    """Under way or stored."""
+    """Active and stored runs are in the list."""
     first = posted(client, spec_data(seed=61, title="First"))[2]
     second = posted(client, spec_data(seed=62, title="Second"))[2]
     until(lambda: {first["id"], second["id"]} <= {run["id"] for run in client.get("/api/runs")["runs"]})
@@ -104,8 +104,8 @@ def test_runs_are_listed_newest_first_with_their_links(client):
     assert len(client.get("/api/runs?limit=1")["runs"]) == 1
 
 
-def test_a_full_queue_answers_503_and_says_when_to_come_back(tmp_path):
-    """One at work, one waiting, the third is refused; cancelled, they make room."""
+def test_a_full_queue_is_answered_with_503_and_retry_after(tmp_path):
+    """With one active and one waiting run the third is refused; after cancellation there is room."""
     with service(tmp_path, workers=1, queue=1, wait=0) as address, Client(address) as client:
         ids = [posted(client, long_data(seed=seed))[2]["id"] for seed in (1, 2)]
         with pytest.raises(ServiceError, match="2 runs") as refusal:
@@ -117,8 +117,8 @@ def test_a_full_queue_answers_503_and_says_when_to_come_back(tmp_path):
         assert posted(client, spec_data(), "?wait=20")[0] == 201
 
 
-def test_another_process_finds_the_run_in_the_store_and_the_service_stays_responsive_under_a_long_run(tmp_path):
-    """Restarted on the same folder the service answers 200; while a long run computes, health answers at once."""
+def test_a_restarted_service_finds_the_run_and_stays_responsive(tmp_path):
+    """A new service on the same folder answers 200; during a long run health is answered quickly."""
     with service(tmp_path, workers=1) as address, Client(address) as client:
         run = posted(client, spec_data())[2]
         until(lambda: client.health()["runs"]["results"] == 1)

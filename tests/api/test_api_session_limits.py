@@ -14,7 +14,7 @@ from thetascope_schemas.service.session import CLOSE_ENDED, CLOSE_FULL, CLOSE_NO
 
 
 def test_two_hundred_malformed_messages_are_each_answered_and_change_nothing(tmp_path):
-    """Sent in one go; the session's numbers stay those of its spec."""
+    """They are sent together; the session's numbers remain those of its spec."""
     draw = random.Random(5)
     with service(tmp_path, max_message=20_000, message_rate=2000) as address, Client(address) as client:
         session = opened(client)
@@ -32,7 +32,7 @@ def test_two_hundred_malformed_messages_are_each_answered_and_change_nothing(tmp
 
 
 def test_a_message_that_is_far_too_large_closes_the_connection(tmp_path):
-    """One that is somewhat too large is refused; the session goes on without the other."""
+    """A slightly too large one is refused; the session continues without the other viewer."""
     with service(tmp_path, max_message=1000) as address, Client(address) as client:
         session = opened(client)
         with watching(address, session) as page:
@@ -44,8 +44,8 @@ def test_a_message_that_is_far_too_large_closes_the_connection(tmp_path):
             assert page.receive()["type"] == "hello"
 
 
-def test_commands_that_come_too_fast_are_read_at_the_rate_that_is_allowed(tmp_path):
-    """None is lost; forty at ten a second, with a burst of twenty, take two seconds."""
+def test_commands_that_come_too_fast_are_read_at_the_allowed_rate(tmp_path):
+    """None is lost; forty at ten per second, with a burst of twenty, take two seconds."""
     with (
         service(tmp_path, message_rate=10) as address,
         Client(address) as client,
@@ -59,7 +59,7 @@ def test_commands_that_come_too_fast_are_read_at_the_rate_that_is_allowed(tmp_pa
 
 
 def test_limits_of_sessions_and_viewers(tmp_path):
-    """One session too many is 503, one viewer too many is closed; room is made by ending one."""
+    """One session too many is answered with 503, one viewer too many is closed; ending one makes room."""
     with service(tmp_path, sessions=2, viewers=1) as address, Client(address) as client:
         one, _ = opened(client), opened(client)
         for request in (lambda: opened(client), lambda: client.post(one["links"]["fork"])):
@@ -78,8 +78,8 @@ def test_limits_of_sessions_and_viewers(tmp_path):
         assert opened(client)["id"]
 
 
-def test_a_session_that_nobody_watches_is_closed_after_a_while(tmp_path):
-    """One with a viewer stays."""
+def test_a_session_without_viewers_is_closed_after_the_idle_time(tmp_path):
+    """A session with a viewer stays open."""
     with service(tmp_path, idle=0.5) as address, Client(address) as client:
         lonely, kept = opened(client), opened(client)
         with watching(address, kept) as page:
@@ -96,8 +96,8 @@ def test_a_session_that_nobody_watches_is_closed_after_a_while(tmp_path):
             assert client.get(kept["links"]["self"])["viewers"] == 1
 
 
-def test_a_session_reaches_its_limit_and_says_so(tmp_path):
-    """The row horizon of the settings; opening beyond it is refused."""
+def test_a_session_ends_at_its_maximum_number_of_rows(tmp_path):
+    """It reports the end; opening it beyond the limit is refused."""
     with service(tmp_path, session_rows=300) as address, Client(address) as client:
         with watching(address, opened(client, t=2)) as page:
             page.until(lambda: any(status["ended"] for status in page.of("status")))

@@ -1,4 +1,4 @@
-"""/api/sessions over HTTP and its websocket, on the service as its users have it."""
+"""/api/sessions over HTTP and its websocket, on the service as users run it."""
 
 import base64
 import time
@@ -12,8 +12,8 @@ from thetascope.client import ServiceError
 from thetascope_schemas.service.session import CLOSE_ENDED, CLOSE_ORIGIN, CLOSE_TOKEN
 
 
-def test_a_session_plays_at_once_and_says_how_it_stands(client, address):
-    """Open, look, watch: rows come with real time."""
+def test_a_session_plays_immediately_and_reports_its_state(client, address):
+    """After opening and connecting, rows arrive in real time."""
     session = opened(client)
     with watching(address, session) as page:
         hello = page.receive()
@@ -32,8 +32,8 @@ def test_a_session_plays_at_once_and_says_how_it_stands(client, address):
         assert status["spec"]["observers"][0]["label"] == "kalman" and status["parent"] is None
 
 
-def test_a_saved_session_is_a_run_with_the_very_numbers_that_were_shown(client, address):
-    """After faults, a changed input and noise, a rewind and an observer that came: every column, bit for bit."""
+def test_a_saved_session_is_a_run_with_the_same_numbers(client, address):
+    """After faults, a changed input and noise, a rewind and an added observer every column is equal bit for bit."""
     session = opened(client, speed=10)
     with watching(address, session) as page:
         page.until(lambda: page.end > 50)
@@ -61,7 +61,7 @@ def test_a_saved_session_is_a_run_with_the_very_numbers_that_were_shown(client, 
 
 
 def test_a_library_experiment_opens_at_a_time_and_paused(client, address):
-    """Permalinks: the session stands at t, has the past up to there, and moves when it is told to."""
+    """As a permalink opens it: the session is at t, has its past, and advances on command."""
     session = client.post(
         "/api/sessions", {"experiment": "zhao-2012", "set": {"noise.y.std": 0}, "play": False, "t": 1.5}
     )
@@ -74,8 +74,8 @@ def test_a_library_experiment_opens_at_a_time_and_paused(client, address):
     assert client.get(session["links"]["self"])["t"] == pytest.approx(1.6)
 
 
-def test_who_has_no_token_watches_and_who_has_a_wrong_one_does_not(client, address):
-    """LiveColumns-only: same rows, no commands; the fork has a token of its own."""
+def test_a_viewer_without_token_is_read_only_and_a_wrong_token_is_refused(client, address):
+    """A read-only viewer gets the same rows; the fork has a token of its own."""
     session = opened(client)
     with watching(address, session, token="") as guest:
         assert guest.receive()["role"] == "view"
@@ -94,7 +94,7 @@ def test_who_has_no_token_watches_and_who_has_a_wrong_one_does_not(client, addre
 
 
 def test_a_fork_begins_at_an_earlier_time_with_the_same_past(client):
-    """Its data up to there are the first session's."""
+    """Its data up to that time equal those of the first session."""
     session = opened(client, t=3, play=False)
     fork = client.post(session["links"]["fork"], {"t": 2})
     assert client.get(fork["links"]["self"])["row"] == 201
@@ -104,8 +104,8 @@ def test_a_fork_begins_at_an_earlier_time_with_the_same_past(client):
         client.post(session["links"]["fork"], {"t": 4})
 
 
-def test_pages_of_other_origins_are_sent_away_and_this_one_is_not(client, address):
-    """The Origin of a browser must be the host that it speaks to; programs send none."""
+def test_connections_of_pages_from_other_origins_are_refused(client, address):
+    """The Origin of a browser must be the host that it connects to; programs send none."""
     session = opened(client)
     for origin in ("http://[::1", "http://evil.example", "null", address + "0", "http://127.0.0.1"):
         with watching(address, session, origin=origin) as page:
@@ -115,7 +115,7 @@ def test_pages_of_other_origins_are_sent_away_and_this_one_is_not(client, addres
 
 
 def test_a_lost_connection_resumes_without_a_gap(client, address):
-    """Cut while it plays; with the number of the last frame the rest comes, and nothing twice."""
+    """Interrupted while playing, it gets the missing rows by the number of its last frame, and none twice."""
     session = opened(client, speed=5)
     with watching(address, session) as page:
         page.until(lambda: page.end > 200)
@@ -132,8 +132,8 @@ def test_a_lost_connection_resumes_without_a_gap(client, address):
         assert np.frombuffer(base64.b64decode(stored[name]["bdata"]), "<f8").astype("<f4").tobytes() == mine.tobytes()
 
 
-def test_a_viewer_that_reads_one_message_a_second_leaves_the_others_alone(client, address):
-    """At 200 times real time it lags, jumps or gets large frames; the session goes on and the other viewer gets every row."""
+def test_a_slow_viewer_does_not_affect_the_others(client, address):
+    """At 200 times real time it lags, skips rows or gets large frames; the other viewer gets every row."""
     session = opened(client, speed=200)
     with watching(address, session, max_queue=1) as slow, watching(address, session) as page:
         slow.receive()
@@ -161,7 +161,7 @@ def test_a_viewer_that_reads_one_message_a_second_leaves_the_others_alone(client
         ({"experiment": "zhao-2012", "playing": True}, "playing"),
     ],
 )
-def test_what_is_wrong_with_a_request_is_said_field_by_field(client, fields, field):
+def test_errors_of_a_request_are_listed_by_field(client, fields, field):
     """As a problem document, with the remedy."""
     with pytest.raises(ServiceError) as refusal:
         client.post("/api/sessions", fields)
@@ -170,14 +170,14 @@ def test_what_is_wrong_with_a_request_is_said_field_by_field(client, fields, fie
 
 
 @pytest.mark.parametrize("asked", ["from=1e308", "from=nan", "to=-inf", "to=inf"])
-def test_times_that_are_none_are_refused(client, asked):
-    """With the field, whatever the number."""
+def test_invalid_times_are_refused(client, asked):
+    """The error names the field, whatever the number."""
     with pytest.raises(ServiceError) as refusal:
         client.get(opened(client, play=False)["links"]["data"] + f"?{asked}")
     assert refusal.value.status == 422 and refusal.value.problem["errors"][0]["field"] == asked.partition("=")[0]
 
 
-def test_an_experiment_or_session_that_is_not_there_is_404(client):
+def test_an_unknown_experiment_or_session_is_answered_with_404(client):
     """With the nearest ids of the library."""
     with pytest.raises(ServiceError, match="zhao-2012") as refusal:
         client.post("/api/sessions", {"experiment": "zhao-2011"})
@@ -188,8 +188,8 @@ def test_an_experiment_or_session_that_is_not_there_is_404(client):
         assert refusal.value.status == 404
 
 
-def test_the_past_is_there_in_every_format(client):
-    """A range of it, thinned out; the same numbers in each."""
+def test_the_past_is_available_in_every_format(client):
+    """A range of it, with fewer rows, has the same numbers in each format."""
     session = opened(client, t=2, play=False)
     path = session["links"]["data"] + "?from=0.5&to=1.5&every=10"
     plain = client.get(path)["columns"]
@@ -207,8 +207,8 @@ def test_the_past_is_there_in_every_format(client):
         client.get(session["links"]["data"] + "?from=2&to=1")
 
 
-def test_many_sessions_play_side_by_side_while_one_compiles(client, address):
-    """Their frames keep coming while an observer is compiled and one session runs as fast as it can."""
+def test_many_sessions_play_while_one_compiles(client, address):
+    """Their frames continue while an observer is compiled and one session runs as fast as it can."""
     sessions = [opened(client) for _ in range(10)]
     rushing = opened(client, speed=None)
     with watching(address, sessions[0]) as page:
@@ -226,8 +226,8 @@ def test_many_sessions_play_side_by_side_while_one_compiles(client, address):
 
 
 @pytest.mark.parametrize(("query", "headers"), [("lang=zh", {}), ("", {"Accept-Language": "zh-CN,zh;q=0.9"})])
-def test_a_viewer_says_its_language_on_connecting(client, address, query, headers):
-    """By ?lang= or by Accept-Language: the log and refusals are Chinese."""
+def test_a_viewer_states_its_language_on_connecting(client, address, query, headers):
+    """With ?lang= or Accept-Language the log, refusals and the reason for closing are Chinese."""
     session = opened(client, play=False)
     with watching(address, session, query=query, additional_headers=headers) as page:
         assert page.say("seek", t=500)["problem"].startswith("会话目前在")

@@ -1,4 +1,4 @@
-"""The benchmarks measure what they say: every contender computes what the product computes. No time is asserted."""
+"""Every contender of the benchmarks computes the same as the product. No time is asserted."""
 
 import random
 import shutil
@@ -20,7 +20,7 @@ needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="the C code n
 
 @pytest.fixture(scope="module")
 def short():
-    """Two seconds of the problem, a row each 10 ms."""
+    """Return two seconds of the problem with a row every 10 ms."""
     return engine(horizon=2.0)
 
 
@@ -30,13 +30,13 @@ def by_hand() -> ByHand:
 
 
 def product(e) -> np.ndarray:
-    """All states after t = 0 as the product records them."""
+    """Return all states after t = 0 as the product records them."""
     ((_, found),) = Simulation(e).spans(e.steps + 1)
     return np.concatenate([found.plant, found.observers[0]], axis=1)[1:]
 
 
-def test_the_kernels_alone_are_those_of_a_run(short):
-    """Bit for bit: what is measured is what runs."""
+def test_the_measured_kernels_are_those_of_a_run(short):
+    """Their states equal those of the run bit for bit."""
     call, names = kernels_alone(short)
     np.testing.assert_array_equal(call(), product(short))
     assert len(names) == 19 and set(ESTIMATES) <= set(names)
@@ -52,7 +52,7 @@ def test_the_c_code_solves_the_same_problem(short, by_hand):
 
 @needs_gcc
 def test_the_c_code_draws_noise_of_its_own(short, by_hand):
-    """A batch without noise repeats one run; with noise its runs differ, by about as much as the product's do."""
+    """Without noise the runs of a batch are equal; with noise their spread is about that of the product's runs."""
     inputs, state = rows(short), start(short)
     inputs[:, 7] = 0.0
     one = by_hand.simulate(inputs, short.steps, short.step, short.every, state)
@@ -66,7 +66,7 @@ def test_the_c_code_draws_noise_of_its_own(short, by_hand):
 
 
 def test_the_python_equations_are_the_products(short):
-    """At random states and inputs, all 19 derivatives."""
+    """All 19 derivatives agree at random states and inputs."""
     program = joined(short.plant, short.estimators[0].program)
     order = [
         "x.x1",
@@ -88,13 +88,13 @@ def test_the_python_equations_are_the_products(short):
 
 @pytest.mark.parametrize("method", ["RK45", "DOP853"])
 def test_solve_ivp_solves_the_same_problem(short, method: str):
-    """0.3 s, restarted where inputs and noise jump."""
+    """It agrees over 0.3 s, restarted at each jump of inputs and noise."""
     answer = others.by_scipy(rows(short)[:30], start(short), method)
     np.testing.assert_allclose(answer[PLACES], expected(short, 30), rtol=0, atol=others.CLOSE)
 
 
 def test_python_control_solves_the_same_problem(short):
-    """0.3 s, piece by piece."""
+    """It agrees over 0.3 s, integrated between jumps."""
     pytest.importorskip("control", reason="it is installed by make bench")
     answer = others.by_control(rows(short)[:30], start(short))()
     np.testing.assert_allclose(answer[PLACES], expected(short, 30), rtol=0, atol=others.CLOSE)
@@ -105,36 +105,36 @@ def expected(e, pieces: int) -> np.ndarray:
     return call()[pieces * HOLD // e.every - 1, [names.index(n) for n in ESTIMATES]]
 
 
-def test_where_everything_differs_nothing_is_shared():
-    """The batch that is to differ in everything has all 19 states in lanes."""
+def test_a_batch_in_which_everything_differs_shares_no_state():
+    """All 19 states are in the lanes."""
     base = engine(horizon=1.0)
     parts = _Lanes([kernels.varied(base, i, 4) for i in range(4)], 0).parts
     assert parts.shared is None and len(parts.lanes.states) == 19
 
 
-def test_a_fresh_text_was_never_seen_and_gives_estimates():
-    """Two draws differ in every equation, and each is read, compiled and run."""
+def test_a_new_text_is_not_cached_and_gives_estimates():
+    """Two draws differ in every equation, and each is parsed, compiled and run."""
     draw = random.Random(1)
     first, second = (compilation.fresh("zhao-contois", "zhao-adaptive", draw) for _ in range(2))
     assert all(first["plant"]["dynamics"][s] != second["plant"]["dynamics"][s] for s in ("x1", "x2"))
     assert compilation.first_estimate(first) > 0
 
 
-def test_the_service_is_asked_for_a_new_run_with_all_its_figures(tmp_path: Path):
-    """One round against a real service: it starts, runs and draws."""
+def test_the_service_benchmark_requests_a_new_run_with_all_figures(tmp_path: Path):
+    """One round against a real service: start, run and figures."""
     with service.service(tmp_path) as (address, seconds):
         figure = service.whole(address, count=1)
     assert seconds > 0 and figure.median > 0 and "10 figures" in figure.what
 
 
 def test_rounds_measure_every_contender_in_every_round():
-    """And ratios are taken round by round."""
+    """Ratios are computed within each round."""
     seconds = rounds({"a": lambda: None, "b": lambda: sum(range(1000))}, 3)
     assert {k: len(v) for k, v in seconds.items()} == {"a": 3, "b": 3}
     assert ratios({"a": [2.0, 6.0], "b": [1.0, 2.0]}, "a", "b", 0.5) == [1.0, 1.5]
 
 
-def test_a_figure_tells_its_median_and_range():
+def test_a_benchmark_prints_median_and_range():
     """As a line, and as a row of the table in docs/performance.md."""
     figure = Figure.of("what", [3.0, 1.0, 2.0], "≤ 2.5")
     assert (figure.median, figure.low, figure.high) == (2.0, 1.0, 3.0)
@@ -143,7 +143,7 @@ def test_a_figure_tells_its_median_and_range():
 
 
 def test_an_unknown_benchmark_is_refused_by_name(monkeypatch, capsys):
-    """The message lists those there are."""
+    """The message lists the known ones."""
     monkeypatch.setattr("sys.argv", ["benchmarks", "kernel"])
     with pytest.raises(SystemExit):
         command.main()

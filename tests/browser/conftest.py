@@ -29,14 +29,14 @@ REMEDY = "install Chromium or Chrome (Debian: apt-get install chromium), or run:
 
 
 def installed_browser() -> str | None:
-    """A Chromium on the path, or where the environment variable THETASCOPE_BROWSER points."""
+    """Return a Chromium on the path, or the one that THETASCOPE_BROWSER names."""
     named = os.environ.get("THETASCOPE_BROWSER")
     found = named or next(filter(None, map(shutil.which, NAMES)), None)
     return found or (str(MAC) if MAC.exists() else None)
 
 
 def install_browser() -> str | None:
-    """Debian's own Chromium, where this process may install it."""
+    """Install Debian's Chromium if this process may."""
     if os.name != "posix" or os.geteuid() != 0 or not shutil.which("apt-get"):
         return None
     for command in (["apt-get", "update", "-qq"], ["apt-get", "install", "-qq", "-y", "chromium"]):
@@ -49,7 +49,7 @@ def install_browser() -> str | None:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator:
-    """An installed Chromium, else Playwright's own, else one from apt; a failure that says what to do if there is none."""
+    """Yield an installed Chromium, else Playwright's own, else one from apt; without one fail with the remedy."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
@@ -72,7 +72,7 @@ def free_port() -> int:
 
 @pytest.fixture(scope="session")
 def server(tmp_path_factory) -> Iterator[str]:
-    """The address of a server of its own, with an empty store; it is stopped by its process id."""
+    """Yield the address of a server with an empty store; it is stopped by its process id."""
     port, folder = free_port(), tmp_path_factory.mktemp("served")
     environment = {
         **os.environ,
@@ -105,7 +105,7 @@ def server(tmp_path_factory) -> Iterator[str]:
 
 
 class Watch:
-    """What a page did that it must not: console errors, exceptions, requests to other hosts."""
+    """Faults of a page: console errors, exceptions, requests to other hosts."""
 
     def __init__(self, page, address: str):
         self.errors: list[str] = []
@@ -121,7 +121,7 @@ class Watch:
 
 @pytest.fixture
 def page(browser, server):
-    """Opens pages: page("/?experiment=…", width=390, theme="dark") → the page, with .watch of what went wrong on it."""
+    """Yield a function that opens pages: page("/?experiment=…", width=390, theme="dark"); .watch has their faults."""
     contexts = []
 
     def open_page(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):

@@ -1,4 +1,4 @@
-"""Helpers for tests of the live page: wait for what the session does, read its state."""
+"""Helpers for tests of the live page: wait for the session, read its state."""
 
 import time
 
@@ -12,7 +12,7 @@ SET_FONT = """(font) => {
 
 
 def until(page, expression: str, seconds: float = 20.0):
-    """Wait until an expression is true on the page (whose content policy forbids Playwright's own waiting by eval)."""
+    """Wait until an expression is true on the page, whose content policy forbids Playwright's own waiting by eval."""
     end = time.monotonic() + seconds
     while not (found := page.evaluate(expression)):
         assert time.monotonic() < end, f"it never came true: {expression}"
@@ -21,7 +21,7 @@ def until(page, expression: str, seconds: float = 20.0):
 
 
 def opened(page, path: str = "/", **more):
-    """The live page with its session running and its panels filled."""
+    """Return the live page with its session running and its panels filled."""
     made = page(path, **more)
     until(made, "window.thetascope?.state.spec !== null && thetascope.latest('t') > 0")
     made.wait_for_selector("#panel-inject .fault", state="attached")
@@ -30,5 +30,5 @@ def opened(page, path: str = "/", **more):
 
 
 def row(page, name: str):
-    """The row of the inject panel for a channel or output."""
+    """Return the row of the inject panel for a channel or output."""
     return page.locator(f"#fault-{name}")

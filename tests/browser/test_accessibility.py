@@ -1,4 +1,4 @@
-"""The live page under axe: every state that it can be in, large and small, light and dark, in both languages."""
+"""The pages under axe: all states, large and small, light and dark, both languages."""
 
 from pathlib import Path
 
@@ -42,7 +42,7 @@ def serious(live, *rules: str) -> list:
 
 
 def with_faults(page, path: str, **more):
-    """The page of an experiment some seconds after a fault and a frozen sensor, with axe in it."""
+    """Return the page some seconds after a fault and a frozen sensor, with axe loaded."""
     live = opened(page, path, **more)
     live.evaluate("""async () => {
       const {plant: {channels: [channel], outputs: [output]}} = thetascope.state;
@@ -61,8 +61,8 @@ def with_faults(page, path: str, **more):
         ("/?experiment=zhou-tan-2012", 1440, "dark", "zh"),
     ],
 )
-def test_nothing_serious_in_any_state(page, path, width, theme, language):
-    """Lists unfolded, menus and dialogs open, looking back, zoomed, presented: axe finds nothing serious."""
+def test_axe_finds_nothing_serious_in_any_state(page, path, width, theme, language):
+    """Unfolded lists, menus and dialogs, looking back, zoom and presentation."""
     live = with_faults(page, path, width=width, height=900, theme=theme)
     live.evaluate(f"thetascope.act.language('{language}')")
     found = {}
@@ -83,7 +83,7 @@ def test_nothing_serious_in_any_state(page, path, width, theme, language):
 
 
 @pytest.mark.parametrize(("path", "theme", "language"), [("/", "dark", "en"), ("/?experiment=dts200", "light", "zh")])
-def test_nothing_serious_on_a_phone(page, path, theme, language):
+def test_axe_finds_nothing_serious_on_a_phone(page, path, theme, language):
     """Every tab, unfolded, and the menu of actions at 390 pixels."""
     live = with_faults(page, path, width=390, height=844, theme=theme)
     live.evaluate(f"thetascope.act.language('{language}')")
@@ -104,8 +104,8 @@ def test_nothing_serious_on_a_phone(page, path, theme, language):
 
 
 @pytest.mark.parametrize(("theme", "width"), [("light", 1440), ("dark", 390)])
-def test_nothing_serious_on_the_page_of_records(page, theme, width):
-    """Before and after a simulated record was diagnosed."""
+def test_axe_finds_nothing_serious_on_the_page_of_records(page, theme, width):
+    """Before and after the diagnosis of a simulated record."""
     shown = page("/records/", width=width, height=900, theme=theme)
     shown.wait_for_selector(".names code")
     shown.evaluate(AXE)
@@ -117,7 +117,7 @@ def test_nothing_serious_on_the_page_of_records(page, theme, width):
     assert before == serious(shown) == []
 
 
-def test_nothing_serious_on_the_page_of_plants(page):
+def test_axe_finds_nothing_serious_on_the_page_of_plants(page):
     """All plants unfolded at 390 pixels, in narrow and wide fonts: equations that scroll can be focused."""
     shown = page("/plants/", width=390, height=844)
     shown.wait_for_selector(".plant-card")

@@ -1,4 +1,4 @@
-"""The live page when something breaks down: the plant, the only observer, one of several; and how one goes on."""
+"""The live page after a divergence of the plant, of the only observer or of one of several, and how to continue."""
 
 import re
 
@@ -7,8 +7,8 @@ from tests.browser.live_helpers import opened, until
 VERDICT = "document.querySelector('.verdict').textContent"
 
 
-def test_a_plant_that_broke_down_is_not_called_healthy(page):
-    """As fast as possible and at 0.5×: sentence and notice name the time; the button goes back before it, and time can run again."""
+def test_a_diverged_plant_is_not_called_healthy(page):
+    """Summary and notice state the time; the button goes back before it, and time can run again."""
     live = opened(page, "/?experiment=reduced-order-mimo&t=2")
     for speed in ("null", "0.5"):
         live.evaluate(f"thetascope.act.speed({speed})")
@@ -22,8 +22,9 @@ def test_a_plant_that_broke_down_is_not_called_healthy(page):
     assert live.watch.errors == []
 
 
-def test_the_only_observer_is_started_again(page, server):
-    """Lost, the sentence says so; its card starts it again with its present gains, colour and name, and the link gives the same numbers."""
+def test_the_only_observer_is_restarted(page, server):
+    """The summary reports its divergence; its card restarts it with the same gains, colour and name, and the link has
+    the same numbers."""
     live = opened(page, "/?experiment=zhao-2012-as-printed&t=1")
     until(live, f"/adaptive diverged at 0\\.70.*nothing is estimated/.test({VERDICT})")
     live.evaluate("thetascope.send({type: 'set-gain', observer: 'adaptive', gain: 'rho', value: 2})")
@@ -50,8 +51,8 @@ def test_the_only_observer_is_started_again(page, server):
     assert live.watch.errors == []
 
 
-def test_an_observer_started_again_keeps_its_colour_among_others(page):
-    """With a lower number free it still comes back in its own; the lights of the others open to their checks while time stands still."""
+def test_a_restarted_observer_keeps_its_colour_among_others(page):
+    """Although a lower colour number is free it keeps its own; the lights of the others open while time is paused."""
     live = opened(page, "/?experiment=zhao-2012-observers&t=3")
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "thetascope.state.observers.length === 3")
@@ -76,8 +77,8 @@ def test_an_observer_started_again_keeps_its_colour_among_others(page):
         assert live.locator(".observer[aria-label=kalman] .checks li").count() == 0
 
 
-def test_a_fault_that_comes_before_the_alarm_of_the_last_is_over_is_not_said_to_be_found(page):
-    """Cleared and injected again at once: since when the alarm says, when the new one began, and no time to find it."""
+def test_a_fault_that_begins_while_the_last_alarm_is_on_is_not_called_found(page):
+    """The summary has the onset of the alarm and of the new fault, and no time to find it."""
     live = opened(page, "/?experiment=zhao-2012&t=25")
     until(live, f"/found in/.test({VERDICT})", 40)
     live.evaluate(

@@ -1,4 +1,4 @@
-"""The live page in Chinese: the checks and the refusals, not only the page's own words."""
+"""The live page in Chinese: checks and refusals, not only the page's own words."""
 
 import re
 
@@ -15,7 +15,7 @@ ENGLISH = re.compile("[a-z]{4,} [a-z]{2,}")  # two words in a row: not a symbol,
     "experiment", ["zhao-2012-observers", "shen-hu-2015", "zhou-tan-2012", "reduced-order-mimo", "dts200"]
 )
 def test_checks_are_translated(experiment):
-    """Names and findings of every observer's checks become Chinese, with their numbers as they were."""
+    """Names and findings of every observer's checks are Chinese, with the same numbers."""
     spec = library.experiment(experiment)
     short = spec.model_copy(update={"horizon": round(300 * spec.record_interval, 9)})
     checks = [
@@ -28,8 +28,8 @@ def test_checks_are_translated(experiment):
     assert [sorted(number.findall(words)) for words in said] == [sorted(number.findall(text)) for text in texts]
 
 
-def test_the_lights_open_to_chinese(page):
-    """What the lights of a live session open to, and the equations, are Chinese."""
+def test_the_list_of_checks_is_chinese(page):
+    """The checks of a live session and the equations are Chinese."""
     live = opened(page)
     live.evaluate("thetascope.act.language('zh')")
     until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
@@ -48,7 +48,7 @@ def test_the_lights_open_to_chinese(page):
 
 
 def test_refusals_are_translated(page):
-    """A label that is taken, and a kind that the plant does not suit, are refused in Chinese, with the remedy."""
+    """A label that is taken and an unsuitable kind are refused in Chinese, with the remedy."""
     live = opened(page, "/?experiment=dc-motor")
     live.evaluate("thetascope.act.language('zh')")
     until(live, "document.querySelector('#panel-observers h2')?.textContent === '观测器'")

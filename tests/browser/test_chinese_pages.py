@@ -1,4 +1,4 @@
-"""A walk through the pages in Chinese: nothing that can be read there is an English sentence."""
+"""A walk through the pages in Chinese: no visible text is an English sentence."""
 
 import re
 
@@ -56,7 +56,7 @@ def english(page, html: str = "") -> set[str]:
 
 
 def chinese(page, path: str, **more):
-    """Open a page of somebody whose browser speaks Chinese."""
+    """Open a page in a browser set to Chinese."""
     opened = page(path, **more)
     opened.evaluate("localStorage.setItem('language', 'zh')")
     opened.reload()

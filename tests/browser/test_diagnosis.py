@@ -1,4 +1,4 @@
-"""The diagnosis on the live page: what the detector found in a sentence, on the strips, in the plant and in the log."""
+"""The diagnosis on the live page: findings in the summary, on the strips, in the plant and in the log."""
 
 import re
 
@@ -11,7 +11,7 @@ PAUSED = "/?experiment=zhao-2012&t=8"
 
 
 def started(page, path: str = PAUSED, **more):
-    """The live page at the time of its link, with the detector's state, at 10× once it plays."""
+    """Return the live page at the time of its link, with the detector's state; it plays at 10×."""
     live = opened(page, path, **more)
     until(live, "thetascope.state.diagnosis?.calibration", 40)
     live.evaluate("thetascope.act.speed(10)")
@@ -23,15 +23,16 @@ def inject(live, fault: str) -> None:
 
 
 def site(live, subject: str) -> str:
-    """The classes of a fault site in the plant's picture."""
+    """Return the classes of a fault channel in the plant's picture."""
     place = live.evaluate(
         f"[...thetascope.state.plant.channels.filter((c) => c.kind !== 'sensor'), ...thetascope.state.plant.channels.filter((c) => c.kind === 'sensor')].findIndex((c) => c.name === '{subject}')"
     )
     return live.locator("svg.plant .site:not(.output)").nth(place).get_attribute("class")
 
 
-def test_a_sensor_fault_is_told_in_a_sentence(page):
-    """θ₃ injected: size with its interval, onset and delay in the sentence; its site has the ring, the log names it, θ̂ settles within 10 %."""
+def test_a_sensor_fault_is_summarised(page):
+    """The summary has size, interval, onset and delay; the channel has the ring, the log names it, θ̂ settles within 10
+    %."""
     live = started(page)
     inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
     live.evaluate("thetascope.act.play()")
@@ -48,8 +49,8 @@ def test_a_sensor_fault_is_told_in_a_sentence(page):
     assert live.watch.errors == [] and live.watch.foreign == []
 
 
-def test_an_actuator_fault_is_named_and_clears(page):
-    """θ₁ is found and its estimate settles; once cleared the alarm goes out, its ring goes, and the finding stays as over."""
+def test_an_actuator_fault_is_identified_and_clears(page):
+    """θ₁ is found and its estimate settles; after Clear the alarm and the ring end, and the finding remains as over."""
     live = started(page)
     inject(live, "channel: 'theta1', shape: 'step', size: 0.01")
     live.evaluate("thetascope.act.play()")
@@ -67,8 +68,8 @@ def test_an_actuator_fault_is_named_and_clears(page):
     assert "alarm cleared: θ₁" in live.locator("#panel-log").inner_text()
 
 
-def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
-    """With φ held still θ₁ and θ₂ enter alike: the sentence says either, both chips and both sites show it, the strips are marked."""
+def test_faults_that_the_input_does_not_distinguish_are_both_named(page):
+    """With constant φ θ₁ and θ₂ enter alike: summary, findings and channels show both, and the strips are marked."""
     live = started(page)
     for name in ("phi1", "phi2", "phi3"):
         live.evaluate(
@@ -87,8 +88,8 @@ def test_faults_that_the_input_does_not_tell_apart_are_both_named(page):
     assert "θ₁ or θ₂, not distinguishable" in live.locator("#panel-log").inner_text()
 
 
-def test_what_no_channel_explains_is_laid_to_the_sensor(page):
-    """A stuck measurement is not explained by the model: the sentence says so, and the flag stands on the residual."""
+def test_an_unexplained_change_is_attributed_to_the_sensor(page):
+    """A stuck measurement is not explained by the model: the summary says so, and the residual is flagged."""
     live = started(page)
     inject(live, "output: 'y', shape: 'stuck', value: 0.11")
     live.evaluate("thetascope.act.play()")
@@ -103,8 +104,9 @@ def test_what_no_channel_explains_is_laid_to_the_sensor(page):
     assert marked == ["y", 0]
 
 
-def test_what_can_be_seen_and_how_sure(page):
-    """The folds show the level against what is needed, every channel's resolution, the asked rate and the noise as declared and as seen."""
+def test_detectability_and_certainty_are_shown(page):
+    """The folds show the excitation and its requirement, the resolution of every channel, the rate, and declared and
+    estimated noise."""
     live = started(page)
     told = live.evaluate("thetascope.state.diagnosis")
     see, sure = live.locator("#panel-diagnosis .heading-links button").all()
@@ -120,7 +122,7 @@ def test_what_can_be_seen_and_how_sure(page):
 
 
 def test_rank_and_condition_along_the_run(page):
-    """Behind Detectability: full rank of states and faults by the equations, and in every window of the run with its condition."""
+    """Detectability shows the structural rank of states and faults, and rank and condition in every window."""
     live = started(page)
     live.click("#panel-diagnosis button:text-is('Detectability')")
     live.click(".trajectory button")
@@ -131,7 +133,7 @@ def test_rank_and_condition_along_the_run(page):
 
 
 def test_a_proposed_input_is_applied(page):
-    """With its own input held the motor's faults are not distinguished; the proposal is shown, and Apply sends it to the session."""
+    """With its own input held constant the motor's faults are not distinguished; Apply sends the proposed input."""
     live = started(page, "/?experiment=dc-motor&t=2")
     live.evaluate("thetascope.send({type: 'set-signal', name: 'voltage', signal: {kind: 'constant', value: 12}})")
     live.evaluate("thetascope.act.step(2000)")
@@ -147,7 +149,7 @@ def test_a_proposed_input_is_applied(page):
 
 
 def test_a_run_shows_its_diagnosis(page):
-    """On the page of runs: the sentence, one line a finding, the detector first in who found what, and the numbers behind it."""
+    """The page of runs has the summary, a line per finding, the detector first, and its numbers."""
     run = page("/runs/?experiment=zhao-2012")
     run.click("button.run")
     run.wait_for_selector(".verdicts .verdict", timeout=120_000)
@@ -179,8 +181,8 @@ def test_a_run_shows_its_diagnosis(page):
     assert run.watch.errors == [] and run.watch.foreign == []
 
 
-def test_faults_below_the_noise_are_said_to_be_unresolvable(page):
-    """At the noise that the paper prints, taken literally, the page says that θ₁ and θ₂ cannot be resolved, beside their strips, too."""
+def test_faults_below_the_noise_are_called_unresolvable(page):
+    """At the literal noise of the paper the page says that θ₁ and θ₂ cannot be resolved, also at their strips."""
     live = opened(page, "/?experiment=zhao-2012-variance-as-printed&t=30")
     until(live, "/cannot be resolved at this noise level/.test(document.querySelector('.hint')?.textContent)", 40)
     assert live.locator(".hint").inner_text() == "θ₁ and θ₂ cannot be resolved at this noise level."
@@ -192,8 +194,8 @@ def test_faults_below_the_noise_are_said_to_be_unresolvable(page):
     assert live.locator("#panel-diagnosis .seen tbody tr", has_text="below the noise").count() == 2
 
 
-def test_a_fault_that_is_not_found_is_told_inside_its_card(page):
-    """The line of a tiny fault lies in the Diagnosis card, wherever the mark of the same name on a strip belongs."""
+def test_a_fault_that_is_not_found_is_listed_inside_its_card(page):
+    """The line of a tiny fault lies in the Diagnosis card, not at the mark of the same name on a strip."""
     live = started(page)
     inject(live, "channel: 'theta2', shape: 'step', size: 0.0005")
     line = live.wait_for_selector(".finding.undetected").bounding_box()
@@ -203,7 +205,7 @@ def test_a_fault_that_is_not_found_is_told_inside_its_card(page):
 
 
 def test_a_found_fault_that_ends_is_never_called_unfound(page):
-    """From Clear to the end of the alarm, told a moment before the rows it ends in, no word of a fault that was not found; its badge is not lit again by the next."""
+    """From Clear to the end of the alarm no text calls the fault not found; the next fault does not light its badge."""
     live = started(page)
     inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
     live.evaluate("thetascope.act.play()")
@@ -221,8 +223,8 @@ def test_a_found_fault_that_ends_is_never_called_unfound(page):
     assert live.locator(".finding.past .lit").count() == 0
 
 
-def test_what_is_named_is_not_called_lost(page):
-    """A strip says that its fault is not told now only while no alarm names that fault alone."""
+def test_an_identified_fault_is_not_called_unresolved(page):
+    """A strip says that its fault is not resolved only while no alarm names that fault alone."""
     page = opened(page, PAUSED)
     said = page.evaluate("""import('/diagnosis/fault-size.js').then(({unresolved}) => {
       const resolution = ['a', 'b'].map((channel) => ({channel, identifiable: false, resolvable: false}));

@@ -1,4 +1,4 @@
-"""What opens over the live page: keys after it has closed, and exports that the server takes long to compute."""
+"""Dialogs of the live page: keys after closing, and exports that the server takes long to compute."""
 
 import json
 
@@ -12,7 +12,7 @@ OPENED = "document.querySelector('dialog[open]') !== null"
 
 @pytest.mark.parametrize("way", ["mouse", "Enter", "key"])
 def test_space_plays_after_escape_has_closed_a_dialog(page, way):
-    """However the dialog was opened, Space pauses the session and does not open the dialog again; Enter on its button does."""
+    """However it was opened, Space then pauses the session and does not reopen it; Enter on its button does."""
     live = opened(page)
     if way == "mouse":
         live.click(EXPORT)
@@ -34,7 +34,7 @@ def test_space_plays_after_escape_has_closed_a_dialog(page, way):
 
 
 def test_space_presses_a_button_that_was_reached_by_tab(page):
-    """Whoever navigates by keyboard keeps the browser's own meaning of Space."""
+    """With keyboard navigation Space keeps its meaning in the browser."""
     live = opened(page)
     live.focus(".actions button:nth-child(1)")
     live.keyboard.press("Tab")
@@ -42,13 +42,13 @@ def test_space_presses_a_button_that_was_reached_by_tab(page):
     until(live, OPENED)
 
 
-def test_an_export_waits_for_a_run_that_takes_long(page):
-    """The server answers 202 with the progress, which has no spec yet: the specification is downloaded once the run has ended."""
+def test_an_export_waits_for_a_long_run(page):
+    """The server answers 202 with the progress, without a spec: the specification is downloaded when the run has ended."""
     live = opened(page)
     until(live, "thetascope.state.t > 0.5")
 
     def accepted(route):
-        """Answer as the server does when the run outlasts the time that a request may wait."""
+        """Answer as the server does when a run exceeds the waiting time of a request."""
         run = json.loads(route.fetch().text())
         part = {key: run[key] for key in ("id", "links")} | {"status": "running", "progress": 0.5, "detail": ""}
         route.fulfill(status=202, json=part)

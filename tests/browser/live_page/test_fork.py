@@ -1,10 +1,11 @@
-"""A fork beside the session that it came from: compared in one table, and one click or Back away from each other."""
+"""A fork and its parent: compared in one table, and one click or Back away from each other."""
 
 from page_state import APP, ready, send, state, until
 
 
 def forked(page):
-    """The default experiment at 30 s, forked at 21 s with another gain, run on to 29 s; the id of the first session."""
+    """Open the default experiment at 30 s, forked at 21 s with another gain and advanced to 29 s; return the parent's
+    id."""
     opened = page("/?experiment=zhao-2012&t=30")
     ready(opened)
     parent = state(opened, "session")
@@ -20,7 +21,7 @@ def forked(page):
 
 
 def test_a_fork_is_compared_with_its_parent(page):
-    """Rows of the first session under its name, each observer by its name, with that session's own figures over the same window."""
+    """The table has the parent's observers under its name, with their figures over the same window."""
     opened, _ = forked(page)
     rows = opened.locator("#panel-comparison tbody tr:has(.who)")
     until(opened, "document.querySelectorAll('#panel-comparison .of-origin').length === 2")
@@ -49,7 +50,8 @@ def test_a_fork_is_compared_with_its_parent(page):
 
 
 def test_back_and_the_legend_lead_to_the_first_session_and_to_the_fork(page):
-    """Back, the legend and the table lead to the very first session, in control; its legend leads to the fork; loading again keeps each."""
+    """Back, legend and table lead to the first session with control; its legend leads to the fork; reloading keeps
+    both."""
     opened, parent = forked(page)
     fork = state(opened, "session")
     opened.go_back()

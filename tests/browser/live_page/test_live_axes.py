@@ -1,4 +1,4 @@
-"""What the strips of the live page show: axes, what leaves them, bands, the time that is looked back to, and the figures made of them."""
+"""Strips of the live page: axes, outliers, bands, looking back, and exported figures."""
 
 import re
 from itertools import pairwise
@@ -11,7 +11,7 @@ FOUR = "/?experiment=zhao-2012-observers&t=30"
 
 
 def settled(page, path: str, **more):
-    """The page, standing still, its axes at rest."""
+    """Return the page paused, with its axes at rest."""
     opened = page(path, **more)
     ready(opened)
     opened.wait_for_timeout(1200)
@@ -23,7 +23,7 @@ def beside(opened, strip: str) -> list[str]:
 
 
 def test_looking_back_shows_that_time(page):
-    """Values and the line are those of the time that is looked at, and the clock stays at now, also while the pointer is on the curves."""
+    """Values and line are those of that time; the clock shows the present, also while the pointer is on the curves."""
     opened = settled(page, "/?experiment=zhao-2012&t=40")
     opened.evaluate(f"{APP}.act.look(12)")
     until(opened, "document.querySelector('[data-strip=\"theta.theta3\"] .truth').textContent.startsWith('0.0000')")
@@ -39,8 +39,8 @@ def test_looking_back_shows_that_time(page):
     assert opened.inner_text(".clock .digits") == "40.0"
 
 
-def test_noise_is_never_cut_and_what_leaves_is_marked(page):
-    """Past the start every sample of x̂₂ lies within its axis but for throws; those have an arrow each, at their time; one press shows all."""
+def test_noise_is_never_cut_and_outliers_are_marked(page):
+    """After the start only outliers of x̂₂ leave its axis, each with an arrow at its time; one press shows all."""
     opened = settled(page, "/?experiment=zhao-2012&t=60")
     low, high = opened.evaluate(f"{APP}.scope.rows.get('x.x2').range.target")
     seen = opened.evaluate(f"{APP}.range('adaptive.x.x2', 42, 60)")
@@ -62,8 +62,9 @@ def test_noise_is_never_cut_and_what_leaves_is_marked(page):
     assert show.get_attribute("aria-pressed") == "false" and state(opened, "selection") == [5, 35]
 
 
-def test_every_band_is_drawn_and_a_name_leaves_its_own(page):
-    """With four observers all bands are there, on every θ strip; a click on a name, by keyboard too, leaves its own, and the legend says whose."""
+def test_every_band_is_drawn_and_a_name_selects_one(page):
+    """With four observers all bands are drawn on every θ strip; a click or key on a name keeps one, and the legend says
+    which."""
     opened = settled(page, FOUR)
     labels = opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")
     assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
@@ -86,8 +87,8 @@ def test_every_band_is_drawn_and_a_name_leaves_its_own(page):
     ("path", "width", "height"),
     [("/", 1280, 800), ("/?experiment=dc-motor", 1440, 900), ("/?experiment=dts200", 1280, 720), (FOUR, 1440, 900)],
 )
-def test_the_legend_keeps_its_words(page, path, width, height):
-    """With many observers, too, and on at most two lines."""
+def test_the_legend_is_complete(page, path, width, height):
+    """With many observers, too, on at most two lines."""
     opened = settled(page, path, width=width, height=height)
     marks = opened.evaluate(
         "[...document.querySelectorAll('.legend li')].map((one) => [one.innerText.trim(), one.offsetTop])"
@@ -98,8 +99,8 @@ def test_the_legend_keeps_its_words(page, path, width, height):
     assert set(opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")) <= set(words)
 
 
-def test_all_strips_of_the_tanks_are_in_sight_on_a_small_screen(page):
-    """At 1280×720 eleven strips fit: none is cut, none touches its neighbour, nothing is scrolled away."""
+def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(page):
+    """At 1280×720 eleven strips fit: none is cut, none overlaps, nothing needs scrolling."""
     opened = settled(page, "/?experiment=dts200&t=700", width=1280, height=720)
     boxes = opened.evaluate(
         "[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })"
@@ -114,8 +115,8 @@ def test_all_strips_of_the_tanks_are_in_sight_on_a_small_screen(page):
     assert max(labels) <= 1
 
 
-def test_a_strip_that_cannot_tell_says_why(page):
-    """Where no observer has an excitation yet, its strip says what is missing."""
+def test_a_strip_without_values_gives_the_reason(page):
+    """If no observer has an excitation yet, its strip says why."""
     opened = settled(page, "/?experiment=friction-motor&t=10")
     until(
         opened,
@@ -124,7 +125,7 @@ def test_a_strip_that_cannot_tell_says_why(page):
 
 
 def test_marks_are_explained(page):
-    """Under the pointer an alarm says what it is, the timeline what happened; the help lists every mark, in both languages."""
+    """The pointer on an alarm or the timeline shows an explanation; the help lists every mark in both languages."""
     opened = settled(page, PAUSED)
     t = opened.evaluate(f"{APP}.state.alarms[0].t")
     canvas = opened.locator('[data-strip="theta.theta3"] canvas')
@@ -146,7 +147,7 @@ def test_marks_are_explained(page):
 
 
 def test_a_figure_has_its_marks_and_their_legend(page):
-    """The exported scope carries alarms, threshold, tint and bands, each with its words."""
+    """The exported scope contains alarms, threshold, tint and bands, each with its legend."""
     opened = settled(page, PAUSED)
     svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
     for words in ("alarm", "fault active", "±2σ of adaptive", "required excitation"):

@@ -1,4 +1,4 @@
-"""What the page tells: lessons that wait, the noise as it is, faults on faults, the log in its order, one name for a thing."""
+"""Details of the live page: waiting lessons, the present noise, overlapping faults, the log, names in Chinese."""
 
 import pytest
 
@@ -7,8 +7,8 @@ from tests.browser.live_helpers import opened, row, until
 PAUSED = "/?experiment=zhao-2012&t=12"
 
 
-def test_the_noise_field_shows_the_noise_that_acts(page):
-    """Set from elsewhere, typed, and back at the start: the field follows, and so does another viewer's."""
+def test_the_noise_field_shows_the_present_noise(page):
+    """It follows commands, typing and the reset, also in another viewer's page."""
     live = opened(page, PAUSED)
     field = live.locator(".noise input.number")
     live.evaluate("thetascope.send({type: 'set-noise', output: 'y', std: 0.003, sample_time: 0.01})")
@@ -27,7 +27,7 @@ def test_the_noise_field_shows_the_noise_that_acts(page):
 
 
 def test_a_lesson_waits_in_the_time_of_the_plant(page):
-    """Clear, then the sensor alone 8 s later, both from one row on at 50×; while it waits the question says so, after going back, too."""
+    """Clear and a later fault are sent as one batch at 50×; the question shows the waiting, also after going back."""
     live = opened(page, "/?experiment=zhao-2012&t=75")
     live.evaluate("thetascope.act.speed(50)")
     live.evaluate("thetascope.act.play()")
@@ -54,7 +54,7 @@ def test_a_lesson_waits_in_the_time_of_the_plant(page):
 
 
 def test_enter_on_the_size_injects(page):
-    """The key of a channel leads to its slider, Enter injects; typed and Enter again, it changes at once, to what was typed."""
+    """The key of a channel focuses its slider and Enter injects; a typed value and Enter change the fault."""
     live = opened(page, PAUSED)
     live.keyboard.press("2")
     live.keyboard.press("Enter")
@@ -76,8 +76,8 @@ def test_enter_on_the_size_injects(page):
     assert live.evaluate("thetascope.state.faults.at(-1).fault.size") == 0.008
 
 
-def test_a_fault_on_a_fault_is_said_to_be_one(page):
-    """Before: what is planned on top; then: what acts with it, and the sum that the strip shows."""
+def test_overlapping_faults_are_listed_with_their_sum(page):
+    """Before the onset the planned fault is listed, afterwards the active ones and the sum shown on the strip."""
     live = opened(page, "/?experiment=zhao-2012&t=18")
     press = row(live, "theta3").locator("button.press:not(.quiet-press)")
     assert "from 20.0" in row(live, "theta3").inner_text()
@@ -92,7 +92,8 @@ def test_a_fault_on_a_fault_is_said_to_be_one(page):
 
 
 def test_the_log_is_in_order_and_names_the_quantity(page):
-    """Newest first by the time of what is told; a probability is no size; what begins later says when; gains as on their cards."""
+    """Newest first; a probability is not called a size; later faults state their time; gains have the names of their
+    cards."""
     live = opened(page, "/?experiment=friction-motor&t=2")
     told = live.evaluate("""async () => {
       const {lines} = await import('/live/ui/event-words.js');
@@ -112,8 +113,9 @@ def test_the_log_is_in_order_and_names_the_quantity(page):
     until(live, "document.querySelector('#panel-log').textContent.includes('you set Qθ')")
 
 
-def test_things_have_one_name_in_chinese(page):
-    """Sentences, findings, notes and menus say the label of a channel or output that is no symbol, in Chinese, without blanks between its signs."""
+def test_names_in_chinese_are_consistent(page):
+    """Sentences, findings, notes and menus use the Chinese label of a channel or output, without spaces between
+    characters."""
     live = opened(page, "/?experiment=dts200&t=20")
     live.evaluate("thetascope.act.language('zh')")
     until(live, "document.querySelector('#panel-comparison option')?.textContent.includes('液位')")
@@ -129,8 +131,8 @@ def test_things_have_one_name_in_chinese(page):
     assert not [one for one in options if "leak" in one or "level" in one]
 
 
-def test_an_added_observer_is_called_after_its_kind(page):
-    """A Kalman observer is not called adaptive; the second of a kind has a number."""
+def test_the_proposed_label_follows_the_kind_of_observer(page):
+    """A Kalman observer is not called adaptive; the second of a kind gets a number."""
     live = opened(page, PAUSED)
     live.click("#panel-observers .heading .link")
     menu, label = live.locator(".add-form > select"), live.locator(".add-form input[type=text]").first
@@ -141,8 +143,8 @@ def test_an_added_observer_is_called_after_its_kind(page):
     assert found == ["kalman", "ekf", "high-gain", "adaptive-2"]
 
 
-def test_gains_that_follow_from_the_noise_follow_it(page):
-    """R of a Kalman observer that nobody set is that of the noise that acts."""
+def test_a_default_gain_follows_the_noise(page):
+    """The default R of a Kalman observer is the variance of the present noise."""
     live = opened(page, PAUSED)
     live.evaluate("thetascope.send({type: 'add-observer', observer: {label: 'kalman', kind: 'adaptive-kalman'}})")
     shown = (

@@ -1,4 +1,4 @@
-"""The columns of the live page: what has room, what says that there is more, and that nothing moves when something opens."""
+"""The columns of the live page: room, hints at hidden content, and no movement when something opens."""
 
 from itertools import pairwise
 
@@ -42,7 +42,7 @@ def still(page, path: str, **more):
 
 
 def watched(live) -> None:
-    """Four or five more observers watch."""
+    """Return the page with four or five more observers."""
     for label, kind in SIX:
         live.evaluate(
             f"thetascope.send({{type: 'add-observer', observer: {{label: '{label}', kind: '{kind}', options: {{}}}}}})"
@@ -52,8 +52,9 @@ def watched(live) -> None:
 
 
 @pytest.mark.parametrize(("width", "height", "whole"), [(1440, 900, 3), (1920, 1080, 3), (1280, 720, 2)])
-def test_the_findings_are_seen(page, width, height, whole):
-    """Three faults found: all three in sight where the screen is a laptop's or larger; no list ends with half a line, and each says how many follow."""
+def test_the_findings_are_visible(page, width, height, whole):
+    """Three findings are visible from a laptop's screen on; no list ends with half a line, and each states how many
+    follow."""
     live = still(page, "/?experiment=zhao-2012&t=80", width=width, height=height)
     until(live, "document.querySelectorAll('.finding').length === 3")
     live.wait_for_timeout(300)
@@ -67,8 +68,8 @@ def test_the_findings_are_seen(page, width, height, whole):
 
 
 @pytest.mark.parametrize(("width", "height", "least"), [(1440, 900, 5), (1920, 1080, 6), (1280, 720, 3)])
-def test_six_observers_are_a_line_each(page, width, height, least):
-    """Name and lights of each in sight, the rest announced; a click on a name opens its gains; two lines of the log remain."""
+def test_six_observers_take_a_line_each(page, width, height, least):
+    """Names and lights are visible or counted; a click on a name opens its gains; two lines of the log remain."""
     live = still(page, "/?experiment=zhao-2012&t=20", width=width, height=height)
     watched(live)
     seen, cut, count, more = live.evaluate(LINES, LISTS["observers"])
@@ -81,8 +82,8 @@ def test_six_observers_are_a_line_each(page, width, height, least):
     assert live.get_attribute("#panel-observers .unfold >> nth=0", "aria-expanded") == "true"
 
 
-def test_what_opens_moves_nothing_else(page):
-    """Both folds of the diagnosis, the lights, more settings of a fault and the measurement faults: every card stays where it is."""
+def test_opening_something_moves_no_other_card(page):
+    """Folds of the diagnosis, lights, more settings and measurement faults: every card keeps its place."""
     live = still(page, "/?experiment=zhao-2012&t=30")
     before = live.evaluate(CARDS)
     links = live.locator("#panel-diagnosis .heading-links button")
@@ -126,7 +127,8 @@ OVERLAPS = """() => {
 
 @pytest.mark.parametrize(("width", "language"), [(1440, "en"), (1280, "en"), (1280, "zh"), (1920, "zh")])
 def test_notices_cover_nothing(page, width, language):
-    """In narrow and wide fonts: no notice covers the navigation, the connection, the actions, the curves or another notice."""
+    """In narrow and wide fonts no notice covers the navigation, the connection, the actions, the curves or another
+    notice."""
     live = still(page, "/?experiment=zhao-2012&t=30", width=width, height=800)
     live.evaluate(f"thetascope.act.language('{language}')")
     for font in FONTS:
@@ -144,8 +146,8 @@ def test_notices_cover_nothing(page, width, language):
         assert live.evaluate(OVERLAPS) == [], font
 
 
-def test_the_hysteresis_is_whole_on_a_phone(page):
-    """Both drawings lie within their card, the numbers of the loop and the last operator too."""
+def test_the_hysteresis_fits_on_a_phone(page):
+    """Both drawings, the numbers of the loop and the last operator lie within their card."""
     live = still(page, "/?experiment=zhou-tan-2012&t=2", width=390, height=844)
     card = live.locator("#hysteresis").bounding_box()
     boxes = [one.bounding_box() for one in live.locator("#hysteresis canvas, #hysteresis figcaption").all()]

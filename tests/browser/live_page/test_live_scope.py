@@ -10,7 +10,7 @@ SPAN = f"{APP}.span()"
 
 
 def coloured(page, strip: str, colour: str) -> int:
-    """How many pixels of a strip's canvas have a colour of the style sheet."""
+    """Return how many pixels of a strip's canvas have a colour of the style sheet."""
     return page.evaluate(
         """([strip, name]) => {
       const canvas = document.querySelector(`[data-strip="${strip}"] canvas`);
@@ -32,7 +32,7 @@ def coloured(page, strip: str, colour: str) -> int:
 
 
 def test_the_first_load_shows_a_fault_being_found(page):
-    """An empty address plays by itself; within 15 s a fault begins, its estimate is within 10 % and an alarm names it."""
+    """An empty address plays; within 15 s a fault begins, its estimate is within 10 %, and an alarm names it."""
     opened = page("/")
     until(opened, f"{APP}?.state.playing")
     until(opened, f"{APP}.state.alarms.some(({{subject}}) => subject === 'theta3')", 20)
@@ -41,8 +41,8 @@ def test_the_first_load_shows_a_fault_being_found(page):
     assert opened.watch.errors == [] and opened.watch.foreign == []
 
 
-def test_every_kind_of_strip_is_there_with_its_values(page):
-    """Faults, states, residual and excitation each have a strip; the numbers beside it are the newest samples."""
+def test_every_kind_of_strip_is_shown_with_its_values(page):
+    """Faults, states, residual and excitation have a strip each; the numbers beside them are the newest samples."""
     opened = page(PAUSED)
     ready(opened)
     kinds = opened.evaluate("[...document.querySelectorAll('.strip')].map((strip) => strip.dataset.kind)")
@@ -54,7 +54,7 @@ def test_every_kind_of_strip_is_there_with_its_values(page):
 
 
 def test_the_window_is_as_long_as_chosen(page):
-    """The buttons set the length of the time axis; all of the session is the last of them."""
+    """Buttons set the length of the time axis; the last one shows the whole session."""
     opened = page(PAUSED)
     ready(opened)
     for words, length in (("10 s", 10), ("100 s", 100), ("all", 30), ("30 s", 30)):
@@ -79,7 +79,7 @@ def test_dragging_zooms_and_a_double_click_returns(page):
 
 
 def test_the_pointer_reads_all_strips_at_its_time(page):
-    """Under the pointer stands the time, and beside every strip its values at that time."""
+    """The time is shown under the pointer, and beside every strip the values at that time."""
     opened = page(PAUSED)
     ready(opened)
     box = opened.locator('[data-strip="theta.theta3"] canvas').bounding_box()
@@ -92,8 +92,8 @@ def test_the_pointer_reads_all_strips_at_its_time(page):
     assert float(shown) == pytest.approx(opened.evaluate(f"{APP}.at('x.x1', {cursor})"), abs=6e-4)
 
 
-def test_an_axis_holds_what_is_true_and_lets_outliers_go(page):
-    """The truth always lies within the axis of its strip, also in a session that was just opened; the start of an observer does not set it."""
+def test_an_axis_contains_the_truth_and_ignores_outliers(page):
+    """The truth lies within its axis, also in a new session; the start of an observer does not set the range."""
     opened = page(PAUSED)
     ready(opened)
     opened.wait_for_timeout(1200)
@@ -105,7 +105,7 @@ def test_an_axis_holds_what_is_true_and_lets_outliers_go(page):
 
 
 def test_strips_can_be_chosen(page):
-    """The menu hides and shows strips; a fault on a hidden channel brings its strip."""
+    """The menu hides and shows strips; a fault on a hidden channel shows its strip."""
     opened = page("/?experiment=dts200&t=20")
     ready(opened)
     assert opened.locator('[data-strip="theta.leak3"]').count() == 0
@@ -117,7 +117,7 @@ def test_strips_can_be_chosen(page):
 
 
 def test_twelve_strips_and_more_scroll_inside_the_scope(page):
-    """With every strip of the three-tank plant shown none is squeezed, and the page itself does not grow."""
+    """With every strip of the three-tank plant none is squeezed, and the page does not grow."""
     opened = page("/?experiment=dts200&t=20")
     ready(opened)
     opened.evaluate(f"{APP}.strips().forEach(({{name}}) => {APP}.act.strip(name, true))")
@@ -131,7 +131,7 @@ def test_twelve_strips_and_more_scroll_inside_the_scope(page):
 
 
 def test_a_strip_opens_as_a_figure_and_is_saved(page):
-    """A strip opens in Plotly with its curves; the whole scope is had as SVG; nothing is asked from elsewhere."""
+    """A strip opens in Plotly with its curves; the scope is exported as SVG; no other host is contacted."""
     opened = page(PAUSED)
     ready(opened)
     opened.hover('[data-strip="theta.theta3"]')
@@ -143,7 +143,7 @@ def test_a_strip_opens_as_a_figure_and_is_saved(page):
 
 
 def test_the_sandwich_plant_shows_its_hysteresis(page):
-    """The loop and seven operators are drawn for the sandwich plant, with their zones in words, and for no other plant."""
+    """The loop and seven operators with their zones in words are drawn for the sandwich plant only."""
     opened = page("/?experiment=zhou-tan-2012&t=2")
     ready(opened)
     until(opened, "/[1-9].*memory/.test(document.querySelector('#hysteresis .num').textContent)")
@@ -156,15 +156,15 @@ def test_the_sandwich_plant_shows_its_hysteresis(page):
 
 @pytest.mark.parametrize("width", [390, 820, 1180, 1440, 1920])
 def test_nothing_is_wider_than_the_screen(page, width):
-    """At every width the page scrolls down only, and the play button and a strip are on it."""
+    """At every width the page scrolls vertically only, and the play button and a strip are visible."""
     opened = page(PAUSED, width=width, height=844)
     ready(opened)
     assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert opened.locator(".play").is_visible() and opened.locator(".strip canvas").first.is_visible()
 
 
-def test_a_fault_injected_while_paused_is_seen_at_once(page):
-    """While time stands still an injected fault counts and is drawn at the edge, everywhere alike; cleared, it is gone everywhere."""
+def test_a_fault_injected_while_paused_is_shown_immediately(page):
+    """It is shown as active everywhere, and after Clear nowhere."""
     opened = page("/?experiment=zhao-2012&t=15")
     ready(opened)
     lit = "document.querySelectorAll('svg.plant .site.on').length"

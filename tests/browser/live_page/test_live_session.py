@@ -1,4 +1,4 @@
-"""The live page and its session: links, going back, forks, lost connections, watching, and what is said when it ends."""
+"""The live page and its session: links, going back, forks, lost connections, read-only viewers, and its end."""
 
 import base64
 import zlib
@@ -10,7 +10,7 @@ PAUSED = "/?experiment=zhao-2012&t=12"
 
 
 def changed(opened) -> None:
-    """A session to which something was done, paused."""
+    """Return a paused session to which commands were given."""
     send(opened, "{type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.012}}")
     send(opened, "{type: 'step', rows: 150}")
     send(opened, "{type: 'set-gain', observer: 'adaptive', gain: 'rho', value: 6}")
@@ -21,7 +21,7 @@ def changed(opened) -> None:
 
 
 def test_the_address_is_short_while_nothing_was_changed(page):
-    """Playing and pausing leave ?experiment and the time in the address; opened again it stands at that time, paused."""
+    """Playing and pausing keep ?experiment and the time in the address, which reopens the session there, paused."""
     opened = page(PAUSED)
     ready(opened)
     until(opened, "/^\\?experiment=zhao-2012&t=\\d+/.test(location.search) && location.hash === ''")
@@ -30,7 +30,7 @@ def test_the_address_is_short_while_nothing_was_changed(page):
 
 
 def test_a_link_gives_the_same_numbers_in_another_browser(page, server):
-    """After a fault, a gain and a new observer the link opens at the same time with every value the same."""
+    """With a fault, a gain and a new observer the link opens at the same time with all values equal."""
     opened = page(PAUSED)
     ready(opened)
     changed(opened)
@@ -44,7 +44,7 @@ def test_a_link_gives_the_same_numbers_in_another_browser(page, server):
 
 
 def test_loading_the_page_again_keeps_the_session_and_its_control(page):
-    """Reload joins the very same session, still in control."""
+    """A reload joins the same session, with control."""
     opened = page(PAUSED)
     ready(opened)
     changed(opened)
@@ -58,7 +58,7 @@ def test_loading_the_page_again_keeps_the_session_and_its_control(page):
 
 
 def packed(text: str) -> str:
-    """As the fragment of an address holds it."""
+    """Return data packed as the fragment of an address."""
     made = zlib.compressobj(wbits=-15)
     return base64.urlsafe_b64encode(made.compress(text.encode()) + made.flush()).decode().rstrip("=")
 
@@ -66,8 +66,8 @@ def packed(text: str) -> str:
 @pytest.mark.parametrize(
     "fragment", ["nZDBcoMw", packed("null"), packed("[]"), packed('{"spec": 3}'), packed('{"changed": {}}')]
 )
-def test_a_damaged_link_says_so(page, fragment):
-    """A link that was cut off, or holds something else, is an answer with a way on, not a blank page or another session."""
+def test_a_damaged_link_is_answered_with_a_notice(page, fragment):
+    """A truncated link, or one with other content, leads to a notice with a remedy."""
     opened = page(f"/#s={fragment}")
     opened.wait_for_selector("#notice button")
     assert "damaged" in opened.inner_text("#notice")
@@ -75,8 +75,8 @@ def test_a_damaged_link_says_so(page, fragment):
     ready(opened)
 
 
-def test_watching_sees_everything_and_changes_nothing(page):
-    """The view-only link shows the same samples; its buttons are off, and a command is refused by the server, too."""
+def test_a_read_only_viewer_sees_everything_and_changes_nothing(page):
+    """The link shows the same samples; its buttons are disabled, and the server refuses its commands."""
     opened = page(PAUSED)
     ready(opened)
     watcher = page(f"/?session={state(opened, 'session')}")
@@ -94,8 +94,8 @@ def test_watching_sees_everything_and_changes_nothing(page):
     assert refused == "Refused" and not state(opened, "playing")
 
 
-def test_looking_back_gives_up_nothing_until_told_to(page):
-    """A click on the timeline shows the past; Continue from here goes back; Undo brings what was given up."""
+def test_looking_back_discards_nothing(page):
+    """A click on the timeline shows the past; Continue from here goes back; Undo restores the discarded part."""
     opened = page("/?experiment=zhao-2012&t=30")
     ready(opened)
     before = last_row(opened)
@@ -113,8 +113,8 @@ def test_looking_back_gives_up_nothing_until_told_to(page):
     assert opened.locator("#notice button").count() == 0  # what was taken is not offered again
 
 
-def test_undo_is_not_offered_where_others_would_stay_behind(page):
-    """It begins another session, so that with a second one watching the page only says where it is."""
+def test_undo_is_not_offered_with_other_viewers(page):
+    """Undo starts another session, so with a second viewer the page only states the time."""
     opened = page("/?experiment=zhao-2012&t=30")
     ready(opened)
     watcher = page(f"/?session={state(opened, 'session')}")
@@ -125,8 +125,8 @@ def test_undo_is_not_offered_where_others_would_stay_behind(page):
     assert opened.locator("#notice button").count() == 0
 
 
-def test_a_fork_goes_its_own_way_with_its_parent_behind(page):
-    """Fork from here opens a second session at that time; the first stays, and its curves are there to compare with."""
+def test_a_fork_is_a_second_session_with_its_parents_curves(page):
+    """It starts at that time; the first session stays, and its curves are shown for comparison."""
     opened = page("/?experiment=zhao-2012&t=30")
     ready(opened)
     parent, before = state(opened, "session"), last_row(opened)
@@ -146,7 +146,7 @@ def test_a_fork_goes_its_own_way_with_its_parent_behind(page):
 
 
 def test_a_lost_connection_is_survived_without_a_gap(page):
-    """While time runs the connection is lost; it comes back by itself and no row is missing or different."""
+    """The connection is lost while time runs; it is restored, and no row is missing or different."""
     opened = page(PAUSED)
     ready(opened)
     opened.evaluate(f"{APP}.act.play()")
@@ -166,7 +166,7 @@ def test_a_lost_connection_is_survived_without_a_gap(page):
 
 
 def test_a_viewer_of_a_long_session_sees_all_of_it(page):
-    """Rows that the server does not send to someone so far behind are fetched thinned out: the curves have no hole."""
+    """Rows that the server does not send to a late viewer are fetched with fewer points: the curves have no hole."""
     opened = page("/?experiment=zhao-2012&t=1500")
     until(opened, f"{APP}?.samples.rows >= 150_000", 60)
     watcher = page(f"/?session={state(opened, 'session')}")
@@ -175,8 +175,8 @@ def test_a_viewer_of_a_long_session_sees_all_of_it(page):
     assert holes == 0
 
 
-def test_a_session_that_ended_can_be_taken_up_again(page):
-    """When a session was ended the page says so calmly, and starts another at the same place."""
+def test_an_ended_session_can_be_continued(page):
+    """The page reports the end and starts another session at the same time."""
     opened = page(PAUSED)
     ready(opened)
     changed(opened)
@@ -192,15 +192,15 @@ def test_a_session_that_ended_can_be_taken_up_again(page):
     assert last_row(opened) == before
 
 
-def test_an_unknown_experiment_is_an_answer(page):
-    """A link to an experiment that is not there names the nearest, and offers a new session."""
+def test_an_unknown_experiment_is_answered_with_a_notice(page):
+    """The notice names the nearest experiment and offers a new session."""
     opened = page("/?experiment=zhao-2021")
     opened.wait_for_selector("#notice button")
     assert "zhao-2012" in opened.inner_text("#notice")
 
 
 def test_an_observer_keeps_its_colour(page):
-    """Colours are given out in order, kept when others go, and given out again."""
+    """Colours are assigned in order, kept when other observers are removed, and assigned again."""
     opened = page(PAUSED)
     ready(opened)
     for label in ("one", "two"):
@@ -218,7 +218,7 @@ def test_an_observer_keeps_its_colour(page):
 
 
 def test_rows_that_were_not_sent_are_fetched_in_order(page):
-    """Two gaps at once, the server refusing at first, frames coming meanwhile: afterwards every row is there and right."""
+    """With two gaps, a refused request and new frames in between, every row is present and correct afterwards."""
     opened = page("/?experiment=zhao-2012&t=30")
     ready(opened, rows=3000)
     wrong, tries = opened.evaluate("""async () => {

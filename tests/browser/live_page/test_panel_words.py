@@ -26,7 +26,7 @@ SPOKEN = """() => {
 
 
 def test_the_equations_are_mathematics_without_script(page):
-    """Plant and observer as MathML; the faults' terms are marked, each equation of the paper has its number."""
+    """Plant and observer are MathML; terms of faults are marked, and equations of the paper are numbered."""
     live = opened(page)
     live.click("#panel-plant .heading .link")
     live.wait_for_selector("dialog math")
@@ -38,7 +38,7 @@ def test_the_equations_are_mathematics_without_script(page):
 
 
 def test_in_chinese_no_english_word_of_the_page_is_left(page):
-    """After L nothing visible is a word of the English page, and after a reload it still is Chinese."""
+    """After L no English word of the page is visible, and a reload keeps the language."""
     live = opened(page)
     live.wait_for_timeout(1000)
     english = {word for word in live.evaluate(SPOKEN) if re.search("[a-z]{3}", word)}
@@ -52,8 +52,8 @@ def test_in_chinese_no_english_word_of_the_page_is_left(page):
     until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
 
 
-def test_every_key_of_the_list_does_something(page):
-    """The help lists the keys; playing, presenting, colours, fault sites and links follow them."""
+def test_every_listed_key_works(page):
+    """The help lists the keys for playing, presenting, colours, fault channels and links, and they act."""
     live = opened(page)
     live.keyboard.press("?")
     assert live.locator("dialog .keys tr").count() >= 15
@@ -78,7 +78,7 @@ def test_every_key_of_the_list_does_something(page):
 
 
 def test_links_are_offered_to_copy(page, server):
-    """Share offers a link that opens the session anew and one to watch it; the second one cannot change it."""
+    """Share offers a link that opens a copy and a read-only one, which cannot change the session."""
     live = opened(page)
     live.click(".actions button:nth-child(1)")
     fields = live.locator("dialog .copy-row input")
@@ -93,8 +93,8 @@ def test_links_are_offered_to_copy(page, server):
     assert not viewer.locator(".control-only:visible").count()
 
 
-def test_the_session_is_taken_along(page):
-    """CSV holds every column up to now; the report and the specification come as files, too."""
+def test_the_session_is_downloaded(page):
+    """CSV contains every column up to the present; report and specification are files, too."""
     live = opened(page)
     live.click(".actions button:nth-child(2)")
     with live.expect_download() as waiting:
@@ -107,8 +107,9 @@ def test_the_session_is_taken_along(page):
         assert waiting.value.suggested_filename.endswith(suffix)
 
 
-def test_on_a_phone_the_panels_stand_behind_tabs(page):
-    """At 390 pixels nothing is wider than the screen, and each tab shows its panels and no others; the sentence stands above the curves, too."""
+def test_on_a_phone_the_panels_are_behind_tabs(page):
+    """At 390 pixels nothing is wider than the screen, each tab shows its panels only, and the summary is above the
+    curves."""
     live = opened(page, width=390, height=844)
     shown = {
         "curves": "#scope",
@@ -132,7 +133,8 @@ def test_on_a_phone_the_panels_stand_behind_tabs(page):
     "experiment", ["dts200", "quadruple-tank", "zhou-tan-2012", "shen-hu-2015", "reduced-order-mimo"]
 )
 def test_other_plants_fill_the_same_panels(page, experiment):
-    """Eleven channels, two outputs, a sandwich, a plant without inputs: every site has its row, no error on the page."""
+    """Eleven channels, two outputs, a sandwich system, a plant without inputs: every channel has its row, without
+    errors."""
     live = opened(page, f"/?experiment={experiment}")
     sites = live.evaluate("thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length")
     assert live.locator("svg.plant .site").count() == sites

@@ -1,4 +1,4 @@
-"""The panels around the scope: the plant as a picture, injecting, observers, diagnosis, log; each with the real session."""
+"""The panels around the scope, with a real session: plant, injection, observers, diagnosis, log."""
 
 import re
 
@@ -15,7 +15,7 @@ def press(page, name: str) -> None:
 
 
 def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
-    """One button a channel and one an output; choosing one puts the focus on its slider, by mouse and by keyboard."""
+    """There is a button per channel and output; choosing one focuses its slider, by mouse and by keyboard."""
     live = opened(page)
     sites = live.locator("svg.plant .site")
     assert sites.count() == live.evaluate(
@@ -28,8 +28,8 @@ def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
     assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta1"
 
 
-def test_an_injected_fault_is_seen_everywhere_and_named(page):
-    """Inject lights the site, the log tells, an alarm comes, the sentence names it; Clear puts all back."""
+def test_an_injected_fault_is_shown_everywhere_and_identified(page):
+    """Inject lights the channel and is logged, an alarm follows, the summary names it; Clear resets all."""
     live = opened(page)
     live.evaluate("thetascope.act.speed(10)")
     press(live, "theta1")
@@ -46,7 +46,7 @@ def test_an_injected_fault_is_seen_everywhere_and_named(page):
 
 @pytest.mark.parametrize(("subject", "shapes"), [("theta1", SHAPES), ("y", DISTURBANCES)])
 def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes):
-    """The menu holds every shape of the contract, and each is accepted as the form fills it in, and cleared again."""
+    """The menu has every shape of the contract; each is accepted with its initial values, and cleared again."""
     live = opened(page)
     live.evaluate("thetascope.act.pause()")
     live.click("#panel-inject .heading .link")
@@ -67,7 +67,7 @@ def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes
 
 
 def test_an_active_fault_is_changed_in_place(page):
-    """Moving the slider of an active fault offers Change; afterwards only the new size acts."""
+    """Moving the slider of an active fault offers Change; afterwards only the new size is active."""
     live = opened(page)
     live.evaluate("thetascope.act.pause()")
     press(live, "theta2")
@@ -82,7 +82,7 @@ def test_an_active_fault_is_changed_in_place(page):
 
 
 def test_a_fault_is_changed_by_one_message_while_time_runs(page):
-    """Change sends one batch: time goes on, and the old fault ends at the very time at which the new one begins."""
+    """Change sends one batch: time continues, and the old fault ends exactly when the new one begins."""
     live = opened(page)
     press(live, "theta2")
     row(live, "theta2").locator(".press.clear").wait_for()
@@ -101,8 +101,8 @@ def test_a_fault_is_changed_by_one_message_while_time_runs(page):
     assert old["end"] == new["onset"] and old["id"] != new["id"] and new["active"]
 
 
-def test_the_noise_is_moved_by_its_slider(page):
-    """The noise slider changes the spec's noise and says so in the log."""
+def test_the_noise_slider_changes_the_noise(page):
+    """The slider changes the noise of the spec and adds a line to the log."""
     live = opened(page)
     live.locator(".fault.noise input[type=range]").focus()
     live.keyboard.press("End")
@@ -111,7 +111,7 @@ def test_the_noise_is_moved_by_its_slider(page):
 
 
 def test_a_gain_follows_its_slider_while_time_runs(page):
-    """Arrow keys on ρ's slider arrive as set-gain; the number beside it and the session agree."""
+    """Arrow keys on ρ's slider arrive as set-gain; the number beside it agrees with the session."""
     live = opened(page)
     slider = live.locator("#panel-observers .gain input[type=range]").first
     slider.focus()
@@ -129,7 +129,7 @@ def test_a_gain_follows_its_slider_while_time_runs(page):
 
 
 def test_an_observer_is_added_coloured_and_removed(page):
-    """A joint EKF from the menu gets a card in its own colour and curves; the cross takes it away again."""
+    """A joint EKF from the menu gets a card and curves in its own colour; the cross removes it."""
     live = opened(page)
     live.click("#panel-observers .heading .link")
     live.select_option(".add-form > select", "joint-ekf")
@@ -144,7 +144,7 @@ def test_an_observer_is_added_coloured_and_removed(page):
     assert live.locator("#panel-observers .observer").count() == 1
 
 
-def test_a_refusal_is_shown_where_it_was_asked_for(page):
+def test_a_refusal_is_shown_in_the_form(page):
     """A label that is taken is refused in the form, with the remedy, and nothing is added."""
     live = opened(page)
     live.click("#panel-observers .heading .link")
@@ -156,7 +156,7 @@ def test_a_refusal_is_shown_where_it_was_asked_for(page):
 
 
 def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(page):
-    """For the two-output motor the single-output observers are greyed out, with the reason."""
+    """For the two-output motor the single-output observers are disabled, with the reason."""
     live = opened(page, "/?experiment=dc-motor")
     live.click("#panel-observers .heading .link")
     until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled", 60)
@@ -164,8 +164,8 @@ def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(page):
     assert live.eval_on_selector(".add-form > select", "(menu) => !menu.selectedOptions[0].disabled")
 
 
-def test_the_lights_are_the_checks_and_open_to_them(page):
-    """One light a check in the colour of its verdict; a click lists them with numbers and sources."""
+def test_the_lights_show_the_checks(page):
+    """There is one light per check in the colour of its verdict; a click lists the checks with numbers and sources."""
     live = opened(page)
     checks = until(live, "thetascope.state.checks.adaptive?.length")
     lights = live.locator("#panel-observers .lights .light")
@@ -178,7 +178,7 @@ def test_the_lights_are_the_checks_and_open_to_them(page):
 
 
 def test_a_question_is_carried_out_with_one_click(page):
-    """The first thing to try lowers λ, and the card shows it."""
+    """The first question lowers λ, and the card shows it."""
     live = opened(page)
     live.locator("#panel-try .go").first.click()
     until(live, "thetascope.state.observers[0].gains.lambda === 0.6")
@@ -186,7 +186,7 @@ def test_a_question_is_carried_out_with_one_click(page):
 
 
 def test_the_comparison_is_computed_over_the_window(page):
-    """The RMSE in the table is that of the columns themselves."""
+    """The RMSE in the table equals that of the columns."""
     live = opened(page)
     live.evaluate("thetascope.act.pause()")
     until(
@@ -200,8 +200,8 @@ def test_the_comparison_is_computed_over_the_window(page):
     )
 
 
-def test_a_click_in_the_log_shows_that_moment_and_gives_up_nothing(page):
-    """The scope looks at the moment of the event; the session stands where it stood."""
+def test_a_click_in_the_log_shows_that_moment(page):
+    """The scope shows the time of the event; the session does not go back."""
     live = opened(page)
     press(live, "theta3")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₃')")
@@ -211,7 +211,7 @@ def test_a_click_in_the_log_shows_that_moment_and_gives_up_nothing(page):
 
 
 def test_the_longest_sentence_covers_nothing(page):
-    """With a sentence of three lines the findings stand below it, each on its lines, with nothing over anything."""
+    """With a summary of three lines the findings are below it, and no line overlaps another."""
     live = opened(page)
     until(live, "/found in/.test(document.querySelector('.verdict').textContent)", 40)
     live.evaluate("thetascope.act.pause()")
@@ -228,8 +228,8 @@ def test_the_longest_sentence_covers_nothing(page):
     assert inside and below and max(lines) < 30
 
 
-def test_the_same_letters_stand_for_a_fault_everywhere(page):
-    """A channel that is a word has one badge: in the plant, in the list and beside its strip; sentences call it by its title."""
+def test_a_fault_has_the_same_badge_everywhere(page):
+    """A channel with a long name has one badge in the plant, in the list and at its strip; sentences use its title."""
     live = opened(page, "/?experiment=dc-motor")
     badge = live.locator("#fault-load_torque .badge").inner_text().replace("\n", "")
     assert live.locator("svg.plant .site").nth(1).locator("text").text_content() == badge
@@ -238,8 +238,8 @@ def test_the_same_letters_stand_for_a_fault_everywhere(page):
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected unknown load torque')")
 
 
-def test_a_second_fault_stays_however_long_the_first_one_lasted(page):
-    """Inject, wait, Clear, Inject on one row: the second has no end and shows none; a duration that was typed is kept."""
+def test_a_second_fault_does_not_inherit_the_duration_of_the_first(page):
+    """After Inject and Clear the next fault has no end; a typed duration is kept."""
     live = opened(page)
     live.evaluate("thetascope.act.speed(2)")
     press(live, "theta2")
@@ -268,7 +268,7 @@ def test_a_second_fault_stays_however_long_the_first_one_lasted(page):
 
 @pytest.mark.parametrize(("width", "height"), [(1366, 768), (1280, 720), (1440, 900)])
 def test_the_form_for_an_observer_can_be_reached_with_a_mouse(page, width, height):
-    """With three observers at a usual size of screen: the Add button lies where a click reaches it, and Escape closes the form."""
+    """With three observers on a usual screen the Add button can be clicked, and Escape closes the form."""
     live = opened(page, "/?experiment=dc-motor&t=2", width=width, height=height)
     live.click("#panel-observers .heading .link")
     hit = live.evaluate("""(() => {
@@ -281,16 +281,16 @@ def test_the_form_for_an_observer_can_be_reached_with_a_mouse(page, width, heigh
     assert live.is_hidden(".add-form") and live.evaluate("document.activeElement.textContent") == "+ add"
 
 
-def test_the_title_counts_the_observers_that_watch(page):
-    """One is named until it is removed."""
+def test_the_title_counts_the_running_observers(page):
+    """An added observer counts until it is removed."""
     live = opened(page)
     assert "1 observer" in live.inner_text("#panel-title")
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "/0 observers/.test(document.querySelector('#panel-title').textContent)")
 
 
-def test_what_is_of_now_says_so_while_one_looks_back(page):
-    """The Diagnosis card bears the present time while an earlier one is looked at, and no longer at now."""
+def test_the_diagnosis_states_its_time_while_looking_back(page):
+    """The Diagnosis card shows the present time while an earlier one is displayed, and otherwise not."""
     live = opened(page, "/?experiment=zhao-2012&t=30")
     tag = live.locator("#panel-diagnosis .as-of-now")
     assert tag.is_hidden()

@@ -1,4 +1,4 @@
-"""The page for a projector: its tabs, what can be done there, the way in and out, and that nothing overlaps, is cut or jumps."""
+"""The presentation mode: tabs, actions, entering and leaving, and that nothing overlaps, is cut or moves."""
 
 import pytest
 
@@ -52,7 +52,7 @@ DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame
 
 
 def presented(page, path: str = "/?experiment=zhao-2012&t=24", **more):
-    """The page while presenting, standing still, its first notice gone."""
+    """Return the page in presentation mode, paused, without its first notice."""
     live = opened(page, path, **more)
     live.evaluate(
         "thetascope.act.present(true); thetascope.act.pause(); thetascope.store.dispatch({type: 'set', notice: null})"
@@ -62,7 +62,7 @@ def presented(page, path: str = "/?experiment=zhao-2012&t=24", **more):
 
 
 def test_every_tab_shows_its_panel_and_no_other(page):
-    """By click, by arrows and by its key; the panel bears the tab's name, and only the chosen tab is in the order of Tab."""
+    """By click, arrow and key; the panel is labelled by the tab, and only the chosen tab is in the Tab order."""
     live = presented(page)
     for tab in TABS:
         live.click(f"#desk-{tab}")
@@ -84,7 +84,7 @@ def test_every_tab_shows_its_panel_and_no_other(page):
 
 
 def test_the_panels_work_while_presenting(page):
-    """A gain follows its slider, an observer is added within the card, a question is carried out, and the log tells of all."""
+    """A gain follows its slider, an observer is added in the card, a question is carried out, and all are logged."""
     live = presented(page)
     live.keyboard.press("o")
     live.locator("#panel-observers .gain input[type=range]").first.focus()
@@ -112,8 +112,8 @@ def test_the_panels_work_while_presenting(page):
     assert "you set λ of adaptive" in live.inner_text("#panel-log")
 
 
-def test_a_site_in_the_plant_opens_its_injection(page):
-    """From another tab: the card turns to Inject, the row is in sight as a whole and has the focus; so does a number key."""
+def test_a_fault_channel_in_the_plant_opens_its_injection(page):
+    """From another tab: the card switches to Inject, and the row is visible and focused; a number key does the same."""
     live = presented(page, "/?experiment=dts200&t=10", width=1280, height=720)
     whole = """(name) => { const row = document.getElementById(`fault-${name}`).getBoundingClientRect();
       const list = document.querySelector('.faults').getBoundingClientRect(); return row.top >= list.top - 1 && row.bottom <= list.bottom + 1; }"""
@@ -138,8 +138,8 @@ def test_a_site_in_the_plant_opens_its_injection(page):
 
 
 @pytest.mark.parametrize("way", ["p", "Escape", "button"])
-def test_leaving_brings_the_normal_page_back(page, way):
-    """Panels are where they were, session, window and zoom are kept, and nothing of the tabs is left on the page."""
+def test_leaving_restores_the_normal_page(page, way):
+    """Panels are in their places; session, window and zoom are unchanged; no tab remains."""
     live = opened(page, "/?experiment=zhao-2012&t=30")
     live.evaluate("thetascope.act.pause(); thetascope.act.window(10)")
     before = live.evaluate(PLACES)
@@ -165,8 +165,9 @@ def test_leaving_brings_the_normal_page_back(page, way):
         assert live.is_visible(f"#panel-{name}")
 
 
-def test_escape_closes_what_is_open_first(page):
-    """The choice of experiments, the menu of strips, a dialog, a form: each takes an Escape before the presentation ends."""
+def test_escape_closes_menus_and_dialogs_first(page):
+    """The list of experiments, the menu of strips, a dialog and a form each take an Escape before the presentation
+    ends."""
     live = presented(page)
     opens = {
         ".chooser-menu": ".experiment",
@@ -185,8 +186,8 @@ def test_escape_closes_what_is_open_first(page):
     until(live, "!thetascope.state.presentation")
 
 
-def test_it_is_kept_when_the_page_is_loaded_again(page):
-    """After a reload the same session is presented; after leaving and another reload it is not."""
+def test_a_reload_keeps_the_presentation(page):
+    """After leaving, a reload does not restore it."""
     live = presented(page)
     until(live, "history.state?.session !== undefined")
     session = live.evaluate("thetascope.state.session")
@@ -201,8 +202,8 @@ def test_it_is_kept_when_the_page_is_loaded_again(page):
     assert not live.evaluate("thetascope.state.presentation") and live.is_visible(".pages")
 
 
-def test_a_lost_connection_and_a_page_that_only_watches_say_so(page, server):
-    """The bar says "view only" all the time, and in another colour that the connection is lost."""
+def test_the_bar_shows_view_only_and_a_lost_connection(page, server):
+    """ "View only" is always shown, and in another colour a lost connection."""
     live = presented(page, width=1024, height=768)
     link = live.evaluate("thetascope.act.link({view: true})")
     viewer = opened(page, link.removeprefix(server), width=1024, height=768)
@@ -222,8 +223,8 @@ def test_a_lost_connection_and_a_page_that_only_watches_say_so(page, server):
     "experiment", ["zhao-2012", "zhou-tan-2012", "dts200", "quadruple-tank", "zhao-2012-observers"]
 )
 def test_nothing_overlaps_or_is_cut(page, experiment):
-    """In both languages, on every tab, at four sizes: controls and cards stand apart and whole; from 900 px of height on two injections and two observers
-    are in sight."""
+    """In both languages, on every tab, at four sizes: controls and cards are complete; from 900 px two rows each are
+    visible."""
     live = presented(page, f"/?experiment={experiment}&t=2")
     live.evaluate(
         "thetascope.send({type: 'inject', fault: {channel: thetascope.state.plant.channels[0].name, shape: 'step', onset: 0, size: 1e-3}})"
@@ -250,8 +251,8 @@ def test_nothing_overlaps_or_is_cut(page, experiment):
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1024, 768)])
-def test_nothing_jumps(page, width, height):
-    """Faults, alarms, a sentence of one line and one of three, a list unfolded over the plant: every part stays in its place."""
+def test_nothing_moves(page, width, height):
+    """Faults, alarms, summaries of one and three lines, and an unfolded list: every part keeps its place."""
     live = presented(page, "/?experiment=zhao-2012&t=10", width=width, height=height)
     until(live, "/No fault/.test(document.querySelector('.verdict').textContent)")
     before = live.evaluate(BOXES)
@@ -278,7 +279,7 @@ def test_nothing_jumps(page, width, height):
     ("path", "theme", "language"), [("/", "light", "en"), ("/?experiment=zhou-tan-2012", "dark", "zh")]
 )
 def test_axe_finds_nothing_serious(page, path, theme, language):
-    """Every tab, as it is and unfolded, while presenting."""
+    """On every tab of the presentation, folded and unfolded."""
     live = with_faults(page, path, width=1280, height=720, theme=theme)
     live.evaluate(f"thetascope.act.language('{language}'); thetascope.act.present(true)")
     found = {}

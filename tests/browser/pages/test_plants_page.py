@@ -1,4 +1,4 @@
-"""The page of plants, and what the pages share: navigation and language."""
+"""The page of plants, and navigation and language shared by all pages."""
 
 import json
 
@@ -6,8 +6,8 @@ from tests.browser.live_helpers import until
 from thetascope import library
 
 
-def test_every_plant_is_listed_and_opens_to_its_equations(page):
-    """One entry a plant; unfolding shows its equations as MathML and leads to its experiments, live."""
+def test_every_plant_is_listed_with_its_equations(page):
+    """Unfolding an entry shows its equations as MathML and links to its experiments."""
     opened = page("/plants/")
     opened.wait_for_selector(".plant-card")
     assert opened.locator(".plant-card").count() == len(library.plants())
@@ -18,8 +18,8 @@ def test_every_plant_is_listed_and_opens_to_its_equations(page):
     assert opened.watch.errors == [] and opened.watch.foreign == []
 
 
-def test_a_plant_of_ones_own_is_checked(page):
-    """A right plant gets its equations and the observers that can be built; a wrong one the place and the remedy."""
+def test_an_edited_plant_is_checked(page):
+    """A valid plant gets its equations and the observers that can be built, an invalid one the position and the remedy."""
     opened = page("/plants/")
     opened.wait_for_selector("#own")
     plant = library.plant("shen-hu-2015").model_dump(mode="json")
@@ -36,8 +36,8 @@ def test_a_plant_of_ones_own_is_checked(page):
     assert "JSON" in opened.wait_for_selector(".result .alarm").inner_text()
 
 
-def test_the_pages_lead_to_each_other_and_share_the_language(page, server):
-    """Live, Runs and Plants are one click away, and a language chosen on one is that of all."""
+def test_the_pages_link_to_each_other_and_share_the_language(page, server):
+    """Live, Runs and Plants are one click away, and a chosen language applies to all."""
     opened = page("/plants/")
     opened.click(".top button:text-is('中文')")
     until(opened, "document.querySelector('h1')?.textContent === '对象'")

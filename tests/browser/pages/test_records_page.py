@@ -1,4 +1,4 @@
-"""The page of records: a file, a plant, and what the file shows."""
+"""The page of records: a file, a plant, and the diagnosis."""
 
 import numpy as np
 import pytest
@@ -9,7 +9,7 @@ from thetascope_schemas import Experiment
 
 
 def record(path, name: str = "friction-motor") -> None:
-    """A run's measurement as a CSV file, its columns by their bare names, its clock not at zero."""
+    """Return a run's measurement as a CSV file with bare column names and a clock that does not start at zero."""
     changes = {"observers": [], "figures": [], "diagnosis": {"enabled": False}, "seed": 5}
     run = prepare(library.resolve(Experiment.model_validate(library.experiment(name).model_dump() | changes))).run()
     columns = {
@@ -23,10 +23,8 @@ def record(path, name: str = "friction-motor") -> None:
 
 @pytest.mark.parametrize("spreadsheet", [False, True])
 def test_a_file_is_diagnosed(page, tmp_path, spreadsheet):
-    """The fault is named with its size and its onset on the record's own clock, marked in every output; no error, nothing foreign.
-
-    With semicolons and decimal commas, too.
-    """
+    """The fault is identified with size and onset on the record's clock, and marked in every output; also with
+    semicolons."""
     record(tmp_path / "motor.csv")
     if spreadsheet:
         text = (tmp_path / "motor.csv").read_text()
@@ -46,7 +44,8 @@ def test_a_file_is_diagnosed(page, tmp_path, spreadsheet):
 
 
 def test_a_simulated_record_and_mistakes(page, tmp_path):
-    """Without a file one is asked for, a run can be taken in its place, and a file that does not fit is refused with the remedy."""
+    """A missing file is reported, a simulated record can be used instead, and an unsuitable file is refused with the
+    remedy."""
     opened = page("/records/")
     opened.wait_for_selector(".names code")
     opened.click("button.run")
@@ -62,8 +61,8 @@ def test_a_simulated_record_and_mistakes(page, tmp_path):
     assert "y1" in opened.wait_for_selector(".problem").inner_text()
 
 
-def test_only_the_columns_that_count_are_sent_and_a_language_keeps_the_result(page, tmp_path):
-    """Of a file with 30 more columns only the plant's are sent; in Chinese the file, the plant and the result are still there."""
+def test_only_required_columns_are_sent_and_a_change_of_language_keeps_the_result(page, tmp_path):
+    """Of a file with 30 more columns only the plant's are sent; file, plant and result stay."""
     record(tmp_path / "motor.csv")
     head, *lines = (tmp_path / "motor.csv").read_text().splitlines()
     more = [f"adaptive.x.{k}" for k in range(30)]

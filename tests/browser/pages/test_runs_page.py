@@ -1,4 +1,4 @@
-"""The page at /runs/: choose an experiment, run it, see its figures; on any screen, by keyboard, and when things go wrong."""
+"""The page /runs/: choose an experiment, run it, see its figures; any screen, keyboard, and errors."""
 
 import json
 import re
@@ -10,7 +10,7 @@ DRAWN = "figure[data-drawn] .plot .scatterlayer path.js-line"
 
 
 def until(page, expression: str, seconds: float = 20.0) -> None:
-    """Wait until an expression is true on the page (whose content policy forbids Playwright's own waiting by eval)."""
+    """Wait until an expression is true on the page, whose content policy forbids Playwright's own waiting by eval."""
     end = time.monotonic() + seconds
     while not page.evaluate(expression):
         assert time.monotonic() < end, f"it never came true: {expression}"
@@ -23,7 +23,7 @@ def run(page) -> None:
 
 
 def test_zhao_2012_runs_and_shows_its_figures(page):
-    """Open, run: figures with curves, the comparison and the assumptions appear; no error, no request to another host."""
+    """Figures with curves, comparison and assumptions appear, without errors or requests to another host."""
     opened = page("/runs/?experiment=zhao-2012")
     opened.wait_for_selector("h1")
     run(opened)
@@ -35,7 +35,7 @@ def test_zhao_2012_runs_and_shows_its_figures(page):
 
 
 def test_the_library_is_listed_and_a_choice_opens(page):
-    """Every experiment of the library is a link; choosing one puts it into the address, and Back leads to the one before."""
+    """Every experiment is a link that sets the address; Back leads to the previous one."""
     opened = page("/runs/")
     links = opened.locator(".chooser li a")
     links.first.wait_for()
@@ -52,7 +52,7 @@ def test_the_library_is_listed_and_a_choice_opens(page):
 
 
 def test_a_link_reopens_choice_changes_and_result(page, server):
-    """Seed and noise are kept in the address, together with the run, and a new page shows the same without running."""
+    """The address contains seed, noise and run; a new page shows the same without running."""
     opened = page("/runs/?experiment=zhao-2012")
     opened.fill("#field-seed", "5")
     opened.fill("#field-noise-y-std", "0.002")
@@ -71,7 +71,7 @@ def test_a_link_reopens_choice_changes_and_result(page, server):
 
 
 def test_a_refused_value_is_explained_at_its_field(page):
-    """The server's problem and remedy stand under the field, which is marked and has the focus; mending it clears them."""
+    """Problem and remedy are below the field, which is marked and focused; a correction clears them."""
     opened = page("/runs/?experiment=zhao-2012")
     opened.fill("#field-noise-y-std", "-1")
     opened.click("button.run")
@@ -84,7 +84,7 @@ def test_a_refused_value_is_explained_at_its_field(page):
 
 
 def test_a_value_that_has_no_field_is_refused_above_the_button(page):
-    """A wrong path among the other values names itself and the nearest right one."""
+    """A wrong path is named together with the nearest correct one."""
     opened = page("/runs/?experiment=zhao-2012&set=noize.y.std%3D0")
     opened.wait_for_selector("h1")
     opened.click("button.run")
@@ -92,15 +92,15 @@ def test_a_value_that_has_no_field_is_refused_above_the_button(page):
     assert "noize" in trouble.inner_text() and "noise" in trouble.inner_text()
 
 
-def test_an_unknown_experiment_is_an_answer_not_a_blank_page(page):
-    """A link to an experiment that is not there says so, and the library stays at hand."""
+def test_an_unknown_experiment_is_answered_with_a_notice(page):
+    """The page says that the experiment does not exist, and lists the library."""
     opened = page("/runs/?experiment=zhao-2021")
     assert "zhao-2012" in opened.wait_for_selector(".head .problem").inner_text()
     assert opened.locator(".chooser li a").count() > 0
 
 
 def test_a_long_run_shows_progress_and_can_be_cancelled(page):
-    """A run of minutes shows how far it is; Cancel ends it, and the page says so."""
+    """A run of minutes shows its progress; Cancel ends it, and the page reports it."""
     opened = page("/runs/?experiment=zhao-2012-observers&set=horizon%3D15000&set=record%3D1.5")
     opened.wait_for_selector("h1")
     opened.click("button.run")
@@ -110,8 +110,8 @@ def test_a_long_run_shows_progress_and_can_be_cancelled(page):
     assert opened.is_enabled("button.run")
 
 
-def test_a_lost_connection_is_told_and_survived(page):
-    """While the server does not answer the page says so and waits; when it answers again the run appears by itself."""
+def test_a_lost_connection_is_reported_and_survived(page):
+    """While the server does not respond the page says so and waits; then the run appears."""
     opened = page("/runs/?experiment=shen-hu-2015")
     opened.wait_for_selector("h1")
     opened.route("**/api/**", lambda route: route.abort("connectionrefused"))
@@ -123,7 +123,7 @@ def test_a_lost_connection_is_told_and_survived(page):
 
 
 def test_everything_is_reached_by_keyboard(page):
-    """From the top of the page, Tab and Enter alone choose nothing wrong and start the run."""
+    """Tab and Enter alone reach the button and start the run."""
     opened = page("/runs/?experiment=shen-hu-2015")
     opened.wait_for_selector("h1")
     for _ in range(80):
@@ -140,7 +140,7 @@ def test_everything_is_reached_by_keyboard(page):
 
 @pytest.mark.parametrize("width", [390, 820, 1180, 1920])
 def test_nothing_is_wider_than_the_screen(page, width):
-    """At every width the page scrolls down only, and the run button is on it."""
+    """At every width the page scrolls vertically only, and the run button is visible."""
     opened = page("/runs/?experiment=shen-hu-2015", width=width, height=844)
     opened.wait_for_selector("h1")
     run(opened)
@@ -149,7 +149,7 @@ def test_nothing_is_wider_than_the_screen(page, width):
 
 
 def test_light_and_dark_follow_the_system_and_the_button(page):
-    """A dark system gives a dark page and dark figures; the button turns both, and the choice is kept."""
+    """A dark system gives a dark page and dark figures; the button changes both, and the choice is kept."""
     opened = page("/runs/?experiment=shen-hu-2015", theme="dark")
     opened.wait_for_selector("h1")
     run(opened)
@@ -162,8 +162,8 @@ def test_light_and_dark_follow_the_system_and_the_button(page):
     assert opened.evaluate("document.documentElement.dataset.theme") == "light"
 
 
-def test_hostile_words_stay_words(page, server):
-    """A posted experiment whose texts are markup is shown as text: in the page, its figures and its report."""
+def test_markup_in_texts_is_shown_as_text(page, server):
+    """An experiment whose texts are markup is shown as text: in the page, its figures and its report."""
     hostile = "<img src=x onerror='window.pwned=1'><script>window.pwned=1</script>"
     opened = page("/runs/")
     spec = json.loads(opened.request.get(f"{server}/api/experiments/shen-hu-2015").text())
@@ -183,8 +183,8 @@ def test_hostile_words_stay_words(page, server):
     assert opened.evaluate("window.pwned") is None and opened.locator("img").count() == 0
 
 
-def test_no_button_sends_a_figure_away(page):
-    """Plotly's offer to upload a figure is not there, in the page."""
+def test_no_button_uploads_a_figure(page):
+    """Plotly's button for uploading a figure is absent."""
     opened = page("/runs/?experiment=shen-hu-2015")
     opened.wait_for_selector("h1")
     run(opened)
@@ -195,7 +195,7 @@ def test_no_button_sends_a_figure_away(page):
 
 
 def test_the_report_opens_offline_from_a_file(page, server, browser, tmp_path):
-    """The saved report draws every figure with the network off, and asks for nothing."""
+    """The saved report draws every figure without a network and requests nothing."""
     opened = page("/runs/")
     answer = opened.request.post(f"{server}/api/runs", data={"experiment": "shen-hu-2015"})
     report = opened.request.get(f"{server}{answer.json()['links']['report']}").text()
