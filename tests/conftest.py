@@ -1,4 +1,4 @@
-"""What all tests share: property-based tests are reproducible and keep no files."""
+"""Settings of all tests: property-based tests are reproducible and keep no files."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""The command line as it is called: in this process for speed, or as a process of its own."""
+"""Call the command line: in this process, which is fast, or as a separate process."""
 
 import subprocess
 import sys
@@ -14,7 +14,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(autouse=True)
 def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Files and the store are the test's own, and the language is English."""
+    """Files and the store belong to the test, and the language is English."""
     monkeypatch.setenv("THETASCOPE_DATA", str(tmp_path / "data"))
     for name in ("LC_ALL", "LC_MESSAGES", "LANG"):
         monkeypatch.delenv(name, raising=False)
@@ -23,7 +23,7 @@ def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.fixture
 def call(capsys: pytest.CaptureFixture) -> Callable[..., tuple[int, str, str]]:
-    """Call the command line; gives its exit code, output and error output."""
+    """Call the command line; return its exit code, output and error output."""
 
     def call_one(*arguments: str) -> tuple[int, str, str]:
         try:
@@ -38,7 +38,7 @@ def call(capsys: pytest.CaptureFixture) -> Callable[..., tuple[int, str, str]]:
 
 @pytest.fixture
 def process(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess]:
-    """Call it as a process."""
+    """Call it as a separate process."""
 
     def run_one(*arguments: str, **options: object) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "thetascope.cli.main", *arguments]

@@ -17,7 +17,7 @@ from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 
 
 def recorded(call, experiment: str, *changes: str) -> dict[str, np.ndarray]:
-    """What sensors would have recorded in a run: t, inputs, known signals and outputs."""
+    """Return simulated measurements of a run: t, inputs, known signals and outputs."""
     assert (
         call(
             "run", experiment, "--set", "diagnosis.enabled=false", *changes, "--no-store", "--out", "run.csv", "--quiet"
@@ -36,8 +36,8 @@ def write(columns: dict[str, np.ndarray], name: str = "rec.csv") -> None:
         file.write("\n".join(lines) + "\n")
 
 
-def test_a_record_shows_its_faults_though_nobody_said_how_noisy_it_is(call):
-    """Friction that rises tenfold at 10 s in a CSV file: named within 1 s, sized within its interval, the noise found to 15 %."""
+def test_a_record_is_diagnosed_without_declared_noise(call):
+    """Friction that rises tenfold at 10 s is identified within 1 s, its size within the interval, the noise to 15 %."""
     write(recorded(call, "friction-motor", "--set", "seed=5"))
     code, shown, _ = call("diagnose", "friction-motor", "rec.csv", "--json", "found.json")
     found = json.loads(Path("found.json").read_text())
@@ -49,7 +49,7 @@ def test_a_record_shows_its_faults_though_nobody_said_how_noisy_it_is(call):
 
 @pytest.mark.parametrize("name", ["dc-motor", "quadruple-tank", "dts200", "contois-physical"])
 def test_records_of_other_plants(name):
-    """Runs taken for records, their noise told to nobody: it is found to 15 %, every fault is named once, and none without faults."""
+    """In runs used as records the noise is estimated to 15 %, every fault is named once, and none without faults."""
     spec = library.experiment(name)
     plant = library.plant(spec.plant)
     for faults in (spec.faults, ()):
@@ -62,16 +62,16 @@ def test_records_of_other_plants(name):
         assert noise == pytest.approx({n: spec.noise[n].std for n in noise}, rel=0.15)
 
 
-def test_a_sound_record_shows_none(call):
-    """The same motor without its fault, bare column names, at a doubled distance of samples."""
+def test_a_healthy_record_shows_no_fault(call):
+    """The motor without its fault, bare column names, twice the sample period."""
     columns = recorded(call, "friction-motor", "--set", "faults=[]")
     write({n.partition(".")[2] or n: v[::2] for n, v in columns.items()})
     code, shown, _ = call("diagnose", "friction-motor", "rec.csv")
     assert code == 0 and shown.startswith("no fault found")
 
 
-def test_an_offset_that_was_always_there_is_learnt(call):
-    """A model that is wrong by a constant: without learning an alarm, with it none but for what comes later."""
+def test_a_constant_offset_is_learnt(call):
+    """A model with a constant error raises an alarm; with learning only later faults do."""
     always = '{"channel": "friction", "shape": "step", "onset": 0, "size": 6}'
     later = '{"channel": "friction", "shape": "step", "onset": 12, "size": 30}'
     write(recorded(call, "friction-motor", "--set", f"faults=[{always}, {later}]"))
@@ -91,8 +91,8 @@ def test_an_offset_that_was_always_there_is_learnt(call):
         (lambda c: c.update({n: v[:50] for n, v in c.items()}), "50 rows, fewer than 200"),
     ],
 )
-def test_a_record_that_does_not_do_is_refused_with_the_place(call, spoil, words):
-    """Exit code 1 and a sentence that names the column, the row and what to do."""
+def test_an_unsuitable_record_is_refused_with_the_position(call, spoil, words):
+    """Exit code 1 and a sentence that names the column, the row and the remedy."""
     columns = recorded(call, "friction-motor", "--set", "horizon=5")
     spoil(columns)
     write(columns)
@@ -100,8 +100,8 @@ def test_a_record_that_does_not_do_is_refused_with_the_place(call, spoil, words)
     assert code == 1 and words in error and "Traceback" not in error
 
 
-def test_files_that_are_no_records_are_refused(call, tmp_path):
-    """A cell that is no number is named with its line; a plant or file that is not there is told."""
+def test_invalid_files_are_refused(call, tmp_path):
+    """A cell that is not a number is named with its line; a missing plant or file is reported."""
     (tmp_path / "a.csv").write_text("t,y\n0,1\n1,high\n")
     assert "line 3" in call("diagnose", "friction-motor", "a.csv")[2]
     assert "cannot be read" in call("diagnose", "friction-motor", "none.csv")[2]
@@ -110,14 +110,14 @@ def test_files_that_are_no_records_are_refused(call, tmp_path):
 
 @pytest.mark.parametrize("row", ["7", "7,8", "7,8,9,10", ",7,8", "7,,9"])
 def test_a_row_of_another_length_is_refused_with_its_line(row):
-    """One cell is not taken for the whole row, and none is filled in."""
+    """One cell is not used for the whole row, and none is filled in."""
     with pytest.raises(SpecError, match="line 3") as caught:
         columns_of_csv(f"t,u,y\n0,1,2\n{row}\n2,3,4")
     assert caught.value.value == row
 
 
-def test_a_trial_counts_false_and_right_alarms(call):
-    """Five seeds of the friction example: no false alarm, five faults found; the locked band is judged beside it."""
+def test_a_trial_counts_false_and_correct_alarms(call):
+    """Five seeds of the friction example: no false alarm, five faults found; the fixed band is evaluated beside it."""
     code, shown, _ = call("trial", "friction-motor", "--seeds", "5", "--lock", "7", "--quiet")
     lines = {line.split("  ")[0]: line.split() for line in shown.splitlines()}
     assert code == 0 and lines["detector"][1:3] == ["0", "(0"] and lines["detector"][7] == "5"
@@ -126,7 +126,7 @@ def test_a_trial_counts_false_and_right_alarms(call):
 
 
 def test_a_record_as_spreadsheets_write_it(call):
-    """Semicolons, decimal commas and times rounded to milliseconds: the same finding; a column that is missing is named."""
+    """Semicolons, decimal commas and times rounded to milliseconds give the same finding; a missing column is named."""
     columns = recorded(call, "friction-motor", "--set", "seed=5")
     t = columns["t"] * 1.2345678
     rows = zip(np.round(t, 3), *(columns[n] for n in ("u.torque", "y.y_speed", "y.y_acceleration")), strict=True)
@@ -150,8 +150,8 @@ def test_a_record_as_spreadsheets_write_it(call):
         ({}, float("nan"), "at least a tenth of it"),
     ],
 )
-def test_what_a_record_cannot_hold_is_refused(call, changes, learn, said):
-    """Numbers that no sensor shows, and learning that leaves nothing to be judged."""
+def test_impossible_records_are_refused(call, changes, learn, said):
+    """Non-finite or implausible numbers, and a learning time that leaves nothing to test."""
     columns = recorded(call, "friction-motor")
     y = next(n for n in columns if n.startswith("y."))
     columns[y] = np.where(np.arange(len(columns[y])) == 50, changes.get("cell", columns[y]), columns[y])

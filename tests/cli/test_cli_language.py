@@ -1,4 +1,4 @@
-"""The command line speaks the language that is asked for."""
+"""The command line in the requested language."""
 
 import json
 import re
@@ -27,7 +27,7 @@ CHINESE = re.compile("[\u4e00-\u9fff]")
         (["--language"], {"LANG": "zh"}, "zh"),
     ],
 )
-def test_the_option_wins_over_the_environment(arguments, environ, language):
+def test_the_option_overrides_the_environment(arguments, environ, language):
     """--language, then LC_ALL, LC_MESSAGES and LANG, then English."""
     assert chosen_language(arguments, environ) == language
 
@@ -61,7 +61,7 @@ def test_help_is_chinese(call, command):
     ],
 )
 def test_refusals_are_chinese(call, arguments, code, said):
-    """Mistakes of use and refused specs, wherever they are found."""
+    """Wrong usage and refused specs, wherever they are detected."""
     found, _, error = call("--language", "zh", *arguments)
     assert found == code and said in error
 
@@ -77,7 +77,7 @@ def test_argparse_is_english_in_english(call):
 
 
 def test_a_plant_file_is_checked_in_chinese(call, tmp_path):
-    """The report's own words are Chinese, and a plant's title in the asked language."""
+    """The report is Chinese, and the plant's title is in the requested language."""
     plant = {
         "id": "lag",
         "title": {"en": "Lag", "zh": "惯性环节"},

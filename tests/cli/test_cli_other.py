@@ -12,20 +12,20 @@ from tests.runs.samples import PLANT
 
 
 def test_version_is_that_of_the_package(call):
-    """`thetascope --version` prints the name and the one version."""
+    """`thetascope --version` prints the name and the version of the package."""
     assert call("--version") == (0, f"thetascope {thetascope.__version__}\n", "")
 
 
 def test_list_names_the_experiments_and_plants_of_the_library(call):
-    """With their titles."""
+    """Each has its title."""
     code, shown, _ = call("list")
     words = shown.split()
     assert code == 0
     assert {"zhao-2012", "shen-hu-2015", "reduced-order-mimo", "zhou-tan-2012", "dts200", "dc-motor"} <= set(words)
 
 
-def test_check_says_what_a_plant_file_means(call, tmp_path):
-    """Sizes, Φ and Ψ, and which observers can be built for it."""
+def test_check_describes_a_plant_file(call, tmp_path):
+    """Sizes, Φ and Ψ, and the observers that can be built for it."""
     (tmp_path / "p.json").write_text(json.dumps(PLANT))
     code, shown, _ = call("check", "p.json")
     lines = [line.split() for line in shown.splitlines()]
@@ -57,8 +57,8 @@ dynamics:
         ("id: mine", "id: &a mine", "p.yaml:1:5: anchors", None),
     ],
 )
-def test_check_points_at_the_mistake_in_the_text(call, tmp_path, old, new, place, under):
-    """Line and column of the file, and a mark under the very word."""
+def test_check_points_at_the_error_in_the_text(call, tmp_path, old, new, place, under):
+    """Line and column of the file, and a mark below the word."""
     (tmp_path / "p.yaml").write_text(YAML.replace(old, new))
     code, _, error = call("check", "p.yaml")
     assert code == 1 and place in error
@@ -69,7 +69,7 @@ def test_check_points_at_the_mistake_in_the_text(call, tmp_path, old, new, place
 
 
 def loaded(arguments: list[str], heavy: set[str]) -> set[str]:
-    """Which of the modules a command has loaded when it ends well, in a process of its own."""
+    """Return the modules that a command has loaded when it ends successfully, in a separate process."""
     probe = (
         "import sys, thetascope.cli.main\n"
         f"try: code = thetascope.cli.main.main({arguments})\n"
@@ -84,27 +84,27 @@ def loaded(arguments: list[str], heavy: set[str]) -> set[str]:
 
 
 def test_help_answers_without_loading_the_engine():
-    """It is there at once."""
+    """It is printed immediately."""
     heavy = {"numpy", "fastapi", "sympy", "pydantic", "plotly", "yaml"}
     assert loaded(["--help"], heavy) == set()
     assert "pydantic" in loaded(["list"], heavy)
 
 
 def test_a_run_does_not_load_the_web_service_or_plotly():
-    """The command line starts no slower for what it does not use."""
+    """Unused packages do not delay the start of the command line."""
     heavy = {"fastapi", "starlette", "uvicorn", "plotly", "llvmlite"}
     assert loaded(["run", "shen-hu-2015", "--set", "horizon=1", "--quiet"], heavy) == {"llvmlite"}
 
 
-def test_serve_says_where_the_store_cannot_be_used(process, tmp_path, monkeypatch):
-    """Before anything listens."""
+def test_serve_reports_an_unusable_store(process, tmp_path, monkeypatch):
+    """Before it listens."""
     (tmp_path / "file").write_text("in the way")
     monkeypatch.setenv("THETASCOPE_DATA", str(tmp_path / "file"))
     found = process("serve", "--port", "0")
     assert found.returncode == 1 and "THETASCOPE_DATA" in found.stderr and "Traceback" not in found.stderr
 
 
-def test_a_pipe_that_closes_early_is_no_error():
+def test_a_pipe_that_closes_early_is_not_an_error():
     """`thetascope list | head -1`."""
     shell = f"{sys.executable} -m thetascope.cli.main list | head -1"
     done = subprocess.run(shell, shell=True, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)

@@ -1,4 +1,4 @@
-"""`thetascope run`: an experiment in, numbers out."""
+"""`thetascope run`: from an experiment to numbers."""
 
 import csv
 import io
@@ -18,13 +18,13 @@ from thetascope.cli.words import Words
 
 
 def columns(path) -> dict[str, np.ndarray]:
-    """A CSV file by column name."""
+    """Return a CSV file by column name."""
     head, *rows = csv.reader(path.open())
     return dict(zip(head, np.array(rows, dtype=float).T, strict=True))
 
 
-def test_the_targets_of_the_paper_come_out_of_the_csv(call, tmp_path):
-    """READING.md §1 from `thetascope run zhao-2012-noise-free --out a.csv`: means to 1e-6, states to 1e-7."""
+def test_the_csv_meets_the_targets_of_the_paper(call, tmp_path):
+    """Means to 1e-6 and states to 1e-7 from `thetascope run zhao-2012-noise-free --out a.csv` (READING.md §1)."""
     assert call("run", "zhao-2012-noise-free", "--out", "a.csv")[0] == 0
     found = columns(tmp_path / "a.csv")
     for (start, end), truth in {
@@ -41,7 +41,7 @@ def test_the_targets_of_the_paper_come_out_of_the_csv(call, tmp_path):
 
 
 def test_one_run_writes_every_format_with_the_same_numbers(call, tmp_path):
-    """CSV, JSON, MATLAB and a report, in one call."""
+    """CSV, JSON, MATLAB and a report in one call."""
     outputs = [part for name in ("a.csv", "a.json", "a.mat", "a.html") for part in ("--out", name)]
     code, shown, _ = call("run", "shen-hu-2015", "--set", "horizon=2", *outputs)
     assert code == 0 and "nonsmooth" in shown
@@ -54,7 +54,7 @@ def test_one_run_writes_every_format_with_the_same_numbers(call, tmp_path):
 
 
 def test_the_same_command_again_writes_the_same_file_from_the_store(call, tmp_path, monkeypatch):
-    """Byte for byte, and without the engine: it is taken away in between."""
+    """Byte for byte, and without the engine, which is removed in between."""
     assert call("run", "shen-hu-2015", "--set", "horizon=2", "--out", "a.csv")[0] == 0
     monkeypatch.setattr("thetascope.assembly.prepare", None)
     assert call("run", "shen-hu-2015", "--set", "horizon=2", "--out", "b.csv")[0] == 0
@@ -62,7 +62,7 @@ def test_the_same_command_again_writes_the_same_file_from_the_store(call, tmp_pa
 
 
 def test_a_file_in_yaml_or_json_runs_and_a_change_by_path_takes_effect(call, tmp_path):
-    """`--set` changes what the file says; without noise the measurement is the output."""
+    """`--set` changes the file's values; without noise the measurement equals the output."""
     (tmp_path / "e.json").write_text(json.dumps(spec_data()))
     assert call("run", "e.json", "--set", "noise.y.std=0", "--set", "seed=3", "--out", "a.csv", "--quiet") == (
         0,
@@ -75,8 +75,8 @@ def test_a_file_in_yaml_or_json_runs_and_a_change_by_path_takes_effect(call, tmp
     assert call("run", "e.yaml", "--no-store")[0] == 0
 
 
-def test_the_table_tells_of_each_fault_the_truth_the_estimate_and_whether_it_settled(call, tmp_path):
-    """A person sees at once whether it worked."""
+def test_the_table_has_truth_estimate_and_settling_of_each_fault(call, tmp_path):
+    """A reader sees whether the observer works."""
     faults = [{"channel": "gain", "shape": "step", "onset": 2, "size": 0.2}]
     (tmp_path / "e.json").write_text(json.dumps(spec_data(horizon=20, faults=faults)))
     code, shown, _ = call("run", "e.json")
@@ -88,7 +88,7 @@ def test_the_table_tells_of_each_fault_the_truth_the_estimate_and_whether_it_set
 
 
 def test_several_observers_are_compared_on_the_screen_and_in_files(call, tmp_path):
-    """A line an observer with errors and cost; the files hold every measure; one observer alone needs no such table."""
+    """One line per observer with errors and cost; files contain every measure; a single observer has no such table."""
     pair = [{"label": label, "kind": "adaptive-kalman"} for label in ("one", "two")]
     (tmp_path / "e.json").write_text(json.dumps(spec_data(observers=pair)))
     code, shown, _ = call("run", "e.json", "--comparison", "c.csv", "--comparison", "c.json")
@@ -102,7 +102,7 @@ def test_several_observers_are_compared_on_the_screen_and_in_files(call, tmp_pat
     assert [w["end"] for w in compared["windows"]] == [0.5, 1.0]
 
 
-def test_an_observer_that_diverged_and_one_without_faults_are_told_in_words(call):
+def test_observers_that_diverged_or_estimate_no_fault_are_reported_in_words(call):
     """The table has no cells for them."""
     code, shown, _ = call("run", "zhao-2012-as-printed")
     assert code == 0 and "adaptive diverged at 0.7" in shown and "OBSERVER" not in shown
@@ -128,15 +128,15 @@ def test_an_observer_that_diverged_and_one_without_faults_are_told_in_words(call
         ([], 2, "COMMAND"),
     ],
 )
-def test_what_is_wrong_gets_an_exit_code_and_a_word_about_it_on_stderr(call, arguments, code, words):
-    """1 for what was asked, 2 for how; nothing on stdout, so pipes stay clean."""
+def test_errors_have_an_exit_code_and_a_reason_on_stderr(call, arguments, code, words):
+    """1 for a refused request, 2 for wrong usage; nothing on stdout, so that pipes stay clean."""
     found, shown, error = call(*arguments)
     assert (found, shown) == (code, "")
     assert words in error
 
 
-def test_a_mistake_in_an_experiment_file_is_shown_at_its_place(call, tmp_path):
-    """file:line:column, the line, and a mark under the place; every mistake at once."""
+def test_an_error_in_an_experiment_file_is_shown_at_its_position(call, tmp_path):
+    """file:line:column, the line, and a mark below; all errors together."""
     (tmp_path / "e.yaml").write_text(
         "plant: shen-hu-2015\nhorizon: 10\nfaults:\n  - {channel: theta, shape: step, onset: soon, size: 1}\n"
         "seed: 1.5\n"
@@ -150,8 +150,8 @@ def test_a_mistake_in_an_experiment_file_is_shown_at_its_place(call, tmp_path):
     assert lines[mark - 1][lines[mark].index("^") :].startswith("soon")
 
 
-def test_settings_that_are_wrong_and_stores_that_are_damaged_are_told(call, tmp_path, monkeypatch):
-    """A run needs no store, so it goes on without one."""
+def test_invalid_settings_and_damaged_stores_are_reported(call, tmp_path, monkeypatch):
+    """A run does not need a store, so it continues without one."""
     (tmp_path / "data").mkdir()
     (tmp_path / "data" / "runs.sqlite").write_text("no database " * 500)
     code, shown, error = call("run", "shen-hu-2015", "--set", "horizon=1")
@@ -161,8 +161,8 @@ def test_settings_that_are_wrong_and_stores_that_are_damaged_are_told(call, tmp_
     assert code == 1 and "THETASCOPE_MAX_STEPS is 'many'" in error
 
 
-def test_ctrl_c_stops_a_long_run_soon_with_exit_code_130(tmp_path):
-    """As in other programs; no traceback."""
+def test_ctrl_c_stops_a_long_run_with_exit_code_130(tmp_path):
+    """Within seconds and without a traceback."""
     (tmp_path / "e.json").write_text(json.dumps(long_data()))
     # Where the tests run in the background of a shell, SIGINT is ignored by all that they start.
     heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); from thetascope.cli.main import main; sys.exit(main())"
@@ -187,7 +187,7 @@ class Terminal(io.StringIO):
 
 
 def test_the_progress_is_a_bar_on_a_terminal_and_lines_elsewhere(monkeypatch):
-    """A log is not filled with carriage returns; short runs show nothing."""
+    """A log is not filled with carriage returns; short runs print nothing."""
     now = [0.0]
     monkeypatch.setattr("thetascope.cli.terminal.time.monotonic", lambda: now[0])
     terminal, log, quiet = Terminal(), io.StringIO(), Terminal()
@@ -207,6 +207,6 @@ def test_the_progress_is_a_bar_on_a_terminal_and_lines_elsewhere(monkeypatch):
     assert quiet.getvalue() == ""
 
 
-def test_a_table_puts_numbers_to_the_right_and_words_to_the_left():
-    """A column of numbers reads from the decimal side."""
+def test_a_table_aligns_numbers_right_and_words_left():
+    """Decimal places of a column are aligned."""
     assert table(["NAME", "N"], [["a", "1"], ["bcd", "-10"]]) == "NAME    N\na       1\nbcd   -10"

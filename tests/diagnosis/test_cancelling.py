@@ -8,7 +8,7 @@ from thetascope_schemas import Experiment
 
 
 def asked_in(name: str, stop) -> int:
-    """How often a run asks whether it is cancelled, once its simulation is over."""
+    """Return how often a run asks whether it is cancelled after its simulation."""
     spec = library.experiment(name).model_dump(mode="json") | {"seed": 7_301, "diagnosis": {"false_alarms": 0.0123}}
     prepared = prepare(library.resolve(Experiment.model_validate(spec)))
     asked, done = 0, []
@@ -25,8 +25,8 @@ def asked_in(name: str, stop) -> int:
     return asked
 
 
-def test_a_run_is_cancelled_while_thresholds_are_simulated_and_while_it_is_watched(tmp_path, monkeypatch):
-    """Before every longer step of its diagnosis it asks; with yes it ends at the next question."""
+def test_a_run_is_cancelled_during_calibration_and_diagnosis(tmp_path, monkeypatch):
+    """It asks before every longer step of the diagnosis, and ends when the answer is yes."""
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
     assert asked_in("dc-motor", lambda asked: asked == 3) == -3  # simulating thresholds, which are not kept
     whole = asked_in("dc-motor", lambda asked: False)

@@ -1,4 +1,4 @@
-"""What the detector decides on library experiments: which fault, since when, how large, and when it is over."""
+"""Decisions of the detector on library experiments: channel, onset, size and end of faults."""
 
 import numpy as np
 import pytest
@@ -15,12 +15,12 @@ from thetascope_schemas import Experiment
 
 @pytest.fixture(scope="module")
 def zhao():
-    """The alarms of zhao-2012 for twenty seeds."""
+    """Return the alarms of zhao-2012 for twenty seeds."""
     return [watching("zhao-2012").alarms(seed) for seed in range(1, 21)]
 
 
-def test_zhao_three_faults_are_named_and_nothing_else(zhao):
-    """Twenty seeds: theta3, theta1 and theta2, each within a second, without a rival, and no other alarm."""
+def test_the_three_faults_of_zhao_2012_are_identified(zhao):
+    """In twenty seeds theta3, theta1 and theta2 are found within a second, without alternatives or other alarms."""
     for alarms in zhao:
         assert names(alarms) == ["theta3", "theta1", "theta2"]
         assert all(a["alternatives"] == () and a["cleared"] is None for a in alarms)
@@ -28,7 +28,7 @@ def test_zhao_three_faults_are_named_and_nothing_else(zhao):
 
 
 def test_intervals_cover_the_truth(zhao):
-    """Of sixty intervals of onsets and of sizes (95 %) at least 90 % cover, and nearly all are narrow."""
+    """Of sixty 95 % intervals of onsets and of sizes at least 90 % cover, and nearly all are narrow."""
     truth = [(20, 0.02), (40, 0.01), (70, 0.015)]
     pairs = [(a, t) for alarms in zhao for a, t in zip(alarms, truth, strict=True)]
     sizes = np.mean([a["size_from"] <= size <= a["size_to"] for a, (_, size) in pairs])
@@ -49,12 +49,12 @@ def test_friction_is_found_early_and_without_false_alarms():
 
 @pytest.mark.parametrize("name", ["dc-motor", "dts200", "quadruple-tank"])
 def test_no_alarm_without_a_fault(name):
-    """Five seeds of each plant without its faults: silence."""
+    """Five seeds of each plant without faults raise no alarm."""
     assert [watching(name).alarms(seed, faults=False) for seed in range(1, 6)] == [[]] * 5
 
 
-def test_what_cannot_be_told_apart_is_said_so():
-    """At the literal noise variance theta1 and theta2 look alike: neither is resolvable, and they are named together."""
+def test_indistinguishable_faults_are_reported_as_such():
+    """At the literal noise variance theta1 and theta2 are not resolvable, and they are named together."""
     result = prepare(library.resolve(library.experiment("zhao-2012-variance-as-printed"))).run()
     told = result.diagnosis["detector"]
     able = {r["channel"]: r["resolvable"] for r in told["resolution"]}
@@ -75,8 +75,8 @@ def test_what_cannot_be_told_apart_is_said_so():
         ("dts200", "clog32", 0.3, 600, 1200, 2000),
     ],
 )
-def test_a_fault_that_ends_and_comes_back(name, channel, size, onset, end, again):
-    """One alarm each time, with the size that the fault had; the first is over soon after the fault is."""
+def test_a_fault_that_ends_and_recurs(name, channel, size, onset, end, again):
+    """There is one alarm each time, with the size of the fault; the first ends soon after the fault."""
     horizon = library.experiment(name).horizon
     seen = watching(name, [step(channel, onset, size, end=end), step(channel, again, size)])
     for seed in (1, 2):
@@ -99,8 +99,8 @@ def test_a_fault_that_ends_and_comes_back(name, channel, size, onset, end, again
         ("quadruple-tank", ("pump1", 0.1), ("pump2", 0.1)),
     ],
 )
-def test_two_faults_at_one_instant(name, one, two):
-    """Both are named, with their sizes, and no other."""
+def test_two_simultaneous_faults(name, one, two):
+    """Both are named with their sizes, and no other."""
     onset = 0.3 * library.experiment(name).horizon
     seen = watching(name, [step(c, onset, size) for c, size in (one, two)])
     for seed in (1, 2):
@@ -124,7 +124,7 @@ def test_two_faults_at_one_instant(name, one, two):
     ],
 )
 def test_a_slow_fault_is_one_finding(name, fault):
-    """A fault that grows is named once, and in the end with the size that it has reached."""
+    """A growing fault is named once, finally with the size that it has reached."""
     (found,) = watching(name, [fault]).alarms(1)
     assert found["channel"] == fault["channel"] and found["cleared"] is None
     assert abs(found["size"] / fault["size"] - 1) < 0.05
@@ -137,8 +137,8 @@ def test_a_slow_fault_is_one_finding(name, fault):
         ("dc-motor", {"channel": "current_bias", "shape": "exponential", "onset": 8, "size": 0.6, "time_constant": 2}),
     ],
 )
-def test_the_size_of_a_slow_fault_is_as_sure_as_is_said(name, fault):
-    """Its shape is estimated, too: of eight runs the 95 % interval holds the size in at least seven, and is not wide."""
+def test_the_interval_of_a_slow_fault_covers_its_size(name, fault):
+    """The shape is estimated, too: in at least seven of eight runs the narrow 95 % interval covers the size."""
     found = [
         next(a for a in watching(name, [fault]).alarms(seed) if a["channel"] == fault["channel"])
         for seed in range(1, 9)
@@ -148,8 +148,8 @@ def test_the_size_of_a_slow_fault_is_as_sure_as_is_said(name, fault):
 
 
 @pytest.mark.parametrize("seed", [103, 130, 157])
-def test_later_data_put_right_what_was_said_too_early(seed):
-    """quadruple-tank: a leak that first could be another, one called the other, a pump taken for a sensor; in the end three faults stand."""
+def test_later_data_correct_early_findings(seed):
+    """quadruple-tank: alternatives and wrong names of early findings are corrected; three faults remain."""
     stand = [a for a in watching("quadruple-tank").alarms(seed) if a["cleared"] is None]
     assert [a["channel"] for a in stand] == ["pump1", "level2", "leak1"] and not any(a["alternatives"] for a in stand)
     assert [a["size"] for a in stand] == pytest.approx([0.1, 0.2, 0.006], rel=0.05)
@@ -157,13 +157,13 @@ def test_later_data_put_right_what_was_said_too_early(seed):
 
 @pytest.mark.parametrize("onset", [8.01, 8.17])
 def test_onsets_are_found_to_the_row(onset):
-    """A large fault of a sensor that begins between two decisions: its onset is found to a row."""
+    """The onset of a large sensor fault between two decisions is found to a row."""
     (found,) = watching("zhao-2012", [step("theta3", onset, 0.02)]).alarms(2)
     assert names([found]) == ["theta3"] and found["onset"] == pytest.approx(onset, abs=0.011)
 
 
 def test_a_fault_from_the_start():
-    """A fault that was there before watching begins is found as it begins, with its size."""
+    """A fault that is present from the start is found with its size."""
     first = watching("zhao-2012", [step("theta1", 0.5, 0.01)]).alarms(1)
     assert names(first) == ["theta1"] and first[0]["t"] < 4 and first[0]["size"] == pytest.approx(0.01, rel=0.05)
 
@@ -171,7 +171,7 @@ def test_a_fault_from_the_start():
 @given(st.lists(st.integers(1, 700), min_size=1, max_size=30), st.sampled_from(["own", "stuck", "ramp"]))
 @settings(max_examples=6)
 def test_cutting_rows_changes_no_decision(pieces, kind):
-    """Rows taken in pieces of any size: the same findings and the same filter, bit for bit."""
+    """Rows in blocks of any length give the same findings and the same filter, bit for bit."""
     faults = {
         "own": None,
         "stuck": [{"output": "y", "shape": "stuck", "onset": 45, "end": 60, "value": 0.1}],
@@ -190,8 +190,8 @@ def test_cutting_rows_changes_no_decision(pieces, kind):
 
 
 @pytest.mark.parametrize("row", [7413, 7626, 8265])
-def test_faults_that_end_together_keep_the_sizes_that_they_had(row):
-    """All three faults of zhao-2012 end at once: each is over within ten seconds, with the size that it had; nothing stays unexplained."""
+def test_faults_that_end_together_keep_their_sizes(row):
+    """All three faults of zhao-2012 end together: each alarm ends within ten seconds, and nothing remains unexplained."""
     end = row * 0.01
     faults = [
         step(c, onset, size, end=end)
@@ -204,8 +204,8 @@ def test_faults_that_end_together_keep_the_sizes_that_they_had(row):
 
 
 @pytest.mark.parametrize(("frequency", "record", "refused"), [(2.0, 0.3, True), (0.05, 0.3, False), (2.0, 0.01, False)])
-def test_inputs_that_rows_do_not_show_are_refused_with_the_remedy(frequency, record, refused):
-    """A sine of three fifths of a period a row tells nothing of what went on; a slow one, or shorter rows, do."""
+def test_undersampled_inputs_are_refused_with_the_remedy(frequency, record, refused):
+    """A sine of less than two rows per period is refused; a slower one, or shorter rows, are accepted."""
     data = spec_data(
         horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[]
     )

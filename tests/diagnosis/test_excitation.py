@@ -1,4 +1,4 @@
-"""What a window tells about the faults, in numbers and in words."""
+"""The information of a window about the faults, in numbers and in words."""
 
 import re
 
@@ -13,7 +13,7 @@ PAIR = np.outer([1, -0.7], [1, -0.7]) * 1e8
 
 
 def block(*parts: np.ndarray) -> np.ndarray:
-    """A matrix of blocks along its diagonal."""
+    """Return a matrix of blocks along its diagonal."""
     size = sum(len(p) for p in parts)
     whole, at = np.zeros((size, size)), 0
     for p in parts:
@@ -22,8 +22,8 @@ def block(*parts: np.ndarray) -> np.ndarray:
     return whole
 
 
-def test_two_faults_that_act_alike_are_named_with_what_shows():
-    """Of θ1 − 0.7 θ2 alone is known: neither is identifiable, and their combination is given."""
+def test_two_confounded_faults_are_named_with_their_visible_combination():
+    """If only θ1 − 0.7 θ2 is known, neither is identifiable, and their combination is given."""
     found = excitation(PAIR, ["theta1", "theta2"], [0.01, 0.015], 0.1)
     apart = "theta1 and theta2 cannot be distinguished with this input"
     assert str(found.text) == f"{apart}: only their combination theta1 − 0.7 theta2 is visible"
@@ -36,7 +36,7 @@ def test_two_faults_that_act_alike_are_named_with_what_shows():
 
 
 def test_a_fault_without_excitation_is_named():
-    """A pump that stands still: nothing of its fault shows, the other's does."""
+    """The fault of a pump at rest is not visible, the other one is."""
     found = excitation(np.diag([1e4, 0.0]), ["pump1", "pump2"], [0.1, 0.1], 0.1)
     assert str(found.text) == "pump2 is not excited at all: its fault would not show in any output now"
     assert found.identifiable == {"pump1": True, "pump2": False}
@@ -45,8 +45,8 @@ def test_a_fault_without_excitation_is_named():
     assert str(both.text) == "pump1 and pump2 are not excited at all: their faults would not show in any output now"
 
 
-def test_how_far_the_least_visible_stands_out():
-    """√λmin in typical faults: 12 where 10 are asked is enough, 3 is not."""
+def test_the_level_is_compared_with_the_requirement():
+    """√λmin in typical faults: 12 is enough if 10 are required, 3 is not."""
     enough = excitation(np.diag([1.44e4, 1e6]), ["a", "b"], [0.1, 0.1], 0.1)
     assert str(enough.text) == "all faults can be distinguished: the least visible combination is 12 times the noise"
     assert enough.level == pytest.approx(144)
@@ -56,8 +56,8 @@ def test_how_far_the_least_visible_stands_out():
     assert little.identifiable == {"a": False, "b": True}
 
 
-def test_several_groups_are_kept_apart():
-    """A pair with one visible combination, a triple with two, and one that is seen: each said by itself."""
+def test_several_groups_are_separate():
+    """A pair with one visible combination, a triple with two, and a visible fault each have a sentence."""
     a, b = np.array([1.0, 1.0, 1.0]), np.array([1.0, -1.0, 0.0])
     J = block(PAIR, 1e6 * (np.outer(a, a) + np.outer(b, b)), np.diag([1e6]))
     found = excitation(J, list("abcdef"), [0.01, 0.015, 1, 1, 1, 1], 0.1)
@@ -70,8 +70,8 @@ def test_several_groups_are_kept_apart():
 
 
 @given(st.lists(st.floats(0, 1e6), min_size=3, max_size=3), st.integers(0, 2**31), st.floats(0.02, 0.5))
-def test_an_identifiable_fault_is_known_as_well_as_asked(values, seed, accuracy):
-    """The deviations are those of J⁻¹, and a sufficient level makes every fault identifiable."""
+def test_an_identifiable_fault_has_the_required_accuracy(values, seed, accuracy):
+    """The deviations are those of J⁻¹; at a sufficient level every fault is identifiable."""
     rng = np.random.default_rng(seed)
     Q, typical = np.linalg.qr(rng.normal(size=(3, 3)))[0], rng.uniform(0.1, 10, 3)
     N = Q @ np.diag(np.array(values) + 1e-3) @ Q.T
@@ -86,7 +86,7 @@ def test_an_identifiable_fault_is_known_as_well_as_asked(values, seed, accuracy)
 
 
 def test_the_order_of_channels_changes_no_finding():
-    """The same channels are grouped and identifiable however they are numbered."""
+    """Groups and identifiable channels do not depend on the numbering."""
     J, typical = block(PAIR, np.diag([50.0, 1e5])), np.array([0.01, 0.015, 1, 1])
     order = [3, 1, 2, 0]
     one = excitation(J, list("abcd"), typical, 0.1)
@@ -96,14 +96,14 @@ def test_the_order_of_channels_changes_no_finding():
     assert one.level == other.level
 
 
-def test_nothing_to_say():
+def test_without_data_there_is_no_level():
     """No channels, or sums that are not finite, have no level."""
     assert str(excitation(np.zeros((0, 0)), [], [], 0.1).text) == "the plant has no fault channels"
     assert excitation(np.array([[np.nan]]), ["a"], [1.0], 0.1).level is None
 
 
-def test_the_band_widens_to_what_was_known_before():
-    """Without excitation a fault may be as large as a typical one, along the confounded direction only."""
+def test_the_band_widens_to_the_prior():
+    """Without excitation the band is as wide as a typical fault, along the confounded direction only."""
     wide = band(np.stack([PAIR, np.zeros((2, 2)), np.diag([1e8, 1e8])]), [0.01, 0.015])
     assert wide[1] == pytest.approx([0.01, 0.015])
     assert wide[2] == pytest.approx([1e-4, 1e-4], rel=1e-3)

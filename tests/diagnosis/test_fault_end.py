@@ -1,4 +1,4 @@
-"""When a fault is over: its estimate has fallen below a fifth of what it was."""
+"""A fault is over when its estimate has fallen below a fifth of its size."""
 
 import pytest
 
@@ -16,13 +16,13 @@ def alarms_of(share: float) -> list[dict]:
 
 
 def test_a_fault_that_drops_to_three_tenths_is_still_on():
-    """At 30 % of its size a fault is not over: its one alarm stays on, with the remaining size."""
+    """At 30 % of its size a fault is not over: its alarm stays on, with the remaining size."""
     (alarm,) = alarms_of(0.3)
     assert alarm["cleared"] is None and alarm["size"] == pytest.approx(0.3 * SIZE, rel=0.1)
 
 
 def test_a_fault_that_drops_to_a_tenth_is_over():
-    """At 10 % of its size a fault is over, with the size that it had; what remains is a new, small fault."""
+    """At 10 % of its size a fault is over, with its original size; the rest is a new, small fault."""
     first, second = alarms_of(0.1)
     assert CHANGE < first["cleared"] < CHANGE + 1 and first["size"] == pytest.approx(SIZE, rel=0.05)
     assert second["cleared"] is None and second["size"] == pytest.approx(0.1 * SIZE, rel=0.1)

@@ -1,4 +1,4 @@
-"""The detector's filter, its backward pass and its suppositions, each against the filter run another way."""
+"""The detector's filter, its backward pass and its hypotheses, each against separate runs of the filter."""
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ PLANTS = ["zhao-2012", "dc-motor", "quadruple-tank", "dts200"]
 
 
 class Rows:
-    """Some rows of a plant, the filter being settled, and the filter along them under one assumption."""
+    """Rows of a plant after the filter has settled, and the filter along them under one hypothesis."""
 
     def __init__(self, name: str, decisions: int = 120):
         made = watching(name).made
@@ -36,7 +36,8 @@ class Rows:
         course: Event | None = None,
         known: np.ndarray | None = None,
     ):
-        """J, s, the energy by output and the last state from ``onset`` on; Ω answers the events, or one course in all channels."""
+        """Return J, s, the energy by output and the last state from ``onset`` on; Ω is for the events, or one course
+        per channel."""
         given = (
             np.zeros((len(self.d), self.p)) if known is None else np.broadcast_to(known, (len(self.d), self.p)).copy()
         )
@@ -59,8 +60,8 @@ def close(a: np.ndarray, b: np.ndarray, rel: float = 1e-9) -> None:
     np.testing.assert_allclose(a, b, rtol=rel, atol=rel * np.abs(b).max())
 
 
-def test_omega_is_what_the_innovations_lose_when_a_fault_is_known(rows):
-    """Ω of each channel against difference quotients of ν in θ₀: within a hundredth (gains are not differentiated)."""
+def test_omega_is_the_derivative_of_the_innovations(rows):
+    """Ω of each channel equals difference quotients of ν in θ₀ to a hundredth (gains are not differentiated)."""
     plain = rows.run(0)[3]
     for j, channel in enumerate(rows.filter.context.model["channels"]):
         h = 1e-4 * (channel.get("typical") or 1.0)
@@ -69,8 +70,8 @@ def test_omega_is_what_the_innovations_lose_when_a_fault_is_known(rows):
         assert np.abs((plain.nu - moved) / h - omega).max() < 0.01 * np.abs(omega).max()
 
 
-def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
-    """J and s of steps and of even and bent rises from four onsets, in one pass backwards and by running the filter from there."""
+def test_backward_information_equals_that_of_filters_from_each_onset(rows):
+    """J and s of steps and ramps from four onsets, in one backward pass and by separate runs of the filter."""
     trusted_outputs, known = np.ones(rows.m), np.zeros((len(rows.d), rows.p))
     handed = rows.backward_pass.backward_inputs(
         rows.begin, rows.filter.held(known, rows.table), rows.t, trusted_outputs
@@ -90,8 +91,8 @@ def test_evidence_ahead_is_that_of_the_filter_begun_at_each_onset(rows):
         close(bent[1][onset], s)
 
 
-def test_a_rise_goes_on_from_where_it_ended(rows):
-    """What follows the end of a rise, from V and the course there, against the filter run along all of it."""
+def test_a_ramp_continues_after_its_end(rows):
+    """The part after the end of a ramp, from V and the course there, equals the filter along all of it."""
     begin, end = 20, 60
     handed = rows.backward_pass.backward_inputs(
         rows.begin, rows.filter.held(np.zeros((len(rows.d), rows.p)), rows.table), rows.t, np.ones(rows.m)
@@ -106,8 +107,8 @@ def test_a_rise_goes_on_from_where_it_ended(rows):
     close(s[0], omega.T @ nu)
 
 
-def test_suppositions_are_runs_of_the_filter(rows):
-    """Nine suppositions of all shapes side by side: sums and states of each as the filter has them alone."""
+def test_hypotheses_equal_runs_of_the_filter(rows):
+    """Nine hypotheses of all shapes in SIMD lanes have the sums and states of separate runs."""
     typical = [0.05 * (c.get("typical") or 1.0) for c in rows.filter.context.model["channels"]]
     shapes = [{}, {"rise_time": np.inf}, {"rise_time": 25.0}, {"rise_time": 9.0, "exponential": True}]
     events = [
@@ -135,8 +136,8 @@ def test_suppositions_are_runs_of_the_filter(rows):
         close(found.early[k, -1], (seen.omega[early] ** 2).sum(axis=(0, 1)))
 
 
-def test_the_innovations_of_a_sound_plant_are_white_and_of_variance_one():
-    """Zhao's plant without faults: mean, variance and correlation of ν after the beginning, as of white noise of variance one."""
+def test_the_innovations_of_a_healthy_plant_are_white_and_of_variance_one():
+    """Mean, variance and correlation of ν on Zhao's plant without faults are those of white noise."""
     seen = watching("zhao-2012")
     table, t = seen.rows(3, faults=False)
     nu = seen.made.filter.run(seen.made.filter.start(), np.zeros(seen.made.filter.p), table, t).nu[1000:, 0]

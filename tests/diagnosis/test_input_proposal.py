@@ -17,7 +17,7 @@ PAIR = ("load_torque", "friction_increase")
 
 
 def healthy(name: str, **changes) -> Engine:
-    """An experiment of the library without observers and faults, as the engine has it."""
+    """Return an experiment of the library without observers and faults, as an engine object."""
     spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": [], "faults": []} | changes
     return prepare(library.resolve(Experiment.model_validate(spec))).engine
 
@@ -32,7 +32,7 @@ def proposed(e: Engine, window: float, among=None, k: int = 0) -> Proposal:
 
 
 def information(e: Engine, window: float) -> np.ndarray:
-    """J over the last window of a run, as the detector sums it up."""
+    """Return J over the last window of a run, as the detector accumulates it."""
     made = InnovationFilter(e, e.context)
     rows = [r for _, r in Simulation(e).spans(e.steps + 1)]
     index, plant = np.concatenate([r.index for r in rows]), np.concatenate([r.plant for r in rows])
@@ -41,18 +41,18 @@ def information(e: Engine, window: float) -> np.ndarray:
     return np.einsum("kmi,kmj->ij", omega, omega)
 
 
-def told(e: Engine, window: float, among=None):
-    """Excitation of the last window of a run."""
+def excited(e: Engine, window: float, among=None):
+    """Return the excitation of the last window of a run."""
     channels = e.context.model["channels"]
     picked = [i for i, c in enumerate(channels) if among is None or c["name"] in among]
     J = information(e, window)[np.ix_(picked, picked)]
     return excitation(J, [channels[i]["name"] for i in picked], [channels[i]["typical"] for i in picked], 0.1)
 
 
-def test_a_motor_at_constant_speed_is_given_a_voltage_that_moves():
-    """Load and friction look the same at constant speed; the voltage proposed, sent as it is, distinguishes them."""
+def test_a_moving_voltage_is_proposed_for_a_motor_at_constant_speed():
+    """Load and friction have the same effect at constant speed; the proposed voltage distinguishes them."""
     still = healthy("dc-motor", inputs={"voltage": constant(12)})
-    before = told(still, 2.0, PAIR)
+    before = excited(still, 2.0, PAIR)
     assert str(before.text).startswith(
         "load_torque and friction_increase cannot be distinguished with this input: only their"
     )
@@ -64,20 +64,20 @@ def test_a_motor_at_constant_speed_is_given_a_voltage_that_moves():
     assert TypeAdapter(Signal).validate_python(found.signal).model_dump(mode="json") == found.signal
     InputProposal.model_validate(vars(found))
     moving = healthy("dc-motor", inputs={"voltage": found.signal})
-    after = told(moving, 2.0, PAIR)
+    after = excited(moving, 2.0, PAIR)
     assert after.level == pytest.approx(found.level, rel=0.3)
 
 
-def test_the_signal_stays_within_the_bounds_of_the_input():
+def test_the_proposal_is_within_the_bounds_of_the_input():
     """No proposal leaves the declared range of the voltage."""
     found = proposed(healthy("dc-motor", inputs={"voltage": constant(22)}), 2.0, PAIR)
     assert -24 <= found.signal["low"] < found.signal["high"] <= 24
 
 
-def test_zhao_with_equal_known_signals_has_no_input_that_helps():
-    """φ1 = φ2 = 1: only θ1 + θ2 shows, whatever u does; with the paper's φ each θ is identifiable."""
+def test_no_input_helps_if_known_signals_are_equal():
+    """With φ1 = φ2 = 1 only θ1 + θ2 is visible, whatever u is; with the paper's φ each θ is identifiable."""
     alike = healthy("zhao-2012", signals={"phi1": constant(1), "phi2": constant(1)})
-    seen = told(alike, 10.0)
+    seen = excited(alike, 10.0)
     assert (
         "theta1 and theta2 cannot be distinguished with this input: only their combination theta1 + theta2 is visible"
         in str(seen.text)
@@ -89,13 +89,13 @@ def test_zhao_with_equal_known_signals_has_no_input_that_helps():
     assert "phi1, phi2" in str(found.text)
     assert "theta1 and theta2 cannot be distinguished" in str(found.text)
     InputProposal.model_validate(vars(found))
-    paper = told(healthy("zhao-2012"), 10.0)
+    paper = excited(healthy("zhao-2012"), 10.0)
     assert str(paper.text).startswith("all faults can be distinguished")
     assert all(paper.identifiable.values())
 
 
-def test_a_motor_at_rest_is_set_in_motion_gently():
-    """Friction does not show at rest: the smallest swing that is enough is proposed."""
+def test_the_smallest_sufficient_input_is_proposed():
+    """Friction is not visible at rest: the smallest sufficient amplitude is proposed."""
     e = healthy("friction-motor", inputs={"torque": constant(0)})
     found = proposed(e, 2.0)
     assert found.before == 0
@@ -106,8 +106,8 @@ def test_a_motor_at_rest_is_set_in_motion_gently():
     assert "would make the fault visible" in str(found.text)
 
 
-def test_what_no_input_can_tell_does_not_hide_the_rest():
-    """Three tanks at rest: an input is proposed for the other faults though leak2 and clog20 act alike for ever."""
+def test_structurally_confounded_faults_do_not_prevent_a_proposal():
+    """Three tanks at rest: an input is proposed for the other faults, although leak2 and clog20 stay confounded."""
     names = ("pump1", "pump2", "leak2", "clog20")
     e = healthy("dts200", inputs={"Q1": constant(30), "Q2": constant(30)})
     found = proposed(e, 200.0, names)
@@ -115,8 +115,8 @@ def test_what_no_input_can_tell_does_not_hide_the_rest():
     assert "leak2 and clog20 cannot be distinguished" in str(found.text)
 
 
-def test_tanks_are_asked_to_move():
-    """Quadruple tank with constant voltages: pumps, leak and sensor offset look alike; a moving voltage helps."""
+def test_a_moving_voltage_is_proposed_for_tanks_at_rest():
+    """Quadruple tank with constant voltages: pumps, leak and sensor offset are confounded; a moving voltage helps."""
     names = ("pump1", "pump2", "leak1", "level2")
     found = proposed(healthy("quadruple-tank", inputs={"v1": constant(3), "v2": constant(3)}), 400.0, names)
     assert found.input in ("v1", "v2")

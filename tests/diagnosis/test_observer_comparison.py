@@ -1,4 +1,4 @@
-"""Comparing observers: hand-made columns, faults and alarms with known answers."""
+"""The comparison of observers on hand-made columns, faults and alarms with known results."""
 
 from dataclasses import dataclass
 from itertools import pairwise
@@ -20,7 +20,7 @@ CHANNELS = ("a", "b")
 
 
 def compare(result, faults):
-    """The comparison of a hand-made result that carries its findings."""
+    """Return the comparison of a hand-made result with its findings."""
     return observer_comparison.compare(result, faults, result.findings)
 
 
@@ -63,7 +63,7 @@ def alarm(
     cleared: float | None = None,
     onset: float | None = None,
 ):
-    """An alarm at t; its fault may have begun from `onset` on, else when it was raised."""
+    """Return an alarm at t; its fault began at `onset` or later, by default at t."""
     return SimpleNamespace(
         id=f"{channel}{output}{t}",
         t=t,
@@ -87,7 +87,7 @@ def truth(faults, channel: str) -> np.ndarray:
 def run(
     faults, alarms: dict | None = None, offsets: dict | None = None, estimated=CHANNELS, settle: float | None = None
 ):
-    """A result whose observers are off by a constant (label → offset) in every estimate."""
+    """Return a result whose observers have a constant error (label → offset) in every estimate."""
     offsets = offsets or {"one": 0.5}
     columns = {"t": T, "x.x": np.sin(T)} | {f"theta.{c}": truth(faults, c) for c in CHANNELS}
     for label, offset in offsets.items():
@@ -101,7 +101,7 @@ def run(
 
 
 def judged(faults, *alarms, **options):
-    """The comparison's row of one observer with these alarms."""
+    """Return the comparison's row of one observer with these alarms."""
     return compare(run(faults, {"one": alarms}, **options), faults).rows[0]
 
 
@@ -112,7 +112,7 @@ def outcomes(row) -> list:
 # ---- errors -----------------------------------------------------------------------------------------------------------
 
 
-def test_errors_are_told_for_each_window_between_events():
+def test_errors_are_given_for_each_window_between_events():
     """Windows end at onsets and ends; a constant error is its own RMSE and peak in each."""
     faults = [Fault("a", 20, 50), Stuck("y", 70)]
     found = compare(run(faults, offsets={"one": -0.5}), faults)
@@ -123,8 +123,8 @@ def test_errors_are_told_for_each_window_between_events():
         assert errors == pytest.approx((0.5,) * 4)
 
 
-def test_rmse_and_peak_are_of_the_window_alone():
-    """One wrong row of 200: peak 3 and RMSE 3/√200 there, zero in the windows around."""
+def test_rmse_and_peak_refer_to_the_window_only():
+    """One wrong row of 200: peak 3 and RMSE 3/√200 there, zero in the neighbouring windows."""
     faults = [Fault("a", 20, 40)]
     result = run(faults, offsets={"one": 0.0})
     result.column("one.theta.a")[300] += 3.0
@@ -134,7 +134,7 @@ def test_rmse_and_peak_are_of_the_window_alone():
 
 
 def test_an_observer_has_no_number_for_a_window_in_which_it_diverged():
-    """It was not judged on the same data as the others, so it cannot be the best there; rows without truth count for none."""
+    """It has other data than the others, so it cannot be the best there; rows without truth are ignored."""
     faults = [Fault("a", 50)]
     result = run(faults, offsets={"one": 0.1, "two": 0.2})
     result.column("one.x.x")[900:] = np.nan
@@ -145,7 +145,7 @@ def test_an_observer_has_no_number_for_a_window_in_which_it_diverged():
     assert compare(result, faults).rows[0].rmse["x.x"] == pytest.approx((0.1, 0.1))
 
 
-def test_settling_is_told_to_ten_and_to_five_percent():
+def test_settling_times_to_ten_and_five_percent():
     """An error exp(−t) of a step is within 10 % after ln 10 and within 5 % after ln 20, to one row."""
     faults = [Fault("a", 20, size=2.0)]
     result = run(faults, offsets={"one": 0.0})
@@ -155,20 +155,20 @@ def test_settling_is_told_to_ten_and_to_five_percent():
     assert (step.channel, step.at, step.size) == ("a", 20, 2)
 
 
-def test_what_begins_at_the_start_or_ends_with_the_run_makes_no_empty_window():
-    """A fault from 0 s on and one that lasts to the end: one event inside, two windows."""
+def test_events_at_the_ends_of_the_run_make_no_empty_window():
+    """A fault from 0 s on and one until the end make one event inside, and two windows."""
     faults = [Fault("a", 0, 100), Fault("b", 20, 150)]
     assert [(w.start, w.end) for w in windows(faults, T)] == [(0, 20), (20, 100)]
     assert [v.until for v in judged([*faults, Stuck("y", 30, 150)]).verdicts] == [None] * 3
 
 
-def test_a_step_that_another_takes_over_is_no_step():
-    """One fault ends as the next of its size begins: θ does not move, so nothing is to be followed."""
+def test_a_step_that_another_replaces_is_not_a_step():
+    """One fault ends as the next of its size begins: θ does not change, so there is no settling."""
     faults = [Fault("a", 20, 50), Fault("a", 50)]
     assert [step.at for step in judged(faults).steps] == [20]
 
 
-def test_there_are_never_too_many_windows():
+def test_the_number_of_windows_is_limited():
     """Of many events the closest are left out; the windows still cover the run."""
     found = windows([Fault("a", 0.5 * k, 0.5 * k + 0.1) for k in range(1, 150)], T)
     assert len(found) == MOST_WINDOWS
@@ -180,7 +180,7 @@ def test_there_are_never_too_many_windows():
 
 
 def test_a_fault_is_found_by_the_first_alarm_that_names_it():
-    """The delay counts from the onset; later alarms change nothing; the median is over the faults found, one is missed."""
+    """The delay counts from the onset; later alarms do not matter; the median is over faults found, one is missed."""
     faults = [Fault("a", 10, 20), Fault("b", 50), Fault("a", 70, 80), Fault("a", 90)]
     row = judged(
         faults,
@@ -195,29 +195,29 @@ def test_a_fault_is_found_by_the_first_alarm_that_names_it():
     assert (row.count(FOUND), row.delay) == (3, 2.0)
 
 
-def test_an_alternative_finds_a_fault_too_and_says_so():
-    """The alarm names b or a: a is found as an alternative, and that is no isolation error."""
+def test_an_alternative_finds_a_fault():
+    """An alarm that names b or a finds a as an alternative, and is not an isolation error."""
     row = judged([Fault("a", 20)], alarm(22, "b", "a"))
     assert row.verdicts[0].outcome == FOUND and row.verdicts[0].alternative
     assert row.isolation_errors == 0
 
 
-def test_naming_a_wrong_channel_only_is_an_isolation_error():
-    """The fault in a is missed, and the alarm was not false: there was a fault."""
+def test_naming_only_a_wrong_channel_is_an_isolation_error():
+    """The fault in a is missed, and the alarm is not false, since there was a fault."""
     row = judged([Fault("a", 20)], alarm(22, "b"))
     assert outcomes(row) == [("a", MISSED)]
     assert (row.false_alarms, row.isolation_errors) == (0, 1)
 
 
 def test_an_alarm_without_a_fault_is_false():
-    """Before the fault begins, and later than the grace after it has ended."""
+    """Before the fault begins, and after the grace that follows its end."""
     row = judged([Fault("a", 20, 40)], alarm(10, "a", cleared=12), alarm(21, "a"), alarm(60, "b"), settle=5)
     assert outcomes(row) == [("a", FOUND)]
     assert (row.false_alarms, row.isolation_errors, row.grace) == (2, 0, 5)
 
 
-def test_the_grace_after_a_fault_is_the_time_an_observer_takes_to_settle():
-    """An alarm 4 s after the end is false for an observer that settles in 3 s, and not for one that takes 5 s."""
+def test_the_grace_after_a_fault_is_the_settling_time_of_the_observer():
+    """An alarm 4 s after the end is false for a settling time of 3 s, and not for 5 s."""
     faults = [Fault("a", 20, 40)]
     assert [judged(faults, alarm(44, "a"), settle=s).false_alarms for s in (3, 5)] == [1, 0]
     assert judged(faults, alarm(44, "b"), settle=5).isolation_errors == 1  # nothing was wrong with b
@@ -225,34 +225,34 @@ def test_the_grace_after_a_fault_is_the_time_an_observer_takes_to_settle():
 
 
 def test_an_alarm_after_the_end_of_a_fault_comes_too_late():
-    """The fault is missed, whatever the grace forgives."""
+    """The fault is missed, regardless of the grace."""
     assert outcomes(judged([Fault("a", 20, 22)], alarm(23, "a"))) == [("a", MISSED)]
 
 
-def test_several_faults_at_once_are_judged_each():
-    """a and b act together: one alarm names a, none names b."""
+def test_simultaneous_faults_have_separate_verdicts():
+    """a and b are active: one alarm names a, none names b."""
     row = judged([Fault("a", 20), Fault("b", 20, 80)], alarm(21, "a"))
     assert outcomes(row) == [("a", FOUND), ("b", MISSED)]
     assert judged([Fault("a", 20), Fault("b", 20)], alarm(21, "a", "b")).count(FOUND) == 2
 
 
 def test_a_second_fault_in_a_channel_needs_an_alarm_of_its_own_unless_one_is_on():
-    """On at the second onset: covered. Cleared before: missed. Raised anew: found."""
+    """Alarm on at the second onset: covered. Cleared before: missed. Raised again: found."""
     faults = [Fault("a", 20, 40), Fault("a", 50)]
     assert outcomes(judged(faults, alarm(21, "a"))) == [("a", FOUND), ("a", COVERED)]
     assert outcomes(judged(faults, alarm(21, "a", cleared=45))) == [("a", FOUND), ("a", MISSED)]
     assert outcomes(judged(faults, alarm(21, "a"), alarm(51, "a"))) == [("a", FOUND), ("a", FOUND)]
 
 
-def test_what_cancels_is_no_fault():
-    """A second step takes the first away: from then on there is none to be found, and an alarm is false."""
+def test_faults_that_cancel_are_not_a_fault():
+    """A second step cancels the first: from then on no fault can be found, and an alarm is false."""
     row = judged([Fault("a", 20), Fault("a", 50, size=-1.0)], alarm(21, "a", cleared=51), alarm(80, "a"))
     assert outcomes(row) == [("a", FOUND)]
     assert row.false_alarms == 1
 
 
-def test_a_fault_beneath_another_in_its_channel_is_there_again_when_that_ends():
-    """a stays from 20 s on, more of it between 40 and 50 s: an alarm at 80 s is right."""
+def test_a_fault_below_another_in_its_channel_continues_when_that_ends():
+    """a is active from 20 s on, with an addition from 40 to 50 s: an alarm at 80 s is correct."""
     row = judged(
         [Fault("a", 20), Fault("a", 40, 50)], alarm(21, "a", cleared=39), alarm(41, "a", cleared=60), alarm(80, "a")
     )
@@ -261,7 +261,7 @@ def test_a_fault_beneath_another_in_its_channel_is_there_again_when_that_ends():
 
 
 def test_a_fault_of_a_measurement_is_found_by_an_alarm_that_the_model_does_not_explain():
-    """Of that output or of none in particular; naming a channel instead is an isolation error."""
+    """An unexplained alarm on that output or on none in particular; naming a channel is an isolation error."""
     faults = [Stuck("y", 30, 60)]
     assert judged(faults, alarm(32, output="y")).verdicts[0].delay == 2
     assert judged(faults, alarm(32)).count(FOUND) == 1
@@ -270,8 +270,8 @@ def test_a_fault_of_a_measurement_is_found_by_an_alarm_that_the_model_does_not_e
         assert (row.count(MISSED), row.isolation_errors) == (1, 1)
 
 
-def test_of_two_faults_on_a_measurement_each_has_its_time():
-    """The first is to be found before the second begins."""
+def test_of_two_faults_on_a_measurement_the_first_ends_at_the_second():
+    """The first can only be found before the second begins."""
     assert outcomes(judged([Stuck("y", 20), Stuck("y", 50)], alarm(60))) == [("y", MISSED), ("y", FOUND)]
 
 
@@ -283,8 +283,8 @@ def test_a_fault_that_the_model_explains_must_be_named():
     assert outcomes(row) == [("a", FOUND)] and row.isolation_errors == 0
 
 
-def test_where_no_tests_watched_nothing_is_counted():
-    """No findings, or findings that say why there are none: null, not "all missed"."""
+def test_without_tests_nothing_is_counted():
+    """Without findings, or with a note that says why there are none, counts are null, not "all missed"."""
     faults = [Fault("a", 20)]
     result = run(faults)
     silent = {"one": SimpleNamespace(alarms=(), calibration=None, note="it estimates no faults")}
@@ -303,7 +303,7 @@ ALARMS = st.lists(st.builds(alarm, TIMES, st.sampled_from(["", *CHANNELS])), max
 
 
 @given(FAULTS, st.lists(ALARMS, min_size=3, max_size=3), st.permutations(["one", "two", "three"]))
-def test_the_order_of_observers_is_the_order_of_rows_and_nothing_else(faults, alarms, order):
+def test_the_order_of_observers_affects_only_the_order_of_rows(faults, alarms, order):
     """Permuting the observers permutes the rows."""
     offsets = dict(zip(("one", "two", "three"), (0.1, 0.2, 0.3), strict=True))
     given_alarms = dict(zip(offsets, alarms, strict=True))
@@ -321,8 +321,8 @@ def test_every_fault_has_one_outcome_and_no_alarm_is_wrong_twice(faults, alarms)
     assert row.false_alarms + row.isolation_errors <= len(alarms) - len(right)
 
 
-def test_the_best_is_the_smallest_if_there_is_a_choice():
-    """None of one, none of equals, several that are as good to 1 %, also of negative numbers."""
+def test_the_best_is_the_smallest_if_values_differ():
+    """No best of one or of equal values; several within 1 % are best, also for negative numbers."""
     assert best([3.0, 1.0, None, 1.005, 1.02]) == {1, 3}
     assert best([-3, 0, -3]) == {0, 2} and best([0, 0, 1]) == {0, 1}
     assert best([1.0, None]) == best([2.0, 2.0]) == best([]) == frozenset()

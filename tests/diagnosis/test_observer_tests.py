@@ -1,4 +1,4 @@
-"""Tests on estimates: on sequences whose answer is known."""
+"""Tests on estimates, with sequences whose result is known."""
 
 from typing import get_args
 
@@ -12,13 +12,13 @@ RATE, INTERVAL, BEGIN = 1.0, 0.1, 10
 
 
 def noise(runs: int, count: int, channels: int = 1, seed: int = 0) -> np.ndarray:
-    """White sequences of variance one."""
+    """Return white sequences of variance one."""
     return np.random.default_rng(seed).standard_normal((runs, count, channels))
 
 
 @pytest.mark.parametrize("test", get_args(Test))
-def test_a_step_is_found_where_it_is_and_cleared_where_it_ends(test: str):
-    """Six standard deviations from decision 300 to 500: one alarm, its onset within 3 decisions, over soon after."""
+def test_a_step_is_found_at_its_onset_and_cleared_at_its_end(test: str):
+    """Six standard deviations from decision 300 to 500: one alarm, its onset within 3 decisions, cleared soon after."""
     judged = prepare(noise(16, 1000), test, INTERVAL, RATE, BEGIN)
     z = noise(1, 1000, seed=5)[0]
     z[300:500] += 8.0
@@ -28,15 +28,15 @@ def test_a_step_is_found_where_it_is_and_cleared_where_it_ends(test: str):
 
 
 @pytest.mark.parametrize("test", get_args(Test))
-def test_thresholds_keep_the_rate_asked_for(test: str):
-    """100 fresh runs of 100 s each with one false alarm per hour asked: at most 3 times what is due on average."""
+def test_thresholds_keep_the_required_rate(test: str):
+    """In 100 new runs of 100 s there are at most three times the accepted false alarms."""
     judged = prepare(noise(24, 1000), test, INTERVAL, RATE, BEGIN)
     raised = sum(len(alarms(z, judged)) for z in noise(100, 1000, seed=9))
     assert raised <= 3 * 100 * 100 / 3600 * RATE + 1
 
 
-def test_a_sum_is_pages():
-    """CUSUM by hand: 0.5 is taken off each value, the sum never falls below zero, the onset is where it last was there."""
+def test_cusum_is_pages():
+    """By hand: 0.5 is subtracted from each value, the sum is never negative, the onset is its last zero."""
     judged = CalibratedTest("cusum", 3.0, 0, np.array([1]), np.array([1.0]))
     z = np.array([0.0, 2.0, 0.0, -4.0, 2.5, 2.0])[:, None]
     g, onset = statistic(z, judged)
@@ -44,8 +44,8 @@ def test_a_sum_is_pages():
     assert onset[5, 0] == 4
 
 
-def test_a_glr_is_the_largest_of_all_windows():
-    """Against every window looked at one by one."""
+def test_the_glr_is_the_largest_of_all_windows():
+    """It equals the largest value of windows evaluated one by one."""
     judged = CalibratedTest("glr", 9.0, 0, np.array([1, 2, 5]), np.array([1.0, 0.5, 0.2]))
     z = noise(1, 40)[0]
     g, _ = statistic(z, judged)

@@ -1,4 +1,4 @@
-"""Something unexplained is looked at again: it may be the belief in other faults that was wrong."""
+"""Revision of an unexplained event, whose cause may be a wrong belief in other faults."""
 
 from dataclasses import replace
 
@@ -15,13 +15,13 @@ AT = 500  # the decision at which something wrong is believed
 
 @pytest.fixture(scope="module")
 def sound():
-    """zhao-2012 without faults: what the filter is given, and the watcher."""
+    """Return zhao-2012 without faults: the filter's inputs, and the detector."""
     w = watching("zhao-2012")
     return w.made, *w.rows(3, faults=False)
 
 
 def believing(made, table, t, size: float):
-    """Watched up to AT, and then theta1 is taken to be on and y is not heeded, both wrongly."""
+    """Return the monitor at AT with two wrong beliefs: theta1 is active and y is not trusted."""
     rows = AT * made.stride
     watched = run_to_end(made.advance(made.begin(), table[:rows], t[:rows]))
     now = watched.decisions
@@ -41,8 +41,8 @@ def believing(made, table, t, size: float):
     )
 
 
-def test_an_output_is_heeded_again_where_a_fault_is_not_believed_any_more(sound):
-    """The only output is not heeded because of a fault that is none: at the first chance both are over, with the size that it had, and watching goes on."""
+def test_an_output_is_trusted_again_when_a_belief_is_dropped(sound):
+    """The only output is ignored because of a false fault: the first revision ends both, and detection continues."""
     made, table, t = sound
     watched = believing(made, table, t, 0.02)
     rows = slice(AT * made.stride, (AT + 300) * made.stride)
@@ -52,8 +52,8 @@ def test_an_output_is_heeded_again_where_a_fault_is_not_believed_any_more(sound)
     assert (fault.size, fault.deviation) == (0.02, 0.0002) and not now.known.level.any()
 
 
-def test_an_output_that_is_wrong_stays_unheeded(sound):
-    """Readings that are far off all the time, though not stuck, are not believed at any chance."""
+def test_a_wrong_output_stays_untrusted(sound):
+    """Readings that are far off, though not stuck, are not accepted by any revision."""
     made, table, t = sound
     watched = believing(made, table, t, 0.0)
     wild = table.copy()
@@ -65,8 +65,8 @@ def test_an_output_that_is_wrong_stays_unheeded(sound):
     assert now.trusted_outputs.tolist() == [0.0] and 1 in now.active
 
 
-def test_chances_come_ever_more_rarely(sound):
-    """64, 128, 256 decisions after it was found; none where nothing is unexplained."""
+def test_revisions_become_less_frequent(sound):
+    """64, 128, 256 decisions after the finding; none if nothing is unexplained."""
     made, table, t = sound
     now = believing(made, table, t, 0.0).decisions
     assert [next_readmission(now, AT + d) - AT for d in (1, 64, 65, 129)] == [64, 64, 128, 256]

@@ -1,4 +1,4 @@
-"""Faults of the measurement that the model does not know: distinguished from those in its channels."""
+"""Faults of the measurement that the model does not contain, distinguished from faults in its channels."""
 
 import numpy as np
 import pytest
@@ -26,8 +26,8 @@ MOTOR = {
 
 
 @pytest.mark.parametrize("shape", ZHAO)
-def test_a_single_output_is_not_blamed_on_a_channel(shape):
-    """The only output fails for 15 s: one alarm, not explained by the model, over soon after."""
+def test_a_failure_of_the_only_output_is_not_attributed_to_a_channel(shape):
+    """It fails for 15 s: one alarm, not explained by the model, cleared soon after."""
     fault = {"output": "y", "shape": shape, "onset": 45, "end": 60} | ZHAO[shape]
     (found,) = watching("zhao-2012", [fault]).alarms(1)
     assert (found["kind"], found["output"]) == ("unexplained", "y.y")
@@ -35,8 +35,8 @@ def test_a_single_output_is_not_blamed_on_a_channel(shape):
 
 
 @pytest.mark.parametrize("shape", MOTOR)
-def test_the_right_output_of_two_is_named(shape):
-    """One sensor of two fails: it is named within 0.3 s and no channel is, though there is one for its bias."""
+def test_the_failing_output_of_two_is_named(shape):
+    """It is named within 0.3 s and no channel is, although there is one for its bias."""
     fault = {"output": "y_speed", "shape": shape, "onset": 12, "end": 16} | MOTOR[shape]
     for seed in (1, 2):
         alarms = watching("dc-motor", [fault]).alarms(seed)
@@ -61,7 +61,7 @@ OTHERS = [
 
 @pytest.mark.parametrize(("name", "output", "shape", "more", "onset"), OTHERS)
 def test_failing_outputs_of_other_plants(name, output, shape, more, onset):
-    """Two seeds each: the output that fails is named, nothing else is, and it is trusted again afterwards."""
+    """Two seeds each: only the failing output is named, and it is trusted again afterwards."""
     end = onset * 4 // 3 if name == "dc-motor" else onset * 3 // 2
     for seed in (1, 2):
         alarms = watching(name, [{"output": output, "shape": shape, "onset": onset, "end": end} | more]).alarms(seed)
@@ -70,7 +70,7 @@ def test_failing_outputs_of_other_plants(name, output, shape, more, onset):
 
 
 def test_a_fault_is_found_while_an_output_fails():
-    """While the speed sensor is frozen, a fault that the current shows is found all the same."""
+    """While the speed sensor is frozen, a fault that the current shows is found."""
     frozen = {"output": "y_speed", "shape": "freeze", "onset": 10, "end": None}
     alarms = watching("dc-motor", [frozen, step("gain_loss", 18, 0.3)]).alarms(1)
     assert names(alarms)[0] == "y_speed" and "gain_loss" in names(alarms)[1:]
@@ -78,8 +78,8 @@ def test_a_fault_is_found_while_an_output_fails():
     assert 18 < named["t"] < 19 and named["size"] == pytest.approx(0.3, rel=0.1)
 
 
-def test_readings_that_no_filter_survives_are_reported():
-    """Outliers of 500 standard deviations drive the filter out of all numbers: it begins anew, and they are unexplained."""
+def test_readings_that_make_the_filter_diverge_are_reported():
+    """Outliers of 500 standard deviations restart the filter, and are unexplained."""
     fault = {"output": "y", "shape": "outliers", "onset": 30, "probability": 0.02, "size": 0.5, "sample_time": 0.1}
     seen = watching("zhao-2012", [fault])
     assert seen.alarms(1)[0]["kind"] == "unexplained"
@@ -87,7 +87,7 @@ def test_readings_that_no_filter_survives_are_reported():
 
 
 def test_repeated_numbers_are_counted():
-    """`repeats` counts rows that repeat the one before, on from one piece to the next."""
+    """`repeats` counts rows equal to the one before, across blocks."""
     y = np.array([1.0, 1, 1, 2, 2, 3, 3, 3, 3])[:, None]
     none = WindowSums.empty(1, 1)
     whole = none.extended(np.zeros((8, 1, 1, 1)), np.zeros((8, 1, 1)), y=y)
@@ -98,7 +98,7 @@ def test_repeated_numbers_are_counted():
 
 
 def test_coarse_sensors_are_not_stuck():
-    """A sensor that repeats numbers as a matter of course is not called stuck for doing so."""
+    """A sensor that often repeats numbers is not called stuck."""
     filter_ = watching("zhao-2012").made.filter
     before = filter_.stuck_after.copy()
     try:

@@ -1,4 +1,4 @@
-"""Figures of observers over a window: error, noise and settling of hand-made columns with known answers."""
+"""Figures of observers over a window: error, noise and settling of hand-made columns with known results."""
 
 from types import SimpleNamespace
 
@@ -15,20 +15,20 @@ WAVE = np.sin(1.7 * np.arange(T.size)) + np.sin(0.61 * np.arange(T.size))
 
 
 def rows(estimate: np.ndarray, state: np.ndarray | None = None) -> Samples:
-    """A step of θ from 0 to 1 at 2 s, an estimate of it, and a state that is 0 with its estimate."""
+    """Return a step of θ from 0 to 1 at 2 s, an estimate of it, and a state that is 0 with its estimate."""
     columns = {"t": T, "theta.a": (T >= 2) * 1.0, "one.theta.a": estimate, "x.x": 0 * T}
     columns["one.x.x"] = 0 * T if state is None else state
     return Samples(tuple(columns), np.array(list(columns.values())))
 
 
 def followed(estimate: np.ndarray, **changes) -> tuple:
-    """How the estimate has followed the step so far."""
+    """Return how the estimate has followed the step until now."""
     fault = SimpleNamespace(**vars(STEP) | changes)
     return settling_of_step(rows(estimate), "one", "a", fault, [fault])
 
 
 def test_noise_is_the_spread_about_a_straight_line():
-    """A ramp has none, alternating ±1 on a ramp has one; missing values are left out, and two values are too few."""
+    """A ramp has none, alternating ±1 on a ramp has one; missing values are ignored; two values are too few."""
     sign = np.where(np.arange(T.size) % 2, 1.0, -1.0)
     assert straight_line_noise(T, 3 * T - 7) == pytest.approx(0, abs=1e-9)
     assert straight_line_noise(T, 3 * T + sign) == pytest.approx(1, abs=0.01)
@@ -37,7 +37,7 @@ def test_noise_is_the_spread_about_a_straight_line():
 
 
 def test_an_estimate_settles_stays_out_or_is_too_noisy():
-    """exp(−t) is within 10 % after ln 10; one that stays at half is not there yet; noise alone keeps the third out."""
+    """exp(−t) is within 10 % after ln 10; one that stays at half is not; noise alone keeps the third out."""
     late = np.where(T < 2, 0, 1 - np.exp(-(T - 2)))
     time, outcome = followed(late)
     assert outcome == "settled" and 0 <= time - np.log(10) <= 0.011
@@ -46,7 +46,7 @@ def test_an_estimate_settles_stays_out_or_is_too_noisy():
     assert followed((T >= 2) * (0.7 + 0.1 * WAVE)) == (None, "not-yet")
 
 
-def test_what_cannot_be_judged_is_unknown():
+def test_settling_is_unknown_without_data():
     """No step, no estimate, too few rows after the onset, or an observer that diverged before it."""
     good = (T >= 2) * 1.0
     assert followed(good, shape="ramp") == (None, "unknown")
@@ -55,15 +55,15 @@ def test_what_cannot_be_judged_is_unknown():
     assert followed(np.where(T < 1, 0.0, np.nan)) == (None, "unknown")
 
 
-def test_noise_alone_is_noise_only_around_the_truth():
-    """Within the band nothing is too noisy, nor with a missing value in the later half."""
+def test_too_noisy_requires_values_around_the_truth():
+    """Values within the band, or with a missing value in the later half, are not called too noisy."""
     assert not too_noisy(T, 0.01 * WAVE, 0.1)
     assert too_noisy(T, 0.1 * WAVE, 0.1)
     assert not too_noisy(T, np.where(T > 9, np.nan, 0.1 * WAVE), 0.1)
 
 
 def test_error_and_noise_of_a_window():
-    """The error is of the chosen state, None with a missing value; the noise is of the last quarter of the window."""
+    """The error is that of the chosen state, None with a missing value; the noise is of the last quarter."""
     state = np.where(T < 5, 0.3, 0.4)
     estimate = np.where(T < 7.5, 5 * WAVE, 0.0)
     figures = window_figures(rows(estimate, state), "one", "x", "a")

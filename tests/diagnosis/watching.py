@@ -1,4 +1,4 @@
-"""Library experiments watched by the detector alone, without their observers: what tests of decisions share."""
+"""Library experiments with the detector alone, without observers, for tests of decisions."""
 
 import json
 from functools import cache
@@ -20,7 +20,7 @@ from thetascope_schemas import Experiment
 
 
 class Watching:
-    """An experiment and its detector; rows are the same for the same seed."""
+    """An experiment and its detector; the same seed gives the same rows."""
 
     def __init__(self, name: str, changes: str):
         spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": []} | json.loads(changes)
@@ -32,7 +32,7 @@ class Watching:
         )
 
     def watched(self, seed: int = 1, faults: bool = True):
-        """What was watched after a whole run."""
+        """Return the monitor's state after a whole run."""
         experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
         watched = self.made.begin()
         for now, rows in spans_of(experiment, 1):
@@ -44,7 +44,7 @@ class Watching:
         return [alarm(f, self.made, 0.95, place) for place, f in enumerate(found)]
 
     def rows(self, seed: int = 1, faults: bool = True) -> tuple[np.ndarray, np.ndarray]:
-        """What the filter is given along a run, and when."""
+        """Return the filter's inputs along a run, and the times."""
         experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
         parts = [(rows, row_values(now, rows.index, rows.plant)) for now, rows in spans_of(experiment, 1)]
         table = np.concatenate([self.made.filter.table(rows.index, rows.y, values) for rows, values in parts])
@@ -57,7 +57,7 @@ def _watching(name: str, changes: str) -> Watching:
 
 
 def watching(name: str, faults: list[dict] | None = None, **changes) -> Watching:
-    """A library experiment with other faults (None: its own) and other changes; made once for all tests."""
+    """Return a library experiment with other faults (None: its own) and other changes; built once for all tests."""
     if faults is not None:
         changes["faults"] = faults
     return _watching(name, json.dumps(changes, sort_keys=True))
@@ -68,5 +68,5 @@ def step(channel: str, onset: float, size: float, **more) -> dict:
 
 
 def names(alarms: list[dict]) -> list[str]:
-    """The channel of each finding, or the output where it is not explained."""
+    """Return the channel of each finding, or the output of an unexplained one."""
     return [a["channel"] or a["output"].removeprefix("y.") for a in alarms]
