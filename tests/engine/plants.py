@@ -1,4 +1,4 @@
-"""Small plants as plain data, and the way from a plant and a spec to an engine experiment, for the engine's tests."""
+"""Small plants as plain data, and a function from a plant and a spec to an engine experiment."""
 
 from typing import Any
 
@@ -9,7 +9,7 @@ from thetascope_schemas import Experiment
 
 
 def oscillator(**changes: Any) -> dict:
-    """A damped oscillator with a force fault, a stiffness fault and a sensor bias; smooth everywhere."""
+    """Return a damped oscillator with a force fault, a stiffness fault and a sensor bias; smooth everywhere."""
     return {
         "id": "oscillator",
         "title": "A damped oscillator",
@@ -29,7 +29,7 @@ def oscillator(**changes: Any) -> dict:
 
 
 def spec(**changes: Any) -> dict:
-    """Ten seconds of the oscillator under an adaptive observer."""
+    """Return ten seconds of the oscillator with an adaptive observer."""
     return {
         "plant": oscillator(),
         "inputs": {"u": {"kind": "sine", "amplitude": 1.0, "frequency": 0.7}},

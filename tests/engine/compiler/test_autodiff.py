@@ -11,8 +11,8 @@ ARITY = {"fma": 3, "where": 3} | dict.fromkeys(("add", "sub", "mul", "div", "pow
 
 
 @pytest.mark.parametrize("op", OPERATIONS)
-def test_the_slope_of_every_operation_is_the_difference_quotient(op: str):
-    """And so is that of i·sin i with it inside, at 200 random places."""
+def test_the_derivative_of_every_operation_equals_the_difference_quotient(op: str):
+    """So does that of i·sin i with it inside, at 200 random points."""
     graph, arity = Graph(), ARITY.get(op, 1)
     arguments = [graph.var(f"v{k}") for k in range(arity)]
     if op == "where":

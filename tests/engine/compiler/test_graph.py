@@ -23,8 +23,8 @@ def test_equal_expressions_are_one_node():
     assert sum(graph.nodes[i][0] == "mul" for i in topological(graph, [root])) == 1
 
 
-def test_the_sign_of_zero_survives():
-    """0.0 and −0.0 are two constants, although Python holds them equal."""
+def test_the_sign_of_zero_is_kept():
+    """0.0 and −0.0 are two constants, although they are equal in Python."""
     graph = Graph()
     assert graph.const(0.0) != graph.const(-0.0)
     assert math.copysign(1.0, graph.nodes[graph.const(-0.0)][1]) == -1.0
@@ -44,14 +44,14 @@ def test_the_sign_of_zero_survives():
         ("x - y", ["sub"]),
     ],
 )
-def test_cheap_forms(text: str, ops: list[str]):
+def test_expressions_are_simplified(text: str, ops: list[str]):
     """Powers become products, halves square roots, neutral elements vanish."""
     graph, root = lowered(text, "x", "y")
     assert [graph.nodes[i][0] for i in topological(graph, [root]) if graph.nodes[i][0] not in ("var", "const")] == ops
 
 
 def test_products_used_once_are_fused_and_shared_ones_are_not():
-    """a·b + c becomes one fma; a product that is needed elsewhere stays a product."""
+    """a·b + c becomes one fma; a product that is used elsewhere stays a product."""
     graph, _ = lowered("x", "x")
     a, b, c = graph.var("a"), graph.var("b"), graph.var("c")
     product = graph.mul(a, b)
@@ -84,12 +84,12 @@ def test_evaluation_agrees_with_numpy_on_every_function():
 
 
 def test_unknown_symbols_are_refused():
-    """A symbol that nothing supplies cannot reach the compiler."""
+    """A symbol without a value cannot reach the compiler."""
     with pytest.raises(ValueError, match="'z'"):
         Lowering(Graph(), {"x"})(sympy.Symbol("z"))
 
 
-def test_a_program_survives_being_written_down():
+def test_a_program_survives_serialisation():
     """to_json and from_json give the same digest, constants bit for bit."""
     x, u = sympy.symbols("x u", real=True)
     program = System("p", "continuous", (x,), (u,), (), (-x / 3 + sympy.Float(0.1) * u,), {"y": x}).lower()

@@ -10,7 +10,7 @@ from thetascope.engine.compiler.system import Program, System
 
 
 def program(time: str = "continuous") -> Program:
-    """Two states, a held input u, a staged input w, a parameter k, time, and C-library functions."""
+    """Return a program with two states, a held input u, a staged input w, a parameter k, time, and C functions."""
     x, v, u, w, k, t = sympy.symbols("x v u w k t", real=True)
     update = (v + sympy.sin(t) * w, -k * sympy.sin(x) - v / 3 + u + sympy.exp(-(x**2)) * sympy.tanh(v))
     return System("p", time, (x, v), (u, w), (k,), update, {"y": x * v + w}).lower()
@@ -23,7 +23,7 @@ def segments(count: int, each: int, h: float, every: int) -> Segments:
 
 
 def by_hand(p: Program, state: np.ndarray, h: float, u: np.ndarray, w: np.ndarray, k: float, each: int) -> np.ndarray:
-    """The classical Runge–Kutta scheme in NumPy, one row a step."""
+    """Return the classical Runge–Kutta scheme in NumPy, one row per step."""
     rows, x = [], state.copy()
 
     def rate(z: np.ndarray, t: float, i: int, s: int) -> np.ndarray:
@@ -54,7 +54,7 @@ def run(inputs: dict, layout: Layout, state: np.ndarray, **arrays) -> np.ndarray
 
 
 def test_the_kernel_is_runge_kutta(inputs):
-    """Against the scheme written in NumPy: equal to rounding."""
+    """It equals the scheme written in NumPy to rounding."""
     state = inputs["state"].copy()
     out = run(inputs, Layout(held=("u",), staged=("w",)), state, held=inputs["u"], staged=inputs["w"])
     expected = by_hand(program(), inputs["state"], 0.02, inputs["u"], inputs["w"], 2.0, 5)
@@ -86,7 +86,7 @@ def test_every_lane_has_the_bits_of_the_single_run(inputs, lanes):
 
 
 def test_recording_every_third_step_gives_those_rows(inputs):
-    """``first`` and ``every`` pick rows; they change no number."""
+    """``first`` and ``every`` select rows; they change no number."""
     everything = run(
         inputs, Layout(held=("u",), staged=("w",)), inputs["state"].copy(), held=inputs["u"], staged=inputs["w"]
     )
@@ -114,7 +114,7 @@ def test_recording_every_third_step_gives_those_rows(inputs):
 
 
 def chained(n: int) -> Program:
-    """A large coupled system: n states, each driven by all others through a sine."""
+    """Return a large coupled system: n states, each driven by all others through a sine."""
     x = sympy.symbols(f"x0:{n}", real=True)
     update = tuple(
         -x[i] + sum(sympy.Float(0.01 * (i + 2 * j)) * sympy.sin(x[j] - x[i]) for j in range(n)) for i in range(n)
@@ -123,7 +123,7 @@ def chained(n: int) -> Program:
 
 
 def test_large_programs_are_compiled_out_of_line_with_the_same_numbers():
-    """Above the inline limit the right-hand side is a function of its own; RK4 is still RK4."""
+    """Above the inline limit the right-hand side is a function; RK4 gives the same numbers."""
     p = chained(60)
     assert not fits_inline(p, Layout())
     start = np.linspace(-1, 1, 60)
@@ -145,8 +145,8 @@ def test_large_programs_are_compiled_out_of_line_with_the_same_numbers():
         np.testing.assert_allclose(row, x, rtol=1e-10, atol=1e-13)
 
 
-def test_discrete_programs_take_one_value_a_step(inputs):
-    """A discrete-time program maps the state once a step."""
+def test_discrete_programs_map_the_state_once_per_step(inputs):
+    """The update is applied once per step."""
     p = program("discrete")
     out, state = np.empty((4, 2)), inputs["state"].copy()
     w = inputs["w"][:4, 0].copy()

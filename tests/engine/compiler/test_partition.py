@@ -1,4 +1,4 @@
-"""What a batch computes once: found by reachability, and nothing is computed twice or left out."""
+"""The parts that a batch computes once, found by reachability: nothing is computed twice or left out."""
 
 from dataclasses import replace
 
@@ -29,15 +29,15 @@ def families(states: tuple[str, ...]) -> set[str]:
     return {s.split(".")[0] for s in states}
 
 
-def test_noise_reaches_only_the_estimates(zhao: Experiment):
+def test_noise_affects_only_the_estimates(zhao: Experiment):
     """zhao-2012 with different seeds: Υ, Γ and the plant are integrated once, x̂ and θ̂ in lanes."""
     parts = _Lanes([with_seed(zhao, i) for i in range(3)], 0).parts
     assert families(parts.shared.states) == {"x", "Upsilon", "Gamma"}
     assert parts.lanes.states == ("xh.x1", "xh.x2", "thetah.theta1", "thetah.theta2", "thetah.theta3")
 
 
-def test_an_initial_estimate_reaches_only_the_estimates(zhao: Experiment):
-    """So does x̂(0); another Γ(0) reaches Γ, but neither the plant nor Υ."""
+def test_an_initial_estimate_affects_only_the_estimates(zhao: Experiment):
+    """So does x̂(0); another Γ(0) affects Γ, but neither the plant nor Υ."""
 
     def other(name: str) -> Experiment:
         estimator = zhao.estimators[0]
@@ -47,15 +47,15 @@ def test_an_initial_estimate_reaches_only_the_estimates(zhao: Experiment):
     assert lanes == {"x0.x1": {"xh", "thetah"}, "g.gamma0": {"Gamma", "xh", "thetah"}}
 
 
-def test_a_fault_reaches_the_plant_and_the_estimates_but_not_the_gains(program: Program):
-    """Υ and Γ depend on known signals alone."""
+def test_a_fault_affects_the_plant_and_the_estimates_but_not_the_gains(program: Program):
+    """Υ and Γ depend on known signals only."""
     parts = partition(program, frozenset({"theta.theta1"}), frozenset())
     assert families(parts.shared.states) == {"Upsilon", "Gamma"}
     assert families(parts.lanes.states) == {"x", "xh", "thetah"}
 
 
-def test_where_everything_differs_nothing_is_shared(program: Program):
-    """Then the lanes are the whole program and nothing is handed over."""
+def test_if_everything_differs_nothing_is_shared(program: Program):
+    """The lanes are then the whole program and no value is passed on."""
     differing = frozenset({"noise.y.y", "g.rho", "p.a4", *program.states})
     parts = partition(program, differing, frozenset())
     assert parts.shared is None and parts.handed == ()
@@ -63,7 +63,7 @@ def test_where_everything_differs_nothing_is_shared(program: Program):
 
 
 def rates(parts: Partition, values: dict) -> dict[str, float]:
-    """Derivatives as the two parts give them together, the handed values passed from one to the other."""
+    """Return the derivatives as the two parts compute them, with the shared values passed from one to the other."""
     found = {}
     shared, lanes = parts.shared, parts.lanes
     handed = evaluate(shared.graph, list(parts.handed), values)
@@ -78,7 +78,7 @@ def rates(parts: Partition, values: dict) -> dict[str, float]:
 
 @pytest.mark.parametrize("differing", [{"noise.y.y"}, {"theta.theta1"}, {"g.rho"}, {"xh.x1"}, {"p.a4"}], ids=str)
 @pytest.mark.parametrize("staged", [set(), {"u.u", "signal.phi1"}], ids=["held", "staged"])
-def test_the_parts_together_are_the_whole(program: Program, differing: set[str], staged: set[str]):
+def test_the_parts_together_equal_the_program(program: Program, differing: set[str], staged: set[str]):
     """At random values every derivative has the bits of the undivided program."""
     rng = np.random.default_rng(4)
     names = {n[1] for n in program.graph.index if n[0] == "var"}
@@ -89,7 +89,7 @@ def test_the_parts_together_are_the_whole(program: Program, differing: set[str],
 
 
 def test_products_of_shared_factors_are_formed_once(zhao: Experiment, program: Program):
-    """In the lanes of zhao-2012 no operation is left whose arguments are all shared, but those that are fixed in a run."""
+    """In the lanes of zhao-2012 no operation has shared arguments only, except those that are constant in a run."""
     parts = _Lanes([with_seed(zhao, i) for i in range(3)], 0).parts
     graph, differs = parts.lanes.graph, set(parts.lanes.states) | {"noise.y.y"}
     reached: set[int] = set()
@@ -106,7 +106,8 @@ def test_products_of_shared_factors_are_formed_once(zhao: Experiment, program: P
     assert sum(op in ("mul", "fma", "div") for op in operations) < 30
 
 
-def test_what_moves_within_a_step_is_handed_over_and_what_does_not_is_computed_again(program: Program):
-    """A held product costs the lanes nothing: it is formed once a segment. A staged one would be formed at every stage."""
+def test_held_values_are_recomputed_and_staged_ones_passed_on(program: Program):
+    """A held product costs the lanes nothing, since it is formed once per segment; a staged one would be formed at
+    every stage."""
     both = [len(partition(program, frozenset({"noise.y.y"}), frozenset(s)).handed) for s in ({}, {"u.u"})]
     assert both[0] < both[1]

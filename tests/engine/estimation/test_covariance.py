@@ -1,4 +1,4 @@
-"""How sure θ̂ is: the covariance that is said against the one that simulations show."""
+"""The uncertainty of θ̂: the computed covariance against simulations."""
 
 from dataclasses import replace
 
@@ -18,15 +18,15 @@ SEEDS = 10
 
 
 def results(name: str) -> tuple[list[Result], tuple]:
-    """An experiment without its faults and with its observers, run with several seeds."""
+    """Return runs of an experiment without its faults and with its observers, for several seeds."""
     experiment = prepare(library.resolve(library.experiment(name))).stages[0].experiment
     plain = replace(healthy(experiment), estimators=experiment.estimators)
     return [run([Stage(0, with_seed(plain, 300 + k))]) for k in range(SEEDS)], experiment.estimators
 
 
 @pytest.mark.parametrize("name", ["zhao-2012", "dc-motor", "contois-physical", "shen-hu-2015"])
-def test_the_95_per_cent_band_covers_the_truth_that_often(name: str):
-    """In the last two thirds of ten runs the band holds θ 93 to 97 % of the time, all estimates of an observer together."""
+def test_the_95_percent_band_covers_the_truth(name: str):
+    """In the last two thirds of ten runs the band contains θ 93 to 97 % of the time, over all estimates of an observer."""
     runs, estimators = results(name)
     for e in (e for e in estimators if e.channels):
         inside = []
@@ -38,8 +38,8 @@ def test_the_95_per_cent_band_covers_the_truth_that_often(name: str):
         assert 0.93 <= np.mean(inside) <= 0.97, e.label
 
 
-def test_the_band_of_a_kalman_filter_is_that_of_its_own_covariance():
-    """Where all its assumptions hold, an independent recursion for S gives what the filter's own P claims, to a tenth."""
+def test_the_band_of_a_kalman_filter_agrees_with_its_own_covariance():
+    """If all its assumptions hold, the independent recursion for S agrees with the filter's P to a tenth."""
     runs, _ = results("friction-motor")
     late = len(runs[0].column("t")) // 2
     said, claimed = (np.mean([r.column(f"ekf.{w}.friction")[late:] for r in runs]) for w in ("sigma", "claimed"))
@@ -47,7 +47,7 @@ def test_the_band_of_a_kalman_filter_is_that_of_its_own_covariance():
 
 
 def test_the_band_widens_when_excitation_is_lost():
-    """The joint EKF of a motor whose voltage is zero hears nothing of its gain: the band of that fault is five times as wide."""
+    """At zero voltage the joint EKF of a motor has no information on its gain: that band is five times as wide."""
     spec = library.experiment("dc-motor").model_dump(mode="json")
     kept = [o for o in spec["observers"] if o["label"] == "ekf"]
     spec |= {"faults": [], "figures": [], "diagnosis": {"enabled": False}, "observers": kept}

@@ -34,14 +34,14 @@ def full(data: dict, **more) -> dict:
 
 @pytest.mark.parametrize(("data", "formula"), FORMULAS, ids=lambda d: d.get("shape") if isinstance(d, dict) else "")
 def test_a_shape_is_its_formula_between_onset_and_end(data: dict, formula: Callable[[float], float]):
-    """In the time since the onset; zero before it and from the end on."""
+    """In the time since the onset; zero before the onset and from the end on."""
     expected = [formula(t - ONSET) if ONSET <= t < END else 0.0 for t in TIMES]
     np.testing.assert_allclose(fault(full(data), KEY)(TIMES, TIMES), expected, rtol=1e-12, atol=1e-14)
 
 
 @pytest.mark.parametrize("data", [d for d, _ in FORMULAS] + [WALK], ids=lambda d: d["shape"])
 def test_onset_and_end_are_breaks_and_a_right_and_a_left_limit(data: dict):
-    """A step that ends at the onset sees nothing of the fault; one that begins there sees all of it."""
+    """A step that ends at the onset is not affected by the fault; one that begins there is."""
     made = fault(full(data), KEY)
     assert {ONSET, END} <= set(made.breaks(0.0, 10.0))
     both, sides = np.array([ONSET, END]), np.array([-1e-3, 1e-3])
@@ -52,8 +52,8 @@ def test_onset_and_end_are_breaks_and_a_right_and_a_left_limit(data: dict):
     np.testing.assert_allclose(inside, near, atol=1e-6)
 
 
-def test_a_random_walk_is_the_same_however_it_is_asked_for():
-    """All at once, in pieces, backwards, one time alone: the same numbers."""
+def test_a_random_walk_does_not_depend_on_the_evaluation():
+    """All together, in blocks, backwards, or a single time: the same numbers."""
     walk = fault(full(WALK), KEY)
     whole = walk(TIMES, TIMES)
     pieces = np.concatenate([walk(part, part) for part in np.array_split(TIMES, 37)])
@@ -62,7 +62,7 @@ def test_a_random_walk_is_the_same_however_it_is_asked_for():
 
 
 def test_a_random_walk_spreads_with_the_root_of_time():
-    """Over 400 keys its standard deviation is intensity·√τ, and increments do not depend on one another."""
+    """Over 400 keys its standard deviation is intensity·√τ, and increments are independent."""
     after = np.array([1.0, 4.0])
     t = ONSET + after - 0.5 * WALK["sample_time"]  # the last increment before τ = 1 and 4
     values = np.array([fault(full(WALK), (i, 11, 5))(t, t) for i in range(400)])
@@ -71,7 +71,7 @@ def test_a_random_walk_spreads_with_the_root_of_time():
 
 
 def test_a_random_walk_moves_only_every_sample_time():
-    """Held in between, and its breaks say when it moves."""
+    """It is held in between, and its breaks are the times at which it changes."""
     walk = fault(full(WALK, end=None), KEY)
     breaks = np.unique(walk.breaks(ONSET - 1e-9, 3.0))
     np.testing.assert_allclose(np.diff(breaks), 0.05, atol=1e-12)
@@ -81,7 +81,7 @@ def test_a_random_walk_moves_only_every_sample_time():
 
 
 def test_theta_is_the_sum_of_the_faults_of_its_channel():
-    """Others' faults and faults of measurements do not count; none at all is zero."""
+    """Faults of other channels and of measurements do not count; without faults it is zero."""
     several = [
         full({"shape": "step", "size": 1.0}, onset=1.0),
         full({"shape": "drift", "rate": 2.0}),
@@ -96,8 +96,8 @@ def test_theta_is_the_sum_of_the_faults_of_its_channel():
     assert none.held and not none(TIMES, TIMES).any() and not len(none.breaks(0, 10))
 
 
-def test_random_walks_differ_by_seed_and_by_what_they_are():
-    """The seed of the experiment drives them; two on one channel are independent unless they are one and the same."""
+def test_random_walks_differ_by_seed_and_fault():
+    """They depend on the experiment's seed; two on one channel are independent unless they are identical."""
     other = full(WALK, onset=2.5)
     values = [
         theta("c", faults, seed)(TIMES, TIMES) for faults, seed in (([full(WALK)], 0), ([full(WALK)], 1), ([other], 0))

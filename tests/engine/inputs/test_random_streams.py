@@ -1,4 +1,4 @@
-"""Random numbers: what they are, random access, independence of streams."""
+"""Random numbers: their definition, random access, independence of streams."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -16,7 +16,7 @@ _MASK = (1 << 64) - 1
 
 
 def threefry(k0: int, k1: int, c0: int, c1: int) -> tuple[int, int]:
-    """Threefry-2x64 with 20 rounds, from the paper, on Python's integers."""
+    """Return Threefry-2x64 with 20 rounds, from the paper, with Python's integers."""
     keys = (k0, k1, 0x1BD11BDAA9FC1A22 ^ k0 ^ k1)
     x0, x1 = (c0 + k0) & _MASK, (c1 + k1) & _MASK
     for i in range(20):
@@ -42,13 +42,13 @@ def test_the_reference_is_threefry(key, counter, words):
 
 
 def test_uniform_numbers_are_the_upper_bits_of_threefry():
-    """Number j is word j mod 2 of counter j div 2, its upper 52 bits."""
+    """Number j is the upper 52 bits of word j mod 2 of counter j div 2."""
     words = [w for c in range(500) for w in threefry(*random_streams._words(KEY), c, 0)]
     np.testing.assert_array_equal(uniform(KEY, 0, 1000), [(w >> 12) * 2.0**-52 for w in words])
 
 
 def test_normal_numbers_are_those_of_box_and_muller():
-    """Against NumPy's log, sin and cos: √(−2 ln u) (cos, sin) of an angle within ±45° and a quarter turn."""
+    """They agree with NumPy's √(−2 ln u) (cos, sin) of an angle within ±45° and a quarter turn."""
     words = np.array([threefry(*random_streams._words(KEY), c, 0) for c in range(2000)], dtype=np.uint64)
     u = (words[:, 0] >> np.uint64(12)) * 2.0**-52 + 2.0**-53
     angle = ((words[:, 1] >> np.uint64(12)) * 2.0**-52 - 0.5) * np.pi / 2
@@ -60,8 +60,8 @@ def test_normal_numbers_are_those_of_box_and_muller():
 
 
 @given(first=st.integers(0, 10**12), count=st.integers(0, 300), cut=st.integers(0, 300))
-def test_random_access_gives_what_going_through_gives(first: int, count: int, cut: int):
-    """Draws first … first+count−1 in one go, in two, or each alone: the same bits."""
+def test_random_access_equals_sequential_access(first: int, count: int, cut: int):
+    """Draws first … first+count−1 together, in two calls, or one by one have the same bits."""
     cut = min(cut, count)
     for draw in (normal, uniform):
         whole = draw(KEY, first, count)
@@ -72,7 +72,7 @@ def test_random_access_gives_what_going_through_gives(first: int, count: int, cu
 
 
 @given(first=st.integers(0, 10**9), count=st.integers(1, 50), lanes=st.sampled_from([8, 16]))
-def test_streams_side_by_side_are_the_streams_alone(first: int, count: int, lanes: int):
+def test_streams_drawn_together_equal_single_streams(first: int, count: int, lanes: int):
     """Each column of Streams.normal has the bits of normal with that key."""
     keys = [(seed, 3, 0) for seed in range(lanes)]
     together = Streams(keys).normal(first, count)
@@ -82,7 +82,7 @@ def test_streams_side_by_side_are_the_streams_alone(first: int, count: int, lane
 
 
 def test_normal_numbers_are_normal():
-    """Half a million: Kolmogorov–Smirnov, moments, tails, and no correlation between neighbours."""
+    """Half a million of them: Kolmogorov–Smirnov, moments, tails, and no correlation between neighbours."""
     n = 500_000
     x = normal(KEY, 0, n)
     assert stats.kstest(x, "norm").pvalue > 0.01
@@ -101,8 +101,8 @@ def test_uniform_numbers_are_uniform():
     assert stats.kstest(x, "uniform").pvalue > 0.01
 
 
-def test_streams_of_different_keys_are_unrelated():
-    """Neighbouring seeds, and keys that read alike when run together, give uncorrelated streams."""
+def test_streams_of_different_keys_are_uncorrelated():
+    """Also for neighbouring seeds, and for keys whose parts are equal when joined."""
     keys = [(0,), (1,), (2,), (12,), (1, 2), (2, 1), (1, 2, 0), (2**64,), (2**64 + 1,)]
     n = 20_000
     rows = np.array([normal(k, 0, n) for k in keys])
@@ -111,14 +111,14 @@ def test_streams_of_different_keys_are_unrelated():
 
 
 def test_a_fault_keeps_its_stream_whatever_its_place_and_end():
-    """key_of depends on what the fault is; when it ends, and the order in which it is told, change nothing."""
+    """key_of depends on the fault, but neither on its end nor on the order of faults."""
     fault = {"channel": "c", "shape": "random-walk", "onset": 1.0, "end": None, "intensity": 1.0, "sample_time": 0.1}
     assert random_streams.key_of(fault) == random_streams.key_of(dict(reversed(fault.items())) | {"end": 4.0})
     assert random_streams.key_of(fault) != random_streams.key_of(fault | {"onset": 2.0})
 
 
-def test_threads_do_not_disturb_one_another():
-    """Eight threads that draw at once get what one gets."""
+def test_threads_get_the_same_numbers():
+    """Eight threads that draw concurrently get the numbers of one."""
     keys = [(i,) for i in range(64)]
     with ThreadPoolExecutor(8) as pool:
         drawn = list(pool.map(lambda k: normal(k, 5, 5000), keys))

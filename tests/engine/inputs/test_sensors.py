@@ -1,4 +1,4 @@
-"""The sensor side: noise, every fault of the measurement against what it is to do, sampling; and chunks change nothing."""
+"""The measurement: noise, every fault of an output against its definition, sampling; blocks change nothing."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ STAGE = np.array([0.0, 0.5, 0.5, 1.0])
 
 @dataclass(frozen=True)
 class Seen:
-    """What came out: times and values at the four stages of every step."""
+    """The measured times and values at the four stages of every step."""
 
     t: np.ndarray
     y: np.ndarray
     anchor: np.ndarray
 
     def at(self, a: float, b: float = np.inf) -> np.ndarray:
-        """Values in the steps within [a, b)."""
+        """Return the values in the steps within [a, b)."""
         return self.y[(self.anchor > a) & (self.anchor < b)]
 
 
@@ -39,7 +39,7 @@ def sensor(*faults: dict, std: float = 0.0, seed: int = 3, every: int | None = N
 
 
 def seen(m: Measurement, chunks: Sequence[int] = (STEPS,), clean=smooth, late=()) -> Seen:
-    """Measure ``clean`` in spans of so many base steps."""
+    """Measure ``clean`` in blocks of these numbers of base steps."""
     memory, first, found = m.start(), 0, []
     for count in chunks:
         last = first + count
@@ -87,7 +87,7 @@ CASES = {
 @pytest.mark.parametrize("every", [None, 7], ids=["continuous", "sampled"])
 @pytest.mark.parametrize("faults", CASES.values(), ids=CASES.keys())
 def test_chunks_change_no_number(faults: list[dict], every: int | None):
-    """In spans of 1, 2, 49, 148, 1, … base steps, some of which end where faults begin and end: the same bits."""
+    """Blocks of 1, 2, 49, 148, 1, … base steps, some of which end where faults begin or end: the same bits."""
     m = sensor(*faults, std=0.1, every=every)
     chunks = [1, 2, 47, 50, 1, 99, 50, 1, 49, 100]
     whole, cut_up = seen(m), seen(m, [*chunks, STEPS - sum(chunks)])
@@ -96,7 +96,7 @@ def test_chunks_change_no_number(faults: list[dict], every: int | None):
 
 
 def test_noise_has_its_standard_deviation_and_is_held():
-    """One value for each sample time, independent, of the std that was asked."""
+    """One independent value per sample time, with the declared standard deviation."""
     m = sensor(std=0.2)
     noise = seen(m, clean=lambda t, anchor: 0 * t)
     index = np.floor(noise.anchor / HOLD).astype(int)
@@ -107,7 +107,7 @@ def test_noise_has_its_standard_deviation_and_is_held():
 
 
 def test_noise_differs_by_seed_and_output():
-    """No two outputs and no two seeds share their noise."""
+    """No two outputs and no two seeds have the same noise."""
     m = Measurement(("y.a", "y.b"), (1.0, 1.0), (HOLD, HOLD), 1)
     other = Measurement(("y.a", "y.b"), (1.0, 1.0), (HOLD, HOLD), 2)
     at = HOLD * (np.arange(2000) + 0.5)
@@ -116,15 +116,15 @@ def test_noise_differs_by_seed_and_output():
 
 
 def test_stuck_shows_its_value_while_it_lasts():
-    """Before and after, the sensor is as if nothing had been."""
+    """Before and after the fault the output is unaffected."""
     whole, stuck = seen(sensor(std=0.1)), seen(sensor(*CASES["stuck"], std=0.1))
     assert (stuck.at(1.0, 2.5) == 7.0).all()
     for a, b in ((0, 1.0), (2.5, END)):
         np.testing.assert_array_equal(stuck.at(a, b), whole.at(a, b))
 
 
-def test_freeze_goes_on_showing_the_last_value():
-    """The value at the moment of the onset (its left limit, noise included), until the end."""
+def test_freeze_holds_the_last_value():
+    """The value at the onset (left limit, with noise) until the end."""
     whole, frozen = seen(sensor(std=0.1)), seen(sensor(*CASES["freeze"], std=0.1))
     assert (frozen.at(1.0, 2.5) == whole.at(0, 1.0)[-1, -1]).all()
     np.testing.assert_array_equal(frozen.at(2.5), whole.at(2.5))
@@ -133,7 +133,7 @@ def test_freeze_goes_on_showing_the_last_value():
 
 
 def test_dropout_loses_samples_by_chance_and_holds_the_last():
-    """Each sample time is either passed on untouched or the last value stays; lost are as many as its probability says."""
+    """Each sample passes unchanged or the last value is held, with the given probability."""
     whole, holed = seen(sensor()), seen(sensor(*CASES["dropout"]))
     last, lost = None, []
     for i in range(len(holed.y)):
@@ -149,7 +149,7 @@ def test_dropout_loses_samples_by_chance_and_holds_the_last():
 
 
 def test_outliers_are_displaced_by_their_size_to_either_side():
-    """The displacement is 0, +size or −size, held for a sample time, as often as the probability says."""
+    """The displacement is 0, +size or −size, held for a sample time, with the given probability."""
     m = sensor(*(f | {"sample_time": 0.01} for f in CASES["outliers"]))
     displaced = (seen(m).y - seen(sensor()).y)[:, 0]
     np.testing.assert_allclose(np.unique(np.round(displaced, 12)), [-0.8, 0.0, 0.8])
@@ -159,7 +159,7 @@ def test_outliers_are_displaced_by_their_size_to_either_side():
 
 
 def test_a_noise_burst_adds_noise_of_its_own_std_while_it_lasts():
-    """And a stream of its own: the ordinary noise stays what it was."""
+    """It has a stream of its own: the ordinary noise is unchanged."""
     burst = seen(sensor(*CASES["noise burst"], std=0.1)).y[:, 0] - seen(sensor(std=0.1)).y[:, 0]
     during = (np.arange(STEPS) + 0.5) * H
     inside = (during > 0.5) & (during < 4.0)
@@ -169,7 +169,7 @@ def test_a_noise_burst_adds_noise_of_its_own_std_while_it_lasts():
 
 
 def test_quantisation_rounds_to_the_nearest_multiple():
-    """Within half a resolution of the truth, on the raster, while it lasts."""
+    """Within half a resolution of the truth, for the duration of the fault."""
     whole, coarse = seen(sensor(std=0.1)), seen(sensor(*CASES["quantisation"], std=0.1))
     inside, truth = coarse.at(0.5, 4.0), whole.at(0.5, 4.0)
     np.testing.assert_allclose(inside / 0.25, np.rint(inside / 0.25), atol=1e-12)
@@ -178,8 +178,8 @@ def test_quantisation_rounds_to_the_nearest_multiple():
 
 
 @pytest.mark.parametrize("name", ["delay", "delay off the grid"])
-def test_a_delay_shows_what_was_so_long_ago(name: str):
-    """y(t − delay) once the delay line is full, the value at the onset until then; the present again after the end."""
+def test_a_delay_shows_earlier_values(name: str):
+    """y(t − delay) once the delay line is full, until then the value at the onset; after the end the present value."""
     fault = CASES[name][0]
     late = seen(sensor(fault))
     for a, b in ((0, fault["onset"]), (4.0, END)):
@@ -195,7 +195,7 @@ def test_a_delay_shows_what_was_so_long_ago(name: str):
 
 @pytest.mark.parametrize("delay", [0.17, 0.2, 0.1234])
 def test_a_delay_keeps_jumps_sharp(delay: float):
-    """A held signal, noise and all, comes out held: no step sees a mixture of the values before and after a jump."""
+    """A held signal with noise is still held: no step contains a mixture of the values before and after a jump."""
     levels = jumps([1.5, 2.0, 2.51], [0.0, 3.0, -1.0, 5.0])
     late = seen(sensor({"shape": "delay", "onset": 0.0, "delay": delay}, std=0.5), clean=levels, late=[levels])
     filled = late.anchor > delay
@@ -204,8 +204,8 @@ def test_a_delay_keeps_jumps_sharp(delay: float):
     np.testing.assert_allclose(late.y[filled], np.repeat(expected[:, None], 4, axis=1), atol=1e-12)
 
 
-def test_faults_act_in_the_order_in_which_a_value_meets_them():
-    """Delay, then loss, then quantisation, in whatever order they are told: what is frozen is late, what is stuck rounded."""
+def test_faults_act_in_the_order_of_the_signal_path():
+    """Delay, then loss, then quantisation, in whatever order they are given."""
     faults = [
         {"shape": "quantisation", "onset": 0.0, "resolution": 0.5},
         {"shape": "freeze", "onset": 2.0, "end": 4.0},
@@ -218,8 +218,8 @@ def test_faults_act_in_the_order_in_which_a_value_meets_them():
         assert (found.at(4.0) == 0.5).all()
 
 
-def test_a_fault_of_one_output_leaves_the_others_alone():
-    """Two outputs, one stuck."""
+def test_a_fault_of_one_output_does_not_affect_the_others():
+    """Of two outputs one is stuck."""
     fault = {"output": "y.a", "shape": "stuck", "onset": 0.0, "end": None, "value": 1.0}
     m = Measurement(("y.a", "y.b"), (0.0, 0.0), (HOLD, HOLD), 0, (fault,))
     grid = cut(0, 10, H, m.breaks(0, 1), 1, 1)
@@ -230,14 +230,14 @@ def test_a_fault_of_one_output_leaves_the_others_alone():
 
 
 def test_sampled_measurement_holds_the_value_of_the_sample_instant():
-    """Every 7 base steps the value there, its right limit with the noise that begins there, is taken and held."""
+    """Every 7 base steps the right limit, with its noise, is sampled and held."""
     sampled, whole = seen(sensor(std=0.1, every=7)), seen(sensor(std=0.1))
     for k in range(0, STEPS, 7):
         assert (sampled.y[k : k + 7] == whole.y[k, 0]).all()
 
 
 def test_only_additive_disturbances_are_direct():
-    """Where y is more than h(x) plus something known it cannot be formed inside a kernel."""
+    """If y is not h(x) plus a known term it cannot be formed inside a kernel."""
     assert sensor(std=0.1).direct and sensor(*CASES["outliers"]).direct and sensor(*CASES["noise burst"]).direct
     assert not any(sensor(*CASES[n]).direct for n in ("stuck", "freeze", "dropout", "quantisation", "delay"))
     assert not sensor(every=5).direct

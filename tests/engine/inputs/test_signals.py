@@ -56,21 +56,21 @@ def at(s: Signal, times: np.ndarray) -> np.ndarray:
 
 
 def pieces(s: Signal, end: float = END) -> list[tuple[float, float]]:
-    """The intervals between breaks."""
+    """Return the intervals between breaks."""
     edges = [0.0, *np.unique(s.breaks(0.0, end)), end]
     return [(a, b) for a, b in pairwise(edges) if b - a > 1e-9]
 
 
 @pytest.mark.parametrize(("data", "formula"), FORMULAS, ids=IDS)
 def test_a_signal_is_its_formula(data: dict, formula: Callable[[float], float]):
-    """At a thousand times that are no jump."""
+    """At a thousand times other than jumps."""
     times = np.random.default_rng(1).uniform(0, END, 1000)
     np.testing.assert_allclose(at(signal(data), times), [formula(t) for t in times], rtol=1e-12, atol=1e-12)
 
 
 @pytest.mark.parametrize(("data", "formula"), FORMULAS, ids=IDS)
 def test_limits_at_a_break_are_those_of_the_pieces_beside_it(data: dict, formula: Callable[[float], float]):
-    """With the anchor before the break the value at it is the left limit, with the anchor behind it the right limit."""
+    """With an anchor before the break the value there is the left limit, with one after it the right limit."""
     s = signal(data)
     for time in s.breaks(0.0, END):
         for anchor in (time - 1e-3, time + 1e-3):
@@ -81,7 +81,7 @@ def test_limits_at_a_break_are_those_of_the_pieces_beside_it(data: dict, formula
 @pytest.mark.parametrize("data", HELD, ids=lambda d: d["kind"])
 @given(where=st.floats(0, 1), share=st.floats(0.01, 0.99), other=st.floats(0.01, 0.99))
 def test_a_held_signal_is_constant_between_its_breaks(data: dict, where: float, share: float, other: float):
-    """So that one value a segment is all that a kernel needs."""
+    """Therefore a kernel needs one value per segment."""
     s = signal(data)
     found = pieces(s)
     a, b = found[min(int(where * len(found)), len(found) - 1)]
@@ -91,7 +91,7 @@ def test_a_held_signal_is_constant_between_its_breaks(data: dict, where: float, 
 
 @pytest.mark.parametrize("data", [d for d, _ in FORMULAS if not signal(d).held], ids=lambda d: d["kind"])
 def test_a_smooth_signal_has_no_kink_between_its_breaks(data: dict):
-    """Second differences within a piece stay of the size that the smooth formula has: no jump of value or slope."""
+    """Second differences within a piece are as small as those of the formula: no jump of value or slope."""
     s, h = signal(data), 1e-3
     for a, b in pieces(s):
         grid = np.arange(a + 1e-9, b - 1e-9, h)
@@ -101,7 +101,7 @@ def test_a_smooth_signal_has_no_kink_between_its_breaks(data: dict):
 
 @given(a=st.floats(0, 5), b=st.floats(5, 10), middle=st.floats(0, 1))
 def test_breaks_of_a_span_are_those_of_its_parts(a: float, b: float, middle: float):
-    """However the horizon is cut, no break is lost and none is added."""
+    """However the horizon is divided, no break is lost or added."""
     middle = a + middle * (b - a)
     for data in (*HELD, *(d for d, _ in FORMULAS)):
         s = signal(data)
@@ -110,8 +110,8 @@ def test_breaks_of_a_span_are_those_of_its_parts(a: float, b: float, middle: flo
         np.testing.assert_array_equal(whole[whole != middle], parts)
 
 
-def test_prbs_is_binary_fair_and_its_own_seeds():
-    """Only the two values, each about half of the time, drawn anew every hold; another seed is another sequence."""
+def test_prbs_is_binary_fair_and_depends_on_its_seed():
+    """Two values, each about half of the time, drawn anew after every hold time; another seed gives another sequence."""
 
     def make(seed: int):
         return signal({"kind": "prbs", "low": -1, "high": 2, "hold": 0.5, "seed": seed})
@@ -137,7 +137,7 @@ def test_a_sum_has_the_values_and_breaks_of_all_its_parts():
 
 @pytest.mark.parametrize("data", [d for d, _ in FORMULAS], ids=IDS)
 def test_gating_counts_time_from_the_onset_and_ends(data: dict):
-    """Zero before onset and from end on; the signal's own time in between; breaks at both."""
+    """Zero before the onset and from the end on; the signal's own time in between; breaks at both."""
     onset, end = 2.3, 7.1
     inner, outer = signal(data), gated(signal(data), onset, end)
     times = np.linspace(0.005, 9.995, 2000)
@@ -150,19 +150,19 @@ def test_gating_counts_time_from_the_onset_and_ends(data: dict):
 
 
 def test_a_signal_without_end_stays():
-    """end = None keeps it for ever."""
+    """With end = None it never ends."""
     forever = gated(signals.constant(2.0), 1.0, None)
     assert at(forever, np.array([0.5, 1.5, 1e6])).tolist() == [0.0, 2.0, 2.0]
     assert forever.breaks(0, 1e6).tolist() == [1.0]
 
 
-def test_a_signal_that_switches_without_measure_is_refused():
+def test_a_signal_with_too_many_switching_times_is_refused():
     """More than ten million switching times are refused, not computed."""
     with pytest.raises(ValueError, match="switches more than"):
         signal({"kind": "prbs", "low": 0, "high": 1, "hold": 1e-9, "seed": 0}).breaks(0.0, 1.0)
 
 
-def test_an_expression_may_know_only_the_time():
+def test_an_expression_may_contain_only_the_time():
     """Any other name is an error that points into the text."""
     with pytest.raises(ExpressionError, match="x1"):
         signal({"kind": "expression", "text": "sin(x1)"})

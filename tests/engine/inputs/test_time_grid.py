@@ -1,4 +1,4 @@
-"""The time grid: covered exactly, no step across a break, rows where they are due, whatever the chunks."""
+"""The time grid: exact coverage, no step across a break, rows at their times, for any division into blocks."""
 
 import numpy as np
 from hypothesis import given
@@ -15,7 +15,7 @@ breaks = st.lists(on_grid | anywhere, max_size=12).map(np.array)
 
 
 def recorded(grid: Grid, every: int) -> list[int]:
-    """Numbers of the steps after which the kernel records, counted as it counts."""
+    """Return the numbers of the steps after which the kernel records, by its own counting."""
     rows, done = [], 0
     for steps, first in zip(grid.segments.steps.tolist(), grid.segments.first.tolist(), strict=True):
         left = first
@@ -50,7 +50,7 @@ def test_no_step_goes_across_a_break(span, breaks, substeps: int):
 
 @given(span=spans, breaks=breaks, every=st.integers(1, 7), substeps=st.integers(1, 3))
 def test_rows_fall_on_whole_multiples_of_every(span, breaks, every: int, substeps: int):
-    """Recorded are the base steps every, 2·every, … that end within the span, each once, however steps are divided."""
+    """The base steps every, 2·every, … that end within the span are recorded once each, however steps are divided."""
     grid = cut(*span, H, breaks, every, substeps)
     times = [grid.end[i - 1] for i in recorded(grid, every * substeps)]
     due = [k * H for k in range(span[0] + 1, span[1] + 1) if k % every == 0]
@@ -58,8 +58,8 @@ def test_rows_fall_on_whole_multiples_of_every(span, breaks, every: int, substep
 
 
 @given(span=spans, breaks=breaks, substeps=st.integers(1, 3))
-def test_base_tells_where_each_base_step_begins(span, breaks, substeps: int):
-    """base[k] is the first step of base step k; its last entry counts all steps."""
+def test_base_has_the_first_step_of_each_base_step(span, breaks, substeps: int):
+    """Its last entry is the number of steps."""
     grid = cut(*span, H, breaks, 1, substeps)
     assert len(grid.base) == span[1] - span[0] + 1 and grid.base[-1] == len(grid.start)
     np.testing.assert_allclose(grid.start[grid.base[:-1]], np.arange(*span) * H, rtol=0, atol=1e-12)
@@ -67,7 +67,7 @@ def test_base_tells_where_each_base_step_begins(span, breaks, substeps: int):
 
 @given(span=spans, breaks=breaks, where=st.floats(0, 1))
 def test_two_spans_have_the_times_of_one(span, breaks, where: float):
-    """Cutting a span in two changes no bit of any step's time: live and whole runs see the same signals."""
+    """Dividing a span changes no bit of any step's time: live sessions and runs use the same signals."""
     middle = span[0] + round(where * (span[1] - span[0]))
     whole = cut(*span, H, breaks, 1, 1)
     parts = [cut(a, b, H, breaks, 1, 1) for a, b in ((span[0], middle), (middle, span[1])) if b > a]
@@ -83,7 +83,7 @@ def test_several_breaks_in_one_step_make_as_many_pieces():
 
 
 def test_a_break_that_rounding_moved_is_on_the_grid():
-    """0.1 + 0.2 is taken for the grid point 0.3: no step of 4e-17 s."""
+    """0.1 + 0.2 counts as the grid point 0.3: there is no step of 4e-17 s."""
     marks, off = sort_out(np.array([0.1 + 0.2, 0.35]), 0.1)
     assert marks.tolist() == [3]
     np.testing.assert_allclose(off, [3.5])
@@ -91,6 +91,6 @@ def test_a_break_that_rounding_moved_is_on_the_grid():
 
 
 def test_a_span_without_rows_records_nothing():
-    """Where no row is due a segment says so."""
+    """A segment in which no row is due is marked as such."""
     grid = cut(0, 4, 0.1, np.empty(0), 10, 1)
     assert grid.segments.first.tolist() == [NEVER]

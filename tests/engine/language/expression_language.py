@@ -45,7 +45,7 @@ INFIX = {"+": 1, "-": 1, "*": 2, "/": 2}
 
 
 def render(tree: tuple, level: int = 0) -> str:
-    """The text of a tree with the fewest parentheses that Python's precedence asks for."""
+    """Return the text of a tree with the fewest parentheses that Python's precedence requires."""
     kind, *args = tree
     if kind in ("number", "name"):
         return args[0]
@@ -173,7 +173,7 @@ OPERATIONS: dict[str, Callable[..., float]] = {
 
 
 def value(expr: sympy.Expr, env: Mapping[str, float]) -> float:
-    """Value of the SymPy forms that the parser may emit; any other form is an error."""
+    """Return the value of the SymPy forms that the parser may emit; any other form is an error."""
     if expr.is_Symbol:
         return env[expr.name]
     if expr.is_Number or expr.is_NumberSymbol:

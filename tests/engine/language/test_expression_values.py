@@ -1,4 +1,4 @@
-"""Claims about the expression language: admitted text means what it says, and so do its derivatives."""
+"""The values of expressions: accepted text has its usual meaning, and so have its derivatives."""
 
 import math
 import sys
@@ -22,8 +22,8 @@ from thetascope.engine.language.sympy_functions import Backlash, SignedPower, Wh
 @example(("/", ("/", ("name", "x"), ("name", "y")), ("/", ("name", "z"), ("name", "t"))))
 @example(("backlash", *[("name", n) for n in ("z", "t", "x")], *[("number", n) for n in ("1", "2", "0.5", "3")]))
 @example(("backlash", *[("name", n) for n in ("y", "phi", "z")], *[("number", n) for n in ("2", "4", "0.5", "0.75")]))
-def test_admitted_text_means_what_it_says(tree: tuple) -> None:
-    """The SymPy expression has the value that an interpreter of the drawn tree finds, and only known forms."""
+def test_accepted_text_has_its_usual_value(tree: tuple) -> None:
+    """The SymPy expression has the value of the drawn tree, and consists of known forms only."""
     try:
         expected = compute(tree, POINT)
     except Vague:
@@ -47,7 +47,7 @@ def test_decimals_are_bit_equal_to_pythons(number: float) -> None:
 
 
 def test_small_constants_stay_exact() -> None:
-    """Whole numbers and fractions of them are exact, so that what cancels, cancels; all else is a double."""
+    """Whole numbers and their fractions are exact, so that they cancel exactly; all others are doubles."""
 
     def read(text: str):
         return parse(text, NAMES).sympy(SYMBOLS)
@@ -62,13 +62,13 @@ def test_small_constants_stay_exact() -> None:
     assert read("exp(-x)*exp(x)") == 1
 
 
-def test_names_are_those_used() -> None:
-    """A parsed text lists its names in order of appearance, without pi and functions."""
+def test_the_names_of_a_text_are_listed() -> None:
+    """In order of appearance, without pi and functions."""
     assert parse("pi*z + sin(x)*z - t", NAMES).names == ("z", "x", "t")
 
 
 def test_symbols_must_be_real() -> None:
-    """A symbol that may be complex would turn |x| into something else; that is an error of the program."""
+    """A complex symbol would change the meaning of |x|; it is an error of the program."""
     with pytest.raises(TypeError, match="real=True"):
         parse("abs(x)", NAMES).sympy({"x": Symbol("x")})
 
@@ -98,7 +98,7 @@ DIFFERENTIABLE = [
 
 @pytest.mark.parametrize("text", DIFFERENTIABLE)
 def test_derivatives_agree_with_differences(text: str) -> None:
-    """d/dx in SymPy equals the central difference of the value, and needs no form beyond the known ones."""
+    """d/dx in SymPy equals the central difference of the value, and consists of known forms only."""
     expression = parse(text, NAMES).sympy(SYMBOLS)
     slope = derivative(expression, SYMBOLS["x"])
     step = 1e-6
@@ -106,7 +106,7 @@ def test_derivatives_agree_with_differences(text: str) -> None:
     assert value(slope, POINT) == pytest.approx((above - below) / (2 * step), rel=1e-6, abs=1e-8)
 
 
-def test_a_branch_not_taken_does_not_count() -> None:
+def test_a_branch_that_is_not_taken_does_not_affect_the_derivative() -> None:
     """At x = 0 the derivative of where(x > 0, sqrt(x), 0) is that of the branch taken, not 0·∞."""
     x = SYMBOLS["x"]
     slope = parse("where(x > 0, sqrt(x), 0)", NAMES).sympy(SYMBOLS).diff(x)
@@ -134,7 +134,7 @@ def test_the_backlash_is_the_play_operator() -> None:
 
 
 def test_opaque_functions_stay_opaque() -> None:
-    """Kinked functions print like SymPy's own but are not rewritten into roots, Heaviside or Dirac terms."""
+    """Kinked functions print like SymPy's own but are not rewritten as roots, Heaviside or Dirac terms."""
     x, y = SYMBOLS["x"], SYMBOLS["y"]
     expression = parse("abs(x) + min(x, y) + max(x, y) + atan2(x, y) + sign(x)", NAMES).sympy(SYMBOLS)
     second = derivative(derivative(expression, x), x)
@@ -149,7 +149,7 @@ def test_opaque_functions_stay_opaque() -> None:
 
 @pytest.mark.parametrize("name", sorted(FUNCTIONS))
 def test_every_function_folds_its_constants(name: str) -> None:
-    """At constants a function is a number: the one that SymPy's form has there."""
+    """At constants a function is the number that SymPy's form has there."""
     function = FUNCTIONS[name]
     arguments = ["0.3", "0.9", "1.7", "0.8", "0.6", "0.4", "0.2"][: function.least]
     if name == "where":

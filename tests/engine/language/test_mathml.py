@@ -1,4 +1,4 @@
-"""Equations for reading: what is shown is what was written, in the author's order, as well-formed MathML."""
+"""Equations as MathML: well-formed, as they were written, in the author's order."""
 
 import re
 import xml.etree.ElementTree as Tree
@@ -15,7 +15,7 @@ NAMES = ["x1", "x2", "u", "a", "speed", "theta_max"]
 
 
 def said(mathml: str) -> str:
-    """The characters of a formula, fractions and powers spelt out."""
+    """Return the characters of a formula, with fractions and powers written out."""
     words = {"mfrac": "({})/({})", "msup": "{}^{}", "msub": "{}_{}", "msqrt": "√({})", "mover": "{1}({0})"}
 
     def read(node: Tree.Element) -> str:
@@ -53,19 +53,19 @@ def said(mathml: str) -> str:
     ],
 )
 def test_a_text_is_shown_as_it_was_written(text, shown):
-    """Signs, brackets, fractions, roots and cases come out as a reader expects them, in the author's order."""
+    """Signs, brackets, fractions, roots and cases are those of the text, in its order."""
     assert said(expression(text, NAMES)) == shown
 
 
-def test_a_wrong_text_is_refused_with_its_place():
-    """The same checks as for running: nothing is shown that could not run."""
+def test_a_wrong_text_is_refused_with_its_position():
+    """The checks are those of running: text that could not run is not shown."""
     with pytest.raises(ExpressionError):
         expression("x1 +* x2", NAMES)
 
 
 @pytest.mark.parametrize("id", library.plants())
 def test_every_plant_of_the_library_has_its_equations(id):
-    """One equation a state, definition and output, well-formed; each channel stands where it enters."""
+    """One well-formed equation per state, definition and output; each channel is where it enters."""
     plant = library.plant(id).model_dump(mode="json")
     made = plant_equations(plant)
     assert [item["name"] for item in made["states"]] == [state["name"] for state in plant["states"]]
@@ -78,7 +78,7 @@ def test_every_plant_of_the_library_has_its_equations(id):
 
 
 def test_faults_are_terms_of_the_equations_with_their_signs():
-    """Φ and Ψ are read off: −v/L θ in the motor's current, + φ3 θ3 in the bioreactor's output."""
+    """Φ and Ψ appear as −v/L θ in the motor's current and + φ3 θ3 in the bioreactor's output."""
     motor = plant_equations(library.plant("dc-motor").model_dump(mode="json"))
     current = re.sub(r' xmlns="[^"]*"', "", motor["states"][0]["math"])
     assert said(current).endswith("−(voltage)/(L)gain loss")
@@ -102,14 +102,14 @@ def test_typed_mathematics_becomes_mathml(text, shown):
 
 @pytest.mark.parametrize("text", ["x_1", "{1 / 2", "q\u0308", "(a"])
 def test_wrong_notation_is_refused(text):
-    """A slip in an observer's equations is found by the tests, not by the reader."""
+    """An error in an observer's equations is found by the tests."""
     with pytest.raises(ValueError):
         notation(text)
 
 
 @pytest.mark.parametrize("kind", kinds())
 def test_every_kind_of_observer_shows_its_equations(kind):
-    """At least the update of the state, all readable, and every sign explained is one of the equations'."""
+    """At least the update of the state; all are readable, and every explained symbol is in one of them."""
     made = observer(kind)
     assert made.equations and all(Tree.fromstring(notation(text)) is not None for _, text in made.equations)
     everything = " ".join(text for _, text in made.equations)

@@ -1,4 +1,4 @@
-"""Claims about the expression language: hostile text is refused at its place, and admitted text means what it says."""
+"""Parsing: hostile text is refused at its position, and accepted text is read."""
 
 import math
 import pickle
@@ -145,8 +145,8 @@ HOSTILE: list[tuple[str, int, str]] = [  # text, column of the refusal, a part o
 
 
 @pytest.mark.parametrize(("text", "column", "says"), HOSTILE, ids=[repr(case[0])[:30] for case in HOSTILE])
-def test_hostile_text_is_refused_at_its_place(text: str, column: int, says: str) -> None:
-    """The error names the field and points at the column, with a problem and a remedy that fit."""
+def test_hostile_text_is_refused_at_its_position(text: str, column: int, says: str) -> None:
+    """The error names the field and the column, with a suitable problem and remedy."""
     error = refused(text)
     assert error.field == "dynamics.x"
     assert error.column == column
@@ -155,8 +155,8 @@ def test_hostile_text_is_refused_at_its_place(text: str, column: int, says: str)
     assert len(f"{error.problem}{error.remedy}") < 400
 
 
-def test_the_pointer_stands_under_the_place() -> None:
-    """The message draws the text and carets below it, also in the midst of a long text."""
+def test_the_pointer_is_below_the_position() -> None:
+    """The message shows the text with carets below it, also in the middle of a long text."""
     lines = str(refused("x + foo*y")).splitlines()
     assert lines[1:] == ["    x + foo*y", "        ^^^"]
     error = refused("x + " * 80 + "foo" + " + x" * 80)
@@ -168,12 +168,12 @@ def test_the_pointer_stands_under_the_place() -> None:
 
 
 def test_columns_are_those_of_the_text_as_written() -> None:
-    """The power sign ^, tabs and line ends before a place do not shift it."""
+    """The power sign ^, tabs and line ends before a position do not shift it."""
     assert refused("x^2^2 +\n\ty^99").column == len("x^2^2 +\n\ty^") + 1
 
 
-def test_errors_travel_between_processes() -> None:
-    """An expression error keeps all it says when pickled."""
+def test_errors_survive_pickling() -> None:
+    """An expression error keeps all its parts."""
     error = refused("x + foo")
     again = pickle.loads(pickle.dumps(error))
     assert (str(again), again.start, again.end, again.value) == (str(error), 4, 7, "foo")
@@ -182,7 +182,7 @@ def test_errors_travel_between_processes() -> None:
 
 @pytest.mark.parametrize("text", [None, 1, b"x", ["x"]])
 def test_only_text_is_read(text: object) -> None:
-    """Anything but text is refused, not converted."""
+    """A value that is not text is refused, not converted."""
     with pytest.raises(SpecError, match="text"):
         parse(text, NAMES)  # type: ignore[arg-type]
 
@@ -201,8 +201,8 @@ def test_only_text_is_read(text: object) -> None:
         "exp(log(" * 29 + "x" + "))" * 29,
     ],
 )
-def test_no_number_blows_up(text: str) -> None:
-    """SymPy multiplies out integer powers whatever their size; no admitted text leads it there."""
+def test_no_text_causes_huge_integers(text: str) -> None:
+    """SymPy expands integer powers of any size; no accepted text leads to one."""
     try:
         result = parse(text, NAMES).sympy(SYMBOLS)
     except ExpressionError:
@@ -212,7 +212,7 @@ def test_no_number_blows_up(text: str) -> None:
 
 
 def test_degrees_of_definitions_add_up() -> None:
-    """Powers of powers are bounded across definitions too, when their degrees are handed on."""
+    """Powers of powers are bounded across definitions, too."""
     first = parse("(3*x)**8", NAMES)
     second = parse("d**8", ("d",), degrees={"d": first.degree})
     assert (first.degree, second.degree) == (8, 64)
@@ -241,7 +241,7 @@ hostile_text = (
 @example("x" * 5000)
 @example("((((" * 600)
 def test_only_expression_errors_escape(text: str) -> None:
-    """Whatever the text, it is read or refused with a place inside it, and it never names a foreign error."""
+    """Any text is accepted or refused with a position inside it; no other exception is raised."""
     try:
         parse(text, NAMES).sympy(SYMBOLS)
     except ExpressionError as error:
@@ -253,8 +253,8 @@ def test_only_expression_errors_escape(text: str) -> None:
 
 
 @given(st.text(st.characters(min_codepoint=128), min_size=1, max_size=5), st.integers(0, 5))
-def test_no_character_beyond_ascii_passes(foreign: str, before: int) -> None:
-    """Look-alikes, full-width digits and invisible characters are refused where they stand."""
+def test_no_character_beyond_ascii_is_accepted(foreign: str, before: int) -> None:
+    """Look-alikes, full-width digits and invisible characters are refused at their positions."""
     assert refused("x + y"[:before] + foreign).start <= before
 
 
@@ -265,8 +265,8 @@ def test_reading_needs_no_sympy() -> None:
     assert done.stdout.strip() == "False"
 
 
-def test_limits_are_where_they_say() -> None:
-    """A text of exactly the permitted length, and one of exactly the permitted number of operands, pass."""
+def test_limits_are_exact() -> None:
+    """A text of the maximum length, and one with the maximum number of operands, are accepted."""
     assert parse("x".ljust(MAX_LENGTH), NAMES).names == ("x",)
     assert parse("-x" + "+x" * (MAX_TOKENS // 2 - 1), NAMES).sympy(SYMBOLS) == (MAX_TOKENS // 2 - 2) * SYMBOLS["x"]
     assert parse("(" * 60 + "x" + ")" * 60, NAMES).sympy(SYMBOLS) == SYMBOLS["x"]

@@ -1,4 +1,4 @@
-"""The empirical observability Gramian: against the analytic one, and on plants with known answers."""
+"""The empirical observability Gramian, against the analytic one and on plants with known results."""
 
 import numpy as np
 import pytest
@@ -14,7 +14,7 @@ from thetascope_schemas import Experiment
 
 
 def of_library(name: str, **changes) -> Engine:
-    """An experiment of the library without its observers, as the engine has it."""
+    """Return an experiment of the library without its observers, as an engine object."""
     spec = library.experiment(name).model_dump(mode="json") | {"observers": [], "figures": []} | changes
     return prepare(library.resolve(Experiment.model_validate(spec))).engine
 
@@ -23,7 +23,7 @@ def constant(value: float) -> dict:
     return {"kind": "constant", "value": value}
 
 
-def test_of_a_linear_plant_it_is_the_analytic_one():
+def test_the_gramian_of_a_linear_plant_is_the_analytic_one():
     """Σ Aₖᵀ Cᵀ C Aₖ / σ² over the rows of a window, with the fault as a further, constant state."""
     plant = oscillator(
         states=[{"name": "x1", "initial": 1.0}, {"name": "x2", "initial": 0.5}],
@@ -42,8 +42,8 @@ def test_of_a_linear_plant_it_is_the_analytic_one():
     assert set(found.rank) == {3}
 
 
-def test_a_motor_at_constant_speed_hides_friction_behind_load():
-    """Once the speed is constant, only load + speed · friction is seen: rank 3 of 4 with the two states."""
+def test_friction_and_load_are_confounded_at_constant_speed():
+    """Only load + speed · friction is visible: rank 3 of 4 with the two states."""
     e = of_library("dc-motor", inputs={"voltage": constant(12)}, faults=[])
     found = empirical(e, 2.0, unknown=("x.current", "x.speed", "theta.load_torque", "theta.friction_increase"))
     assert set(found.rank[1:]) == {3}
@@ -53,15 +53,15 @@ def test_a_motor_at_constant_speed_hides_friction_behind_load():
     assert np.isinf(found.condition[1:]).all()
 
 
-def test_equal_known_signals_cost_a_rank():
+def test_equal_known_signals_reduce_the_rank():
     """Zhao's plant: rank 5 of 5 with the paper's φ, 4 with φ1 = φ2 = 1."""
     assert set(empirical(of_library("zhao-2012"), 2.0, 4).rank) == {5}
     still = of_library("zhao-2012", signals={"phi1": constant(1), "phi2": constant(1)})
     assert set(empirical(still, 2.0, 4).rank) == {4}
 
 
-def test_the_sandwich_is_seen_whole_while_operators_move():
-    """Zhou & Tan along a run: rank 4 of (x11, x12, x21, x22) where operators move, 2 where all hold."""
+def test_the_sandwich_is_observable_while_operators_move():
+    """Zhou & Tan along a run: rank 4 of (x11, x12, x21, x22) while operators move, 2 while all hold."""
     steps = {
         "kind": "steps",
         "times": [3.0, 5.0],
@@ -80,8 +80,8 @@ def test_the_sandwich_is_seen_whole_while_operators_move():
     assert set(found.rank[holding]) == {2}
 
 
-def test_a_plant_that_escapes_is_reported_as_such():
-    """Windows in which the plant leaves the finite numbers have no rank."""
+def test_windows_of_a_diverged_plant_have_no_rank():
+    """Windows in which the plant is not finite are reported."""
     plant = oscillator(dynamics={"x1": "x1^2 + 1", "x2": "-x2"}, channels=[])
     found = empirical(engine(plant=plant, faults=[], observers=[], horizon=5.0), 0.5)
     assert found.rank[-1] == -1
@@ -96,7 +96,7 @@ def test_a_plant_that_escapes_is_reported_as_such():
     ],
 )
 def test_the_gramian_is_worded_in_every_language(language, sentence):
-    """Ranks, conditions and the least visible combination are one sentence."""
+    """Ranks, condition numbers and the least visible combination are one sentence."""
     singular = np.array([[900.0, 40.0, 30.0, 20.0, 6.0], [450.0, 40.0, 30.0, 20.0, 3.0]])
     found = Empirical(
         window=2.0,

@@ -1,4 +1,4 @@
-"""Structural observability of states and faults, on plants with known answers."""
+"""Structural observability of states and faults, on plants with known results."""
 
 from decimal import Decimal
 
@@ -35,23 +35,23 @@ def channel(name: str, **enters: str) -> dict:
         "friction-motor",
     ],
 )
-def test_faults_of_the_papers_plants_can_be_told_apart_in_principle(name: str):
-    """With inputs and known signals free, all states and faults of these plants are identifiable."""
+def test_the_papers_plants_are_identifiable(name: str):
+    """With free inputs and known signals all their states and faults are identifiable."""
     found = structure(data(name))
     assert found.decided
     assert (found.rank, found.state_rank, found.groups) == (found.size, found.states, ())
 
 
-def test_a_leak_at_the_bottom_is_an_open_outlet():
-    """Three tanks: a leak in tank 2 and a clogged outlet act alike, so no input distinguishes them."""
+def test_a_leak_and_a_clogged_outlet_are_confounded():
+    """In tank 2 of three tanks they act alike, so no input distinguishes them."""
     found = structure(data("dts200"))
     assert [(g.channels, g.states, g.hidden) for g in found.groups] == [(("leak2", "clog20"), (), 1)]
     assert found.rank == found.size - 1
     assert "leak2 and clog20 cannot be distinguished by any input" in str(found.text)
 
 
-def test_known_signals_that_do_not_move_confound_two_faults():
-    """Zhao's plant with φ1 = φ2 constant: θ1 and θ2 enter as one, rank 4 of 5; with the φ free it is 5."""
+def test_constant_known_signals_confound_two_faults():
+    """Zhao's plant with constant φ1 = φ2: θ1 and θ2 enter as one, rank 4 of 5; with free φ it is 5."""
     plant = data("zhao-contois")
     program = plant_program(plant).program
     with precise():
@@ -85,8 +85,9 @@ def test_the_sandwich_is_observable_where_an_operator_moves(x12: str, before: st
         assert lie.at(still).rank == rank
 
 
-def test_what_shows_in_no_output_is_named():
-    """A fault on a state that nothing depends on shows nowhere; a sensor's offset is a shift of a free state."""
+def test_faults_that_no_output_shows_are_named():
+    """A fault on a state that nothing depends on is invisible; a sensor's offset is equivalent to a shift of a free
+    state."""
     plant = oscillator(
         states=[{"name": "x1", "initial": 1.0}, {"name": "x2", "initial": 1.0}, {"name": "x3", "initial": 1.0}],
         dynamics={"x1": "x2", "x2": "-x2 + u", "x3": "-x3"},
@@ -105,13 +106,13 @@ def test_what_shows_in_no_output_is_named():
     assert found.hidden == 2
 
 
-def test_only_some_channels_may_be_asked_for():
-    """Of two faults that act alike one alone is identifiable, the other being sound."""
+def test_channels_can_be_selected():
+    """Of two confounded faults one alone is identifiable if the other is absent."""
     assert structure(data("dts200"), ("leak2", "pump1")).groups == ()
 
 
 def test_a_plant_of_a_hundred_unknowns_is_not_decided():
-    """Where the work would be too much it says so instead of guessing."""
+    """If the work would be too much the report says so instead of guessing."""
     n = 60
     names = [f"x{i}" for i in range(n)]
     plant = oscillator(
@@ -125,8 +126,8 @@ def test_a_plant_of_a_hundred_unknowns_is_not_decided():
     assert str(found.text) == "not decided: the plant is too large"
 
 
-def test_the_check_of_a_plant_tells():
-    """What no input can distinguish is a part of the report on a plant, as data and in words."""
+def test_the_check_of_a_plant_reports_confounded_faults():
+    """The faults that no input can distinguish are in the report, as data and in words."""
     plant = oscillator(channels=[channel("force", x2="1"), channel("slip", x2="2*k")])
     seen = check_plant(Plant.model_validate(plant))["observability"]
     assert seen["not_identifiable"] == ["force", "slip"]
@@ -137,7 +138,7 @@ def test_the_check_of_a_plant_tells():
 
 
 def test_the_verdict_is_the_same_from_the_cache(tmp_path, monkeypatch):
-    """A stored verdict has the sentences of the computed one, with their codes and arguments."""
+    """A stored verdict has the sentences of the computed one, with codes and arguments."""
     monkeypatch.setenv("THETASCOPE_CACHE", str(tmp_path))
     computed = structure(data("dts200"))
     monkeypatch.setattr(identifiability, "_structure", None)

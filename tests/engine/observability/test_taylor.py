@@ -16,7 +16,7 @@ ORDERS = 6
 
 
 def coefficients(build) -> list[Decimal]:
-    """Taylor coefficients of what ``build`` makes of the nodes x and y."""
+    """Return the Taylor coefficients of the result of ``build`` on the nodes x and y."""
     graph = Graph()
     node = build(graph, graph.var("x"), graph.var("y"))
     with precise():
@@ -53,10 +53,10 @@ def test_every_function_has_its_series(name: str):
     ],
 )
 def test_operations_and_branches(build, function: sp.Expr):
-    """Operations of two follow their recurrences; a branch is that of the expansion point."""
+    """Binary operations follow their recurrences; a branch is that of the expansion point."""
     assert agree(coefficients(build), function)
 
 
-def test_a_number_is_what_was_written():
-    """0.1 + 0.2 − 0.3 is zero, as a user means it."""
+def test_decimal_numbers_are_exact():
+    """0.1 + 0.2 − 0.3 is zero."""
     assert exact(0.1) + exact(0.2) - exact(0.3) == 0

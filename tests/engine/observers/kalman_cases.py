@@ -1,4 +1,4 @@
-"""What the tests of the Kalman-type observers share: reference models with the library's channels, and runs."""
+"""Reference models with the library's channels, and runs, for the tests of the Kalman-type observers."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -23,7 +23,7 @@ PUMPS = {"pump1": ("pump1", -1), "pump2": ("pump2", -1)}
 
 
 def reference(plant: str, channels: Sequence[str]) -> kalman.Model:
-    """The reference model of a library plant, with the library's channels and signs."""
+    """Return the reference model of a library plant, with the library's channels and signs."""
     build, names = {
         "dc-motor": (motor.dc_motor, MOTOR),
         "dts200": (tanks.dts200, PUMPS),
@@ -50,7 +50,7 @@ def run(
     options: dict | None = None,
     **spec,
 ) -> Result:
-    """One observer, labelled ``o``, on a library plant, through assembly."""
+    """Run one observer, labelled ``o``, on a library plant, through assembly."""
     observer = {
         "label": "o",
         "kind": kind,
@@ -62,12 +62,12 @@ def run(
 
 
 def columns(result: Result, prefix: str, names: Sequence[str]) -> np.ndarray:
-    """Columns ``prefix.name`` side by side: shape (rows, names)."""
+    """Return the columns ``prefix.name`` side by side, shape (rows, names)."""
     return np.stack([result.column(f"{prefix}.{name}") for name in names], axis=1)
 
 
 def outputs(result: Result) -> np.ndarray:
-    """The measured outputs: shape (rows, m)."""
+    """Return the measured outputs, shape (rows, m)."""
     return np.stack([result.column(n) for n in result.names if n.startswith("y.")], axis=1)
 
 

@@ -15,7 +15,7 @@ TANKS = ("pump1", "leak2", "level1")
 
 
 def test_dc_motor_follows_the_equations():
-    """On the motor (two outputs; actuator, process and sensor fault) it equals DOP853 on the written equations."""
+    """On the motor (two outputs; actuator, process and sensor fault) it equals DOP853 on the equations written out."""
     gains = {"q": [4.0, 9.0], "r": [0.01, 0.02], "p0": [0.1, 0.2], "lambda": 3.0, "gamma0": [1e-3, 1e-4, 0.01]}
     result = run(
         "dc-motor",
@@ -105,8 +105,8 @@ def _ramp(onset: float, slope: float):
     return Signal(lambda t, inside: slope * (t - onset) if inside > onset else 0.0, lambda horizon: [onset], True)
 
 
-def test_the_claim_is_the_spread_of_the_estimates():
-    """With noise as Q and R say, θ̂ spreads over 60 seeds as the observer claims (√(Γ/2)), within 20 %."""
+def test_the_claimed_deviation_is_the_spread_of_the_estimates():
+    """With noise according to Q and R, θ̂ spreads over 60 seeds as the observer claims (√(Γ/2)), within 20 %."""
     spread, told, times = [], [], [0.05 * k for k in range(400)]
     for seed in range(60):
         white = np.random.default_rng(seed).normal(
@@ -151,8 +151,8 @@ LAG = {
 }
 
 
-def test_library_motor_tells_four_faults_apart():
-    """In the dc-motor experiment each estimate ends each phase within three of its σ, and every assumption holds."""
+def test_the_library_motor_distinguishes_four_faults():
+    """At the end of each phase every estimate is within three of its σ, and every assumption holds."""
     result = prepare(library.resolve(library.experiment("dc-motor"))).run()
     t = result.column("t")
     for label in ("adaptive", "sampled"):

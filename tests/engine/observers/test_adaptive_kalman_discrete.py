@@ -14,7 +14,7 @@ LEVELS = ("h1", "h2", "h3")
 
 
 def test_three_tanks_sampled_at_one_second():
-    """On the DTS200 at 1 s it equals the recursion written with NumPy matrices, fed the same noisy samples."""
+    """On the DTS200 at 1 s it equals the recursion in NumPy matrices, with the same noisy samples."""
     gains = {"q": 0.01, "r": 0.01, "p0": [4, 5, 6], "lambda": 0.02, "gamma0": [0.04, 0.0025, 4]}
     result = run(
         "dts200",
@@ -152,7 +152,7 @@ def test_discrete_plant_takes_its_own_map():
 
 @pytest.mark.parametrize("experiment", ["dts200", "quadruple-tank"])
 def test_library_tanks_are_diagnosed(experiment):
-    """Every fault, and every channel that stays sound, ends its phase within three of its σ; every assumption holds."""
+    """At the end of its phase every fault, and every healthy channel, is within three of its σ; every assumption holds."""
     result = prepare(library.resolve(library.experiment(experiment))).run()
     onsets = sorted(f.onset for f in library.experiment(experiment).faults)
     t = result.column("t")

@@ -39,7 +39,7 @@ GAIN = [[0.6, 0.1], [0.2, 0.9]]
 
 @pytest.fixture
 def luenberger(tmp_path, monkeypatch):
-    """The file of ARCHITECTURE.md as a module of the package, its line in the registry and its entries in the catalogues."""
+    """Return the file of ARCHITECTURE.md as a module of the package, registered, with its entries in the catalogues."""
     section = (ROOT / "ARCHITECTURE.md").read_text(encoding="utf-8").split("### Adding an observer")[1]
     for language, entries in zip(("en", "zh"), re.findall(r"```po\n(.*?)```", section, flags=re.DOTALL), strict=True):
         for entry in read_po(StringIO(entries)):
@@ -64,7 +64,7 @@ def spec(gains=None, **changes) -> ResolvedExperiment:
     return library.resolve(Experiment.model_validate(data | changes))
 
 
-def test_it_runs_as_plain_numpy_does(luenberger):
+def test_it_equals_plain_numpy(luenberger):
     """x̂ and θ̂ equal an RK4 integration of the equations with a constant sensor bias of 0.2."""
     run = prepare(spec(faults=[{"channel": "bias", "shape": "step", "size": 0.2, "onset": 0.0}])).run()
     A, L, psi = np.array([[-0.8, 0.8], [0.8, -1.3]]), np.array(GAIN), np.array([0.0, 1.0])
@@ -97,7 +97,7 @@ def messages_of(kind: Observer) -> Iterator[str]:
 
 @pytest.mark.parametrize("language", languages())
 def test_its_words_are_in_every_language(luenberger, language):
-    """The recipe's entries cover what the observer's forms and lists show."""
+    """The recipe's entries cover all texts in the observer's forms and lists."""
     assert [code for code in messages_of(luenberger) if code not in catalogue(language).templates] == []
 
 
@@ -110,15 +110,15 @@ def test_every_registered_observer_has_words_in_every_language(kind, language):
 
 
 def test_it_is_documented(luenberger):
-    """The page has its section and the README's count goes up, with nothing else to write."""
+    """The page has its section and the README's count increases, with nothing else to write."""
     section = document_observers.section(luenberger)
     assert "Luenberger, IEEE TAC" in section and "A − LC stable" in section
     assert "a matrix, one row per state and one column per output" in section
     assert document_observers.counted("Twelve observers and ten plants") == "Thirteen observers and ten plants"
 
 
-def test_the_catalogue_and_the_form_know_it(luenberger):
-    """The catalogue says its shape; POST /api/gains gives its numbers with labelled rows and columns."""
+def test_the_catalogue_and_the_form_contain_it(luenberger):
+    """The catalogue states its shape; POST /api/gains returns its numbers with labelled rows and columns."""
     entry = next(kind for kind in observer_kinds() if kind["id"] == "luenberger")
     assert [(g["name"], g["size"], g["columns"]) for g in entry["gains"]] == [("L", "n", "m"), ("kappa", None, None)]
     gains, labels = present_gains(spec({"kappa": 2}))
@@ -136,13 +136,13 @@ def test_the_catalogue_and_the_form_know_it(luenberger):
     ],
 )
 def test_a_gain_of_another_shape_is_refused_with_the_labels_of_its_rows(luenberger, gain, says):
-    """The error names the rows that the plant needs."""
+    """The error names the rows that the plant requires."""
     with pytest.raises(SpecError, match=re.escape(says)):
         prepare(spec({"L": gain}))
 
 
 def test_a_column_may_be_given_as_rows():
-    """[[1], [2]] is the column [1, 2]; a longer row is refused by the name of the row."""
+    """[[1], [2]] is the column [1, 2]; a longer row is refused by its name."""
     observer = {"label": "o", "kind": "adaptive-kalman", "gains": {"q": [[1], [2]]}}
     assert present_gains(spec(observers=[observer]))[0]["o"]["q"] == [1.0, 2.0]
     with pytest.raises(SpecError, match="row h2 has 2 entries; it needs 1"):

@@ -1,4 +1,4 @@
-"""Drafts: matrices with names of their own, second definitions refused, symmetric matrices that are symmetric."""
+"""Drafts: named matrices, second definitions refused, symmetric matrices symmetric."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def dense(d: Draft, name: str, rows: int, columns: int) -> Matrix:
 
 
 def test_a_chain_of_products_is_the_product():
-    """K @ C @ P, in whatever order it is evaluated, equals the product of NumPy."""
+    """K @ C @ P, in any order of evaluation, equals the product of NumPy."""
     d, random = draft(), np.random.default_rng(1)
     K, C, P = dense(d, "K", 4, 2), dense(d, "C", 2, 4), dense(d, "P", 4, 4)
     values = {name: random.normal(size=shape) for name, shape in (("K", (4, 2)), ("C", (2, 4)), ("P", (4, 4)))}
@@ -38,7 +38,7 @@ def test_a_chain_of_products_is_the_product():
 
 
 def test_a_named_product_is_used_wherever_its_matrices_meet():
-    """After a name for C P, P Cᵀ is its transpose and K C P is K (CP), with no further definition."""
+    """After C P is named, P Cᵀ is its transpose and K C P is K (CP), without a further definition."""
     d = draft()
     P = d.symmetric("P", 3, eye(3))
     K, C = dense(d, "K", 3, 2), dense(d, "C", 2, 3)
@@ -49,8 +49,8 @@ def test_a_named_product_is_used_wherever_its_matrices_meet():
     assert len(d.definitions) == count
 
 
-def test_intermediate_products_get_names_of_their_own():
-    """F P Fᵀ names F P, and the sum that it stands in stays flat."""
+def test_intermediate_products_are_named():
+    """F P Fᵀ names F P, and the sum that contains it stays flat."""
     d = draft()
     F, P = dense(d, "F", 3, 3), dense(d, "P", 3, 3)
     product = (F @ P @ F.T).entries
@@ -88,7 +88,7 @@ def test_a_second_definition_is_refused():
 
 
 def test_a_value_of_a_symmetric_matrix_must_be_symmetric():
-    """A lower triangle that differs from the upper one is refused, and is not dropped."""
+    """A lower triangle that differs from the upper one is refused, not dropped."""
     d = draft()
     P = d.symmetric("P", 2, eye(2))
     d.set(P, matrix(2, 2, lambda i, j: P[0, 0] * (i + 2 * j)))
@@ -102,14 +102,14 @@ def test_a_value_of_a_symmetric_matrix_must_be_symmetric():
 
 
 def test_a_state_without_an_update_is_refused():
-    """system() names the states that no equation moves."""
+    """system() names the states without an equation."""
     d = draft()
     d.estimate_of_state()
     with pytest.raises(ValueError, match="no update for xh.current"):
         d.system("o")
 
 
-def test_a_matrix_gain_has_one_parameter_an_entry():
+def test_a_matrix_gain_has_one_parameter_per_entry():
     """A gain of 2 × 3 is a matrix of the parameters g.L.i.j, row by row."""
     d = draft(L=(2, 3), k=2, rate=None)
     assert d.gain("L").shape == (2, 3) and d.gain("L")[1, 2].name == "g.L.1.2"
@@ -117,7 +117,7 @@ def test_a_matrix_gain_has_one_parameter_an_entry():
 
 
 def test_blocks_and_diagonals():
-    """block, diag, column, eye and zeros make the matrices that they say."""
+    """block, diag, column, eye and zeros return the matrices of their names."""
     made = block([[diag([1, 2]), zeros(2)], [zeros(1, 2), column([3])]])
     assert made == diag([1, 2, 3]) and eye(2) == diag([1, 1])
 
@@ -145,6 +145,6 @@ def test_the_linearisation_is_that_of_finite_differences():
 
 
 @pytest.mark.parametrize("kind", kinds())
-def test_every_observer_says_what_it_does(kind):
+def test_every_observer_has_docstrings(kind):
     """The module and the equations of every registered observer have a docstring."""
     assert observer(kind).write.__doc__

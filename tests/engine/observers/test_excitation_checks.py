@@ -1,4 +1,4 @@
-"""Checks of a theorem's conditions where the numbers leave what can be judged: they say so, and the run is kept."""
+"""Checks of a theorem's conditions on extreme numbers: they report it, and the run is kept."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ from thetascope_schemas.experiment.experiment import Experiment
 
 
 def reported(checks) -> ObserverReport:
-    """The report of an adaptive Kalman observer whose checks are others."""
+    """Return the report of an adaptive Kalman observer with other checks."""
     experiment: Experiment = spec(observers=[{"label": "a", "kind": "adaptive-kalman"}], diagnosis={"enabled": False})
     (stage,) = prepare(library.resolve(experiment)).stages
     (watching,) = stage.experiment.estimators
@@ -26,7 +26,7 @@ def reported(checks) -> ObserverReport:
 
 
 def test_a_gain_that_overflows_is_named_with_its_remedy():
-    """K = P Cᵀ R⁻¹ of a P near the largest double and the smallest r: no eigenvalues, but a cause."""
+    """K = P Cᵀ R⁻¹ with P near the largest double and the smallest r has no eigenvalues, but a cause."""
 
     def checks(seen: Observed) -> list[Check]:
         return [

@@ -23,7 +23,7 @@ def test_on_the_papers_plant_it_agrees_with_dop853(L):
 
 
 def test_on_another_plant_it_agrees_with_dop853():
-    """Blocks (3, 2), time-varying; the initial estimate of the measured states is the user's too."""
+    """Blocks (3, 2), time-varying; the initial estimate of the measured states is also the user's."""
     run = carts("full-order", {"L": [18.0, 108.0, 216.0, 12.0, 36.0]})
     exact = reduced_order.dop853(
         reduced_order.CARTS,
@@ -37,8 +37,8 @@ def test_on_another_plant_it_agrees_with_dop853():
     assert ours == pytest.approx(exact["xhat"], abs=1e-7)
 
 
-def test_the_reduced_order_observer_is_ahead_on_the_papers_plant():
-    """The library shows both: at 1 s the reduced-order errors are the smaller ones."""
+def test_the_reduced_order_observer_converges_faster_on_the_papers_plant():
+    """In the library's experiment its errors at 1 s are the smaller ones."""
     run = prepare(library.resolve(library.experiment("reduced-order-mimo"))).run()
     at = {
         label: [abs(run.column(f"{label}.x.{s}") - run.column(f"x.{s}"))[1000] for s in ("x2", "x4")]

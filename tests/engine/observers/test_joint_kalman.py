@@ -1,4 +1,4 @@
-"""The joint extended and unscented Kalman filters against independent implementations, and where they refuse."""
+"""The joint extended and unscented Kalman filters against independent implementations, and their refusals."""
 
 import numpy as np
 import pytest
@@ -65,7 +65,7 @@ CASES = {
     ],
 )
 def test_equals_the_filter_in_numpy(plant, kind, more, theirs):
-    """Fed the same samples, estimates and the covariance of θ̂ are those of the filter written with NumPy matrices."""
+    """With the same samples, estimates and the covariance of θ̂ are those of the filter in NumPy matrices."""
     case = CASES[plant]
     channels, period, n = case["channels"], case["period"], len(case["states"])
     gains = {"r": case["r"], "q": case["q"], "q_theta": case["q_theta"], "p0": 2, "gamma0": case["prior"], **more}
@@ -103,8 +103,8 @@ def test_equals_the_filter_in_numpy(plant, kind, more, theirs):
     close(columns(result, "o.claimed", channels), sigma, 1e-6)
 
 
-def test_innovations_tell_whether_the_noise_fits():
-    """With r as the noise is, the consistency check holds; with r a hundredth of it, it fails."""
+def test_innovations_show_whether_the_noise_level_is_right():
+    """With the correct r the consistency check holds; with a hundredth of it, it fails."""
     case = CASES["dts200"]
 
     def verdict(r: float) -> str:
@@ -117,8 +117,8 @@ def test_innovations_tell_whether_the_noise_fits():
     assert verdict(0.0001) == "fails"
 
 
-def test_two_biases_of_one_output_cannot_be_told_apart():
-    """The joint observability check holds for one sensor bias and fails where a second one enters the same output."""
+def test_two_biases_of_one_output_are_not_distinguished():
+    """The joint observability check holds for one sensor bias and fails if a second one enters the same output."""
     plant = {
         "id": "lag",
         "states": [{"name": "x", "initial": 1}],
@@ -151,7 +151,7 @@ def test_refuses_a_plant_that_is_too_large():
 
 
 def test_comparison_on_the_papers_plant_is_fair():
-    """Set to settle equally fast without noise, the Kalman filters carry less noise than the paper's observer."""
+    """Tuned to settle equally fast without noise, the Kalman filters have less noise than the paper's observer."""
     spec = library.experiment("zhao-2012-observers")
     quiet = prepare(
         library.resolve(Experiment.model_validate(spec.model_dump(mode="json") | {"noise": {}, "figures": []}))

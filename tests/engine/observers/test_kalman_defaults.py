@@ -1,4 +1,4 @@
-"""Defaults of the Kalman-type observers' gains follow the plant's pace, scales and noise."""
+"""Defaults of the Kalman-type observers' gains follow the plant's time constants, scales and noise."""
 
 import numpy as np
 import pytest
@@ -11,22 +11,22 @@ from thetascope_schemas import Plant
 
 
 def plant(**dynamics: str) -> dict:
-    """A continuous plant with these equations, its first state measured."""
+    """Return a continuous plant with these equations, its first state measured."""
     states = [{"name": s, "initial": 2.0} for s in dynamics]
     outputs = [{"name": "y", "expression": next(iter(dynamics))}]
     return Plant(id="made", states=states, outputs=outputs, dynamics=dynamics).model_dump(mode="json")
 
 
 def test_pace_is_the_slowest_eigenvalue():
-    """Of a fast and a slow lag it is the slow one; of an oscillator its frequency; an integrator does not count."""
+    """Of a fast and a slow lag it is that of the slow one, of an oscillator its frequency; integrators do not count."""
     assert pace(plant(a="-5*a", b="a - 0.1*b")) == pytest.approx(0.1, rel=1e-6)
     assert pace(plant(a="b", b="-9*a")) == pytest.approx(3.0, rel=1e-6)
     assert pace(plant(a="-4*a", b="a")) == pytest.approx(4.0, rel=1e-6)
     assert pace(plant(a="-a^3/12")) == pytest.approx(1.0, rel=1e-6)
 
 
-def test_pace_of_a_plant_without_a_value_there_is_one():
-    """Where an equation has no value at the initial state (√ of a negative number), the pace is 1, not an error."""
+def test_without_a_value_at_the_initial_state_the_pace_is_one():
+    """An equation such as √ of a negative number there is not an error."""
     assert pace(plant(a="-sqrt(1 - a)")) == 1.0
 
 
@@ -43,7 +43,7 @@ def test_quadruple_tank_has_johanssons_time_constant():
 
 @pytest.mark.parametrize("kind", ["adaptive-kalman", "adaptive-kalman-discrete", "joint-ekf", "joint-ukf"])
 def test_defaults_scale_with_the_units(kind):
-    """In metres instead of centimetres every default changes by the power of 100 that its unit says."""
+    """In metres instead of centimetres every default changes by the power of 100 of its unit."""
 
     def defaults(scale: float) -> dict:
         data = plant(h="-0.1*h") | {"channels": [{"name": "leak", "typical": 0.5 * scale}]}
@@ -57,8 +57,8 @@ def test_defaults_scale_with_the_units(kind):
             assert np.ravel(metres[name]) == pytest.approx(np.ravel(centimetres[name]) * 0.01**power, rel=1e-9), name
 
 
-def test_r_takes_the_declared_noise():
-    """r is the variance of a sample where observers are sampled, variance times hold where they are continuous."""
+def test_r_follows_the_declared_noise():
+    """r is the variance of a sample for sampled observers, variance times hold time for continuous ones."""
     data = library.plant("dts200").model_dump(mode="json")
     context = Context(
         n=3, m=3, p=11, noise_std=(0.1, 0.2, 0.3), step=0.1, period=1.0, model=data, noise_hold=(1.0, 1.0, 2.0)

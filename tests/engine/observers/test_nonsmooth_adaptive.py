@@ -30,7 +30,7 @@ ZERO = {"x1": 0.0, "x2": 0.0, "x3": 0.0}
 
 
 def chain(kind="nonsmooth-adaptive", plant=CHAIN, horizon=20.0, faults=True, **observer):
-    """The reference's CHAIN as an experiment."""
+    """Return the reference's CHAIN as an experiment."""
     return Experiment.model_validate(
         {
             "plant": plant,
@@ -60,7 +60,7 @@ def errors(run, label):
 
 
 def settled(run, error, within):
-    """Time after which |error| stays below ``within``."""
+    """Return the time after which |error| stays below ``within``."""
     outside = np.flatnonzero(np.abs(error) >= within)
     return run.column("t")[outside[-1] + 1]
 
@@ -101,7 +101,7 @@ def test_the_linear_observers_agree_with_dop853():
 
 @pytest.mark.parametrize("gains", [shen_hu.PAPER_GAINS, shen_hu.Gains((4.0, 5.0), 0.5, 0.7, 20.0)])
 def test_the_nonsmooth_observer_agrees_with_dop853_off_its_corner(gains):
-    """⌊e⌉^α has no bound on its slope at 0, which costs digits wherever e1 changes its sign; for other gains too."""
+    """The slope of ⌊e⌉^α is unbounded at 0, which costs digits at each sign change of e1; also for other gains."""
     config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam}
     first = library.experiment("shen-hu-2015-noise-free").observers[0].model_copy(update={"gains": config})
     run = paper(horizon=10.0, record=0.01, observers=(first,), figures=())
@@ -111,7 +111,7 @@ def test_the_nonsmooth_observer_agrees_with_dop853_off_its_corner(gains):
 
 
 def test_with_noise_the_run_is_the_reference_with_the_same_noise():
-    """Fed the noise of our run, a plain RK4 of (11)–(12) gives our estimates."""
+    """With the noise of our run, a plain RK4 of (11)–(12) gives our estimates."""
     run = paper("shen-hu-2015", horizon=5.0, record=0.01)
     noise = run.column("y.y") - run.column("x.x1")
     assert noise.std() == pytest.approx(0.1, rel=0.1)
@@ -143,8 +143,8 @@ def test_the_linear_baseline_on_the_chain():
     )
 
 
-def test_the_example_as_printed_runs_its_printed_lines():
-    """The option writes section 3's lines: no 0.1 sin, exponent 2α − 1 twice, ρ² for ρ k2."""
+def test_the_option_uses_the_printed_equations():
+    """Section 3 as printed: no 0.1 sin, exponent 2α − 1 twice, ρ² for ρ k2."""
     run = paper("shen-hu-2015-as-printed", horizon=6.0, record=0.01)
     h, s, rows = 1e-3, np.array([1.0, -1.0, 0.0, 0.0, 0.0]), []
 
@@ -178,7 +178,7 @@ def test_the_example_as_printed_runs_its_printed_lines():
 
 
 def test_the_papers_matching_condition_is_exact():
-    """P = [[1+b, −b], [−b, b]] with b > 1/8, g = w; (6) as printed fails, as for every K."""
+    """P = [[1+b, −b], [−b, b]] with b > 1/8, g = w; (6) as printed fails for every K."""
     P = find_P((3.0, 2.0), (1.0, 1.0))
     b = P[1, 1]
     assert pytest.approx(np.array([[1 + b, -b], [-b, b]]), abs=1e-12) == P and b > 1 / 8
@@ -207,8 +207,8 @@ def test_P_is_found_exactly_where_the_transfer_function_is_strictly_positive_rea
     assert 20 < sum(found) < len(found) - 20
 
 
-def test_columns_that_point_apart_fail_the_matching_condition_and_still_run():
-    """A failed assumption warns and says why; the observer runs."""
+def test_columns_of_different_directions_fail_the_matching_condition():
+    """A failed assumption is a warning with its reason; the observer runs."""
     bent = CHAIN | {"channels": [CHAIN["channels"][0], CHAIN["channels"][1] | {"enters": {"x1": "w2", "x2": "w2"}}]}
     run = prepare(library.resolve(chain(plant=bent, horizon=1.0))).run()
     check = next(c for c in run.observers[0].checks if str(c.name) == "matching condition")
@@ -217,7 +217,7 @@ def test_columns_that_point_apart_fail_the_matching_condition_and_still_run():
 
 
 def test_gains_too_small_for_the_direction_fail_the_inequality():
-    """With a direction whose zeros are unstable no K helps, and the check says so."""
+    """For a direction with unstable zeros no K suffices, and the check says so."""
     unstable = CHAIN | {"channels": [CHAIN["channels"][0] | {"enters": {"x1": "w1", "x2": "-b*w1", "x3": "3.75*w1"}}]}
     spec = chain(plant=unstable, horizon=1.0)
     check = next(
@@ -237,7 +237,7 @@ def test_gains_too_small_for_the_direction_fail_the_inequality():
     ],
 )
 def test_a_plant_that_is_not_of_the_form_is_refused_with_the_reason(change, says):
-    """The observer cannot be built there, and the error names what is in the way and a remedy."""
+    """The observer cannot be built, and the error names the obstacle and a remedy."""
     spec = chain(plant=CHAIN | change, faults=False)
     with pytest.raises(SpecError, match=says) as caught:
         prepare(library.resolve(spec))

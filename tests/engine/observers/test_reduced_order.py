@@ -1,4 +1,4 @@
-"""The reduced-order observer (17): the paper's plant, another with blocks of 3 and 2, and the normal forms it finds."""
+"""The reduced-order observer (17): the paper's plant, another with blocks of 3 and 2, and normal forms."""
 
 import numpy as np
 import pytest
@@ -18,12 +18,12 @@ def paper(**changes):
 
 
 def errors(run, label="reduced"):
-    """e2 and e4 with e = x̂ − x, as the paper has them."""
+    """Return e2 and e4 with e = x̂ − x, as in the paper."""
     return np.stack([run.column(f"{label}.x.{s}") - run.column(f"x.{s}") for s in ("x2", "x4")], axis=1)
 
 
 def with_gain(H, **initial):
-    """The paper's experiment with another H and other initial estimates, the reduced observer alone."""
+    """Return the paper's experiment with another H and other initial estimates, for the reduced observer alone."""
     spec = library.experiment("reduced-order-mimo")
     first = spec.observers[0].model_copy(update={"gains": {"H": H}, "initial": {"x2": -2.0, "x4": 3.5} | initial})
     return prepare(library.resolve(spec.model_copy(update={"observers": (first,), "figures": ()}))).run()
@@ -33,7 +33,7 @@ def with_gain(H, **initial):
     ("time", "expected"), [(0.0, (-2.0, 3.0)), (0.5, (-0.0555, 0.0849)), (1.0, (-0.00824, 0.001155))]
 )
 def test_the_papers_errors_at_three_times(time, expected):
-    """(e2, e4) as an independent computation gives them, ± 1 %."""
+    """(e2, e4) agree with an independent computation to 1 %."""
     run = paper()
     assert errors(run)[round(time / 0.001)] == pytest.approx(expected, rel=0.01)
 
@@ -49,23 +49,23 @@ def test_the_errors_follow_their_exact_equation(H, initial):
     assert errors(run) == pytest.approx(exact, abs=1e-8)
 
 
-def test_what_is_measured_is_not_estimated():
-    """x̂1 and x̂3 are the measurements, whatever the initial estimates say."""
+def test_measured_states_are_not_estimated():
+    """x̂1 and x̂3 are the measurements, whatever the initial estimates are."""
     run = with_gain([5.0, 8.0], x1=7.0, x3=-4.0)
     assert np.array_equal(run.column("reduced.x.x1"), run.column("y.y1"))
     assert np.array_equal(run.column("reduced.x.x3"), run.column("y.y2"))
     assert errors(run)[0] == pytest.approx((-2.0, 3.0))
 
 
-def test_the_plant_escapes_and_is_marked():
-    """The plant itself leaves all bounds at t ≈ 2.515 s, and the result says when."""
+def test_the_divergence_of_the_plant_is_reported():
+    """The plant itself escapes at t ≈ 2.515 s, and the result has the time."""
     run = paper(horizon=3.0)
     assert run.diverged is not None and run.diverged.time == pytest.approx(2.515, abs=0.01)
     assert np.isnan(run.column("x.x1")[-1]) and np.isfinite(run.column("x.x1")[2400])
 
 
 def test_some_gains_never_converge():
-    """Convergence is local: with H = (2, 2) the observer is lost before the plant is, though Ã − HC̃ is stable."""
+    """Convergence is local: with H = (2, 2) the observer diverges before the plant does, although Ã − HC̃ is stable."""
     run = with_gain([2.0, 2.0])
     report = run.observers[0]
     assert {str(c.name): c.verdict for c in report.checks}["Ã − HC̃ stable"] == "holds"
@@ -85,12 +85,12 @@ def test_blocks_of_other_sizes():
 
 
 def _carts_start(run):
-    """The initial estimate that the run began with: measured states from y(0), the others as asked for."""
+    """Return the initial estimate of the run: measured states from y(0), the others as given."""
     return tuple(float(run.column(f"o.x.{s}")[0]) for s in STATES)
 
 
-def test_the_initial_estimates_are_taken_over_in_the_users_coordinates():
-    """x̂2, x̂3 and x̂5 start where the user put them; the measured x1 and x4 start at y(0)."""
+def test_initial_estimates_are_in_the_users_coordinates():
+    """x̂2, x̂3 and x̂5 start at the given values; the measured x1 and x4 start at y(0)."""
     assert _carts_start(carts("reduced-order", {}, horizon=0.01)) == pytest.approx((0.5, 0.3, -0.5, -0.3, 0.4))
 
 
@@ -102,7 +102,7 @@ def test_the_default_gain_is_stable_for_any_blocks():
 
 
 def test_the_decoupling_matrix_is_followed_along_the_run():
-    """|det F| = (1 + .2 cos x̂2)(1 + .2 sin t): its smallest value along the run is the one reported."""
+    """The reported value is the smallest |det F| = (1 + .2 cos x̂2)(1 + .2 sin t) of the run."""
     run = carts("reduced-order", {"H": [12.0, 36.0, 6.0]})
     check = next(c for c in run.observers[0].checks if str(c.name) == "decoupling matrix nonsingular")
     expected = ((1 + 0.2 * np.cos(run.column("o.x.x2"))) * (1 + 0.2 * np.sin(run.column("t")))).min()
@@ -113,7 +113,7 @@ def test_the_decoupling_matrix_is_followed_along_the_run():
 
 
 def model(states, dynamics, outputs, inputs=("u",), **more):
-    """A model from short forms."""
+    """Return a model from short forms."""
     plant = {
         "id": "small",
         "states": [s if isinstance(s, dict) else {"name": s} for s in states],
@@ -132,7 +132,7 @@ def inverse_is_right(form, point):
 
 
 def test_two_tanks_are_inverted_through_their_square_roots():
-    """z2 is affine in √h1: h1 is found by squaring."""
+    """z2 is affine in √h1: h1 follows by squaring."""
     tank = [
         {"name": "h1", "initial": 4.0, "domain": [0.0, None]},
         {"name": "h2", "initial": 2.0, "domain": [0.0, None]},
@@ -154,7 +154,7 @@ def test_outputs_that_mix_states_are_solved_together():
 
 
 def test_odd_powers_exponentials_and_logarithms_are_inverted():
-    """x2³ + exp(x1) and log are undone one operation at a time."""
+    """x2³ + exp(x1) and log are inverted one operation at a time."""
     m = model(["x1", "x2", "x3"], ["spow(x2, 3)", "2*exp(x3) - x1", "u"], ["x1"])
     form = normal_form(m)
     assert form.blocks == (3,)
@@ -162,12 +162,12 @@ def test_odd_powers_exponentials_and_logarithms_are_inverted():
 
 
 def test_a_plant_without_inputs_has_as_many_derivatives_as_states():
-    """Where no input ever enters, the chain ends when a derivative brings nothing new (van der Pol)."""
+    """If no input enters, the chain ends when a derivative adds nothing new (van der Pol)."""
     assert normal_form(model(["x1", "x2"], ["x2", "(1 - x1^2)*x2 - x1"], ["x1"], inputs=())).blocks == (2,)
 
 
 def test_states_called_like_coordinates_do_not_collide():
-    """A plant may call its own states z1 and z2."""
+    """A plant may have states named z1 and z2."""
     m = model(["z1", "z2"], ["2*z2 + z1", "u"], ["z1"])
     inverse_is_right(normal_form(m), dict(zip(m.x, (0.3, 0.8), strict=True)))
 
@@ -196,7 +196,7 @@ def test_states_called_like_coordinates_do_not_collide():
         ),
     ],
 )
-def test_where_there_is_no_normal_form_the_reason_is_given(plant, says):
+def test_a_plant_without_normal_form_is_refused_with_the_reason(plant, says):
     """SpecError with the reason and a remedy."""
     with pytest.raises(SpecError, match=says) as caught:
         normal_form(model(**plant))
@@ -204,7 +204,7 @@ def test_where_there_is_no_normal_form_the_reason_is_given(plant, says):
 
 
 def test_an_output_for_every_state_leaves_nothing_to_estimate():
-    """With all states measured ω is empty and x̂ is the measurement."""
+    """If all states are measured, ω is empty and x̂ is the measurement."""
     spec = {
         "plant": {
             "id": "measured",

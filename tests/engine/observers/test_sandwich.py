@@ -1,4 +1,4 @@
-"""The observers of sandwich systems (Zhou & Tan 2012): the paper's plant, one with unequal slopes, wrong texts."""
+"""The observers of sandwich systems (Zhou & Tan 2012): the paper's plant, one with unequal slopes, invalid texts."""
 
 import copy
 
@@ -43,7 +43,7 @@ OTHER = {
 
 
 def wave(amplitude, steps=1000):
-    """u(k) as the reference takes it."""
+    """Return u(k) as the reference uses it."""
     return amplitude * np.sin(2 * np.pi * 0.01 * np.arange(steps))
 
 
@@ -104,7 +104,7 @@ def test_plant_and_both_observers_are_those_of_the_reference(amplitude):
 
 
 def test_with_noise_the_observer_is_the_reference_on_the_same_measurement():
-    """The noise of our run, handed to the reference, gives our estimates."""
+    """With the noise of our run, the reference gives our estimates."""
     run = paper(noise={"y": {"std": 0.01, "sample_time": 0.01}}, seed=4)
     noise = run.column("y.y") - run.column("x.x22")
     assert noise.std() == pytest.approx(0.01, rel=0.1)
@@ -112,8 +112,8 @@ def test_with_noise_the_observer_is_the_reference_on_the_same_measurement():
     assert linear_states(run, "nonsmooth") == pytest.approx(exact["xhat"], abs=1e-12)
 
 
-def test_an_undriven_plant_keeps_what_the_initial_error_wrote():
-    """u = sin and x̂12(−1) = 0: the error of x21 is permanent, and the check tells which operators are to blame."""
+def test_an_undriven_plant_keeps_the_initial_error_of_its_operators():
+    """u = sin and x̂12(−1) = 0: the error of x21 is permanent, and the check names the operators responsible."""
     run = paper("zhou-tan-2012-undriven")
     exact = zhou_tan.nonsmooth(zhou_tan.PAPER, wave(1), K, START, before_hat=0.0)
     assert linear_states(run, "nonsmooth") == pytest.approx(exact["xhat"], abs=1e-12)
@@ -122,7 +122,7 @@ def test_an_undriven_plant_keeps_what_the_initial_error_wrote():
     assert found.verdict == "fails" and found.value == 3 and "1, 2, 3, 4 did not" in str(found.text)
 
 
-def test_as_printed_the_hysteresis_puts_out_nothing():
+def test_as_printed_the_output_of_the_hysteresis_is_zero():
     """B = 0.004107: no operator of the plant leaves its memory zone."""
     run = paper("zhou-tan-2012-as-printed")
     assert np.abs(run.column("x.x12")).max() < 0.01 and not run.column("y.y").any()
@@ -139,7 +139,7 @@ def test_theorem_1_on_the_papers_plant():
 
 
 def test_a_gain_on_the_front_part_fails_theorem_1():
-    """K1 ≠ 0 is not covered by the proof; the run goes on."""
+    """K1 ≠ 0 is not covered by the proof; the run continues."""
     spec = library.experiment("zhou-tan-2012")
     first = spec.observers[0].model_copy(update={"gains": {"K": [0.5, 0.0, 0.1, 0.1]}})
     run = prepare(library.resolve(spec.model_copy(update={"observers": (first,), "figures": ()}))).run()
@@ -164,13 +164,13 @@ def test_unequal_slopes_and_another_order_of_states(kind):
 
 
 def test_the_default_gain_follows_the_parts():
-    """0 on L1 and 0.1 on L2, in the plant's order of states."""
+    """It is 0 on L1 and 0.1 on L2, in the plant's order of states."""
     given = other().run()
     assert np.array_equal(other(gains={}).run().data, given.data)
 
 
 def test_the_memory_is_found_without_sympy():
-    """The size of K comes from the text alone."""
+    """The size of K follows from the text alone."""
     assert memory_names(OTHER | {"signals": []}) == ("before", "q1", "q2", "q3")
 
 
@@ -189,8 +189,8 @@ def spoiled(**dynamics):
         (spoiled(q1="q1", q2="q2", q3="q3", x21="0.5*x21 + x12"), "no backlash operator"),
     ],
 )
-def test_a_text_that_is_no_sandwich_is_refused_with_the_reason(plant, says):
-    """The pattern of memory states is verified, and the error says what is wrong and how to write it."""
+def test_a_text_that_is_not_a_sandwich_is_refused_with_the_reason(plant, says):
+    """The pattern of memory states is verified; the error states what is wrong and how to write it."""
     with pytest.raises(SpecError, match=says) as caught:
         other(plant=plant)
     assert "backlash(x, x - x_before" in str(caught.value.remedy)

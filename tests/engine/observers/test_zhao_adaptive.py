@@ -68,7 +68,7 @@ def test_s_and_k0_solve_their_equations_for_any_n(n):
 
 
 def test_the_adaptive_observer_agrees_with_dop853_on_a_plant_of_three_states():
-    """The pendulum: states, θ̂ of a fine RK4 run and of SciPy's DOP853 at tight tolerance agree to 1e-6."""
+    """On the pendulum states and θ̂ of a fine RK4 run agree with SciPy's DOP853 at tight tolerance to 1e-6."""
     gains = reference.PENDULUM_GAINS
     result = pendulum("zhao-adaptive", {"rho": gains.rho, "lambda": gains.lam, "gamma0": gains.gamma0}, 6.0, 0.0005)
     exact = reference.dop853(reference.PENDULUM, reference.pendulum_scenario(6.0), gains, rtol=1e-9)
@@ -78,7 +78,7 @@ def test_the_adaptive_observer_agrees_with_dop853_on_a_plant_of_three_states():
 
 
 def test_the_high_gain_observer_agrees_with_dop853():
-    """Equation (9) on the pendulum, blind to its faults."""
+    """Equation (9) on the pendulum, without estimates of its faults."""
     result = pendulum("high-gain", {"rho": 4.0}, 6.0, 0.001)
     exact = reference.dop853(
         reference.PENDULUM, reference.pendulum_scenario(6.0), reference.PENDULUM_GAINS, kind="high-gain", rtol=1e-9
@@ -124,7 +124,7 @@ def contois(plant: str, names: tuple[str, str], start: tuple[float, float]) -> "
 
 
 def test_physical_coordinates_give_the_canonical_observer_through_lie_derivatives():
-    """Contois in x̄: the estimates, carried over to canonical coordinates, are those of the observer written there."""
+    """Contois in x̄: the estimates in canonical coordinates are those of the observer written there."""
     plant = library.plant("contois-physical")
     names = tuple(s.name for s in plant.states)
     result = contois("contois-physical", names, (0.08, 0.02))

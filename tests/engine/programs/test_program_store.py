@@ -1,4 +1,4 @@
-"""Programs and machine code on disk: found again without SymPy or a compiler, never after the code has changed."""
+"""Programs and machine code on disk: loaded without SymPy or a compiler, never after the code has changed."""
 
 import os
 import stat
@@ -39,7 +39,7 @@ print("sympy" in sys.modules, result.data.tobytes().hex()[-64:])
 
 @pytest.fixture
 def folder(tmp_path, monkeypatch) -> Path:
-    """An empty cache folder, and nothing remembered in memory."""
+    """Use an empty cache folder and empty memory."""
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
     monkeypatch.setattr(program_store, "_memory", program_store.OrderedDict())
     return tmp_path
@@ -52,7 +52,7 @@ def plant() -> dict:
 
 @pytest.fixture
 def writings(monkeypatch) -> list[str]:
-    """Every System that is lowered, by name: lowering is what the cache is to save."""
+    """Record every System that is lowered, by name; the cache is meant to avoid lowering."""
     names, lower = [], System.lower
 
     def counted(self: System) -> Program:
@@ -74,19 +74,19 @@ def in_new_process(code: str, folder: Path) -> list[str]:
 
 
 def test_a_library_experiment_needs_sympy_once(tmp_path):
-    """The first process writes the equations down with SymPy; the second neither imports it nor gives other numbers."""
+    """The first process derives the equations with SymPy; the second does not import it and gives the same numbers."""
     first, second = in_new_process(RUN, tmp_path), in_new_process(RUN, tmp_path)
     assert first[0] == "True" and second[0] == "False"
     assert first[1] == second[1]
 
 
 def test_no_module_imports_sympy_before_it_is_needed(tmp_path):
-    """Those apart that are made of it, which others import when they need them."""
+    """Except modules made of it, which others import when they need them."""
     assert in_new_process(IMPORT, tmp_path) == ["False"]
 
 
 def test_a_program_is_written_once(folder: Path, writings: list[str], plant: dict):
-    """Asked again it comes from memory; after a restart from the disk, equal in every bit."""
+    """Later it comes from memory, and after a restart from the disk, equal in every bit."""
     written = plant_program(plant)
     assert plant_program(plant) is written
     forget()
@@ -106,8 +106,8 @@ def test_a_program_is_written_once(folder: Path, writings: list[str], plant: dic
     ],
     ids=["empty", "cut short", "head only", "one bit", "zeros"],
 )
-def test_a_damaged_file_counts_as_absent_and_is_written_anew(folder: Path, writings: list[str], plant: dict, damage):
-    """No error, no wrong program."""
+def test_a_damaged_file_is_written_again(folder: Path, writings: list[str], plant: dict, damage):
+    """No error, and no wrong program."""
     written = plant_program(plant)
     (file,) = (folder / "program").iterdir()
     whole = file.read_bytes()
@@ -117,8 +117,8 @@ def test_a_damaged_file_counts_as_absent_and_is_written_anew(folder: Path, writi
     assert len(writings) == 2 and file.read_bytes() == whole
 
 
-def test_other_code_finds_nothing(folder: Path, writings: list[str], plant: dict, monkeypatch):
-    """What another version of the engine has written is not found."""
+def test_entries_of_other_code_are_not_found(folder: Path, writings: list[str], plant: dict, monkeypatch):
+    """Entries written by another version of the engine are ignored."""
     plant_program(plant)
     forget()
     monkeypatch.setattr(cache, "package_digest", lambda: "another version")
@@ -147,8 +147,8 @@ def test_the_digest_of_the_code_depends_on_every_file_of_the_engine(tmp_path, mo
         cache.package_digest.cache_clear()
 
 
-def test_prose_is_no_mathematics(plant: dict):
-    """A plant told in other words has the same programs; with another equation, parameter or start it has not."""
+def test_prose_does_not_change_programs(plant: dict):
+    """A plant with other titles has the same programs; one with another equation, parameter or start does not."""
     told = oscillator(title="Another title", description="x", source="y", id="other")
     told["states"] = [s | {"unit": "m", "description": "position"} for s in told["states"]]
     told["inputs"] = [u | {"bounds": [-1, 1], "default": 0.5} for u in told["inputs"]]
@@ -162,8 +162,8 @@ def test_prose_is_no_mathematics(plant: dict):
 
 
 @pytest.mark.skipif(not hasattr(os, "geteuid"), reason="needs POSIX permissions")
-def test_a_folder_that_cannot_be_written_is_no_error(folder: Path, writings: list[str], plant: dict, monkeypatch):
-    """A file where the folder should be, a read-only folder: programs are made each time, and nothing is left behind."""
+def test_an_unwritable_folder_is_not_an_error(folder: Path, writings: list[str], plant: dict, monkeypatch):
+    """With a file in its place, or a read-only folder, programs are made each time, and no file is left."""
     (folder / "program").write_text("in the way")
     assert plant_program(plant).program.states == ("x.x1", "x.x2")
     (folder / "program").unlink()
@@ -178,8 +178,8 @@ def test_a_folder_that_cannot_be_written_is_no_error(folder: Path, writings: lis
     assert len(writings) == 2 and not list((folder / "program").iterdir())
 
 
-def test_a_disk_that_fills_up_leaves_no_half_file(folder: Path, monkeypatch):
-    """A write that fails part of the way leaves neither the file nor its temporary."""
+def test_a_full_disk_leaves_no_partial_file(folder: Path, monkeypatch):
+    """A failed write leaves neither the file nor its temporary."""
 
     def full(source: str, target: Path) -> None:
         raise OSError(28, "no space left on device")
@@ -195,7 +195,7 @@ def decay(rate: float) -> Program:
 
 
 def one_second(program: Program) -> float:
-    """The state after a second, from 1, by a kernel of its own (nothing remembered in memory)."""
+    """Return the state after a second, from 1, by a new kernel (nothing remembered in memory)."""
     steps = Segments(np.array([100]), np.array([100]), np.zeros(1), np.zeros(1), np.array([0.01]))
     state, out = np.ones(1), np.empty((1, 1))
     Kernel(program, Layout())(steps, state, np.zeros(1), 100, out)
@@ -211,7 +211,7 @@ def test_machine_code_is_compiled_once(folder: Path, monkeypatch):
 
 
 def test_damaged_machine_code_is_compiled_again(folder: Path):
-    """Never loaded: its checksum is looked at first."""
+    """It is never loaded, because its checksum is checked first."""
     first = one_second(decay(2.5))
     (file,) = (folder / "kernel").iterdir()
     whole = file.read_bytes()
@@ -220,7 +220,7 @@ def test_damaged_machine_code_is_compiled_again(folder: Path):
 
 
 def test_other_numbers_other_processors_and_other_layouts_have_other_code(folder: Path, monkeypatch):
-    """The key is made of the program to the last bit, the layout and the platform."""
+    """The key depends on every bit of the program, the layout and the platform."""
     one_second(decay(1.5))
     assert one_second(decay(np.nextafter(1.5, 2))) != 0 and len(list((folder / "kernel").iterdir())) == 2
     monkeypatch.setattr(kernels, "platform_key", lambda: "another processor")
@@ -241,15 +241,15 @@ def write_and_read(place: str, i: int) -> bool:
     return True
 
 
-def test_writers_at_the_same_time_never_leave_a_mixture(tmp_path):
-    """Four processes write one key and read it back, over and over: always whole, from one or another."""
+def test_concurrent_writers_leave_whole_files(tmp_path):
+    """Four processes write and read one key repeatedly: each file is from one of them."""
     with ProcessPoolExecutor(4) as pool:
         assert all(pool.map(write_and_read, [str(tmp_path)] * 4, range(4)))
     assert [f.name for f in (tmp_path / "kernel").iterdir()] == ["same"]
 
 
 def test_every_library_plant_survives_the_cache(folder: Path):
-    """Written down and read back, each plant's program is the same."""
+    """After writing and reading each plant's program is the same."""
     for plant in library.plants().values():
         data = plant.model_dump(mode="json")
         written = plant_program(data)

@@ -21,7 +21,7 @@ HIGH_GAIN = {"label": "high", "kind": "high-gain", "gains": {"rho": 3.0}, "initi
 
 
 def alone(e: Experiment) -> tuple[np.ndarray, list[np.ndarray]]:
-    """Recorded states of the plant and the observers of one run."""
+    """Return the recorded states of the plant and the observers of one run."""
     parts = [rows for _, rows in Simulation(e, e.substeps or 1).spans(e.steps + 1)]
     plant = np.concatenate([p.plant for p in parts])
     return plant, [np.concatenate(o) for o in zip(*(p.observers for p in parts), strict=True)]
@@ -39,7 +39,7 @@ def agree(experiments: Sequence[Experiment]) -> None:
 
 
 def various(i: int, **changes) -> Experiment:
-    """Run i of a batch in which seed, parameters, gains, starts, inputs and faults all differ."""
+    """Return run i of a batch in which seed, parameters, gains, starts, inputs and faults all differ."""
     share = i / 10
     return engine(
         **SHORT
@@ -60,7 +60,7 @@ def various(i: int, **changes) -> Experiment:
 
 @pytest.mark.parametrize("runs", [1, 2, 8, 16, 19, 33])
 def test_runs_that_differ_in_their_seed(runs: int):
-    """Also where their number is no multiple of the lanes."""
+    """Also if their number is not a multiple of the lanes."""
     base = engine(**SHORT)
     experiments = [with_seed(base, i) for i in range(runs)]
     agree(experiments)
@@ -75,7 +75,7 @@ def test_runs_in_which_everything_differs():
 
 
 def test_faults_of_all_kinds_that_differ():
-    """Held ones (steps, pulse trains, random walks) and moving ones, each with its own size and time."""
+    """Held ones (steps, pulse trains, random walks) and others, each with its own size and time."""
     shapes = [
         {"shape": "step", "size": 1.0},
         {"shape": "pulse-train", "size": 1.0, "period": 0.3, "width": 0.1},
@@ -87,7 +87,7 @@ def test_faults_of_all_kinds_that_differ():
 
 
 def test_steps_divided_at_different_times():
-    """Onsets inside steps, at other times from run to run: a run's own steps only are divided, as when it is alone."""
+    """Onsets inside steps, at different times: only a run's own steps are divided, as in the run alone."""
     onsets = [0.5, 0.5012, 0.7777, 0.5012, 1.0]
     agree(
         [
@@ -98,17 +98,18 @@ def test_steps_divided_at_different_times():
 
 
 def test_steps_divided_at_the_same_times():
-    """Noise whose sample time is no multiple of the step divides the steps of all runs alike; each has its own std."""
+    """A sample time of the noise that is not a multiple of the step divides the steps of all runs; each has its own
+    std."""
     agree([various(i, noise={"y": {"std": 0.01 * (i + 1), "sample_time": 0.0123}}) for i in range(18)])
 
 
 def test_noise_of_different_sample_times():
-    """Each run keeps its own."""
+    """Each run keeps its own sample time."""
     agree([various(i, noise={"y": {"std": 0.1, "sample_time": 0.01 * (i % 3 + 1)}}) for i in range(6)])
 
 
 def test_several_observers_of_different_kinds():
-    """The second and the third are computed with the same plant and the same noise."""
+    """The second and the third use the same plant and the same noise."""
     watchers = [adaptive(), HIGH_GAIN, adaptive("both", channels="force,bias")]
     agree([with_seed(engine(**SHORT, observers=watchers), i) for i in range(10)])
 
@@ -124,13 +125,13 @@ def test_several_observers_of_different_kinds():
     ],
     ids=["freeze", "dropout", "sampled", "sampled observer", "no observer"],
 )
-def test_what_cannot_go_in_lanes(change: dict):
-    """Faults of the measurement, sampled measurement and observers at a sample period are run one by one."""
+def test_runs_that_do_not_fit_into_lanes(change: dict):
+    """Measurement faults with memory, sampled measurement and observers at a sample period run one by one."""
     agree([with_seed(engine(**SHORT | {"horizon": 1.0} | change), i) for i in range(3)])
 
 
-def test_additive_measurement_faults_go_in_lanes():
-    """Outliers and noise bursts are noise of another kind."""
+def test_additive_measurement_faults_run_in_lanes():
+    """Outliers and noise bursts are additional noise."""
     faults = [
         {"output": "y", "shape": "outliers", "onset": 0.5, "probability": 0.3, "size": 0.2, "sample_time": 0.02},
         {"output": "y", "shape": "noise-burst", "onset": 1.0, "end": 1.5, "std": 0.3, "sample_time": 0.03},
@@ -139,7 +140,7 @@ def test_additive_measurement_faults_go_in_lanes():
 
 
 def test_a_plant_without_noise_whose_gains_differ():
-    """The plant is then shared by all runs; an observer's gain is its own."""
+    """All runs share the plant; an observer's gain is its own."""
     agree([engine(**SHORT, noise={}, observers=[adaptive(rho=3 + 0.1 * i)]) for i in range(9)])
 
 
@@ -160,7 +161,7 @@ def test_discrete_time():
 
 
 def test_chunks_change_no_number(monkeypatch):
-    """Nor does the number of base steps that are taken at once."""
+    """Neither does the number of base steps per call."""
     experiments = [various(i) for i in range(5)]
     whole = run_batch(experiments)
     monkeypatch.setattr(batch, "FEWEST", 37)
@@ -170,15 +171,15 @@ def test_chunks_change_no_number(monkeypatch):
     np.testing.assert_array_equal(pieces.observers[0], whole.observers[0])
 
 
-def test_given_substeps_are_taken():
-    """A batch takes the substeps that its experiments give."""
+def test_given_substeps_are_used():
+    """A batch uses the substeps of its experiments."""
     agree([replace(various(i), substeps=3) for i in range(4)])
     fine, coarse = (run_batch([replace(various(i), substeps=n) for i in range(2)]).plant for n in (3, None))
     assert 0 < np.abs(fine - coarse).max() < 1e-6
 
 
-def test_a_run_that_escapes_leaves_the_others_alone():
-    """Γ of one run grows without bound; its neighbours in the same vector have the numbers they have alone."""
+def test_a_diverging_run_does_not_affect_the_others():
+    """Γ of one run grows without bound; its neighbours in the vector have the numbers that they have alone."""
     unexcited = oscillator(channels=[{"name": "force", "kind": "actuator", "enters": {"x2": "0*x1"}}])
     change = SHORT | {"horizon": 10.0, "plant": unexcited, "faults": []}
     experiments = [engine(**change, observers=[adaptive(**{"lambda": g})]) for g in (0.0, 100.0, 0.0)]
@@ -205,7 +206,7 @@ def test_experiments_of_different_shape_are_refused():
     "change", [{}, {"measurement": {"mode": "sampled", "period": 0.05}}], ids=["lanes", "one by one"]
 )
 def test_a_batch_can_be_stopped(change: dict):
-    """Cancelled is raised at the next look, and looks are frequent."""
+    """Cancelled is raised at the next check, and checks are frequent."""
     experiments = [with_seed(engine(**{"horizon": 100.0, "record": 1.0} | change), i) for i in range(3)]
     looks = []
 

@@ -1,4 +1,4 @@
-"""What observers cost: measured in the run, for each one apart, and never a part of its numbers."""
+"""The cost of observers: measured in the run, separately, and never a part of its numbers."""
 
 import numpy as np
 import pytest
@@ -13,7 +13,7 @@ EKF = {"label": "ekf", "kind": "joint-ekf", "options": {"channels": "force", "pe
 
 
 def test_every_observer_has_a_cost_and_it_changes_no_number():
-    """Joined to the plant, in the plant's time or at a sample period; two runs agree bit for bit all the same."""
+    """Joined to the plant, in the plant's time or at a sample period; two runs agree bit for bit."""
     e = engine(observers=[adaptive(), adaptive("other"), EKF])
     first, second = run(e), run(e)
     assert set(first.costs) == {"adaptive", "other", "ekf"}
@@ -21,8 +21,8 @@ def test_every_observer_has_a_cost_and_it_changes_no_number():
     np.testing.assert_array_equal(first.data, second.data)
 
 
-def test_the_first_observer_costs_what_its_twin_does(monkeypatch):
-    """It shares the plant's kernel, but is measured in one of its own: as much as the same observer in second place."""
+def test_the_first_observer_costs_as_much_as_its_twin(monkeypatch):
+    """It shares the plant's kernel but is measured in a separate one, like the same observer in second place."""
     monkeypatch.setattr(running, "_MEASURED", 200_000)
     e = engine(observers=[adaptive(), adaptive("twin")], horizon=1000.0, record=1.0)
     assert Simulation(e).joined
@@ -34,7 +34,7 @@ def test_the_first_observer_costs_what_its_twin_does(monkeypatch):
 
 
 def test_one_observer_alone_is_measured_in_the_run_itself():
-    """No second kernel is compiled where there is nothing to compare with, nor for a very large observer."""
+    """No second kernel is compiled without a comparison, nor for a very large observer."""
     assert alone(engine(), 1) == {}
     two = engine(observers=[adaptive(), adaptive("twin")])
     assert set(alone(two, 1)) == {"adaptive"}
@@ -51,7 +51,7 @@ def test_the_time_of_one_kernel_is_divided_by_operations():
     assert divided(2.0, {"adaptive": observer}) == {"adaptive": 2.0}
 
 
-def test_costs_are_per_second_that_the_observer_watched():
-    """An observer added later is charged for its own time only; nothing simulated has no cost."""
+def test_costs_are_per_second_of_the_observer():
+    """An observer added later is charged for its own time only; without simulation there is no cost."""
     spans = [{"a": (1.0, 10.0)}, {"a": (3.0, 10.0), "b": (1.0, 10.0), "c": (0.0, 0.0)}]
     assert costs(spans) == {"a": 0.2, "b": 0.1}

@@ -1,4 +1,4 @@
-"""Plant, measurement and observers together: order, chunks, discontinuities, and what an observer may see."""
+"""Plant, measurement and observers together: order, blocks, discontinuities, and the inputs of observers."""
 
 from dataclasses import replace
 
@@ -13,7 +13,7 @@ from thetascope.engine.simulation.simulation import Simulation
 
 
 def rows_of(e, chunks: list[int]):
-    """Rows of a simulation advanced in the given chunks."""
+    """Return the rows of a simulation advanced in the given blocks."""
     simulation = Simulation(e)
     state, parts = simulation.initial(), []
     for count in chunks:
@@ -53,7 +53,7 @@ def test_the_coupling_of_plant_and_observer_is_of_fourth_order():
     ],
 )
 def test_chunks_change_no_number(change):
-    """However a run is cut into advances, every recorded number has the same bits."""
+    """However a run is divided into advances, every recorded number has the same bits."""
     e = engine(**change)
     whole = rows_of(e, [e.steps + 1])
     cut = rows_of(e, [1, 2, 7, 90, 400, 13, e.steps + 1 - 513])
@@ -62,7 +62,7 @@ def test_chunks_change_no_number(change):
 
 
 def test_joined_and_separate_kernels_agree_bit_for_bit():
-    """Plant and observer in one kernel, or y handed over in a table: the same numbers."""
+    """Plant and observer in one kernel, or y passed in a table: the same numbers."""
     e = engine()
     separate = replace(
         e,
@@ -76,7 +76,7 @@ def test_joined_and_separate_kernels_agree_bit_for_bit():
 
 
 def test_a_discontinuity_off_the_grid_is_met_exactly():
-    """A fault at 1.0037 s with h = 5 ms: the states agree with h = 0.1 ms, on whose grid it lies, to rounding of RK4."""
+    """A fault at 1.0037 s with h = 5 ms: the states agree with h = 0.1 ms, whose grid contains it, to rounding of RK4."""
     change = {
         "noise": {},
         "faults": [{"channel": "force", "shape": "step", "onset": 1.0037, "size": 2.0}],
@@ -86,7 +86,7 @@ def test_a_discontinuity_off_the_grid_is_met_exactly():
     assert np.abs(coarse.column("x.x2") - fine.column("x.x2")).max() < 1e-8
 
 
-def test_columns_have_the_promised_order():
+def test_columns_have_the_documented_order():
     """t, u, signal, x, theta, y, then each observer's x, theta, y and diagnostics."""
     result = run(engine(horizon=1.0))
     assert result.names == (
@@ -116,7 +116,7 @@ def test_signals_are_recorded_as_right_limits():
 
 @pytest.mark.parametrize("kind", [k for k in kinds()])
 def test_an_observer_has_no_symbol_for_the_plant_state_or_the_true_fault(kind):
-    """Inputs of an observer are t, u, known signals and y at its own instants; never x or theta."""
+    """Its inputs are t, u, known signals and y at its own times; never x or theta."""
     from thetascope import library
     from thetascope.assembly import prepare
 
@@ -131,8 +131,8 @@ def test_an_observer_has_no_symbol_for_the_plant_state_or_the_true_fault(kind):
         assert all(n.startswith(("u.", "signal.", "y.")) for n in bare), bare
 
 
-def test_the_observer_follows_y_alone():
-    """Two different plants behind the same y give the same estimates: nothing else reaches the observer."""
+def test_the_observer_depends_on_y_only():
+    """Two different plants with the same y give the same estimates."""
     stuck = [{"output": "y", "shape": "stuck", "onset": 0.0, "value": 0.25}]
     one = run(engine(faults=stuck))
     two = run(engine(faults=stuck, initial={"x1": -2.0, "x2": 1.0}))
@@ -145,8 +145,8 @@ def diverged(result: Result):
     return result.observers[0].diverged
 
 
-def test_an_observer_that_escapes_is_marked_and_the_other_goes_on():
-    """Forgetting with no excitation lets Γ grow without bound; the second observer is untouched by it."""
+def test_a_diverged_observer_is_reported_and_the_other_continues():
+    """Forgetting without excitation lets Γ grow without bound; the second observer is unaffected."""
     unexcited = oscillator(channels=[{"name": "force", "kind": "actuator", "enters": {"x2": "0*x1"}}])
     observers = [
         adaptive("lost", gamma0=1.0) | {"gains": {"rho": 3.0, "lambda": 9.0}},
@@ -158,8 +158,8 @@ def test_an_observer_that_escapes_is_marked_and_the_other_goes_on():
     assert np.isnan(result.column("lost.x.x1")[-1]) and np.isfinite(result.column("kept.x.x1")).all()
 
 
-def test_a_plant_that_escapes_is_said_to():
-    """x' = x² leaves every bound at t = 1/x(0); the rows after are NaN and the report says when."""
+def test_a_diverged_plant_is_reported():
+    """x' = x² escapes at t = 1/x(0); later rows are NaN and the report has the time."""
     plant = oscillator(dynamics={"x1": "x2", "x2": "6*x1^2"}, channels=[])
     result = run(engine(plant=plant, observers=[], faults=[], initial={"x1": 1.0, "x2": 2.0}, inputs={}, horizon=2.0))
     assert result.diverged is not None and 0.9 < result.diverged.time < 1.1
@@ -167,7 +167,7 @@ def test_a_plant_that_escapes_is_said_to():
 
 
 def test_stiff_gains_are_substepped_to_the_numbers_of_a_fine_step():
-    """A large Γ(0) makes Γ stiff: the run takes substeps by itself and agrees with a step fifty times finer."""
+    """A large Γ(0) makes Γ stiff: the run takes substeps and agrees with a step fifty times finer."""
     pulse = {"kind": "pulse", "low": 0, "high": 1, "period": 1.0, "width": 0.5, "start": 0}
     plant = oscillator(
         signals=[{"name": "s", "default": pulse}], channels=[{"name": "bias", "kind": "sensor", "enters": {"y": "s"}}]
@@ -186,7 +186,7 @@ def test_stiff_gains_are_substepped_to_the_numbers_of_a_fine_step():
     assert np.abs(difference[settled]).max() < 1e-5
 
 
-def test_gains_that_no_substep_can_serve_are_refused_with_the_step_that_would_do():
+def test_too_stiff_gains_are_refused_with_a_suitable_step():
     """The refusal names the step."""
     from thetascope.engine.errors import SpecError
 
