@@ -21,32 +21,32 @@ MODULES_OF_A_FOLDER = 12
 
 @pytest.fixture(scope="module")
 def imports() -> grimp.ImportGraph:
-    """Who imports whom, packages from elsewhere included."""
+    """Return the graph of imports, external packages included."""
     return grimp.build_graph("thetascope", "thetascope_schemas", include_external_packages=True, cache_dir=None)
 
 
 def imported_from_elsewhere(imports: grimp.ImportGraph, package: str) -> set[str]:
-    """Top-level packages, not of this project, that the package's modules import."""
+    """Return the external top-level packages that the package's modules import."""
     modules = {m for m in imports.modules if m == package or m.startswith(f"{package}.")}
     found = {i for m in modules for i in imports.find_modules_directly_imported_by(m)}
     return {i.split(".")[0] for i in found} - {"thetascope", "thetascope_schemas"} - set(sys.stdlib_module_names)
 
 
 def run_tool(name: str, *arguments: str) -> subprocess.CompletedProcess:
-    """A command of this environment, run in the project's folder."""
+    """Run a command of this environment in the project's folder."""
     program = Path(sys.executable).parent / name
     return subprocess.run([program, *arguments], cwd=ROOT, capture_output=True, text=True, check=False)
 
 
 def test_imports_go_one_way():
-    """The contracts in pyproject.toml hold: rooms import downwards, observers see only t, u and y."""
+    """The contracts in pyproject.toml hold: packages import downwards, observers see only t, u and y."""
     answer = run_tool("lint-imports", "--no-logo", "--no-cache")
     assert answer.returncode == 0, answer.stdout + answer.stderr
     assert "0 broken" in answer.stdout
 
 
-def test_observers_stand_on_the_mathematics_alone(imports: grimp.ImportGraph):
-    """Nothing that an observer's file imports, however indirectly, knows of simulations, faults, noise or kernels."""
+def test_observers_import_only_the_mathematics(imports: grimp.ImportGraph):
+    """No import of an observer's file, however indirect, contains simulations, faults, noise or kernels."""
     observers = {m for m in imports.modules if m.startswith("thetascope.engine.observers")}
     below = {m for o in observers for m in imports.find_upstream_modules(o)} - observers
     mathematics = {
@@ -79,28 +79,28 @@ def test_observers_stand_on_the_mathematics_alone(imports: grimp.ImportGraph):
         ("thetascope.settings", set()),
     ],
 )
-def test_what_a_package_needs_from_elsewhere(imports: grimp.ImportGraph, package: str, allowed: set[str]):
-    """A room at the bottom needs no more than its job does."""
+def test_external_packages_of_each_package(imports: grimp.ImportGraph, package: str, allowed: set[str]):
+    """A package imports only the external packages that it is allowed."""
     assert imported_from_elsewhere(imports, package) <= allowed
 
 
-def test_every_package_from_elsewhere_is_declared(imports: grimp.ImportGraph):
-    """What the program imports is listed in pyproject.toml, so that a new machine gets it."""
+def test_every_external_package_is_declared(imports: grimp.ImportGraph):
+    """Imported packages are in pyproject.toml, so that a new machine gets them."""
     declared = (ROOT / "pyproject.toml").read_text().split("dependencies = [")[1].split("]")[0]
     spelt = {"yaml": "pyyaml", "pydantic_core": "pydantic", "starlette": "fastapi"}
     used = imported_from_elsewhere(imports, "thetascope") | imported_from_elsewhere(imports, "thetascope_schemas")
     assert {spelt.get(name, name) for name in used if spelt.get(name, name) not in declared} == set()
 
 
-def test_every_folder_says_what_it_is_and_is_not_crowded():
-    """Each folder of modules has an __init__ with a docstring, and few enough modules to survey."""
+def test_every_folder_is_documented_and_small():
+    """Each folder of modules has an __init__ with a docstring, and a limited number of modules."""
     for folder in {path.parent for path in CODE if path.parent.parent.name != ROOT.name}:
         assert ast.get_docstring(ast.parse((folder / "__init__.py").read_text())), folder
         assert len(list(folder.glob("*.py"))) - 1 <= MODULES_OF_A_FOLDER, folder
 
 
 def test_files_are_short():
-    """No file is longer than a reader holds in the head."""
+    """No file is longer than the limit."""
     lengths = {str(path.relative_to(ROOT)): len(path.read_text().splitlines()) for path in [*CODE, *TESTS, *PAGE]}
     assert {path: n for path, n in lengths.items() if n > LINES_OF_A_FILE} == {}
 
@@ -136,8 +136,8 @@ def test_text_is_never_evaluated():
     assert found <= allowed
 
 
-def test_modules_say_what_they_are():
-    """Every module of the program begins with a docstring."""
+def test_modules_have_docstrings():
+    """Every module of the program begins with one."""
     empty = [
         str(path.relative_to(ROOT))
         for path in CODE

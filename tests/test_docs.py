@@ -1,4 +1,4 @@
-"""The documentation says what is so."""
+"""The documentation agrees with the program."""
 
 import json
 import re
@@ -28,12 +28,12 @@ LINK = re.compile(r"\]\((?!https?:)([^)#]*)(?:#([^)]*))?\)")
 
 
 def blocks(path: Path, language: str) -> list[str]:
-    """The fenced blocks of a language."""
+    """Return the fenced blocks of a language."""
     return re.findall(rf"```{language}\n(.*?)```", path.read_text(), flags=re.DOTALL)
 
 
 def anchors(path: Path) -> set[str]:
-    """The places in a page that a link can name, as code hosts spell them."""
+    """Return the anchors of a page, in the form of code hosts."""
     text = path.read_text()
     heads = re.findall(r"^#+ (.*)$", text, flags=re.MULTILINE)
     spelt = {re.sub(r"[^\w\- ]", "", head.lower()).replace(" ", "-") for head in heads}
@@ -41,22 +41,22 @@ def anchors(path: Path) -> set[str]:
 
 
 @pytest.mark.parametrize("path", PAGES, ids=lambda path: path.name)
-def test_links_lead_somewhere(path: Path):
-    """Every link to a file of the project, and to a heading in it, is good."""
+def test_links_are_valid(path: Path):
+    """Every link to a file of the project, and to a heading in it, has a target."""
     for file, anchor in LINK.findall(path.read_text()):
         target = (path.parent / file).resolve() if file else path
         assert target.exists(), f"{path.name}: {file}"
         assert not anchor or anchor in anchors(target), f"{path.name}: {file}#{anchor}"
 
 
-def test_the_page_on_observers_is_what_the_observers_say():
+def test_the_page_on_observers_is_current():
     """docs/observers.md is up to date; `make docs` writes it."""
     current = FILE.read_text(encoding="utf-8") == page()  # apart, so that a failure does not print the page
     assert current, "run make docs"
 
 
-def test_the_example_of_a_plant_is_one():
-    """The YAML in docs/plant-format.md is valid, and the observers that the page would offer can be built for it."""
+def test_the_example_of_a_plant_is_valid():
+    """The YAML in docs/plant-format.md is accepted, and the observers that the page offers can be built for it."""
     plant = Plant.model_validate(yaml.safe_load(blocks(ROOT / "docs" / "plant-format.md", "yaml")[0]))
     report = check_plant(plant)
     assert plant.id == "leaky-tank"
@@ -76,7 +76,7 @@ def test_every_setting_is_described():
     assert {name for name in Settings.__dataclass_fields__ if f"`{PREFIX}{name.upper()}`" not in text} == set()
 
 
-def test_the_readme_counts_right():
+def test_the_counts_of_the_readme_are_correct():
     """Numbers of observers and plants, and the experiments by name."""
     text = (ROOT / "README.md").read_text()
     assert counted(text) == text, "run make docs"
@@ -88,7 +88,7 @@ def test_the_readme_counts_right():
 
 
 def own(folder: Path) -> dict[str, str]:
-    """An environment that reads and writes nothing of the user's."""
+    """Return an environment without files of the user."""
     return {"THETASCOPE_DATA": str(folder / "data"), "PATH": "/usr/bin:/bin", "HOME": str(folder), "LANG": "C.UTF-8"}
 
 
@@ -96,7 +96,7 @@ PROGRAM = Path(sys.executable).parent / "thetascope"
 
 
 def test_the_commands_of_the_readme_work(tmp_path: Path):
-    """Each `thetascope` line of the tour runs and writes the files it names; the table is what the first prints."""
+    """Each `thetascope` line of the tour runs and writes the files it names; the table is that of the first."""
     printed = []
     (tmp_path / "backend").symlink_to(ROOT / "backend")
     for line in blocks(ROOT / "README.md", "sh")[0].splitlines():
@@ -112,7 +112,7 @@ def test_the_commands_of_the_readme_work(tmp_path: Path):
 
 @pytest.fixture
 def address(tmp_path: Path) -> Iterator[str]:
-    """A server of its own, on a free port."""
+    """Start a separate server on a free port."""
     command = [PROGRAM, "serve", "--port", "0"]
     with subprocess.Popen(command, cwd=ROOT, env=own(tmp_path), stdout=subprocess.PIPE, text=True) as server:
         try:
@@ -122,7 +122,7 @@ def address(tmp_path: Path) -> Iterator[str]:
 
 
 def test_the_requests_of_the_readme_work(address: str):
-    """Each `curl` line of the tour is answered with what it asks for."""
+    """Each `curl` line of the tour gets its answer."""
     run, got = "RUN", []
     for line in blocks(ROOT / "README.md", "sh")[1].replace("http://127.0.0.1:8000", address).splitlines():
         words = shlex.split(line)
@@ -139,7 +139,7 @@ def test_the_requests_of_the_readme_work(address: str):
 
 
 def test_the_python_of_the_readme_works(address: str):
-    """The run in this process and the client's print the estimates that their comments promise."""
+    """The run in this process and the client print the estimates in the comments."""
     code = blocks(ROOT / "README.md", "python")[0]
     promised = [float(value) for value in re.findall(r"print.*# ([\d.]+)", code)]
     assert len(promised) == 2

@@ -1,4 +1,4 @@
-"""Set-up: what is installed is pinned, and what decides about it works."""
+"""Set-up: installed packages are pinned, and the conditions for a new installation are correct."""
 
 import json
 import os
@@ -17,7 +17,7 @@ PIN = re.compile(r"^([a-z0-9-]+)==([^ ;]+)( ; .+)? \\$")
 
 
 def pins(file: str) -> dict[str, str]:
-    """Package → version in a requirements file; any line that is neither a pin, a hash nor a comment fails."""
+    """Return package → version of a requirements file; fail for a line that is not a pin, a hash or a comment."""
     found = {}
     for line in (ROOT / file).read_text().splitlines():
         if line.startswith(("    --hash=sha256:", "    #", "#")):
@@ -36,14 +36,14 @@ def test_requirements_are_versions_with_hashes_and_nothing_else(file: str):
     assert all("--hash=sha256:" in block for block in blocks)
 
 
-def test_each_level_holds_the_one_before_it_at_the_same_versions():
-    """Developers and benchmarks run what users run."""
+def test_each_level_contains_the_one_before_it_at_the_same_versions():
+    """Developers and benchmarks use the versions of users."""
     run, dev, bench = (pins(file) for file in environment.LEVELS.values())
     assert run.items() <= dev.items() <= bench.items()
 
 
-def test_what_the_project_asks_for_is_pinned():
-    """Every dependency that pyproject.toml lists is in the requirements of its level."""
+def test_every_dependency_is_pinned():
+    """Every dependency in pyproject.toml is in the requirements of its level."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     groups = project["dependency-groups"]
     asked = {
@@ -57,7 +57,7 @@ def test_what_the_project_asks_for_is_pinned():
 
 
 def checkout(folder: Path, monkeypatch) -> tuple[Path, Path]:
-    """Let the set-up work in `folder`, with the files that decide about it; return its Python and its note."""
+    """Let the set-up work in `folder` with copies of its files; return its Python and its note."""
     for name in ("pyproject.toml", *environment.LEVELS.values(), *environment.PAGE_TOOLS):
         (folder / name).write_text((ROOT / name).read_text())
     python, note = folder / "python", folder / "installed"
@@ -67,8 +67,8 @@ def checkout(folder: Path, monkeypatch) -> tuple[Path, Path]:
     return python, note
 
 
-def test_an_environment_counts_as_made_only_for_the_requirements_it_was_made_for(tmp_path, monkeypatch):
-    """A second set-up has nothing to do; a changed pin, another folder or a lost Python sets up again."""
+def test_an_environment_is_valid_only_for_its_requirements(tmp_path, monkeypatch):
+    """A second set-up has nothing to do; a changed pin, another folder or a missing Python starts a new one."""
     python, note = checkout(tmp_path, monkeypatch)
     assert not environment.installed("run")
     python.symlink_to(sys.executable)
@@ -117,7 +117,7 @@ def test_developers_get_the_tools_from_npm_as_locked(tmp_path, monkeypatch):
 
 
 def test_tools_from_npm_are_versions_with_hashes():
-    """package.json names exact versions, which the lock holds with hashes and without the address of a registry."""
+    """package.json has exact versions, which the lock contains with hashes and without the address of a registry."""
     package, lock = (json.loads((ROOT / name).read_text()) for name in ("package.json", "package-lock.json"))
     locked = {name.removeprefix("node_modules/"): entry for name, entry in lock["packages"].items() if name}
     assert package["devDependencies"].keys() >= page_tools.PROGRAMS.keys() - {"tsc"}
@@ -136,8 +136,8 @@ def test_every_tool_from_npm_starts(tool: str):
     assert json.loads((ROOT / "package.json").read_text())["devDependencies"][package] in answer.stdout
 
 
-def test_a_python_that_cannot_make_environments_is_told_what_to_install(tmp_path, monkeypatch, capsys):
-    """Debian's Python without python3-venv: the remedy is named, not a traceback."""
+def test_a_python_without_venv_is_refused_with_the_remedy(tmp_path, monkeypatch, capsys):
+    """Debian's Python without python3-venv: the package is named, without a traceback."""
     bare = tmp_path / "bare"  # a real environment without pip, as `python -m venv` leaves it there
     subprocess.run([sys.executable, "-m", "venv", "--without-pip", bare], check=True)
     found = environment.importlib.util.find_spec
@@ -158,8 +158,8 @@ def script(path: Path, code: int) -> str:
     return str(path)
 
 
-def test_a_browser_that_does_not_start_is_passed_over(tmp_path, monkeypatch):
-    """Of two on the path the one that runs is taken; one that is named must run."""
+def test_a_browser_that_does_not_start_is_skipped(tmp_path, monkeypatch):
+    """Of two on the path the working one is used; a named one must work."""
     broken, working = script(tmp_path / "chromium", 1), script(tmp_path / "google-chrome", 0)
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.delenv(browser.VARIABLE, raising=False)
@@ -170,7 +170,7 @@ def test_a_browser_that_does_not_start_is_passed_over(tmp_path, monkeypatch):
 
 
 def test_the_command_is_installed():
-    """`thetascope` is in the environment and knows its commands."""
+    """`thetascope` is in the environment and has its commands."""
     program = Path(sys.executable).parent / "thetascope"
     answer = subprocess.run([program, "--help"], capture_output=True, text=True, check=True, env=dict(os.environ))
     assert {"serve", "run", "list", "check"} <= set(re.findall(r"[a-z]+", answer.stdout))

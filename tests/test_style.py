@@ -1,4 +1,4 @@
-"""Style: ruff's rules, and the form that ruff and Prettier give every file."""
+"""Style: ruff's rules, and the format of ruff and Prettier."""
 
 import ast
 import subprocess
@@ -19,14 +19,14 @@ CHECKS = {
 
 
 @pytest.mark.parametrize("check", CHECKS)
-def test_files_have_the_form_of_the_formatters(check: str):
-    """Each checker finds nothing; `make lint` prints the same, and `ruff format` or `prettier --write` mends the form."""
+def test_files_are_formatted(check: str):
+    """Each checker finds nothing; `make lint` prints the same, and `ruff format` or `prettier --write` formats."""
     answer = subprocess.run(CHECKS[check], cwd=ROOT, capture_output=True, text=True, check=False)
     assert answer.returncode == 0, answer.stdout + answer.stderr
 
 
-def test_every_test_says_its_claim():
-    """Each test function has a docstring: the claim that it checks."""
+def test_every_test_states_its_claim():
+    """Each test function has a docstring with the claim that it checks."""
     silent = [
         f"{path.relative_to(ROOT)}: {node.name}"
         for path in sorted((ROOT / "tests").rglob("*.py"))

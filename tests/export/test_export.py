@@ -1,4 +1,4 @@
-"""Files written from a result read back to the very same numbers."""
+"""Files written from a result read back to the same numbers."""
 
 import base64
 import csv
@@ -22,21 +22,21 @@ FLOATS = st.floats(allow_nan=True, allow_infinity=True, width=64)
 
 
 def result(rows: int = 101) -> Result:
-    """t = 0, 0.1, … with a state, a fault and an observer's estimate of each."""
+    """Return t = 0, 0.1, … with a state, a fault and an observer's estimate of each."""
     names = ("t", "x.x1", "theta.f", "a.x.x1", "a.theta.f")
     data = np.vstack([np.arange(rows) * 0.1, np.random.default_rng(1).standard_normal((4, rows))])
     return Result(names, data, (), None, 0.1, 1, (), {})
 
 
 def read_csv(content: bytes) -> tuple[list[str], np.ndarray]:
-    """Python's own reader, in place of ours."""
+    """Return a CSV file read by Python's own reader."""
     head, *rows = csv.reader(io.StringIO(content.decode()))
     return head, np.array([[float(text) for text in row] for row in rows]).reshape(-1, len(head))
 
 
 @given(arrays(np.float64, st.tuples(st.integers(1, 4), st.integers(0, 6)), elements=FLOATS))
 def test_csv_reads_back_to_the_same_floats(data):
-    """Every float64 there is, with nan and infinities: the same bits (nan as a nan)."""
+    """Every float64, with nan and infinities, has the same bits (nan as a nan)."""
     table = Table(tuple(f"c{i}" for i in range(len(data))), data)
     head, found = read_csv(b"".join(csv_chunks(table)))
     assert tuple(head) == table.names
@@ -44,8 +44,8 @@ def test_csv_reads_back_to_the_same_floats(data):
     assert np.array_equal(np.signbit(found), np.signbit(data.T) & ~np.isnan(data.T))
 
 
-def test_csv_in_blocks_is_the_same_as_in_one_and_numbers_have_at_most_17_digits():
-    """10 000 rows are several blocks; no row is lost or doubled at their borders."""
+def test_csv_does_not_depend_on_the_blocks_and_has_at_most_17_digits():
+    """10 000 rows are several blocks; no row is lost or doubled between them."""
     whole = select(result(10_001))
     content = b"".join(csv_chunks(whole))
     assert np.array_equal(read_csv(content)[1], whole.data.T)
@@ -54,12 +54,12 @@ def test_csv_in_blocks_is_the_same_as_in_one_and_numbers_have_at_most_17_digits(
 
 
 def test_json_has_columns_with_null_for_missing_values():
-    """NaN is no JSON."""
+    """NaN is not valid JSON."""
     table = Table(("t", "x"), np.array([[0.0, 1.0], [np.nan, 0.1]]))
     assert orjson.loads(json_bytes(table)) == {"rows": 2, "columns": {"t": [0.0, 1.0], "x": [None, 0.1]}}
 
 
-def test_json_bdata_is_little_endian_float64_even_of_every_third_row():
+def test_json_bdata_is_little_endian_float64_for_strided_views():
     """A view with gaps is packed before it is sent."""
     table = select(result(), every=3)
     found = orjson.loads(json_bytes(table, "bdata"))["columns"]
@@ -67,8 +67,8 @@ def test_json_bdata_is_little_endian_float64_even_of_every_third_row():
         assert np.array_equal(np.frombuffer(base64.b64decode(found[name]["bdata"]), "<f8"), column)
 
 
-def test_mat_holds_each_column_under_a_valid_name_and_the_true_names_in_a_cell_array():
-    """Dots become underscores; `columns` and `variables` tell which is which."""
+def test_mat_has_valid_names_and_the_true_names_in_a_cell_array():
+    """Dots become underscores; `columns` and `variables` map them."""
     table = select(result())
     found = loadmat(io.BytesIO(matlab_bytes(table)))
     names = [str(cell[0]) for cell in found["columns"].ravel()]
@@ -81,19 +81,19 @@ def test_mat_holds_each_column_under_a_valid_name_and_the_true_names_in_a_cell_a
 
 @given(st.lists(st.text(st.characters(codec="utf-8"), min_size=1, max_size=90), unique=True, max_size=12))
 def test_matlab_names_are_valid_and_distinct_for_any_names(names):
-    """MATLAB wants a letter first, then letters, digits, underscores, at most 63 in all."""
+    """MATLAB requires a letter first, then letters, digits and underscores, at most 63 in all."""
     made = matlab_names(names)
     assert len(set(made)) == len(names)
     assert all(name.isascii() and name.isidentifier() and name[0].isalpha() and len(name) <= 63 for name in made)
 
 
 def test_a_range_includes_both_ends_despite_rounding():
-    """0.1·3 is not 0.3, and the row is meant all the same."""
+    """0.1·3 is not 0.3, but the row is included."""
     assert select(result(), start=0.3, end=0.7).data[0] == pytest.approx([0.3, 0.4, 0.5, 0.6, 0.7])
 
 
 def test_points_bounds_the_rows_and_keeps_the_first():
-    """Decimation is even and never gives more than asked for."""
+    """Decimation is uniform and never returns more rows than requested."""
     for points in (1, 2, 7, 50, 100, 101, 500):
         table = select(result(), points=points)
         assert 1 <= table.rows <= points
@@ -101,21 +101,21 @@ def test_points_bounds_the_rows_and_keeps_the_first():
     assert select(result(), points=500).rows == 101
 
 
-def test_columns_are_chosen_by_name_and_pattern_in_the_order_asked():
-    """Once each, even when two patterns name them."""
+def test_columns_are_selected_by_name_and_pattern_in_the_given_order():
+    """Each once, even if two patterns match it."""
     table = select(result(), ["theta.*", "t", "a.theta.f", "*.f"])
     assert table.names == ("theta.f", "t", "a.theta.f")
     assert np.array_equal(table.data[1], result().data[0])
 
 
-def test_an_unknown_column_is_named_with_the_nearest():
-    """The remedy helps."""
+def test_an_unknown_column_is_refused_with_the_nearest():
+    """The remedy names the nearest column."""
     with pytest.raises(SpecError, match=r"'a\.theta\.g'.*did you mean a\.theta\.f"):
         select(result(), ["t", "a.theta.g"])
 
 
 def test_a_range_without_rows_gives_an_empty_table_in_every_format():
-    """Not an error: there is nothing between."""
+    """It is not an error."""
     table = select(result(), start=200.0)
     assert table.rows == 0
     assert b"".join(csv_chunks(table)).count(b"\n") == 1
@@ -123,8 +123,8 @@ def test_a_range_without_rows_gives_an_empty_table_in_every_format():
     assert loadmat(io.BytesIO(matlab_bytes(table)))["t"].size == 0
 
 
-def test_a_comparison_as_csv_has_one_measure_a_line():
-    """Errors with their windows and units, a line a count, `nan` for what there is none of; numbers read back the same."""
+def test_a_comparison_as_csv_has_one_measure_per_line():
+    """Errors with windows and units, a line per count, `nan` for a missing value; numbers read back the same."""
     plant = Plant.model_validate(
         {
             "id": "p",

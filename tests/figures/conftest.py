@@ -1,4 +1,4 @@
-"""A run to draw: three faults in a bioreactor, two observers whose estimates are known in closed form."""
+"""A run for the tests of figures: three faults in a bioreactor, two observers with estimates in closed form."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def plant() -> Plant:
 
 @pytest.fixture(scope="session")
 def experiment(plant):
-    """Builds the experiment; keyword arguments replace its fields."""
+    """Return a function that builds the experiment; keyword arguments replace its fields."""
 
     def build(**changes) -> Experiment:
         fields = {
@@ -91,7 +91,7 @@ def _columns(rows: int, labels: list[str], lost: dict[str, float]) -> dict[str, 
 
 @pytest.fixture(scope="session")
 def result():
-    """Builds the result of an experiment: errors decay as exp(−rate·t); `lost` gives the time at which an observer diverged."""
+    """Return a function that builds the result: errors decay as exp(−rate·t); `lost` has times of divergence."""
 
     def build(spec: Experiment, rows: int = 10_001, lost: dict[str, float] | None = None) -> Result:
         lost = lost or {}

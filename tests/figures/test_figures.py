@@ -1,4 +1,4 @@
-"""Figures of a run: what they show, in which colours, and that they are cheap."""
+"""Figures of a run: contents, colours, and cost."""
 
 import json
 import subprocess
@@ -29,13 +29,13 @@ def named(drawn: dict, start: str) -> list[dict]:
 
 
 def test_own_figures_come_first_then_the_general_ones(run):
-    """A run offers the experiment's own figures, then those that every run has."""
+    """A run has the experiment's own figures, then the general ones."""
     outcome, spec = run
     assert [entry["name"] for entry in figure_names(spec, outcome.names)] == ["fig-2", "loop", *GENERAL]
 
 
-def test_only_figures_with_something_to_draw_are_offered(experiment, result):
-    """Without observers there are no residuals, errors or excitation to show."""
+def test_only_figures_with_data_are_offered(experiment, result):
+    """Without observers there are no residuals, errors or excitation."""
     spec = experiment(observers=[])
     assert [entry["name"] for entry in figure_names(spec, result(spec).names)] == [
         "faults",
@@ -47,7 +47,7 @@ def test_only_figures_with_something_to_draw_are_offered(experiment, result):
 
 @pytest.mark.parametrize("theme", ["light", "dark"])
 def test_plotly_accepts_every_figure(run, plant, theme):
-    """plotly.py's own validation knows every property of every figure, and all of it is plain JSON."""
+    """plotly.py's validation accepts every property of every figure, and all of it is plain JSON."""
     from plotly.graph_objects import Figure
 
     outcome, spec = run
@@ -81,8 +81,8 @@ def test_colour_means_observer(run, plant):
     assert named(figure(outcome, spec, plant, "fig-2"), "slow")[0]["line"]["color"] == theme.observers[1]
 
 
-def test_amber_marks_a_fault_while_it_acts(experiment, result, plant):
-    """The strip of a channel is tinted from onset to end; a fault of a measurement tints its output."""
+def test_amber_marks_an_active_fault(experiment, result, plant):
+    """The strip of a channel is tinted from onset to end; a measurement fault tints its output."""
     spec = experiment(
         faults=[
             {"channel": "theta1", "shape": "step", "onset": 40, "end": 60, "size": 0.01},
@@ -102,7 +102,7 @@ def test_amber_marks_a_fault_while_it_acts(experiment, result, plant):
     assert tinted("outputs") == [(80, 100, "y domain")]
 
 
-def test_each_name_stands_once_in_the_legend(run, plant):
+def test_each_name_is_in_the_legend_once(run, plant):
     """However many strips, the legend names truth and observers once."""
     outcome, spec = run
     shown = [trace["name"] for trace in figure(outcome, spec, plant, "states")["data"] if trace["showlegend"]]
@@ -110,22 +110,22 @@ def test_each_name_stands_once_in_the_legend(run, plant):
 
 
 def test_units_come_from_the_plant(run, plant):
-    """Beside each strip stands the unit that the plant gives the quantity."""
+    """Each strip has the unit that the plant declares."""
     outcome, spec = run
     text = " ".join(a["text"] for a in figure(outcome, spec, plant, "states")["layout"]["annotations"])
     assert "1/h2" in text and "specific" in text
 
 
 def test_rare_peaks_do_not_flatten_a_strip(run, plant):
-    """The range of an axis follows the truth and the bulk of the estimates, not one spike."""
+    """The range of an axis follows the truth and most of the estimates, not a single peak."""
     outcome, spec = run
     outcome.data[outcome.names.index("adaptive.theta.theta1"), 500:510] = 1e3
     low, high = figure(outcome, spec, plant, "faults")["layout"]["yaxis"]["range"]
     assert -0.02 < low < 0 and 0.01 < high < 0.03
 
 
-def test_divergence_is_said_and_does_not_set_the_scale(experiment, result, plant):
-    """A diverged observer bears the time in the legend, a dash as its last value, and leaves the axis to the others."""
+def test_divergence_is_shown_and_does_not_set_the_scale(experiment, result, plant):
+    """A diverged observer has the time in the legend, a dash as its last value, and does not affect the axis."""
     spec = experiment()
     outcome = result(spec, lost={"slow": 50.0})
     outcome.data[outcome.names.index("slow.x.x1"), 4000:5000] = 1e9
@@ -135,8 +135,8 @@ def test_divergence_is_said_and_does_not_set_the_scale(experiment, result, plant
     assert "—" in [a["text"] for a in drawn["layout"]["annotations"]]
 
 
-def test_unknown_names_are_refused_with_what_there_is(run, plant):
-    """A figure or theme that does not exist is refused with the list of those that do."""
+def test_unknown_names_are_refused_with_the_known_ones(run, plant):
+    """For a figure or theme that does not exist."""
     outcome, spec = run
     with pytest.raises(UnknownFigure, match="fig-2, loop, faults"):
         figure(outcome, spec, plant, "nope")
@@ -145,7 +145,7 @@ def test_unknown_names_are_refused_with_what_there_is(run, plant):
 
 
 def test_panels_with_their_own_abscissa_have_their_own_axis(experiment, result, plant):
-    """A loop beside a panel over time: two horizontal axes, the loop's titled with its quantity and unit."""
+    """A loop beside a panel over time: two horizontal axes, the loop's with its quantity and unit."""
     spec = experiment(figures=[{"name": "both", "panels": [LOOP["panels"][0], PANELS[0]]}])
     layout = figure(result(spec), spec, plant, "both")["layout"]
     assert layout["xaxis"]["title"]["text"] == "<i>x</i><sub>1</sub> (1/h)"
@@ -153,15 +153,15 @@ def test_panels_with_their_own_abscissa_have_their_own_axis(experiment, result, 
 
 
 def test_plotly_is_not_imported():
-    """Drawing costs no import of plotly."""
+    """Figures are made without importing plotly."""
     code = "import sys, thetascope.figures; print([m for m in sys.modules if m.split('.')[0] in ('plotly', 'sympy')])"
     assert (
         subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout.strip() == "[]"
     )
 
 
-def test_figures_speak_the_asked_language(experiment, result, plant):
-    """Titles, captions, legends and the time axis of every general figure are Chinese; symbols stay as they are."""
+def test_figures_are_in_the_requested_language(experiment, result, plant):
+    """Titles, captions, legends and the time axis of every general figure are Chinese; symbols are unchanged."""
     spec = experiment(observers=[{"label": label, "kind": "zhao-adaptive"} for label in ("adaptive", "slow")])
     outcome = result(spec, lost={"slow": 50.0})
     names = figure_names(spec, outcome.names, "zh")

@@ -33,7 +33,7 @@ def test_rmse_of_a_known_error(run):
 
 
 def test_noise_that_leaves_the_band_has_not_settled():
-    """An estimate that scatter throws out of the band to the end reaches it, and does not settle."""
+    """An estimate whose noise leaves the band until the end reaches it, but does not settle."""
     t = np.arange(0, 10, 0.01)
     error = np.where(t < 2, 1.0, 0.0) + 0.5 * (np.arange(t.size) % 50 == 0)
     assert metrics.settling_time(t, error, 0, np.inf, 0.1) is None
@@ -41,7 +41,7 @@ def test_noise_that_leaves_the_band_has_not_settled():
 
 
 def test_a_step_is_judged_until_the_next_event():
-    """What a later fault does to the estimate does not count against the earlier step."""
+    """The effect of a later fault does not count against the earlier step."""
     t = np.arange(0, 10, 0.01)
     error = np.where((t < 2) | (t >= 6), 1.0, 0.0)
     assert metrics.settling_time(t, error, 0, 6.0, 0.1) == pytest.approx(2.0)
@@ -61,8 +61,8 @@ def test_the_end_of_a_step_is_a_step_too(experiment):
     assert metrics.event_times(spec.faults) == [5, 10, 30, 50]
 
 
-def test_diverged_observers_have_numbers_only_where_there_are_any(experiment, result):
-    """After divergence the final estimate is null, the RMSE is of the finite rows, and all of it is JSON."""
+def test_diverged_observers_have_numbers_up_to_the_divergence(experiment, result):
+    """After it the final estimate is null, the RMSE is of the finite rows, and all of it is JSON."""
     spec = experiment()
     summary = metrics.summary(result(spec, lost={"slow": 50.0}), spec.faults)
     assert summary["slow"]["theta"]["theta1"]["estimate"] is None
@@ -75,7 +75,7 @@ def test_diverged_observers_have_numbers_only_where_there_are_any(experiment, re
 
 
 def test_final_values_over_the_last_tenth(run):
-    """Truth, estimate and error at the end; mean and scatter of the error over the last tenth."""
+    """Truth, estimate and error at the end; mean and standard deviation of the error over the last tenth."""
     outcome, _ = run
     final = metrics.final_values(outcome, "adaptive")["theta3"]
     assert final["truth"] == 0.02 and final["error"] == pytest.approx(0, abs=1e-12) and final["std"] < 1e-12

@@ -1,4 +1,4 @@
-"""Names become mathematics, and nothing that a user types becomes markup."""
+"""Names become mathematical symbols, and no text of a user becomes markup."""
 
 import re
 
@@ -23,12 +23,12 @@ from thetascope.figures.html_symbols import HAT, escape, expression, mathematica
     ],
 )
 def test_names_become_symbols(name, html):
-    """Greek names and indices are set as a paper sets them; words stay words."""
+    """Greek names and indices are typeset as in a paper; words are unchanged."""
     assert symbol(name) == html
 
 
-def test_hat_stands_over_the_letter():
-    """An estimate's accent belongs to the letter, not to the index."""
+def test_the_hat_is_above_the_letter():
+    """An estimate's accent is on the letter, not on the index."""
     assert symbol("theta1", HAT) == "<i>θ\u0302</i><sub>1</sub>"
 
 
@@ -45,8 +45,8 @@ def test_hat_stands_over_the_letter():
         ("min(a,-b)", "min(<i>a</i>, −<i>b</i>)"),
     ],
 )
-def test_expressions_read_like_a_paper(text, html):
-    """Products stand close, powers are raised, signs are spaced as binary or unary."""
+def test_expressions_are_typeset_like_a_paper(text, html):
+    """Products are close, powers are raised, signs are spaced as binary or unary."""
     assert expression(text) == html
 
 
@@ -61,18 +61,18 @@ def test_expressions_read_like_a_paper(text, html):
         ("betas", "betas"),
     ],
 )
-def test_titles_set_their_symbols(text, html):
-    """In the titles of axes and traces, names with an index and Greek names are set; words and entities are left alone."""
+def test_titles_contain_typeset_symbols(text, html):
+    """In titles of axes and traces, names with an index and Greek names are symbols; words and entities are unchanged."""
     assert mathematical(text) == html
 
 
 @given(st.text(max_size=60))
-def test_only_our_own_tags_come_out(text):
-    """Whatever is put in, the only tags that come out are i, sub, sup and br, without attributes."""
+def test_only_known_tags_are_written(text):
+    """For any text the only tags are i, sub, sup and br, without attributes."""
     for html in (symbol(text), expression(text), wrap(text), mathematical(escape(text))):
         assert not re.search(r"<(?!/?(i|sub|sup|br)>)", html)
 
 
 def test_long_captions_are_cut():
-    """A caption never takes more than its lines."""
+    """A caption has a maximum number of lines."""
     assert wrap("one two three four five six seven eight nine ten", 9, 3).count("<br>") == 2

@@ -1,4 +1,4 @@
-"""Thinning keeps what an eye can see, and typed arrays keep what a zoom can."""
+"""Decimation keeps the visible features, and typed arrays keep enough digits for a zoom."""
 
 from base64 import b64decode
 
@@ -18,13 +18,13 @@ def decoded(packed: dict) -> np.ndarray:
 
 
 def test_short_series_stay_whole():
-    """Nothing is thinned that has few enough points."""
+    """A series with few points is not decimated."""
     assert decimation.extremes(np.arange(decimation.LIMIT)) is None
     assert decimation.curve_extremes(np.arange(10.0), np.arange(10.0)) is None
 
 
 def test_one_sample_spike_survives_a_million_rows():
-    """A spike of a single sample in a million is kept, at its own time, in 4000 points."""
+    """A spike of a single sample in a million is among the 4000 points, at its own time."""
     y = np.sin(np.arange(1_000_000) / 1e5)
     y[654_321], y[123_456] = 9.0, -9.0
     rows = decimation.extremes(y)
@@ -45,7 +45,7 @@ def test_each_bucket_keeps_its_extremes(y):
 
 
 def test_gaps_stay_and_do_not_hide_numbers():
-    """A stretch of NaN stays a gap; a lone NaN does not take its bucket's place."""
+    """A stretch of NaN remains a gap; a single NaN does not take its bucket's place."""
     y = np.sin(np.arange(20_000) / 100)
     y[10_000:15_000] = np.nan
     y[5] = np.nan
@@ -81,15 +81,15 @@ def test_peaks_of_an_error_hide_changes_of_sign():
         (np.array([1e300, 0.0]), "f8"),
     ],
 )
-def test_typed_arrays_keep_what_can_be_seen(values, kind):
-    """float32 only where its rounding is below a ten-thousandth of the drawn range."""
+def test_typed_arrays_keep_visible_digits(values, kind):
+    """float32 is used only if its rounding is below a ten-thousandth of the drawn range."""
     packed = decimation.typed(values)
     assert packed["dtype"] == kind
     assert np.abs(decoded(packed) - values).max() <= 1e-4 * np.ptp(values)
 
 
 def test_infinity_becomes_a_gap():
-    """What is not finite is NaN on the wire, and the rest keeps its place."""
+    """Values that are not finite are NaN on the wire, and the others keep their places."""
     back = decoded(decimation.typed(np.array([1.0, np.inf, np.nan, -np.inf, 2.0])))
     assert np.isnan(back[1:4]).all() and back[0] == 1 and back[4] == 2
     assert np.isnan(decoded(decimation.typed(np.full(3, np.nan)))).all()

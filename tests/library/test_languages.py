@@ -1,4 +1,4 @@
-"""The library's texts carry their languages as data."""
+"""The library's texts have their languages as data."""
 
 import re
 from collections.abc import Iterator
@@ -17,7 +17,7 @@ PROSE = {"title", "description", "source", "errata", "caption"}
 
 
 def prose(item: object, path: str = "") -> Iterator[tuple[str, str]]:
-    """Yield every text of an item that people read, with its path."""
+    """Yield every text of an item for readers, with its path."""
     if isinstance(item, Strict):
         for name in type(item).model_fields:
             value = getattr(item, name)
@@ -58,7 +58,7 @@ def test_a_text_may_be_a_map_of_languages_wherever_prose_is_expected():
 
 
 def test_languages_change_no_id():
-    """Prose is no part of a spec's hash, in whatever language it is written."""
+    """Prose is not part of a spec's hash, in any language."""
     spec = library.experiment("zhao-2012").with_plant(library.plant("zhao-contois"))
     chinese = type(spec).model_validate(spec.model_dump(mode="json", context={"language": "zh"}))
     assert chinese.title != spec.title and chinese.spec_hash() == spec.spec_hash()

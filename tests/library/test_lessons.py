@@ -1,4 +1,4 @@
-"""The lessons: three questions an experiment, whose commands the live session accepts."""
+"""The lessons: three questions per experiment, with commands that the live session accepts."""
 
 import pytest
 
@@ -25,7 +25,7 @@ def test_every_question_can_be_carried_out(id):
 
 
 def test_questions_are_written_in_both_languages():
-    """Chinese is Chinese, English is English, and they are not the same."""
+    """The Chinese text is Chinese, the English one English, and they differ."""
     for lesson in library.lessons().values():
         for step in lesson.questions:
             assert step.question.en.isprintable() and any("\u4e00" <= c <= "\u9fff" for c in step.question.zh)

@@ -1,4 +1,4 @@
-"""The library's plants are the equations they claim to be."""
+"""The library's plants have the equations of their sources."""
 
 import numpy as np
 import pytest
@@ -16,7 +16,7 @@ def model(name: str) -> Model:
 
 
 def test_zhao_contois_is_equation_44():
-    """Written with w = x2/x1, the plant equals eq. (44) letter by letter, for all parameters."""
+    """Written with w = x2/x1, the plant equals eq. (44) exactly, for all parameters."""
     ours, printed = model("zhao-contois"), model("zhao-contois-as-printed")
     difference = (ours.f.xreplace(ours.expansion) - printed.f).applyfunc(sympy.simplify)
     assert difference == sympy.zeros(2, 1)
@@ -45,7 +45,7 @@ CHANNELS = {
 
 @pytest.mark.parametrize("name", CHANNELS)
 def test_equals_the_written_model(name):
-    """Rates and outputs, every fault channel on, agree with the model written by hand at random points."""
+    """Rates and outputs, with every fault channel, agree with a model written by hand at random points."""
     plant, random = library.plant(name), np.random.default_rng(1)
     program, hand = plant_program(plant.model_dump(mode="json")).program, reference(name, CHANNELS[name])
     assert {c.name for c in plant.channels} == set(CHANNELS[name])

@@ -1,4 +1,4 @@
-"""A room with a clock that the test controls, and connections that remember what they received."""
+"""A room with a clock that the test controls, and connections that store the received messages."""
 
 import asyncio
 import json
@@ -47,7 +47,7 @@ def decoded(data: bytes) -> Frame:
 
 @dataclass
 class Connection:
-    """The far end. While `open` is cleared it takes nothing."""
+    """A client's end. While `open` is cleared it reads nothing."""
 
     texts: list[dict] = field(default_factory=list)
     frames: list[Frame] = field(default_factory=list)
@@ -66,16 +66,16 @@ class Connection:
         self.order.append("frame")
 
     def of(self, kind: str) -> list[dict]:
-        """The messages of a type."""
+        """Return the messages of a type."""
         return [text for text in self.texts if text["type"] == kind]
 
     def rows_at(self, row: int) -> np.ndarray:
-        """The values of a row, as they were sent last."""
+        """Return the values of a row, as they were sent last."""
         frame = next(f for f in reversed(self.frames) if f.first <= row < f.end)
         return frame.samples[:, row - frame.first]
 
     def rows(self) -> np.ndarray:
-        """What a page would have: later rows replace earlier ones."""
+        """Return the rows of a page: later rows replace earlier ones."""
         known: dict[int, np.ndarray] = {}
         for frame in self.frames:
             known |= {frame.first + i: frame.samples[:, i] for i in range(frame.samples.shape[1])}
@@ -148,7 +148,7 @@ class Stage:
         return connection
 
     async def say(self, connection: Connection, type: str, **fields: object) -> dict:
-        """Send a command; its answer."""
+        """Send a command and return its answer."""
         self._number += 1
         message = json.dumps({"type": type, "id": self._number, **fields})
         self.room.commands.receive(connection.viewer, message, 100_000)
@@ -186,7 +186,7 @@ async def settle() -> None:
 
 
 def apart(coroutine: Coroutine) -> object:
-    """Run a coroutine in a thread of its own: the browser tests leave an event loop running in this one."""
+    """Run a coroutine in a separate thread: the browser tests leave an event loop running in this one."""
     with ThreadPoolExecutor(1) as thread:
         return thread.submit(asyncio.run, coroutine).result()
 
@@ -209,13 +209,13 @@ def kinds(events: list[dict] | list[Event]) -> list[str]:
 
 
 def expected(given: Experiment, columns: list[str], rows: int) -> np.ndarray:
-    """What an ordinary run of a spec gives, as it is sent."""
+    """Return the samples of an ordinary run of a spec, as they are sent."""
     run = prepare(library.resolve(given.model_copy(update={"horizon": (rows - 1) * 0.01, "record": 0.01}))).run()
     return np.array([run.column(name) for name in columns]).astype("<f4")
 
 
 def same(sent: np.ndarray, given: Experiment, columns: list[str]) -> None:
-    """Every column of the run was sent bit for bit."""
+    """Fail unless every column of the run was sent bit for bit."""
     run = expected(given, columns, sent.shape[1])
     differ = [name for name, mine, other in zip(columns, sent, run, strict=True) if mine.tobytes() != other.tobytes()]
     assert differ == []

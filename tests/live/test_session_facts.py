@@ -1,4 +1,4 @@
-"""The facts of a session: what acts at the row that is shown, and verdicts equal to those of the run of its spec."""
+"""The facts of a session: the state at the row that is shown, and verdicts equal to those of the run of its spec."""
 
 import pytest
 
@@ -18,12 +18,12 @@ NOISE = {"y": {"std": 0.001, "sample_time": 0.01}}
 
 
 def facts_now(session: Session):
-    """The facts at the newest row."""
+    """Return the facts at the newest row."""
     return facts_of(session, session.row, FactsMemory(session.record))
 
 
 def summary_of_run(session: Session):
-    """The summary of the session's spec as a run up to the newest row."""
+    """Return the summary of the session's spec as a run up to the newest row."""
     t = (session.row - 1) * session.record
     spec = session.spec.model_copy(update={"horizon": t, "record": session.record})
     return summarise(prepare(spec).run(), spec)
@@ -49,8 +49,8 @@ def test_the_verdicts_of_a_session_are_those_of_the_run_of_its_spec():
     assert live.observers == run.observers and live.faults == run.faults and live.noise == run.noise
 
 
-def test_what_was_done_while_time_stands_still_acts_at_once():
-    """A fault injected at the newest row is active and not found yet; its id is in the log, too."""
+def test_a_fault_injected_while_paused_is_active_immediately():
+    """At the newest row it is active and not found yet; its id is in the log."""
     session = Session(zhao(noise=NOISE))
     session.advance(1500)
     before = facts_now(session)
@@ -63,7 +63,7 @@ def test_what_was_done_while_time_stands_still_acts_at_once():
 
 
 def test_observers_gains_and_noise_are_those_of_the_shown_row():
-    """Also in the past of commands that are still to come: two commands, three states."""
+    """Also at times before later commands: two commands, three states."""
     session = Session(zhao())
     session.advance(100)
     do(session, "set-gain", observer="adaptive", gain="rho", value=9)
@@ -96,8 +96,8 @@ def test_an_alarm_is_on_until_the_row_at_which_it_clears_is_shown():
     assert facts_of(session, round(alarm.t / session.record), memory).alarms == ()
 
 
-def test_where_theta_is_zero_is_found_in_pieces_as_rows_come():
-    """A ramp that begins late in a stretch is found when its rows are there; a signal that is replaced is looked at again."""
+def test_intervals_of_zero_theta_are_found_as_rows_arrive():
+    """A ramp that begins late in an interval is found when its rows exist; a replaced signal is evaluated again."""
     memory = FactsMemory(0.01)
     late = {"channel": "a", "shape": "table", "times": [0, 9], "values": [0, 1], "onset": 0}
     signal = theta("a", [late], 0)
@@ -108,7 +108,7 @@ def test_where_theta_is_zero_is_found_in_pieces_as_rows_come():
 
 
 def test_a_room_sends_the_facts_when_they_change_and_only_then():
-    """With hello, when judging begins, when a planned fault begins, after a command and with going back; not otherwise."""
+    """With hello, when tests begin, when a planned fault begins, after a command and after going back; not otherwise."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -130,7 +130,7 @@ def test_a_room_sends_the_facts_when_they_change_and_only_then():
 
 
 def test_a_room_sends_an_alarm_with_its_verdict_when_its_row_is_shown():
-    """Rows are computed and judged ahead: the facts follow the event within a few rows, not the computing."""
+    """Rows are computed and judged ahead: the facts follow the event within a few rows."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -146,8 +146,9 @@ def test_a_room_sends_an_alarm_with_its_verdict_when_its_row_is_shown():
     staged(scenario)
 
 
-def test_the_end_of_the_plant_is_told_with_the_last_row(monkeypatch):
-    """The run of this experiment escapes at 2.517 s: when the last row has been shown, the facts say so, and time has ended."""
+def test_the_divergence_of_the_plant_is_reported_with_the_last_row(monkeypatch):
+    """The run of this experiment escapes at 2.517 s: the facts say so when the last row has been shown, and time has
+    ended."""
     given = library.experiment("reduced-order-mimo")
     given = given.with_plant(library.plant(given.plant))
     monkeypatch.setattr(stage_of_tests, "spec", lambda **_: given)

@@ -52,7 +52,7 @@ def nodes() -> tuple[tuple[str, ast.AST], ...]:
 
 @cache
 def used() -> tuple[frozenset[str], tuple[re.Pattern[str], ...]]:
-    """Return the texts in code and templates that are spelt like codes, and patterns of those put together from parts."""
+    """Return the texts in code and templates that have the form of codes, and patterns of those composed of parts."""
     codes, patterns = set(), set()
     for _, node in nodes():
         if isinstance(node, ast.Constant) and isinstance(node.value, str) and CODE.fullmatch(node.value):
@@ -65,7 +65,7 @@ def used() -> tuple[frozenset[str], tuple[re.Pattern[str], ...]]:
 
 
 def pattern_of(node: ast.JoinedStr) -> str | None:
-    """Return the pattern of a text in parts, if it begins like a code with a dot: f"plant.{kind}.unknown"."""
+    """Return the pattern of a composed text that begins like a code with a dot: f"plant.{kind}.unknown"."""
     first = node.values[0]
     if not isinstance(first, ast.Constant) or not re.fullmatch(r"[a-z][a-z0-9]*\.[a-z0-9.-]*", str(first.value)):
         return None
@@ -93,7 +93,7 @@ def test_every_code_that_is_used_has_words():
 
 @pytest.mark.parametrize("kind", sorted(PYDANTIC_CODES))
 def test_every_kind_of_pydantics_errors_has_words(kind):
-    """Codes that are made of pydantic's own kinds are complete as well."""
+    """Codes made of pydantic's own kinds are complete, too."""
     assert f"schema.{kind.replace('_', '-')}" in catalogue("en").templates
 
 
@@ -104,11 +104,11 @@ def form_descriptions() -> set[str]:
 
 
 def test_every_field_of_a_form_has_words():
-    """Forms describe faults, signals and their fields in every language."""
+    """Faults, signals and their fields are described in every language."""
     assert form_descriptions() <= set(catalogue("en").templates)
 
 
-def test_no_entry_is_left_over():
+def test_every_entry_is_used():
     """An entry that no code mentions is removed; remedies and titles belong to their problem."""
     codes, patterns = used()
     kinds = {f"schema.{kind.replace('_', '-')}" for kind in PYDANTIC_CODES} | form_descriptions()
@@ -137,7 +137,7 @@ def fields(template: str | tuple[str, ...]) -> set[str]:
 
 
 def test_chinese_entries_are_chinese():
-    """An entry copied from English and never translated is found; symbols and joined arguments are not sentences."""
+    """An untranslated entry is found; symbols and joined arguments are not sentences."""
 
     def words(template: str | tuple[str, ...]) -> str:
         return FIELD.sub("", template if isinstance(template, str) else template[0])

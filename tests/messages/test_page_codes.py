@@ -1,4 +1,4 @@
-"""The codes that the page asks for are those of the catalogues: none is missing, none is left over."""
+"""The codes that the page uses are those of the catalogues: none is missing, none is unused."""
 
 import re
 from pathlib import Path
@@ -29,12 +29,12 @@ def page_codes(language: str) -> set[str]:
 
 
 def matches(pattern: str, code: str) -> bool:
-    """Return whether a code is the one that is written, or of its family."""
+    """Return whether a code equals the named one, or belongs to its family."""
     return re.fullmatch(re.escape(pattern).replace(r"\*", r"[\w-]+"), code) is not None
 
 
 @pytest.mark.parametrize("language", languages())
-def test_every_code_that_the_page_asks_for_has_words(language):
+def test_every_code_that_the_page_uses_has_words(language):
     """A family, such as the shapes of faults, has at least two members."""
     codes, patterns = page_codes(language), written()
     assert len(patterns) > 300
@@ -43,8 +43,8 @@ def test_every_code_that_the_page_asks_for_has_words(language):
 
 
 @pytest.mark.parametrize("language", languages())
-def test_no_words_of_the_page_are_left_over(language):
-    """What nothing asks for is deleted from the catalogue. The remedy of a refusal belongs to its problem."""
+def test_every_entry_of_the_page_is_used(language):
+    """An unused entry is removed from the catalogue. The remedy of a refusal belongs to its problem."""
     plain = written() | {f"{code}.remedy" for code in written()}
     families = {one for one in plain if "*" in one}
     left = page_codes(language) - plain
@@ -64,7 +64,7 @@ def test_every_shape_and_field_of_a_fault_has_words(language):
 
 @pytest.mark.parametrize("language", languages())
 def test_every_verdict_has_words(language):
-    """The verdicts of an assumption's check, as the contract has them."""
+    """Each verdict of an assumption's check in the contract."""
     codes = page_codes(language)
     allowed = get_args(AssumptionCheck.model_fields["verdict"].annotation)
     verdicts = {f"page.observers.verdict.{verdict.replace(' ', '-')}" for verdict in allowed}

@@ -27,13 +27,13 @@ def argument(value):
 
 @pytest.mark.parametrize("row", ROWS, ids=lambda row: f"{row['template']}-{row['args']}-{row['language']}")
 def test_a_template_renders_as_the_table_says(row):
-    """The page's renderer is held to the same table."""
+    """The page's renderer is tested with the same table."""
     words = Catalogue(row["language"], {**catalogue(row["language"]).templates, "test": row["template"]})
     args = {name: argument(value) for name, value in row["args"].items()}
     assert words.render(Message("test", **args)) == row["expected"]
 
 
-def test_a_message_is_english_by_itself_and_chinese_when_asked():
+def test_a_message_is_english_by_default_and_chinese_on_request():
     """str() is English; a language without a catalogue is answered in English."""
     message = Message("common.states", n=1)
     assert str(message) == "1 state"
@@ -78,8 +78,8 @@ def test_the_wire_carries_code_arguments_and_the_sentence():
         (["../..", "\x00", "zh" * 5000], "en"),
     ],
 )
-def test_the_first_language_with_a_catalogue_is_taken(wanted, language):
-    """Tags of browsers and of LANG are understood; English is the answer to everything else."""
+def test_the_first_language_with_a_catalogue_is_used(wanted, language):
+    """Tags of browsers and of LANG are understood; the default is English."""
     assert negotiate(wanted) == language
 
 
@@ -92,7 +92,7 @@ def test_plural_categories_are_in_the_order_of_the_forms():
 
 
 def test_an_error_of_the_engine_has_a_message_and_never_prose():
-    """So no sentence of a refusal can lack a language; the remedy follows from the problem, and pickling keeps both."""
+    """No refusal can lack a language; the remedy follows from the problem, and pickling keeps both."""
     error = SpecError("faults[0].end", 5, Message("fault.end.before-onset", end=5, onset=20))
     assert error.remedy == Message("fault.end.before-onset.remedy", end=5, onset=20)
     assert pickle.loads(pickle.dumps(error)).remedy == error.remedy
@@ -100,7 +100,7 @@ def test_an_error_of_the_engine_has_a_message_and_never_prose():
         SpecError("faults[0].end", 5, "the end is not after the onset", "give a later end")
 
 
-def test_whatever_people_read_is_rendered_in_a_language():
+def test_every_kind_of_text_is_rendered_in_a_language():
     """Messages, their form on the wire and as data, texts in several languages, and plain texts."""
     message = Message("common.states", n=2)
     forms = (message, Text.of(message), message.as_data(), LocalText({"en": "2 states", "zh": "2 个状态"}))

@@ -13,7 +13,7 @@ FILES = sorted(path.name for path in HERE.glob("*.test.js"))
 
 @pytest.mark.parametrize("name", FILES)
 def test_module(name: str):
-    """node's own runner accepts every claim of the file, and the file makes some."""
+    """node's test runner accepts every claim of the file, and the file has some."""
     command = [NODE, "--test", "--test-reporter=tap", name]
     answer = subprocess.run(command, cwd=HERE, capture_output=True, text=True, check=False)
     assert answer.returncode == 0, answer.stdout + answer.stderr

@@ -20,7 +20,7 @@ SOURCES = [
 
 @pytest.mark.parametrize("project", [".", "tests/page"])
 def test_there_are_no_type_errors(project: str):
-    """`tsc` in strict mode accepts every module of the page and of the report, and the unit tests of the page."""
+    """`tsc` in strict mode accepts every module of the page and of the report, and the page's unit tests."""
     tsc = ROOT / "node_modules" / "typescript" / "bin" / "tsc"
     command = [NODE, tsc, "--project", project, "--pretty", "false"]
     answer = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)

@@ -1,4 +1,4 @@
-"""Zhao, Li & Li 2012: the numbers that a right implementation shows, from the library's experiments."""
+"""Zhao, Li & Li 2012: the numbers of a correct implementation, from the library's experiments."""
 
 import numpy as np
 import pytest
@@ -64,8 +64,9 @@ def test_the_parameter_error_decays_at_1_19_a_second(quiet):
 
 
 @pytest.mark.parametrize(("rho", "window", "level"), [(4, 1, 1.3e-3), (4, 2, 2.6e-3), (32, 1, 6e-5)])
-def test_excitation_falls_as_rho_grows(rho, window, level):
-    """λmin of the Gramian of Ω: 0.0013 (T = 1 s) and 0.0026 (T = 2 s) at ρ = 4, 6e-5 at ρ = 32: against assumption 1."""
+def test_excitation_decreases_as_rho_increases(rho, window, level):
+    """λmin of the Gramian of Ω: 0.0013 (T = 1 s) and 0.0026 (T = 2 s) at ρ = 4, 6e-5 at ρ = 32, contrary to assumption
+    1."""
     spec = library.experiment("zhao-2012-noise-free").model_dump()
     spec["observers"][0]["gains"] |= {"rho": rho, "window": window}
     result = prepare(library.resolve(Experiment.model_validate(spec | {"horizon": 20.0}))).run()
@@ -82,7 +83,7 @@ def test_any_start_in_the_unit_box_converges(start):
     assert abs(result.column("adaptive.theta.theta3")[-1] - 0.02) < 1e-5
 
 
-def test_the_literal_variance_drowns_two_faults():
+def test_the_literal_variance_hides_two_faults():
     """Noise of variance 0.001 (std 0.0316) spreads θ̂1 by more than its fault; std 0.001 does not."""
 
     def spread(id: str) -> float:
@@ -92,8 +93,9 @@ def test_the_literal_variance_drowns_two_faults():
     assert spread("zhao-2012-variance-as-printed") > 0.01 > spread("zhao-2012")
 
 
-def test_noise_of_std_0_001_leaves_the_means_right():
-    """Over 64 seeds the means on [90, 100] are the faults, to four standard errors; those of a run are to 15 % of the largest."""
+def test_with_noise_of_std_0_001_the_means_are_correct():
+    """Over 64 seeds the means on [90, 100] are the faults, to four standard errors; those of a run to 15 % of the
+    largest."""
     spec = library.experiment("zhao-2012").model_copy(update={"record": 0.1})
     base = prepare(library.resolve(spec)).engine
     batch = run_batch([with_seed(base, seed) for seed in range(64)])

@@ -1,4 +1,4 @@
-"""The references themselves: against the known numbers of the four papers, against each other, against theory."""
+"""The references themselves: against the known numbers of the four papers, each other, and theory."""
 
 from itertools import pairwise
 
@@ -10,7 +10,7 @@ from .integration import Scenario, derivative, pulse
 
 
 def settled(t: np.ndarray, error: np.ndarray, bound: float) -> float:
-    """The first recorded time from which |error| stays below the bound."""
+    """Return the first recorded time from which |error| stays below the bound."""
     return float(t[np.flatnonzero(np.abs(error) >= bound)[-1] + 1])
 
 
@@ -87,7 +87,7 @@ def test_zhao_settling_times(paper_run, channel, onset, end, size, time):
 
 
 def test_zhao_errors_decay_at_the_known_rate(paper_run):
-    """|theta error| falls like exp(-1.19 t) after the fault at 40 s, seen once a period."""
+    """|theta error| decreases like exp(-1.19 t) after the fault at 40 s, evaluated once per period."""
     whole = np.isin(np.round(paper_run["t"], 6), np.arange(44.0, 59.0))
     error = np.linalg.norm((paper_run["thetahat"] - paper_run["theta"])[whole], axis=1)
     assert np.polyfit(paper_run["t"][whole], np.log(error), 1)[0] == pytest.approx(-1.19, abs=0.03)
@@ -107,7 +107,7 @@ def test_zhao_rk4_agrees_with_dop853():
 
 @pytest.mark.parametrize(("window", "rho", "level"), [(1.0, 4.0, 1.3e-3), (2.0, 4.0, 2.6e-3), (1.0, 32.0, 6e-5)])
 def test_zhao_excitation(window, rho, level):
-    """Smallest eigenvalue of the Gramian (36): 0.0013 for 1 s, 0.0026 for 2 s, and it falls as rho grows."""
+    """Smallest eigenvalue of the Gramian (36): 0.0013 for 1 s, 0.0026 for 2 s, and it decreases as rho increases."""
     gramian = zhao.excitation(zhao.PAPER, zhao.paper_scenario(6.0, 0.25), rho, window, rtol=1e-8)
     assert gramian[8:].min() == pytest.approx(level, rel=0.03)
 
@@ -250,7 +250,7 @@ def test_zhou_tan_numbers():
 
 
 def test_zhou_tan_needs_every_operator_driven():
-    """u = sin leaves the wider operators unmoved; an estimate that once moved them stays wrong for ever."""
+    """u = sin leaves the wider operators unmoved; an estimate that once moved them stays wrong."""
     jump = zhou_tan.nonsmooth(zhou_tan.PAPER, wave(1), GAIN, START, before_hat=0.0)
     assert np.abs(jump["x"] - jump["xhat"])[500:, 2].min() > 0.05
     assert np.abs(jump["zone"][:, 0]).max() == 0 < np.abs(jump["zone"][:, 6]).max()

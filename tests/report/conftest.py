@@ -1,4 +1,4 @@
-"""The run that the tests of figures draw, for the tests of reports."""
+"""The run of the tests of figures, for the tests of reports."""
 
 from tests.figures.conftest import experiment, plant, result
 

@@ -1,4 +1,4 @@
-"""The report: one file, offline, complete, and deaf to markup in what users type."""
+"""The report: one file, offline, complete, with users' texts escaped."""
 
 import json
 import re
@@ -51,15 +51,15 @@ def html(experiment, result, plant):
 
 
 def test_report_is_one_file_that_fetches_nothing(html):
-    """No element of the page names another address, and its policy forbids every fetch."""
+    """No element of the page refers to another address, and its policy forbids every fetch."""
     page = Page(html)
     assert not [a for a in page.attributes if a[1] in ("src", "href", "action", "data", "poster")]
     assert "default-src 'none'" in html
     assert html.count("Plotly.react(") >= 1 and "plotly.js v" in html
 
 
-def test_report_says_what_was_run_and_how_to_repeat_it(html):
-    """Equations, errata, gains, seed, run, versions, command and the whole spec are in it."""
+def test_the_report_describes_the_run_and_how_to_repeat_it(html):
+    """It has equations, errata, gains, seed, run, versions, command and the whole spec."""
     text = " ".join(Page(html).text)
     for part in (
         "Three faults",
@@ -79,14 +79,14 @@ def test_report_says_what_was_run_and_how_to_repeat_it(html):
     assert json.loads(spec)["seed"] == 7
 
 
-def test_report_tells_errors_and_settling(html):
+def test_the_report_has_errors_and_settling(html):
     """The comparison has the settling time ln(10)/rate of each observer after each step."""
     text = " ".join(Page(html).text)
     assert text.count("1.920") == 3 * 2  # ln(10)/1.2 = 1.919 s, on the grid of 0.01 s: reached, and stayed
     assert text.count("7.680") == 3 * 2  # ln(10)/0.3 = 7.675 s
 
 
-def test_divergence_is_said_first(experiment, result, plant):
+def test_divergence_is_reported_first(experiment, result, plant):
     """An observer that diverged is named before any figure, with the time and the cause."""
     spec = experiment()
     html = report(result(spec, lost={"slow": 50.0}), spec, plant, {})
@@ -125,14 +125,14 @@ def test_markup_in_user_text_stays_text(experiment, result, plant):
 
 
 def test_figures_in_the_page_are_valid_json(html):
-    """The embedded figures parse, and hold no character that could end their element."""
+    """The embedded figures are parsed, and contain no character that could end their element."""
     text = re.search(r"<script type=application/json id=figures>(.*?)</script>", html, re.DOTALL)[1]
     assert "<" not in text
     assert {"data", "layout"} == set(json.loads(text)[0])
 
 
 def sections(html: str) -> dict[str, str]:
-    """Visible text of the page by the heading of its sections."""
+    """Return the visible text of the page by the heading of its sections."""
     parts = re.split(r"<h2>(.*?)</h2>", html)
     return {
         title: " ".join(" ".join(Page(body).text).split()) for title, body in zip(parts[1::2], parts[2::2], strict=True)
@@ -140,7 +140,7 @@ def sections(html: str) -> dict[str, str]:
 
 
 def table_rows(html: str, first: str) -> list[list[str]]:
-    """The cells, as HTML, of the table whose first heading is this."""
+    """Return the cells, as HTML, of the table with this first heading."""
     for table in re.findall(r"<table>(.*?)</table>", html, re.DOTALL):
         rows = [re.findall(r"<t[hd][^>]*>(.*?)</t[hd]>", row) for row in re.findall(r"<tr>(.*?)</tr>", table)]
         if rows[0][0] == first:
@@ -149,7 +149,7 @@ def table_rows(html: str, first: str) -> list[list[str]]:
 
 
 def diagnosed(outcome, **findings: dict):
-    """The result with what tests found; each is the schema's example with these fields changed."""
+    """Return the result with findings; each is the schema's example with these fields changed."""
     example = ObserverDiagnosis.model_json_schema()["examples"][0]
     made = [example | {"observer": label} | changes for label, changes in findings.items()]
     told = {"detector": {"observer": "", "note": "it was not asked"}, "observers": made}
@@ -160,7 +160,7 @@ ALARM = ObserverDiagnosis.model_json_schema()["examples"][0]["alarms"][0]
 
 
 def test_every_assumption_has_its_line_and_the_verdicts_are_counted(experiment, result, plant):
-    """Name, verdict, sentence, source, the number found and the number it is held against, of each check."""
+    """Name, verdict, sentence, source, value and threshold of each check."""
     spec = experiment()
     failed = Check(
         Message("check.matching"), "fails", Message("check.matching.no-p"), 0.5, 1e-9, "Assumption 3, eq. (9)"
@@ -184,7 +184,7 @@ def test_every_assumption_has_its_line_and_the_verdicts_are_counted(experiment, 
 
 
 def test_errors_of_each_window_are_compared_and_the_smaller_is_marked(html):
-    """The quicker observer has the smaller error of θ1 after its onset at 40 s; before it neither is better."""
+    """The faster observer has the smaller error of θ1 after its onset at 40 s; before it neither is better."""
     head, *lines = table_rows(html, "error of")
     assert head[2:] == ["0 to 20 s", "20 to 40 s", "40 to 70 s", "70 to 100 s"]
     quick, slow = (line for line in lines if line[0].startswith(symbol("theta1")))
@@ -193,8 +193,8 @@ def test_errors_of_each_window_are_compared_and_the_smaller_is_marked(html):
     assert not any("class=best" in cell for cell in slow[2:])
 
 
-def test_the_report_compares_what_the_alarms_of_the_observers_found(experiment, result, plant):
-    """Faults found, missed, false alarms, wrong names and delays, in words at the head of the table."""
+def test_the_report_compares_the_alarms_of_the_observers(experiment, result, plant):
+    """Faults found and missed, false alarms, wrong names and delays, in words at the top of the table."""
     spec = experiment()
     late = ALARM | {"t": 25.0}
     wrong = ALARM | {"t": 30.0, "channel": "theta1", "alternatives": ["theta2"], "cleared": 35.0}
@@ -217,7 +217,7 @@ def test_the_report_compares_what_the_alarms_of_the_observers_found(experiment, 
 
 
 def test_the_diagnosis_of_each_observer_is_in_the_report(experiment, result, plant):
-    """Sentence, alarm with onset and size, thresholds and where they come from, what cannot be seen, and noise."""
+    """Sentence, alarm with onset and size, thresholds and their origin, undetectable faults, and noise."""
     spec = experiment()
     noise = [{"output": "y", "declared": 0.001, "estimated": 0.00098}]
     excitation = {
@@ -283,7 +283,7 @@ ENGLISH = re.compile(r"[a-z]{4,} [a-z]{2,}")  # two words in a row: not a symbol
 
 
 def test_a_chinese_report_has_no_english_sentence(experiment, result, plant):
-    """Headings, tables, legends and notes are in the asked language; what users wrote stays as it is."""
+    """Headings, tables, legends and notes are in the requested language; users' texts are unchanged."""
     spec = experiment(title="三个故障", source="论文", errata=["有一处符号错误。"])
     noise = [{"output": "y", "declared": 0.001, "estimated": 0.00098}]
     html = report(diagnosed(result(spec, lost={"slow": 50.0}), adaptive={"noise": noise}), spec, plant, {}, "zh")
@@ -327,8 +327,8 @@ def test_no_markup_is_written_in_python():
         assert tags in ([], ['"<i>', '"<i ']), path.name
 
 
-def test_a_fact_that_is_a_message_is_worded(experiment, result, plant):
-    """An observer's fact {code, args} is a sentence in the report's language, and no data."""
+def test_a_fact_that_is_a_message_is_rendered(experiment, result, plant):
+    """An observer's fact {code, args} is a sentence in the report's language, not data."""
     spec = experiment()
     outcome = result(spec)
     fact = Message("observer.matching.different", first="a", second="b")

@@ -1,4 +1,4 @@
-"""Plant and experiment files: read safely, and mistakes found in the text."""
+"""Plant and experiment files: read safely, with errors located in the text."""
 
 import json
 
@@ -18,8 +18,8 @@ JSON = st.recursive(
 
 
 @given(JSON)
-def test_json_text_gives_the_data_that_it_holds(data):
-    """JSON files are read by the YAML reader, which must not see more in them than there is."""
+def test_json_text_gives_its_data(data):
+    """JSON files are read by the YAML reader, which must not interpret them differently."""
     assert parse(json.dumps(data)).data == data
 
 
@@ -46,7 +46,7 @@ def test_json_text_gives_the_data_that_it_holds(data):
     ],
 )
 def test_scalars_are_those_of_json_and_not_the_surprises_of_yaml(text, value):
-    """`no` is a word, 1e-3 a number, 1:30 not ninety."""
+    """`no` is a text, 1e-3 a number, 1:30 not ninety."""
     assert parse(f"a: {text}").data == {"a": value}
 
 
@@ -72,16 +72,16 @@ BOMB = "a: &a [x, x]\nb: &b [*a, *a]\nc: [*b, *b]\n"
         ("a: 1\n--- \nb: 2", "not valid YAML", None),
     ],
 )
-def test_text_that_could_do_harm_or_mean_two_things_is_refused_at_its_place(text, problem, place):
-    """Nothing is built from it."""
+def test_harmful_or_ambiguous_text_is_refused_at_its_position(text, problem, place):
+    """No object is built from it."""
     with pytest.raises(DocumentError, match=problem) as refusal:
         parse(text)
     if place:
         assert refusal.value.place == place
 
 
-def test_a_field_is_found_in_the_text_and_one_that_is_missing_at_what_surrounds_it():
-    """Block and flow style, names with dots apart."""
+def test_a_field_is_located_in_the_text_and_a_missing_one_at_its_parent():
+    """Block and flow style, and names with dots."""
     document = parse("id: p\nchannels:\n  - name: f\n    enters: {x1: phi1, x2: 3*}\n")
     assert document.place("channels[0].enters.x2") == Place(4, 28)
     assert document.place("channels[0].kind") == Place(3, 5)
@@ -89,8 +89,8 @@ def test_a_field_is_found_in_the_text_and_one_that_is_missing_at_what_surrounds_
     assert document.place("nothing") == Place(1, 1)
 
 
-def test_the_mark_stands_under_the_mistake_within_an_expression():
-    """Also behind quotes, where the value begins one column later."""
+def test_the_mark_is_below_the_error_within_an_expression():
+    """Also in a quoted text, whose value begins one column later."""
     document = parse("dynamics:\n  x: 'a + b*q'\n")
     error = FieldError(field="dynamics.x", value="q", problem="unknown name", remedy="declare it")
     message, line, mark = document.located(error, offset=6, text="a + b*q").split("\n")
@@ -98,7 +98,7 @@ def test_the_mark_stands_under_the_mistake_within_an_expression():
     assert line[mark.index("^")] == "q"
 
 
-def test_files_that_are_too_large_no_text_or_of_another_kind_are_refused(tmp_path):
+def test_files_that_are_too_large_binary_or_of_another_kind_are_refused(tmp_path):
     """Before they are parsed."""
     (tmp_path / "large.yaml").write_text("a: " + "x" * 1000)
     (tmp_path / "latin.yaml").write_bytes(b"a: \xe9")
@@ -113,7 +113,7 @@ def test_files_that_are_too_large_no_text_or_of_another_kind_are_refused(tmp_pat
             read(tmp_path / name, 500)
 
 
-def test_a_mark_of_byte_order_and_windows_line_ends_do_not_matter(tmp_path):
+def test_a_byte_order_mark_and_windows_line_ends_are_accepted(tmp_path):
     """Editors write them."""
     (tmp_path / "a.yml").write_bytes("\ufeffa: 1\r\nb: é\r\n".encode())
     document = read(tmp_path / "a.yml", 500)

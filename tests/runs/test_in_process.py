@@ -15,7 +15,7 @@ SHORT = {"horizon": 2.0, "noise.y.std": 0, "figures": []}
 
 
 def test_an_id_its_data_and_the_experiment_give_the_same_result():
-    """All three forms run the same experiment, with the changes by path, and columns come by name."""
+    """All three forms run the same experiment, with changes by path; columns are read by name."""
     spec = library.experiment("zhao-2012")
     results = [thetascope.run(form, SHORT) for form in ("zhao-2012", spec.model_dump(), spec)]
     result = results[0]
@@ -28,13 +28,13 @@ def test_an_id_its_data_and_the_experiment_give_the_same_result():
 
 
 def test_changes_by_path_change_the_numbers():
-    """A gain that is changed by path acts in the run."""
+    """A gain that is changed by path affects the run."""
     slow, fast = (thetascope.run("zhao-2012", SHORT | {"observers.adaptive.gains.rho": rho}) for rho in (2, 8))
     assert not np.array_equal(slow.column("adaptive.x.x1"), fast.column("adaptive.x.x1"))
 
 
 def test_refusals_name_the_field():
-    """Unknown ids, unknown names and texts of a plant that cannot be read are refused with their place."""
+    """Unknown ids, unknown names and invalid texts of a plant are refused with their position."""
     with pytest.raises(Unknown, match="zhao-2012"):
         thetascope.run("zhao-2021")
     with pytest.raises(InvalidSpec, match="horizon"):
@@ -47,7 +47,7 @@ def test_refusals_name_the_field():
 
 
 def test_the_package_imports_nothing_before_it_is_needed():
-    """`import thetascope` loads neither NumPy nor SymPy; `Client` and `run` are there when asked for."""
+    """`import thetascope` loads neither NumPy nor SymPy; `Client` and `run` are available."""
     code = (
         "import sys, thetascope; assert not {'numpy', 'sympy', 'pydantic'} & set(sys.modules); "
         "assert callable(thetascope.run) and callable(thetascope.Client); assert 'numpy' in sys.modules"

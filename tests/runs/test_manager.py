@@ -1,4 +1,4 @@
-"""Runs are functions of their specs: found again, computed again, cancelled, refused."""
+"""Runs are functions of their specs: found, recomputed, cancelled, refused."""
 
 import time
 
@@ -16,14 +16,14 @@ ONE = 150_000  # bytes: room for one result of the small experiment (1001 rows o
 
 
 def completed(runs: RunManager, experiment: Experiment) -> Snapshot:
-    """The end of a run that is not known yet."""
+    """Return the end of a run that is not known yet."""
     job = runs.submit(experiment)
     assert isinstance(job, Job)
     return job.done.result(SECONDS)
 
 
 def numbers(runs: RunManager, id: str) -> np.ndarray:
-    """The run's data, computed again if need be."""
+    """Return the run's data, recomputed if necessary."""
     found = runs.finished(id)
     if isinstance(found, Job):
         found.done.result(SECONDS)
@@ -32,7 +32,7 @@ def numbers(runs: RunManager, id: str) -> np.ndarray:
 
 
 def until(condition) -> None:
-    """Wait for what another thread does."""
+    """Wait for another thread."""
     deadline = time.monotonic() + SECONDS
     while not condition():
         assert time.monotonic() < deadline
@@ -53,8 +53,8 @@ def test_the_same_spec_is_answered_from_memory_and_after_a_restart_from_the_stor
     assert numbers(runs, first.id).tobytes() == data.tobytes()
 
 
-def test_a_result_that_was_let_go_is_computed_again_with_the_same_numbers(start):
-    """The store has room for one result; the spec of the other is kept, and that is enough."""
+def test_a_dropped_result_is_recomputed_with_the_same_numbers(start):
+    """The store has room for one result; the spec of the other is kept, which suffices."""
     runs = start(store_limit=ONE, memory=1)
     first = completed(runs, spec())
     data = numbers(runs, first.id).copy()
@@ -66,8 +66,8 @@ def test_a_result_that_was_let_go_is_computed_again_with_the_same_numbers(start)
     assert numbers(runs, first.id).tobytes() == data.tobytes()
 
 
-def test_the_end_of_a_run_is_queued_for_the_store_before_anybody_sees_it(start, monkeypatch):
-    """So whoever pins or removes it then comes after it; and that it runs is not written behind its end."""
+def test_the_end_of_a_run_is_queued_for_the_store_before_it_is_visible(start, monkeypatch):
+    """Later pins and deletions come after it, and no "running" is written after it."""
     seen, keep = [], RunManager._keep
 
     def watched(runs: RunManager, end: Ended) -> None:
@@ -85,7 +85,7 @@ def test_the_end_of_a_run_is_queued_for_the_store_before_anybody_sees_it(start, 
 
 
 def test_a_pin_survives_recomputation_and_restart(start):
-    """The user's mark is not lost with the result."""
+    """The pin is not lost with the result."""
     runs = start(store_limit=1)
     id = completed(runs, spec()).id
     assert runs.pin(id, True).pinned
@@ -96,7 +96,7 @@ def test_a_pin_survives_recomputation_and_restart(start):
     assert not runs.pin(id, False).pinned
 
 
-def test_titles_and_figures_are_no_part_of_the_id_and_the_newest_ones_count(start):
+def test_titles_and_figures_do_not_change_the_id_and_the_newest_are_used(start):
     """Renaming an experiment recomputes nothing."""
     runs = start()
     id = completed(runs, spec(title="Old")).id
@@ -115,7 +115,7 @@ def test_other_numbers_are_another_run(start):
     assert len(ids) == len(variants)
 
 
-def test_a_spec_that_is_under_way_is_joined_and_not_started_twice(start):
+def test_an_active_spec_is_joined_and_not_started_twice(start):
     """Two clients, one computation."""
     runs = start()
     first, second = runs.submit(long_spec()), runs.submit(long_spec())
@@ -123,8 +123,8 @@ def test_a_spec_that_is_under_way_is_joined_and_not_started_twice(start):
     runs.cancel(first.id)
 
 
-def test_progress_rises_and_cancelling_stops_the_run_soon(start):
-    """Long before its end; then it can be started anew."""
+def test_progress_increases_and_cancelling_stops_the_run(start):
+    """Long before its end; then it can be started again."""
     runs = start()
     job = runs.submit(long_spec())
     until(lambda: job.progress > 0.01)
@@ -136,8 +136,8 @@ def test_progress_rises_and_cancelling_stops_the_run_soon(start):
     assert isinstance(runs.submit(long_spec()), Job)
 
 
-def test_a_run_that_waits_for_a_worker_is_cancelled_at_once(start):
-    """It does not have to reach the head of the queue."""
+def test_a_waiting_run_is_cancelled_immediately(start):
+    """It need not reach the head of the queue."""
     runs = start(workers=1)
     runs.submit(long_spec(seed=1))
     waiting = runs.submit(long_spec(seed=2))
@@ -146,7 +146,7 @@ def test_a_run_that_waits_for_a_worker_is_cancelled_at_once(start):
 
 
 def test_a_full_queue_refuses_and_accepts_again_when_there_is_room(start):
-    """Room for one at work and one waiting."""
+    """There is room for one active and one waiting run."""
     runs = start(workers=1, queue=1)
     jobs = [runs.submit(long_spec(seed=seed)) for seed in (1, 2)]
     with pytest.raises(Busy, match="2 runs"):
@@ -164,8 +164,8 @@ def test_a_full_queue_refuses_and_accepts_again_when_there_is_room(start):
         ({"max_result": 5000}, "record", r"1,001 rows.*5,000 are allowed.*THETASCOPE_MAX_RESULT"),
     ],
 )
-def test_more_than_the_limits_allow_is_refused_in_numbers_before_it_runs(start, limits, field, words):
-    """The message has what was asked, what is allowed, and what to do."""
+def test_a_run_beyond_the_limits_is_refused_before_it_runs(start, limits, field, words):
+    """The message has the requested and the permitted number, and the remedy."""
     job = start(**limits).submit(spec())
     with pytest.raises(InvalidSpec, match=words) as refusal:
         job.done.result(SECONDS)
@@ -173,14 +173,14 @@ def test_more_than_the_limits_allow_is_refused_in_numbers_before_it_runs(start, 
     assert job.status == "queued"
 
 
-def test_a_run_that_takes_too_long_is_stopped_and_says_so(start):
-    """The limit on time holds where steps alone did not tell."""
+def test_a_run_that_takes_too_long_is_stopped_with_the_reason(start):
+    """The time limit applies where the number of steps does not suffice."""
     end = completed(start(max_seconds=0.2), long_spec())
     assert end.status == "failed"
     assert "longer than 0.2 s" in end.problem.detail and "THETASCOPE_MAX_SECONDS" in end.problem.detail
 
 
-def test_text_that_is_no_expression_is_refused_with_its_field_in_the_experiment(start):
+def test_an_invalid_expression_is_refused_with_its_field_in_the_experiment(start):
     """The plant is inline, so its fields are below `plant`."""
     wrong = {**PLANT, "dynamics": {"x": "-a*x + q"}}
     job = start().submit(spec(plant=wrong))
@@ -190,8 +190,8 @@ def test_text_that_is_no_expression_is_refused_with_its_field_in_the_experiment(
     assert "column 8" in refusal.value.errors[0].problem
 
 
-def test_a_run_announced_and_cut_off_by_the_end_of_the_service_is_known_as_such(start):
-    """Its client comes back to a plain word instead of waiting for ever."""
+def test_a_run_interrupted_by_the_end_of_the_service_is_marked(start):
+    """Its client gets the reason instead of waiting forever."""
     runs = start()
     job = runs.submit(long_spec())
     until(lambda: job.status == "running")
@@ -200,8 +200,8 @@ def test_a_run_announced_and_cut_off_by_the_end_of_the_service_is_known_as_such(
     assert runs.get(job.id).status == "cancelled"
 
 
-def test_a_removed_run_is_gone_from_memory_and_store(start):
-    """And an id like it is offered to whoever mistypes."""
+def test_a_removed_run_is_in_neither_memory_nor_store(start):
+    """A similar id is suggested for a mistyped one."""
     runs = start()
     kept, removed = completed(runs, spec()).id, completed(runs, spec(seed=1)).id
     runs.remove(removed)

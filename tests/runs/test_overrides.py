@@ -46,8 +46,8 @@ def test_a_path_reaches_the_value_it_names(path, value, read):
     assert read(with_changes(BASE, {path: value})) == value
 
 
-def test_several_changes_apply_in_order_and_a_later_one_sees_what_an_earlier_one_put_there():
-    """A signal of another kind, then one of its fields."""
+def test_several_changes_apply_in_order():
+    """A later change applies to the result of an earlier one: a signal of another kind, then one of its fields."""
     changes = {"inputs.u": {"kind": "pulse", "period": 1, "width": 0.5}, "inputs.u.high": 3, "faults": [], "seed": 9}
     changed = with_changes(BASE, changes)
     assert (changed.inputs["u"].high, changed.faults, changed.seed) == (3, (), 9)
@@ -68,8 +68,8 @@ def test_several_changes_apply_in_order_and_a_later_one_sees_what_an_earlier_one
         (".".join("a" * 300), r"not a path"),
     ],
 )
-def test_a_path_that_leads_nowhere_says_which_part_and_what_there_is(path, words):
-    """So that the next attempt succeeds."""
+def test_an_unknown_path_is_refused_with_its_part_and_the_known_names(path, words):
+    """The remedy leads to a valid path."""
     with pytest.raises(InvalidSpec, match=words):
         with_changes(BASE, {path: 1})
 
@@ -82,7 +82,7 @@ def test_a_value_of_the_wrong_type_is_refused_by_the_schema_at_its_path():
 
 
 def test_the_text_of_a_library_plant_cannot_be_changed_through_its_id():
-    """The remedy names what can."""
+    """The remedy names a possible way."""
     with pytest.raises(InvalidSpec, match=r"given by its id.*parameters\.NAME"):
         with_changes(BASE.model_copy(update={"plant": "contois"}), {"plant.parameters.a.value": 1})
 
@@ -100,13 +100,13 @@ def test_the_text_of_a_library_plant_cannot_be_changed_through_its_id():
         ("a=", ("a", "")),
     ],
 )
-def test_values_on_the_command_line_are_json_where_they_are_json(text, pair):
+def test_values_on_the_command_line_are_json_if_valid(text, pair):
     """Anything else is text."""
     assert parse_assignment(text) == pair
 
 
 @pytest.mark.parametrize("text", ["seed", "=3", " = 3"])
 def test_an_assignment_without_path_or_sign_is_refused(text):
-    """With an example of a right one."""
+    """With an example of a correct one."""
     with pytest.raises(InvalidSpec, match="path=value"):
         parse_assignment(text)

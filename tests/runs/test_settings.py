@@ -7,8 +7,8 @@ import pytest
 from thetascope.settings import SettingsError, load
 
 
-def test_every_field_is_read_from_its_variable_and_arguments_win():
-    """Sizes take suffixes; an empty variable counts as unset."""
+def test_every_field_is_read_from_its_variable_and_overridden_by_arguments():
+    """Sizes accept suffixes; an empty variable counts as unset."""
     found = load(
         {
             "THETASCOPE_DATA": "/srv/data",
@@ -29,8 +29,8 @@ def test_every_field_is_read_from_its_variable_and_arguments_win():
     ("name", "value"),
     [("PORT", "many"), ("PORT", "-1"), ("MAX_BODY", "2T"), ("MAX_BODY", "1.5M"), ("WAIT", "nan"), ("WAIT", "-1")],
 )
-def test_a_value_that_is_none_names_the_variable_and_shows_a_right_one(name, value):
-    """Instead of a traceback at start."""
+def test_an_invalid_value_is_refused_with_the_variable_and_an_example(name, value):
+    """Instead of a traceback at the start."""
     with pytest.raises(SettingsError, match=rf"THETASCOPE_{name} is '{value}'.*such as"):
         load({f"THETASCOPE_{name}": value})
 

@@ -21,7 +21,7 @@ SERVICE = (
 
 
 def test_a_finished_preparation_is_not_repeated(tmp_path, monkeypatch):
-    """Each experiment is opened, one that fails passed over; nothing is started until engine or library change."""
+    """Each experiment is opened, a failing one is skipped; the next start is after a change of engine or library."""
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
     failing = spec(observers=[{"label": "a", "kind": "kalman", "gains": {"r": -1}}])
     monkeypatch.setattr(
@@ -40,7 +40,7 @@ def test_a_finished_preparation_is_not_repeated(tmp_path, monkeypatch):
 
 
 def test_a_service_that_stops_ends_the_process():
-    """Terminated and waited for; without a process nothing happens."""
+    """It terminates and awaits it; without a process it does nothing."""
     process = subprocess.Popen([sys.executable, "-c", "import time; time.sleep(60)"])
     prewarm.end(process)
     assert process.poll() is not None
@@ -50,7 +50,7 @@ def test_a_service_that_stops_ends_the_process():
 @pytest.mark.skipif(os.name != "posix", reason="sends SIGKILL")
 @pytest.mark.parametrize("seconds", [0.0, 1.0])
 def test_a_service_that_is_killed_leaves_no_process_behind(tmp_path, seconds: float):
-    """Not even where it is killed before the process has finished starting."""
+    """Not even if it is killed before the process has started."""
     environment = os.environ | {"THETASCOPE_CACHE": str(tmp_path)}
     service = subprocess.Popen([sys.executable, "-c", SERVICE], stdout=subprocess.PIPE, env=environment)
     child = int(service.stdout.readline())
@@ -69,7 +69,7 @@ def test_a_service_that_is_killed_leaves_no_process_behind(tmp_path, seconds: fl
 
 
 def running(pid: int) -> bool:
-    """Return whether a process exists and is not a zombie that nobody waits for."""
+    """Return whether a process exists and is not a zombie."""
     if sys.platform == "linux":  # a bare Debian has no ps
         stat = Path(f"/proc/{pid}/stat")
         return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"

@@ -1,4 +1,4 @@
-"""Claims about all schemas together."""
+"""Properties of all schemas together."""
 
 import json
 
@@ -38,8 +38,8 @@ SCHEMAS = [
 
 
 @pytest.mark.parametrize("schema", SCHEMAS, ids=lambda schema: schema.__name__)
-def test_every_schema_shows_a_valid_example(schema: type[Strict]) -> None:
-    """Each schema has an example, it is valid, and it survives the way to JSON and back."""
+def test_every_schema_has_a_valid_example(schema: type[Strict]) -> None:
+    """It survives the conversion to JSON and back."""
     (example,) = schema.model_json_schema()["examples"]
     model = schema.model_validate_json(json.dumps(example))
     assert schema.model_validate_json(model.model_dump_json()) == model
@@ -47,7 +47,7 @@ def test_every_schema_shows_a_valid_example(schema: type[Strict]) -> None:
 
 @pytest.mark.parametrize("schema", SCHEMAS, ids=lambda schema: schema.__name__)
 def test_every_schema_refuses_unknown_fields(schema: type[Strict]) -> None:
-    """A misspelt field is never ignored: it is named, and the nearest field is offered."""
+    """A misspelt field is never ignored: it is named, and the nearest field is suggested."""
     data = dict(schema.model_json_schema()["examples"][0])
     field = next(iter(schema.model_fields))
     data[field + "s_"] = 1
@@ -60,7 +60,7 @@ def test_every_schema_refuses_unknown_fields(schema: type[Strict]) -> None:
 
 
 def test_examples_cover_every_kind_of_signal_and_fault() -> None:
-    """The nine signals and fifteen fault shapes of the design are distinguished by one word."""
+    """The nine signals and fifteen fault shapes are distinguished by one field."""
     signals = {
         s.model_fields["kind"].default for s in SCHEMAS if s.__module__ == "thetascope_schemas.experiment.signals"
     }
@@ -85,21 +85,21 @@ def test_examples_cover_every_kind_of_signal_and_fault() -> None:
 
 
 def test_schemas_and_engine_agree_on_the_language() -> None:
-    """A plant may not name a quantity like a function, so both sides must know the same functions and limit."""
+    """A plant may not name a quantity like a function, so both must have the same functions and limit."""
     assert set(FUNCTIONS) == set(base.FUNCTIONS)
     assert MAX_LENGTH == base.MAX_EXPRESSION
 
 
-def test_every_field_is_described_or_speaks_for_itself() -> None:
-    """Numbers in the OpenAPI page say what they are and in which unit."""
+def test_every_field_is_described_or_self_explanatory() -> None:
+    """Numbers in the OpenAPI page have a meaning and a unit."""
     for schema in SCHEMAS:
         for name, field in schema.model_json_schema()["properties"].items():
             if field.get("type") == "number":
                 assert field.get("description"), f"{schema.__name__}.{name}"
 
 
-def test_instances_do_not_change() -> None:
-    """A spec that was hashed stays what it was."""
+def test_instances_are_immutable() -> None:
+    """A hashed spec cannot change."""
     noise = shared.Noise(std=0.1)
     with pytest.raises(ValidationError):
         noise.std = 0.2  # type: ignore[misc]
@@ -107,7 +107,7 @@ def test_instances_do_not_change() -> None:
 
 @pytest.mark.parametrize("value", ["0.1", True, None, float("nan"), float("inf"), 10**400, [1], {}])
 def test_only_finite_numbers_are_numbers(value: object) -> None:
-    """Text, truth values, infinities and integers beyond double precision are refused, naming the field."""
+    """Text, booleans, infinities and integers beyond double precision are refused, naming the field."""
     with pytest.raises(ValidationError) as caught:
         shared.Noise.model_validate({"std": value})
     (error,) = field_errors(caught.value.errors(), {"std": value}, words())
@@ -128,7 +128,7 @@ def test_problem_is_rfc_9457() -> None:
 
 
 def test_without_catalogues_an_error_is_its_code_and_arguments() -> None:
-    """The schemas alone name the code of a refusal and its arguments readably."""
+    """The schemas alone show the code of a refusal and its arguments readably."""
     with pytest.raises(ValidationError) as caught:
         TypeAdapter(Fault).validate_python({"channel": "a", "shape": "step", "onset": 20, "end": 5, "size": 1})
     (error,) = field_errors(caught.value.errors())

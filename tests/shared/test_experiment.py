@@ -1,4 +1,4 @@
-"""What an experiment refuses, and what its hash depends on."""
+"""Refusals of experiments, and the hash."""
 
 import copy
 import json
@@ -21,7 +21,7 @@ def read(data: dict[str, Any]) -> Experiment:
 
 
 def refusal(data: dict[str, Any]) -> tuple[str, str]:
-    """Field and remedy of the one error in `data`."""
+    """Return field and remedy of the only error in `data`."""
     with pytest.raises(ValidationError) as caught:
         read(data)
     (error,) = field_errors(caught.value.errors(), data, words())
@@ -79,7 +79,7 @@ REFUSED: list[tuple[str, str, Change]] = [
 
 
 @pytest.mark.parametrize(("field", "remedy", "change"), REFUSED)
-def test_what_cannot_be_meant_is_refused(experiment: dict[str, Any], field: str, remedy: str, change: Change) -> None:
+def test_invalid_experiments_are_refused(experiment: dict[str, Any], field: str, remedy: str, change: Change) -> None:
     """The error names the field as the sender wrote it, and the remedy."""
     change(experiment)
     found = refusal(experiment)
@@ -88,7 +88,7 @@ def test_what_cannot_be_meant_is_refused(experiment: dict[str, Any], field: str,
 
 
 @pytest.mark.parametrize("label", ["t", "u", "x", "y", "theta", "signal", "", "1a", "a.b", "a b", "é"])
-def test_labels_cannot_be_taken_for_other_columns(experiment: dict[str, Any], label: str) -> None:
+def test_labels_cannot_be_confused_with_other_columns(experiment: dict[str, Any], label: str) -> None:
     """A label is the first part of its columns, so it is plain and not one of the plant's prefixes."""
     experiment["observers"][0]["label"] = label
     assert refusal(experiment)[0] == "observers[0].label"
@@ -100,7 +100,7 @@ def test_labels_cannot_be_taken_for_other_columns(experiment: dict[str, Any], la
     + [("x.x3", False), ("other.x.x1", False), ("adaptive.", False), ("theta", False), ("x1", False)],
 )
 def test_figures_draw_columns_that_exist(experiment: dict[str, Any], column: str, accepted: bool) -> None:
-    """A figure of a column that no result has is refused where the plant is known."""
+    """A figure of an unknown column is refused if the plant is known."""
     experiment["figures"] = [{"name": "f", "panels": [{"traces": [{"column": "t"}, {"column": "t", "minus": column}]}]}]
     if accepted:
         read(experiment)
@@ -116,8 +116,8 @@ def test_a_discrete_plant_runs_at_its_period(experiment: dict[str, Any]) -> None
     read(experiment)
 
 
-def test_a_library_plant_is_checked_once_it_is_put_in(experiment: dict[str, Any]) -> None:
-    """With a plant's id the names are checked by with_plant, and the hash is that of the inline plant."""
+def test_a_library_plant_is_checked_by_with_plant(experiment: dict[str, Any]) -> None:
+    """With a plant's id names are checked by with_plant, and the hash is that of the inline plant."""
     inline = read(experiment)
     by_id = read(experiment | {"plant": "lag"})
     plant = Plant.model_validate(experiment["plant"])
@@ -208,7 +208,7 @@ DIFFERENT: list[Change] = [
 
 @pytest.mark.parametrize("change", SAME)
 def test_the_same_meaning_has_the_same_hash(experiment: dict[str, Any], change: Change) -> None:
-    """Prose, defaults written out, spelling of numbers, blanks and key order do not count."""
+    """Prose, explicit defaults, notation of numbers, spaces and key order do not count."""
     before = read(experiment).spec_hash()
     change(experiment)
     assert read(experiment).spec_hash() == before
@@ -216,7 +216,7 @@ def test_the_same_meaning_has_the_same_hash(experiment: dict[str, Any], change: 
 
 @pytest.mark.parametrize("change", DIFFERENT)
 def test_another_meaning_has_another_hash(experiment: dict[str, Any], change: Change) -> None:
-    """Whatever may change a number of the run changes the hash."""
+    """Every change that may change a number of the run changes the hash."""
     before = read(experiment).spec_hash()
     change(experiment)
     assert read(experiment).spec_hash() != before
@@ -231,7 +231,7 @@ def test_a_gain_called_title_counts(experiment: dict[str, Any]) -> None:
 
 
 def test_the_hash_is_32_hexadecimal_digits_of_canonical_json(experiment: dict[str, Any]) -> None:
-    """The canonical form is JSON with sorted keys, and says which version of the schemas it follows."""
+    """The canonical form is JSON with sorted keys and the version of the schemas."""
     spec = read(experiment)
     document = json.loads(spec.canonical())
     assert json.dumps(document, sort_keys=True, separators=(",", ":")).encode() == spec.canonical()
@@ -244,8 +244,8 @@ numbers = st.floats(allow_nan=False, allow_infinity=False) | st.integers(-(2**60
 
 
 @given(value=numbers, other=numbers, text=st.text(max_size=50))
-def test_hashes_survive_the_way_through_json(value: float, other: float, text: str) -> None:
-    """A spec that was stored as JSON and read again keeps its hash; two numbers share one only if they are equal."""
+def test_hashes_survive_json(value: float, other: float, text: str) -> None:
+    """A spec read from its JSON has the same hash; two numbers share one only if they are equal."""
     data = {"plant": "lag", "horizon": 1, "initial": {"x1": value}, "description": text}
     spec = read(data)
     assert read(json.loads(spec.model_dump_json())).spec_hash() == spec.spec_hash()
@@ -259,8 +259,8 @@ junk = st.recursive(leaves, lambda inner: st.lists(inner, max_size=4) | st.dicti
 
 
 @given(field=st.sampled_from(list(Experiment.model_fields)), value=junk)
-def test_no_data_escapes_with_another_error(field: str, value: object) -> None:
-    """Whatever arrives is either an experiment or a list of errors that can be sent."""
+def test_any_data_is_an_experiment_or_a_list_of_errors(field: str, value: object) -> None:
+    """No other exception is raised, and the errors can be sent."""
     data = copy.deepcopy({"plant": "lag", "horizon": 1.0, field: value})
     try:
         read(data).spec_hash()

@@ -1,4 +1,4 @@
-"""Faults: the place where each kind acts."""
+"""Faults: the site of each kind."""
 
 import pytest
 from pydantic import TypeAdapter
@@ -21,5 +21,5 @@ def test_every_fault_has_a_site(kind):
 
 
 def test_sites_of_one_name_differ_by_kind():
-    """A channel and an output may share a name; their faults do not act at one place."""
+    """A channel and an output may share a name; their faults have different sites."""
     assert Site("channel", "y") != Site("output", "y")

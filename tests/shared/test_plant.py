@@ -1,4 +1,4 @@
-"""What the plant schema refuses without knowing any mathematics."""
+"""Refusals of the plant schema, without mathematics."""
 
 from collections.abc import Callable
 from typing import Any
@@ -12,7 +12,7 @@ from thetascope_schemas.experiment.base import MAX_EXPRESSION, RESERVED
 
 
 def refusal(data: dict[str, Any]) -> tuple[str, str, str]:
-    """Field, problem and remedy of the one error in `data`."""
+    """Return field, problem and remedy of the only error in `data`."""
     with pytest.raises(ValidationError) as caught:
         Plant.model_validate(data)
     (error,) = field_errors(caught.value.errors(), data, words())
@@ -68,7 +68,7 @@ CASES: list[tuple[str, str, Change]] = [
 
 @pytest.mark.parametrize(("field", "remedy", "change"), CASES, ids=[case[0] for case in CASES])
 def test_inconsistent_plants_are_refused(plant: dict[str, Any], field: str, remedy: str, change: Change) -> None:
-    """Each contradiction names its field and what to do."""
+    """Each contradiction is refused with its field and the remedy."""
     change(plant)
     found = refusal(plant)
     assert found[0] == field
@@ -102,7 +102,7 @@ def test_sixty_states_are_accepted(plant: dict[str, Any]) -> None:
 
 
 def test_a_long_expression_is_refused_at_its_column(plant: dict[str, Any]) -> None:
-    """2000 characters pass, the next one is pointed at."""
+    """2000 characters are accepted; the error points at the next one."""
     plant["dynamics"]["x1"] = "x1" + " " * (MAX_EXPRESSION - 2)
     Plant.model_validate(plant)
     plant["dynamics"]["x1"] += " "

@@ -1,4 +1,4 @@
-"""A store in a folder of the test's own."""
+"""A store in the test's own folder."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -10,7 +10,7 @@ from thetascope.store import Database, RunStore
 
 @pytest.fixture
 def open_store(tmp_path: Path) -> Iterator[Callable[..., RunStore]]:
-    """Opens the same file as often as it is called, as several processes would."""
+    """Return a function that opens the same file at each call, as several processes would."""
     opened: list[Database] = []
 
     def open_one(limit: int = 10**9, timeout: float = 10.0) -> RunStore:

@@ -1,4 +1,4 @@
-"""A result with everything that is hard to keep, and a record."""
+"""A result with values that are hard to store, and a record."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from thetascope.store import Record
 
 
 def made_result(rows: int = 50, seed: int = 0) -> Result:
-    """Columns t, x.x and L.x.x; the last with what floats can be."""
+    """Return columns t, x.x and L.x.x, the last with all kinds of floats."""
     data = np.random.default_rng(seed).standard_normal((3, rows))
     data[0] = np.arange(rows) * 0.1
     data[2, :5] = [np.nan, np.inf, -0.0, 5e-324, 0.1 + 0.2]
@@ -35,6 +35,6 @@ def made_result(rows: int = 50, seed: int = 0) -> Result:
 
 
 def made_record(id: str, created: float = 1.0, **changes: object) -> Record:
-    """A record of a run that is done."""
+    """Return a record of a finished run."""
     values = {"spec": '{"seed": 1}', "title": "A run", "status": "done", "engine": "e", "summary": {"rows": 50}}
     return Record(id=id, created=created, **(values | changes))

@@ -8,8 +8,8 @@ from tests.store.samples import made_record
 from thetascope.store import Database, StoreError, migrations
 
 
-def test_a_file_of_an_older_version_is_brought_up_and_keeps_its_runs(open_store, monkeypatch):
-    """A migration is applied once, to what is there."""
+def test_an_older_file_is_migrated_and_keeps_its_runs(open_store, monkeypatch):
+    """Each migration is applied once."""
     open_store().put(made_record("a"))
     later = (*migrations.MIGRATIONS, ("ALTER TABLE runs ADD COLUMN note TEXT DEFAULT 'none'",))
     monkeypatch.setattr("thetascope.store.database.MIGRATIONS", later)
@@ -19,8 +19,8 @@ def test_a_file_of_an_older_version_is_brought_up_and_keeps_its_runs(open_store,
             assert connection.execute("SELECT note FROM runs WHERE id = 'a'").fetchone()[0] == "none"
 
 
-def test_a_file_of_a_newer_version_is_refused_and_left_alone(tmp_path):
-    """An old program must not spoil a newer one's store."""
+def test_a_newer_file_is_refused_and_unchanged(tmp_path):
+    """An old program must not damage a newer store."""
     path = tmp_path / "runs.sqlite"
     Database(path).close()
     with sqlite3.connect(path) as connection:
@@ -31,8 +31,8 @@ def test_a_file_of_a_newer_version_is_refused_and_left_alone(tmp_path):
         assert connection.execute("PRAGMA user_version").fetchone()[0] == 999
 
 
-def test_a_file_that_is_no_database_gets_a_message_that_names_it_and_the_remedy(tmp_path):
-    """And it is not overwritten."""
+def test_a_file_that_is_not_a_database_is_refused_with_the_remedy(tmp_path):
+    """It is not overwritten."""
     path = tmp_path / "runs.sqlite"
     path.write_bytes(b"this is no database, but it is somebody's file " * 50)
     with pytest.raises(StoreError, match=r"runs\.sqlite is damaged or not a database.*move the file away"):
@@ -41,7 +41,7 @@ def test_a_file_that_is_no_database_gets_a_message_that_names_it_and_the_remedy(
 
 
 def test_a_damaged_page_is_reported_when_it_is_read(tmp_path):
-    """Not every damage shows on opening."""
+    """Not every damage is visible on opening."""
     path = tmp_path / "runs.sqlite"
     database = Database(path)
     with database.writing() as connection:
@@ -59,8 +59,8 @@ def test_a_damaged_page_is_reported_when_it_is_read(tmp_path):
     database.close()
 
 
-def test_a_store_held_by_another_program_is_waited_for_and_then_named(open_store, tmp_path):
-    """The wait ends; the message says what to close."""
+def test_a_locked_store_is_refused_after_a_wait(open_store, tmp_path):
+    """The message says which program to close."""
     store = open_store(timeout=0.05)
     other = sqlite3.connect(store._database.path, isolation_level=None)
     other.execute("BEGIN IMMEDIATE")
@@ -72,15 +72,15 @@ def test_a_store_held_by_another_program_is_waited_for_and_then_named(open_store
     assert store.get("a") is not None
 
 
-def test_a_folder_that_cannot_be_made_names_the_setting(tmp_path):
-    """The usual mistake in containers."""
+def test_a_folder_that_cannot_be_created_is_refused_with_the_setting(tmp_path):
+    """A common error in containers."""
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(StoreError, match="THETASCOPE_DATA"):
         Database(tmp_path / "file" / "runs.sqlite")
 
 
-def test_a_failed_transaction_leaves_nothing_behind(open_store):
-    """Half a deletion would leave results without runs."""
+def test_a_failed_transaction_changes_nothing(open_store):
+    """A partial deletion would leave results without runs."""
     store = open_store()
     store.put(made_record("a"))
     with pytest.raises(RuntimeError), store._database.writing() as connection:

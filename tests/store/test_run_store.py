@@ -1,4 +1,4 @@
-"""What the store keeps, and what it lets go."""
+"""The contents of the store, and the removal of results."""
 
 from concurrent.futures import ThreadPoolExecutor
 
@@ -10,8 +10,8 @@ from thetascope.messages import Message
 SIZE = made_result().data.nbytes
 
 
-def test_a_result_comes_back_bit_for_bit_from_a_store_opened_anew(open_store):
-    """Numbers, reports, checks and divergence survive the file; arrays among the facts become lists."""
+def test_a_result_is_equal_bit_for_bit_after_reopening_the_store(open_store):
+    """Numbers, reports, checks and divergence survive; arrays among the facts become lists."""
     kept = made_result()
     open_store().put_result("a", "e", kept)
     found = open_store().get_result("a", "e")
@@ -28,7 +28,7 @@ def test_a_result_comes_back_bit_for_bit_from_a_store_opened_anew(open_store):
 
 
 def test_a_result_belongs_to_the_engine_that_computed_it(open_store):
-    """Another version of the engine gets no answer, rather than numbers that it would not compute."""
+    """Another version of the engine gets no result, rather than numbers that it would not compute."""
     store = open_store()
     store.put_result("a", "old", made_result())
     assert store.get_result("a", "new") is None
@@ -36,8 +36,8 @@ def test_a_result_belongs_to_the_engine_that_computed_it(open_store):
     assert store.has_result("a", "old")
 
 
-def test_beyond_the_limit_the_least_recently_used_unpinned_result_goes_and_its_spec_stays(open_store):
-    """Four results where three fit: of the two oldest, one is pinned, so the other goes."""
+def test_beyond_the_limit_the_least_recently_used_unpinned_result_is_removed(open_store):
+    """Its spec stays. Of four results three fit: of the two oldest one is pinned, so the other is removed."""
     store = open_store(limit=3 * (SIZE + 1000))
     for id in ("pinned", "oldest", "middle"):
         store.put(made_record(id))
@@ -56,7 +56,8 @@ def test_beyond_the_limit_the_least_recently_used_unpinned_result_goes_and_its_s
 
 
 def test_reading_a_result_makes_it_recently_used(open_store, monkeypatch):
-    """The older of two survives when it was read since (time of use is written once a minute, so time is moved on)."""
+    """The older of two survives if it was read since (the time of use is written once per minute, so the clock is
+    moved)."""
     store = open_store(limit=2 * (SIZE + 1000))
     now = [1000.0]
     monkeypatch.setattr("thetascope.store.run_store.time.time", lambda: now[0])
@@ -70,7 +71,7 @@ def test_reading_a_result_makes_it_recently_used(open_store, monkeypatch):
     assert [id for id in ("a", "b", "c") if store.has_result(id, "e")] == ["a", "c"]
 
 
-def test_a_result_larger_than_the_limit_is_not_kept_and_drives_out_nothing(open_store):
+def test_a_result_larger_than_the_limit_is_not_stored_and_displaces_nothing(open_store):
     """It would empty the store and still not fit."""
     store = open_store(limit=SIZE + 1000)
     store.put_result("small", "e", made_result())
@@ -78,8 +79,8 @@ def test_a_result_larger_than_the_limit_is_not_kept_and_drives_out_nothing(open_
     assert store.has_result("small", "e")
 
 
-def test_a_run_put_again_keeps_its_pin_and_time_of_creation(open_store):
-    """A recomputed run is the same run."""
+def test_a_recomputed_run_keeps_its_pin_and_time_of_creation(open_store):
+    """It is the same run."""
     store = open_store()
     store.put(made_record("a", created=5.0))
     store.pin("a", True)
@@ -89,7 +90,7 @@ def test_a_run_put_again_keeps_its_pin_and_time_of_creation(open_store):
 
 
 def test_runs_are_listed_newest_first_in_pages_without_specs(open_store):
-    """A list of thousands stays small."""
+    """A list of thousands of runs stays small."""
     store = open_store()
     for i in range(5):
         store.put(made_record(f"r{i}", created=float(i)))
@@ -97,8 +98,8 @@ def test_runs_are_listed_newest_first_in_pages_without_specs(open_store):
     assert store.page()[0].spec == ""
 
 
-def test_a_deleted_run_takes_its_result_along(open_store):
-    """Nothing is left behind, and deleting it twice says so."""
+def test_a_deleted_run_is_deleted_with_its_result(open_store):
+    """Nothing remains, and deleting it again reports that."""
     store = open_store()
     store.put(made_record("a"))
     store.put_result("a", "e", made_result())
@@ -107,8 +108,8 @@ def test_a_deleted_run_takes_its_result_along(open_store):
     assert not store.delete("a")
 
 
-def test_runs_under_way_when_a_server_died_are_marked_as_failed(open_store):
-    """Nobody waits for a run that nothing computes."""
+def test_runs_interrupted_by_a_crash_are_marked_as_failed(open_store):
+    """No client waits for a run that is not computed."""
     store = open_store()
     store.put(made_record("lost", status="running", summary=None))
     store.put(made_record("done"))
@@ -117,8 +118,8 @@ def test_runs_under_way_when_a_server_died_are_marked_as_failed(open_store):
     assert store.get("done").status == "done"
 
 
-def test_threads_and_other_openers_of_the_file_write_and_read_at_the_same_time(open_store):
-    """Six threads on two openings of the file: every result is there and whole."""
+def test_threads_and_other_processes_write_and_read_concurrently(open_store):
+    """Six threads on two connections: every result is present and complete."""
     stores = [open_store(), open_store()]
 
     def work(i: int) -> bool:

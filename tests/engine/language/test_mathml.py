@@ -14,7 +14,7 @@ from thetascope.engine.observers.registry import kinds, observer
 NAMES = ["x1", "x2", "u", "a", "speed", "theta_max"]
 
 
-def said(mathml: str) -> str:
+def formula_text(mathml: str) -> str:
     """Return the characters of a formula, with fractions and powers written out."""
     words = {"mfrac": "({})/({})", "msup": "{}^{}", "msub": "{}_{}", "msqrt": "√({})", "mover": "{1}({0})"}
 
@@ -54,7 +54,7 @@ def said(mathml: str) -> str:
 )
 def test_a_text_is_shown_as_it_was_written(text, shown):
     """Signs, brackets, fractions, roots and cases are those of the text, in its order."""
-    assert said(expression(text, NAMES)) == shown
+    assert formula_text(expression(text, NAMES)) == shown
 
 
 def test_a_wrong_text_is_refused_with_its_position():
@@ -81,9 +81,9 @@ def test_faults_are_terms_of_the_equations_with_their_signs():
     """Φ and Ψ appear as −v/L θ in the motor's current and + φ3 θ3 in the bioreactor's output."""
     motor = plant_equations(library.plant("dc-motor").model_dump(mode="json"))
     current = re.sub(r' xmlns="[^"]*"', "", motor["states"][0]["math"])
-    assert said(current).endswith("−(voltage)/(L)gain loss")
+    assert formula_text(current).endswith("−(voltage)/(L)gain loss")
     reactor = plant_equations(library.plant("zhao-contois").model_dump(mode="json"))
-    assert said(re.sub(r' xmlns="[^"]*"', "", reactor["outputs"][0]["math"])) == "y=x_1+φ_3θ_3"
+    assert formula_text(re.sub(r' xmlns="[^"]*"', "", reactor["outputs"][0]["math"])) == "y=x_1+φ_3θ_3"
 
 
 @pytest.mark.parametrize(
@@ -97,7 +97,7 @@ def test_faults_are_terms_of_the_equations_with_their_signs():
 )
 def test_typed_mathematics_becomes_mathml(text, shown):
     """Accents (the dot over the hat), indices, exponents, fractions, roots, words."""
-    assert said(notation(text)) == shown
+    assert formula_text(notation(text)) == shown
 
 
 @pytest.mark.parametrize("text", ["x_1", "{1 / 2", "q\u0308", "(a"])

@@ -18,7 +18,7 @@ TIMES = st.lists(st.floats(0.001, 2.0), min_size=1, max_size=30)
 
 
 @given(TIMES, st.sampled_from([0.1, 1.0, 7.3, 1000.0]), st.sampled_from([0.001, 0.01, 0.25]))
-def test_rows_follow_the_speed_however_often_one_looks(spacings, speed, record):
+def test_rows_follow_the_speed_for_any_polling(spacings, speed, record):
     """After T seconds T · speed / record rows are due, and never fewer than before."""
     playback, now, before = clock(record), 0.0, 0
     playback.set_speed(speed, 0, 0.0)
@@ -40,8 +40,8 @@ def test_a_change_of_speed_neither_jumps_nor_loses_part_of_a_row():
     assert playback.due(0.5) == int(expected + 1e-6)
 
 
-def test_what_the_simulation_cannot_follow_is_not_caught_up():
-    """Set back to the rows there are, the clock continues from there at its speed."""
+def test_a_clock_that_is_set_back_does_not_catch_up():
+    """Set back to the available rows, it continues from there at its speed."""
     playback = clock(0.01)
     playback.play(0, 0.0)
     assert playback.due(10.0) == 1000
@@ -49,8 +49,8 @@ def test_what_the_simulation_cannot_follow_is_not_caught_up():
     assert playback.due(10.5) == 350
 
 
-def test_paused_nothing_is_due_and_playing_goes_on_where_it_stopped():
-    """A pause takes no time."""
+def test_a_pause_takes_no_time():
+    """While paused no row is due; playing continues where it stopped."""
     playback = clock(0.01)
     playback.play(0, 0.0)
     assert playback.due(1.0) == 100
@@ -60,8 +60,8 @@ def test_paused_nothing_is_due_and_playing_goes_on_where_it_stopped():
     assert playback.due(60.5) == 150
 
 
-def test_a_step_is_due_at_once_and_ends_where_it_should():
-    """Playing stops, the rows are due whatever the time."""
+def test_a_step_is_due_immediately_and_ends_at_its_row():
+    """Playing stops; the rows are due whatever the time."""
     playback = clock(0.01)
     playback.play(0, 0.0)
     playback.step(0, 70)
@@ -71,7 +71,7 @@ def test_a_step_is_due_at_once_and_ends_where_it_should():
 
 
 def test_as_fast_as_possible_everything_is_due():
-    """There is no end to it."""
+    """There is no limit."""
     playback = clock(0.01)
     playback.play(0, 0.0)
     playback.set_speed(None, 0, 0.0)
@@ -93,15 +93,15 @@ def test_frames_keep_their_beat_whatever_the_delays(delays):
         at = following
 
 
-def test_where_rows_are_rare_the_next_row_decides():
-    """One row a second needs no thirty looks."""
+def test_with_rare_rows_the_next_one_sets_the_time():
+    """One row per second needs no thirty ticks."""
     playback = clock(1.0)
     playback.play(3, 0.0)
     assert playback.next(3, 0.0, 0.0) == 1.0
     assert playback.due(1.0) == 4
 
 
-def test_the_rate_is_what_was_reached():
+def test_the_rate_is_measured():
     """Simulated seconds over real ones."""
     rate = MeasuredSpeed()
     rate.start(100, 5.0)
@@ -109,7 +109,7 @@ def test_the_rate_is_what_was_reached():
     assert abs(rate.update(350, 6.0, 0.01) - 2.5) < 1e-12
 
 
-def test_a_spacing_lets_through_one_in_its_time():
+def test_a_minimum_interval_passes_one_at_a_time():
     """The first immediately, the next after the interval."""
     now = [0.0]
     spacing = MinimumInterval(0.1, lambda: now[0])
@@ -120,8 +120,8 @@ def test_a_spacing_lets_through_one_in_its_time():
 
 
 @given(st.lists(st.floats(0.0, 0.05), min_size=1, max_size=50))
-def test_a_turnstile_spreads_a_crowd_and_does_not_hold_up_who_comes_alone(spacings):
-    """Two pass at least the interval apart, in order; one that comes long after the last does not wait."""
+def test_a_rate_limiter_delays_only_crowds(spacings):
+    """Two pass at least the interval apart, in order; one that comes much later does not wait."""
     turnstile, now, last = RateLimiter(0.01), 0.0, -inf
     for spacing in spacings:
         now += spacing

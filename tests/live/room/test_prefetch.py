@@ -1,4 +1,4 @@
-"""How far a session computes ahead, from the cost of its rows."""
+"""How far a session computes ahead, according to the cost of its rows."""
 
 from itertools import pairwise
 
@@ -39,15 +39,15 @@ def frames(
 
 @pytest.mark.parametrize("speed", [0.1, 1, 20, 200, 1000])
 @pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
-def test_each_frame_finds_its_rows_whatever_they_cost(speed, call, row):
-    """Even if the rows of one frame take longer than one batch may."""
+def test_each_frame_has_its_rows_whatever_they_cost(speed, call, row):
+    """Even if the rows of one frame take longer than a batch may."""
     playback = playing(speed)
     assert all(left >= playback.rows_in(FRAME) for left, _ in frames(playback, call, row))
 
 
 @pytest.mark.parametrize(("call", "row"), [(2e-4, 1e-6), (1e-3, 5e-6), (5e-3, 1e-5), (2e-4, 2e-4)])
-def test_the_event_loop_is_kept_for_milliseconds_only(call, row):
-    """Two frames' worth on the loop at most, and in the thread a slice, once the cost of rows is known."""
+def test_the_event_loop_is_blocked_for_milliseconds_only(call, row):
+    """At most two frames of rows on the loop and a slice in the thread, once the cost of rows is known."""
     for _, pieces in frames(playing(200), call, row)[8:]:
         for rows, thread in pieces:
             assert call + rows * row <= (1.5 * SLICE + call if thread else 2 * LIGHT + call)
@@ -59,8 +59,8 @@ def test_batches_grow_step_by_step_after_a_single_call(monkeypatch):
     assert all(later <= 4 * max(earlier, 1000) for earlier, later in pairwise(pieces))
 
 
-def test_equal_short_calls_do_not_keep_the_pieces_short():
-    """Where every call had few rows nobody can tell the call from its rows; they grow all the same, as far as one may take."""
+def test_equal_short_calls_do_not_keep_the_batches_short():
+    """If every call had few rows their cost cannot be separated; batches grow to the permitted length."""
     playback, ahead = playing(1), PrefetchPlan()
     for _ in range(40):
         ahead.measured(110, 1e-3)

@@ -30,8 +30,8 @@ def test_the_frames_of_a_session_are_the_rows_of_a_run():
 
 
 @pytest.mark.parametrize("busy", [False, True])
-def test_commands_act_at_the_row_that_was_shown_and_their_effect_is_sent_at_once(busy):
-    """However far was computed ahead, or half computed: the answer names the next row, it is in the very next frame, and the past is a run's."""
+def test_commands_act_at_the_shown_row_and_in_the_next_frame(busy):
+    """However far was computed ahead: the answer names the next row, the next frame has it, and the past is a run's."""
     halves = []
 
     async def scenario(stage: Stage) -> None:
@@ -62,7 +62,7 @@ def test_commands_act_at_the_row_that_was_shown_and_their_effect_is_sent_at_once
 
 
 def test_a_refused_command_changes_nothing():
-    """The numbers go on as if it had not come."""
+    """The numbers are those without it."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -118,8 +118,8 @@ def test_events_come_when_their_row_is_shown_not_when_it_is_computed():
     staged(scenario)
 
 
-def test_observers_come_and_go_with_their_columns():
-    """A new epoch each time; the frames that follow have the new columns; the spec run again is the session."""
+def test_observers_are_added_and_removed_with_their_columns():
+    """Each time in a new epoch with the new columns; the spec run again is the session."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -140,8 +140,8 @@ def test_observers_come_and_go_with_their_columns():
     staged(scenario)
 
 
-def test_going_back_makes_the_rows_after_it_void():
-    """The row of the answer is where it goes on, in a new epoch; a paused session stays paused there."""
+def test_going_back_discards_the_rows_after_it():
+    """The session continues at the row of the answer, in a new epoch; a paused session stays paused."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -164,8 +164,8 @@ def test_going_back_makes_the_rows_after_it_void():
     staged(scenario)
 
 
-def test_single_steps_are_shown_at_once_and_time_stays():
-    """Also while nothing plays, and two of them add up."""
+def test_single_steps_are_shown_immediately():
+    """Also while paused, and two of them add up."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -182,7 +182,7 @@ def test_single_steps_are_shown_at_once_and_time_stays():
 
 
 def test_speeds_are_kept_and_reported():
-    """Ten times as fast is ten times the rows; as fast as possible is faster; the rate tells."""
+    """Ten times the speed gives ten times the rows; as fast as possible is faster; the rate is reported."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -201,7 +201,7 @@ def test_speeds_are_kept_and_reported():
 
 
 def test_a_command_that_fails_inside_leaves_the_session_as_it_was(monkeypatch):
-    """Half carried out and computed ahead of: it is refused, and rows go on as those of a run without it."""
+    """It is refused, and the rows are those of a run without it."""
     handle = Session.handle
 
     def broken(session: Session, command: object):
@@ -227,8 +227,8 @@ def test_a_command_that_fails_inside_leaves_the_session_as_it_was(monkeypatch):
     staged(scenario)
 
 
-def test_who_only_watches_commands_nothing():
-    """Each of its commands is refused; the session goes on."""
+def test_a_read_only_viewer_cannot_command():
+    """Each of its commands is refused; the session continues."""
 
     async def scenario(stage: Stage) -> None:
         page, guest = await stage.connect(), await stage.connect(control=False)
@@ -243,8 +243,8 @@ def test_who_only_watches_commands_nothing():
     staged(scenario)
 
 
-def test_a_spec_with_timed_commands_changes_its_columns_by_itself():
-    """The observer that the spec adds at 0.4 s is there from that row on, in a new epoch."""
+def test_a_spec_with_timed_commands_changes_its_columns():
+    """The observer that the spec adds at 0.4 s is present from that row on, in a new epoch."""
     later = {"at": 0.4, "command": "add-observer", "observer": SECOND}
 
     async def scenario(stage: Stage) -> None:

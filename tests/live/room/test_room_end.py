@@ -43,7 +43,7 @@ def test_closing_ends_every_connection_with_its_reason():
 
 
 def test_a_fork_has_the_past_and_a_future_of_its_own():
-    """From an earlier row; the first goes on untouched."""
+    """It continues from an earlier row; the first session is unaffected."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -60,8 +60,8 @@ def test_a_fork_has_the_past_and_a_future_of_its_own():
     staged(scenario)
 
 
-def test_a_session_that_is_closed_gives_its_past_back():
-    """Immediately, although the room object may live longer; a fork keeps the rows that both had in common."""
+def test_a_closed_session_frees_its_past():
+    """Immediately, although the room object may live longer; a fork keeps the common rows."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()

@@ -1,4 +1,4 @@
-"""The states of a room: no sequence of events leaves the table, and what viewers see follows from the state."""
+"""The states of a room: every sequence of events stays in the table, and what viewers see follows from the state."""
 
 import pytest
 from hypothesis import given
@@ -13,7 +13,7 @@ OBSERVED = ("playing", "stepping", "moving", "running", "ended", "held", "asleep
 
 
 def observed(machine: RoomMachine) -> tuple[bool, ...]:
-    """Return everything that the room's parts ask the machine."""
+    """Return all answers of the machine to the room's parts."""
     return tuple(getattr(machine, name) for name in OBSERVED)
 
 
@@ -71,7 +71,7 @@ def test_a_held_room_continues_as_it_would_be_without_the_long_command(state):
 
 
 def test_a_room_without_viewers_falls_asleep_and_wakes():
-    """After a minute no row follows; a viewer that joins later sees it continue from there."""
+    """After a minute no row follows; a later viewer sees it continue from there."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()

@@ -41,8 +41,8 @@ def test_sessions_on_the_same_experiment_do_not_know_of_each_other(tmp_path):
     apart(scenario())
 
 
-def test_sessions_that_are_opened_at_once_are_all_opened(tmp_path):
-    """However many ask at the same time, each gets a session of its own."""
+def test_sessions_that_are_opened_concurrently_are_all_opened(tmp_path):
+    """Each of many concurrent requests gets a session of its own."""
 
     async def scenario() -> None:
         hub = Hub(Settings(data=tmp_path))
@@ -57,7 +57,7 @@ def test_sessions_that_are_opened_at_once_are_all_opened(tmp_path):
 
 
 def test_many_sessions_share_the_memory_for_their_pasts():
-    """A few have all of it each; however many there are, together they keep no more."""
+    """A few have all of it each; many together keep no more."""
     assert share(1000, 1) == share(1000, 10) == 1000
     assert all(n * share(1000, n) <= 40_000 for n in (40, 100, 400))
     assert share(1000, 400) < share(1000, 100) < 1000

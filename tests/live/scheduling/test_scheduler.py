@@ -23,7 +23,7 @@ class Timer:
 
 
 class Loop:
-    """As much of an event loop as a scheduler uses."""
+    """The part of an event loop that a scheduler uses."""
 
     def __init__(self) -> None:
         self.now, self.wakings = 0.0, 0
@@ -43,7 +43,7 @@ class Loop:
         self._soon.append((job, given))
 
     def turn(self) -> None:
-        """What was asked for before this turn."""
+        """Return the requests made before this turn."""
         waiting, self._soon = self._soon, []
         for job, given in waiting:
             job(*given)
@@ -64,7 +64,7 @@ class Loop:
 
 
 class Beat:
-    """A room that is to be called each frame."""
+    """A room that is called each frame."""
 
     id = "beat"
 
@@ -88,8 +88,8 @@ def playing(rooms: int) -> tuple[Loop, list[Beat]]:
     return loop, beats
 
 
-def test_every_room_keeps_its_beat_however_many_there_are():
-    """Frames are a frame's time apart, and no later than a part of a frame's time after they are due."""
+def test_every_room_keeps_its_frame_rate():
+    """Frames are a frame's time apart, and late by at most a part of it, for any number of rooms."""
     for rooms in (1, FEW // 2, 2 * FEW, MANY, 20 * FEW):
         _, beats = playing(rooms)
         for i, beat in enumerate(beats):
@@ -122,7 +122,7 @@ def test_a_command_on_its_way_is_carried_out_before_a_room_computes_ahead():
     assert (one.fills, two.fills) == (1, 1)
 
 
-def test_what_waits_is_computed_though_no_frame_is_due():
+def test_waiting_work_is_done_without_a_frame():
     """A room with half of its rows computed gets the other half immediately, before rooms that have waited longer."""
     loop = Loop()
     scheduler, one, two = Scheduler(loop), Beat(loop), Beat(loop)

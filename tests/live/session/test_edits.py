@@ -1,4 +1,4 @@
-"""Changes of a spec by commands: what a cleared fault becomes."""
+"""Changes of a spec by commands: the result of clearing a fault."""
 
 import pytest
 

@@ -99,7 +99,7 @@ def assert_same(one, two) -> None:
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_an_adapted_experiment_is_the_one_made_anew(seed):
+def test_an_adapted_experiment_equals_a_new_one(seed):
     """After each of a random series of changes, every part is equal."""
     draw = random.Random(seed)
     spec = complete("zhao-2012")
@@ -113,8 +113,8 @@ def test_an_adapted_experiment_is_the_one_made_anew(seed):
         spec, made = following, adapted_now
 
 
-def test_what_a_change_does_not_reach_is_kept():
-    """A moved gain leaves all signals and the measurement, a fault on a channel all observers and the other signals."""
+def test_unaffected_parts_are_kept():
+    """A changed gain keeps all signals and the measurement, a fault on a channel all observers and the other signals."""
     spec = complete("zhao-2012", faults=())
     made = engine(spec)
     gain = adapted(changed(spec, SetGain(at=0, observer="adaptive", gain="rho", value=7.0)), {}, spec, made)
@@ -126,7 +126,7 @@ def test_what_a_change_does_not_reach_is_kept():
     assert {n for n, s in faulty.signals.items() if s is not made.signals[n]} == {"theta.theta2"}
 
 
-def test_a_gain_that_cannot_be_is_refused_as_when_it_is_made_anew():
+def test_an_invalid_gain_is_refused_as_in_a_new_experiment():
     """The same field, value and remedy."""
     spec = complete("zhao-2012")
     made = engine(spec)
@@ -140,7 +140,7 @@ def test_a_gain_that_cannot_be_is_refused_as_when_it_is_made_anew():
 
 
 @pytest.mark.parametrize("observers", [(), ("adaptive-kalman", "high-gain")])
-def test_recorded_rows_tell_the_state(observers):
+def test_the_state_follows_from_recorded_rows(observers):
     """The state at a recorded row equals that of a simulation stopped there, including the memory of sensor faults."""
     spec = complete("zhao-2012")
     more = tuple(spec.observers[0].model_validate({"label": k, "kind": k}) for k in observers)

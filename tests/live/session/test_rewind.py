@@ -20,8 +20,8 @@ ACTS = {
 
 @pytest.mark.parametrize("act", ACTS)
 @pytest.mark.parametrize("fork", [False, True])
-def test_what_was_done_before_stays_as_it_was(act, fork):
-    """Done at 1 s, gone back from 2.5 s to 1.5 s, or forked there: the faults are those that were left at 1 s."""
+def test_earlier_commands_are_kept(act, fork):
+    """Given at 1 s, after going back from 2.5 s to 1.5 s or forking there, the faults are those left at 1 s."""
     session, pieces = Session(library.resolve(library.experiment("zhao-2012"))), []
     advance(session, 100, pieces)
     kind, fields = ACTS[act]
@@ -37,8 +37,8 @@ def test_what_was_done_before_stays_as_it_was(act, fork):
     assert session.row == 150 and session.spec.faults == left
 
 
-def test_a_fault_that_was_cleared_after_that_time_goes_on():
-    """Its end is the original one again, and the saved run has the live numbers."""
+def test_a_fault_that_was_cleared_after_that_time_continues():
+    """It has its original end again, and the saved run has the live numbers."""
     session, pieces = Session(zhao()), []
     advance(session, 50, pieces)
     do(session, "inject", fault={"channel": "theta3", "shape": "step", "onset": 0, "end": 5, "size": 0.02})
@@ -64,8 +64,8 @@ def test_seeking_ahead_is_refused():
     assert session.spec is before and session.row == 100
 
 
-def test_an_observer_that_diverged_is_started_again_under_its_name():
-    """Removed and added in one row, alone or beside another observer: its columns continue, and the saved run has the same."""
+def test_a_diverged_observer_is_restarted_under_its_name():
+    """Removed and added at one row, alone or beside another one: its columns continue, as in the saved run."""
     session, pieces = Session(library.resolve(library.experiment("zhao-2012-as-printed"))), []
     own = session.spec.observers[0]
     advance(session, 100, pieces)

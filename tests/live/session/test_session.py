@@ -1,4 +1,4 @@
-"""Live sessions: their rows equal those of the saved run, bit for bit, whatever commands are given."""
+"""Live sessions: their rows equal those of the saved run, bit for bit, for any commands."""
 
 import random
 from dataclasses import replace
@@ -29,7 +29,7 @@ def do(session: Session, type: str, **fields):
 
 
 def saved(session: Session):
-    """The session's spec as an ordinary run up to its present time."""
+    """Return the session's spec as an ordinary run up to its present time."""
     spec = session.spec.model_copy(update={"horizon": session.t, "record": session.record})
     return prepare(library.resolve(Experiment.model_validate(spec.model_dump()))).run()
 
@@ -54,7 +54,7 @@ def advance(session: Session, rows: int, pieces: list) -> None:
         assert data.shape[1] > 0
 
 
-def test_a_session_left_alone_is_the_run():
+def test_a_session_without_commands_is_the_run():
     """However it is advanced, the rows are those of the run of its spec."""
     session, pieces = Session(zhao()), []
     for rows in (1, 2, 40, 300, 57):
@@ -109,8 +109,7 @@ ACTIONS = [
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_random_sequence_of_commands_is_saved_bit_for_bit(seed):
-    """Faults of all sorts, gains, noise, signals, observers added and removed, also while rows are half computed, which are void then: the
-    saved run has the live numbers."""
+    """Faults, gains, noise, signals and observers at random, also while rows are half computed: the saved run is equal."""
     draw = random.Random(seed)
     session, pieces = Session(zhao()), []
     for _ in range(9):
@@ -129,8 +128,8 @@ def test_a_random_sequence_of_commands_is_saved_bit_for_bit(seed):
     assert_same(pieces, session)
 
 
-def test_rows_computed_ahead_can_be_given_up():
-    """After looking ahead, a command at an earlier row gives the numbers that it would have given without looking."""
+def test_rows_computed_ahead_can_be_dropped():
+    """A command at an earlier row gives the numbers that it gives without them."""
     one, two = Session(zhao()), Session(zhao())
     one.advance(500)
     one.drop_unseen_rows(123)
@@ -142,8 +141,8 @@ def test_rows_computed_ahead_can_be_given_up():
 
 @pytest.mark.parametrize("observers", [(), ("joint-ekf",)])
 @pytest.mark.parametrize("row", [401, 517, 540])
-def test_a_sensor_that_freezes_just_after_rows_were_given_up_holds_what_it_measured_last(observers, row):
-    """Also with an observer at a sample period: the numbers are those of a session that never looked ahead."""
+def test_a_sensor_that_freezes_after_dropped_rows_holds_its_last_value(observers, row):
+    """Also with an observer at a sample period: the numbers are those without computing ahead."""
     one, two = Session(zhao()), Session(zhao())
     for session, ahead in ((one, 140), (two, row - 400)):
         session.advance(200)
@@ -158,7 +157,7 @@ def test_a_sensor_that_freezes_just_after_rows_were_given_up_holds_what_it_measu
 
 
 def test_a_session_takes_no_more_commands_than_an_experiment_may_have():
-    """The first too many is refused, and the session goes on as it was."""
+    """The first one too many is refused, and the session continues."""
     session = Session(zhao())
     session.advance(10)
     command = SetNoise(at=0.0, output="y", std=0.001)
@@ -170,8 +169,8 @@ def test_a_session_takes_no_more_commands_than_an_experiment_may_have():
     assert session.spec == before and session.advance(5).shape[1] == 5
 
 
-def test_rewinding_gives_up_what_came_after():
-    """Back to 2 s and on with another fault: the same as if the first had never been."""
+def test_rewinding_discards_later_commands():
+    """Back to 2 s and on with another fault: equal to a session without the first fault."""
     one, two = Session(zhao()), Session(zhao())
     one.advance(350)
     do(one, "inject", fault={"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02})
@@ -185,8 +184,8 @@ def test_rewinding_gives_up_what_came_after():
     np.testing.assert_array_equal(one.rows(0, 600), two.rows(0, 600))
 
 
-def test_a_fork_goes_its_own_way():
-    """A fork at 1.5 s repeats the past and leaves its parent alone."""
+def test_a_fork_does_not_affect_its_parent():
+    """A fork at 1.5 s repeats the past and leaves its parent unchanged."""
     parent = Session(zhao())
     parent.advance(300)
     fork = parent.fork(150)
@@ -200,7 +199,7 @@ def test_a_fork_goes_its_own_way():
 
 
 def test_a_refused_command_changes_nothing():
-    """An unknown channel, gain, observer or signal is refused with the names there are, and the session goes on."""
+    """An unknown channel, gain, observer or signal is refused with the known names, and the session continues."""
     session, pieces = Session(zhao()), []
     advance(session, 50, pieces)
     before = session.spec
@@ -224,7 +223,7 @@ def test_a_refused_command_changes_nothing():
 
 
 def test_alarms_name_the_faults_and_nothing_else():
-    """With noise, a sensor and an actuator fault injected: each is named within 2 s, and nothing else ever."""
+    """With noise, an injected sensor and actuator fault are each named within 2 s, and nothing else."""
     session = Session(zhao(seed=5))
     session.advance(1500)
     assert [e for e in session.log if e.kind == "alarm"] == []
@@ -239,7 +238,7 @@ def test_alarms_name_the_faults_and_nothing_else():
 
 
 def test_a_saved_run_is_diagnosed_as_the_session_was():
-    """Faults, noise and gains changed on the way, rows in pieces of any size: the same findings, to the last digit."""
+    """With changed faults, noise and gains, rows in blocks of any length: the same findings, to the last digit."""
     draw, session = random.Random(3), Session(zhao(seed=2))
     for kind, fields in (
         ("inject", {"fault": {"channel": "theta3", "shape": "step", "onset": 0, "size": 0.02}}),
@@ -259,7 +258,7 @@ def test_a_saved_run_is_diagnosed_as_the_session_was():
 
 
 def test_planned_faults_are_logged():
-    """The faults of the library experiment are announced as they begin."""
+    """The faults of the library experiment are logged as they begin."""
     session = Session(zhao(faults=[{"channel": "theta3", "shape": "step", "onset": 1.0, "end": 2.0, "size": 0.02}]))
     session.advance(300)
     assert [(e.kind, e.subject, e.row) for e in session.new_events() if e.kind.startswith("fault")] == [
@@ -285,7 +284,7 @@ def test_a_link_reopens_the_session():
 
 
 def test_stiff_gains_take_substeps_that_the_saved_run_takes_too():
-    """λ raised until Γ is stiff: the session takes substeps, notes it, and its saved run agrees bit for bit."""
+    """With λ raised until Γ is stiff the session takes substeps, notes them, and its saved run agrees bit for bit."""
     session, pieces = Session(zhao()), []
     advance(session, 100, pieces)
     do(session, "set-gain", observer="adaptive", gain="lambda", value=20.0)
@@ -303,8 +302,8 @@ def test_a_discrete_plant_runs_live():
 
 
 @pytest.mark.parametrize("piece", [1, 7, 150])
-def test_what_diverges_is_told_where_the_run_says_it_does(piece):
-    """However the session was cut into pieces: an observer that escapes, and a plant that does."""
+def test_divergence_is_reported_where_the_run_reports_it(piece):
+    """For any division of the session: an observer that diverges, and a plant that does."""
     explosive = {
         "id": "explosive",
         "states": [{"name": "x", "initial": 1}],
@@ -329,8 +328,9 @@ def test_what_diverges_is_told_where_the_run_says_it_does(piece):
         assert who or (session.ended and session.history.end == session.row == told.row + 1)
 
 
-def test_the_log_says_what_was_cleared_and_what_an_alarm_was_named_with():
-    """The log names planned faults that were cleared; an alarm's size is the first one reported, however rows are grouped."""
+def test_the_log_has_cleared_faults_and_first_sizes():
+    """The log names planned faults that were cleared; an alarm's size is the first one reported, however rows are
+    grouped."""
     told = []
     for piece in (13, 900):
         session = Session(library.resolve(library.experiment("zhao-2012")))

@@ -18,8 +18,8 @@ SENSOR = {
 @pytest.mark.parametrize("sampled", [False, True])
 @pytest.mark.parametrize("second", ["freeze", "dropout"])
 @pytest.mark.parametrize("first", SENSOR)
-def test_a_sensor_that_fails_while_it_fails_is_saved_bit_for_bit(first, second, sampled):
-    """The second fault holds the values that the first one lets through, although the first began earlier."""
+def test_a_second_fault_of_a_sensor_is_saved_bit_for_bit(first, second, sampled):
+    """It holds the values that the first one passes, although the first began earlier."""
     session, pieces = Session(zhao(**({"measurement": {"mode": "sampled", "period": 0.05}} if sampled else {}))), []
     for shape in (first, second):
         advance(session, 50, pieces)
@@ -29,7 +29,7 @@ def test_a_sensor_that_fails_while_it_fails_is_saved_bit_for_bit(first, second, 
 
 
 def test_a_reopened_session_logs_the_commands_of_its_spec():
-    """Gains, noise and observers stand in the log of a session on the same spec at the same rows."""
+    """Gains, noise and observers are in the log of a session on the same spec, at the same rows."""
     one = Session(zhao())
     for kind, fields in (
         ("set-gain", {"observer": "adaptive", "gain": "rho", "value": 6.0}),

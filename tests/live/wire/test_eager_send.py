@@ -49,7 +49,7 @@ def test_a_coroutine_that_waits_is_finished_by_another_task():
     assert apart(scenario()) == ["on", "on"]
 
 
-def test_cancelling_reaches_what_waits():
+def test_cancelling_reaches_a_waiting_coroutine():
     """Its clean-up runs."""
 
     async def scenario() -> list[str]:
@@ -93,7 +93,7 @@ def test_jobs_take_turns_and_urgent_ones_come_first():
 
 
 def test_a_job_that_fails_gives_its_exception_and_the_next_one_runs():
-    """Nobody waits for ever."""
+    """No job waits forever."""
     answers = []
     queue = SerialQueue(lambda job, then: None)
     queue.submit(lambda: 1 / 0, lambda value, error: answers.append(type(error)))

@@ -18,8 +18,8 @@ def test_a_frame_is_a_header_and_columns_of_float32():
     assert data[24:] == struct.pack("<6f", 1.5, 2.5, np.nan, -1e-3, 0.0, np.inf)
 
 
-def test_numbers_beyond_float32_are_infinite_and_nobody_is_warned():
-    """A plant that escapes is still drawn up to where it does."""
+def test_numbers_beyond_float32_are_infinite_without_a_warning():
+    """A diverging plant is drawn up to its divergence."""
     assert as_float32(np.array([[1e300, -1e300, 1.0]])).tolist() == [[np.inf, -np.inf, 1.0]]
 
 
@@ -39,8 +39,8 @@ def test_rows_ahead_are_those_that_were_added(steps):
 
 
 @given(st.lists(st.integers(1, 5), min_size=1, max_size=60), st.integers(0, 59))
-def test_whoever_names_its_last_frame_is_told_which_rows_it_has(counts, change):
-    """Frames of the present epoch are known, those before it are not."""
+def test_the_number_of_the_last_frame_gives_the_rows_received(counts, change):
+    """Frames of the present epoch are known, earlier ones are not."""
     numbers, end, known = FrameNumbers(), 0, {}
     for place, count in enumerate(counts):
         if place == change:
@@ -55,8 +55,8 @@ def test_whoever_names_its_last_frame_is_told_which_rows_it_has(counts, change):
         assert numbers.number_at(rows) == max((n for n, e in known.items() if e <= rows), default=0)
 
 
-def test_numbers_take_no_more_room_in_the_end():
-    """Of a session that plays for a day, the last frames are known."""
+def test_the_memory_for_frame_numbers_is_limited():
+    """In a session that plays for a day, the last frames are known."""
     numbers = FrameNumbers()
     for end in range(1, 50_000):
         numbers.add(end)

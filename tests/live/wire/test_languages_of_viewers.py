@@ -56,7 +56,7 @@ def test_a_refusal_is_in_the_language_of_the_viewer_that_it_answers(kind, fields
     staged(scenario)
 
 
-def test_messages_that_are_no_commands_are_refused_with_codes():
+def test_invalid_messages_are_refused_with_codes():
     """Each has a code of its own, a problem and a remedy."""
     texts = [None, "x" * 2000, "[" * 900 + "]" * 900, "{", '{"type": "clear", "id": 1, "channel": "\\ud800"}']
     refusals = [read(text, 1900) for text in texts]

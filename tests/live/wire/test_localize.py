@@ -17,12 +17,12 @@ def spec() -> Spec:
 
 
 def sent(message, language: str):
-    """Return what a viewer of a language reads."""
+    """Return the message that a viewer of a language receives."""
     return json.loads(encode(message, language))
 
 
 def test_a_sentence_is_in_the_language_of_the_viewer():
-    """English as it was made, Chinese by code and arguments."""
+    """English as created, Chinese by code and arguments."""
     message = Message("event.observer-added", observer="ekf")
     event = Event(row=0, t=0, kind="observer-added", subject="ekf", message=Text.of(message))
     assert sent(event, "en")["message"]["text"] == message.text("en")

@@ -46,7 +46,7 @@ def malformed(draw: random.Random) -> str | None:
 
 
 def test_good_commands_are_read():
-    """As the commands they are."""
+    """Each as its own type."""
     kinds = [type(read(json.dumps(message), 1000)) for message in GOOD]
     assert Refused not in kinds and Inject in kinds and SetGainNow in kinds
 
@@ -64,12 +64,12 @@ def test_every_malformed_message_is_refused_with_a_reason():
 
 @given(st.text(max_size=200))
 def test_noise_is_refused(text):
-    """Whatever it is."""
+    """Whatever it contains."""
     assert isinstance(read(text, 1000), Refused)
 
 
 def test_a_refusal_names_the_command_the_field_and_the_remedy():
-    """The client knows which of its commands it was; where there is no number, null."""
+    """The client learns which of its commands it was; without a number the id is null."""
     answer = read('{"type": "step", "id": 41, "rows": 0}', 1000)
     assert (answer.id, answer.field, answer.value) == (41, "rows", 0)
     unknown = read('{"type": "ply", "id": 42}', 1000)
@@ -80,7 +80,7 @@ def test_a_refusal_names_the_command_the_field_and_the_remedy():
 
 
 def test_a_viewer_may_burst_and_is_then_read_at_its_rate():
-    """Nothing is refused for being fast; it waits."""
+    """No message is refused for its rate; it waits."""
     allowance, now, waits = Allowance(10, 0.0), 0.0, []
     for _ in range(40):
         wait = allowance.wait(now)

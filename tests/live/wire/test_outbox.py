@@ -1,4 +1,4 @@
-"""What waits for a viewer: texts in order, the newest status, and samples as one number."""
+"""Messages that wait for a viewer: texts in order, the newest status, and samples as a row number."""
 
 import pytest
 from hypothesis import given
@@ -11,7 +11,7 @@ TEXTS = st.lists(st.tuples(st.sampled_from([None, None, "status", "spec"]), st.b
 
 @given(TEXTS)
 def test_events_arrive_once_and_in_order_and_of_each_status_the_newest(puts):
-    """Whatever the viewer takes in between: no event is lost, and a status is never older than one that came before."""
+    """However the viewer reads: no event is lost, and a status is never older than an earlier one."""
     outbox, got = Outbox(), []
     for number, (key, takes) in enumerate(puts):
         outbox.put(f"{key}:{number}", key)
@@ -30,7 +30,7 @@ def test_events_arrive_once_and_in_order_and_of_each_status_the_newest(puts):
             assert mine[-1:] == all_of_key[-1:]
 
 
-def test_a_status_that_nobody_takes_takes_no_room():
+def test_unread_statuses_take_no_memory():
     """A million of them are one."""
     outbox = Outbox()
     for number in range(10_000):
@@ -38,7 +38,7 @@ def test_a_status_that_nobody_takes_takes_no_room():
     assert outbox.text() == "9999" and outbox.text() is None
 
 
-def test_a_viewer_that_lets_events_pile_up_is_given_up():
+def test_a_viewer_with_too_many_unread_events_overflows():
     """By their number, and by their size."""
     outbox = Outbox()
     with pytest.raises(Overflow):
@@ -52,7 +52,7 @@ def test_a_viewer_that_lets_events_pile_up_is_given_up():
 
 @given(st.lists(st.tuples(st.integers(0, 40), st.booleans()), max_size=60), st.integers(1, 50))
 def test_the_spans_of_a_viewer_join_without_a_gap(steps, most):
-    """However slowly it takes them, and however large a frame may be, it gets every row once."""
+    """However slowly it reads, and for any size of frame, it gets every row once."""
     outbox, rows, got = Outbox(), 0, []
     for more, takes in [*steps, *[(0, True)] * 3000]:
         rows += more
@@ -64,14 +64,14 @@ def test_the_spans_of_a_viewer_join_without_a_gap(steps, most):
     assert [row for span in got for row in range(span.first, span.last)] == list(range(rows))
 
 
-def test_what_a_slow_viewer_missed_is_one_frame():
-    """Ten frames that it did not take are one span."""
+def test_missed_rows_are_one_frame():
+    """Ten unread frames are one span."""
     outbox = Outbox(30)
     assert outbox.span(60, 1000) == Span(30, 60)
 
 
-def test_a_viewer_too_far_behind_jumps_and_is_told_what_it_misses():
-    """It keeps half of the allowed backlog, and does not jump again immediately."""
+def test_a_viewer_too_far_behind_skips_rows_and_learns_which():
+    """It keeps half of the allowed backlog, and does not skip again immediately."""
     outbox = Outbox(100)
     assert outbox.jump(1100, 1000) is None
     assert outbox.jump(1101, 1000) == Span(100, 601)
@@ -79,7 +79,7 @@ def test_a_viewer_too_far_behind_jumps_and_is_told_what_it_misses():
 
 
 def test_rows_that_are_no_longer_kept_are_missed():
-    """A viewer that asks for them begins with the oldest there is."""
+    """A viewer that requests them begins with the oldest available one."""
     outbox = Outbox(0)
     assert outbox.jump(500, 1000, oldest=200) == Span(0, 200)
 

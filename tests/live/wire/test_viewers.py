@@ -1,4 +1,4 @@
-"""Viewers that are slow, lose their connection, or come late; with a clock that the test controls."""
+"""Viewers that are slow, lose their connection, or join late, with a clock that the test controls."""
 
 import numpy as np
 import pytest
@@ -11,8 +11,8 @@ from thetascope_schemas.service.session import CLOSE_SLOW
 FAULT = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
 
 
-def test_a_viewer_that_takes_nothing_slows_nobody_and_then_gets_one_frame():
-    """The session and the other viewer continue; missed rows come as one frame, all events in order, one status."""
+def test_a_blocked_viewer_delays_no_other_and_then_gets_one_frame():
+    """Session and other viewer continue; missed rows come as one frame, all events in order, one status."""
 
     async def scenario(stage: Stage) -> None:
         page, slow = await stage.connect(), await stage.connect()
@@ -35,8 +35,8 @@ def test_a_viewer_that_takes_nothing_slows_nobody_and_then_gets_one_frame():
     staged(scenario)
 
 
-def test_a_viewer_far_behind_jumps_and_is_told_over_which_rows():
-    """It never waits for old rows, and never makes the server keep them."""
+def test_a_viewer_far_behind_skips_rows_and_learns_which():
+    """It never waits for old rows, and the server need not keep them."""
 
     async def scenario(stage: Stage) -> None:
         page, slow = await stage.connect(), await stage.connect()
@@ -58,8 +58,8 @@ def test_a_viewer_far_behind_jumps_and_is_told_over_which_rows():
     staged(scenario, backlog=10_000)
 
 
-def test_a_viewer_that_lets_events_pile_up_is_closed():
-    """With the code for it; the session goes on."""
+def test_a_viewer_with_too_many_unread_events_is_closed():
+    """With the code for it; the session continues."""
 
     async def scenario(stage: Stage) -> None:
         page, dead = await stage.connect(), await stage.connect()
@@ -96,8 +96,8 @@ def test_a_lost_connection_resumes_without_a_gap():
     staged(scenario)
 
 
-def test_after_a_rewind_the_past_comes_whole():
-    """The epoch in hello is another than the viewer knew; it gets all rows."""
+def test_after_a_rewind_the_whole_past_is_sent():
+    """The epoch in hello differs from the viewer's; it gets all rows."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -115,8 +115,8 @@ def test_after_a_rewind_the_past_comes_whole():
 
 
 @pytest.mark.parametrize("after", [None, 0, 10**9])
-def test_who_comes_new_or_names_a_frame_that_nobody_knows_gets_the_whole_past(after):
-    """In frames of a limited size."""
+def test_a_new_viewer_or_an_unknown_frame_gets_the_whole_past(after):
+    """In frames of limited size."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -131,7 +131,7 @@ def test_who_comes_new_or_names_a_frame_that_nobody_knows_gets_the_whole_past(af
 
 
 def test_a_slow_viewer_survives_a_rewind_and_new_columns():
-    """Unsent rows are void or come in the new columns; in the end it has the rows of the others."""
+    """Unsent rows are dropped or come in the new columns; in the end it has the rows of the others."""
 
     async def scenario(stage: Stage) -> None:
         page, slow = await stage.connect(), await stage.connect()
@@ -157,8 +157,8 @@ def test_a_slow_viewer_survives_a_rewind_and_new_columns():
     staged(scenario)
 
 
-def test_a_session_has_only_so_many_viewers():
-    """One more is refused; when one goes, there is room again."""
+def test_the_number_of_viewers_is_limited():
+    """One more is refused; when one leaves, there is room again."""
 
     async def scenario(stage: Stage) -> None:
         first, _ = await stage.connect(), await stage.connect()
@@ -172,7 +172,7 @@ def test_a_session_has_only_so_many_viewers():
 
 
 def test_frames_are_encoded_once_for_all(monkeypatch: pytest.MonkeyPatch):
-    """Fifty viewers take one encoding a frame."""
+    """Fifty viewers need one encoding per frame."""
     from thetascope.live.room import broadcast
 
     encoded = []
@@ -190,8 +190,8 @@ def test_frames_are_encoded_once_for_all(monkeypatch: pytest.MonkeyPatch):
     staged(scenario, viewers=50)
 
 
-def test_what_a_session_keeps_is_bounded_and_who_comes_late_is_told_what_is_gone():
-    """A long session keeps its newest rows; a new viewer begins with the oldest of them; going further back still works."""
+def test_a_session_keeps_a_bounded_past_and_late_viewers_learn_its_start():
+    """It keeps its newest rows; a new viewer begins with the oldest of them; going further back still works."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -216,8 +216,8 @@ def test_what_a_session_keeps_is_bounded_and_who_comes_late_is_told_what_is_gone
     staged(scenario, limit=400_000, backlog=1 << 24, past=40_000 * 4 * 9)
 
 
-def test_a_session_that_nobody_watches_sleeps_and_wakes_where_it_was():
-    """After a minute time stops; the next viewer finds it playing on from there."""
+def test_a_session_without_viewers_sleeps_and_wakes_where_it_was():
+    """After a minute time stops; the next viewer finds it playing from there."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
