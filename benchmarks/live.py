@@ -129,7 +129,8 @@ def processor_time(process: subprocess.Popen) -> float:
 def cost(
     server: tuple[subprocess.Popen, str], sessions: int, viewers: int, what: str, diagnosis: bool = True
 ) -> Figure:
-    """Return the processor time per frame of the service divided by that of the bare server; both run at the same time."""
+    """Return the processor time per frame of the service divided by that of the bare server;
+    both run at the same time."""
     process, address = server
     ratios = []
     with ExitStack() as stack:

@@ -1,4 +1,5 @@
-// Script time of one update of the live page's scope: 33 new rows and 4 strips of 3 curves with 10 000 points each; beside it what Plotly
+// Script time of one update of the live page's scope: 33 new rows and 4 strips of 3 curves with 10 000 points each;
+// beside it what Plotly
 // takes for the same curves. Run in the page by benchmarks/page.py: async ({updates}) => …
 
 async ({updates}) => {

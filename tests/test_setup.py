@@ -46,12 +46,12 @@ def test_every_dependency_is_pinned():
     """Every dependency in pyproject.toml is in the requirements of its level."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text())
     groups = project["dependency-groups"]
-    asked = {
+    required = {
         "run": project["project"]["dependencies"] + groups["build"],
         "dev": groups["dev"],
         "bench": groups["bench"],
     }
-    for level, texts in asked.items():
+    for level, texts in required.items():
         names = {re.match(r"[\w-]+", text)[0] for text in texts}
         assert names <= set(pins(environment.LEVELS[level])), level
 

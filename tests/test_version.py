@@ -1,4 +1,5 @@
-"""One version: of the package and of what is built and installed (tests/api and tests/cli ask the service and the command)."""
+"""One version: of the package and of what is built and installed (tests/api and tests/cli ask the service and the
+command)."""
 
 import tomllib
 from importlib import metadata

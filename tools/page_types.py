@@ -22,7 +22,8 @@ from thetascope_schemas.service.session import ClientMessage, ServerMessage
 FILE = Path(__file__).resolve().parents[1] / "frontend" / "types" / "service.d.ts"
 
 HEAD = """// Written by `python -m tools.page_types` from the service's schemas. Do not edit.
-// Bodies of requests and commands have optional fields where the schema has a default; answers and events have all fields.
+// Bodies of requests and commands have optional fields where the schema has a default; answers and events have all
+// fields.
 """
 
 _PLAIN = {

@@ -82,7 +82,8 @@ export async function request(method, url, {body, signal, headers = {}} = {}) {
       mark(false);
       return await read(answer);
     } catch (error) {
-      if (!(error instanceof TypeError) || signal?.aborted) throw error; // fetch reports a lost connection as a TypeError
+      // fetch reports a lost connection as a TypeError
+      if (!(error instanceof TypeError) || signal?.aborted) throw error;
       mark(true);
       await pause(wait, signal);
     }

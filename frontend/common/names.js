@@ -7,7 +7,8 @@ import {hasWords, named, say, t} from '../i18n/words.js';
 
 const PAIRS =
   'alpha α beta β gamma γ delta δ epsilon ε zeta ζ eta η theta θ iota ι kappa κ lambda λ mu μ nu ν xi ξ pi π rho ρ ' +
-  'sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ Xi Ξ Pi Π Sigma Σ Phi Φ Psi Ψ Omega Ω';
+  'sigma σ tau τ upsilon υ phi φ chi χ psi ψ omega ω Gamma Γ Delta Δ Theta Θ Lambda Λ ' +
+  'Xi Ξ Pi Π Sigma Σ Phi Φ Psi Ψ Omega Ω';
 
 /** @type {{[name: string]: string}} Greek letters by name. */
 export const GREEK = Object.fromEntries(

@@ -7,7 +7,7 @@
  * @property {string} id             stays while the alarm is revised
  * @property {boolean} explained     a fault of the model explains it
  * @property {string} subject        the channel that explains the data best, or the output that nothing explains
- * @property {string[]} subjects     that channel, and those that explain the data equally well; empty where nothing does
+ * @property {string[]} subjects     that channel, and those that explain the data equally well; empty if none does
  * @property {number} t              time in s at which it was raised
  * @property {number | null} over    time in s at which it was cleared
  * @property {number} onset          time in s at which the fault began, as estimated, and the interval of that

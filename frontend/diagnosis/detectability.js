@@ -1,4 +1,5 @@
-// Detectability: the smallest faults that are found, those that this input does not distinguish, and an input that would.
+// Detectability: the smallest faults that are found, those that this input does not distinguish, and an input that
+// would.
 
 import {post, reason} from '../common/api.js';
 import {fill, h, number} from '../common/dom.js';

@@ -9,7 +9,8 @@ import {alarmFrom} from './alarms.js';
 
 /**
  * @typedef {object} Finding
- * @property {'found'|'misattributed'|'false'|'over'|'undetected'|'past'} verdict   an alarm on a fault that acts; while another acts than those named; while none
+ * @property {'found'|'misattributed'|'false'|'over'|'undetected'|'past'} verdict
+ *   of an alarm: its fault is active; another fault is active; none is
  *                                 has acted; on a fault that has ended; a fault without an alarm; an alarm that is
  * cleared
  * @property {string} subject

@@ -34,7 +34,8 @@ export function createLoop() {
     let more = false;
     for (const fn of frames) more = Boolean(guarded(fn, now)) || more;
     if (now - ticked >= TICK) tick(now);
-    else if (!late) late = setTimeout(() => tick(performance.now()), TICK - (now - ticked)); // the last numbers are shown, too
+    // the last numbers are shown, too
+    else if (!late) late = setTimeout(() => tick(performance.now()), TICK - (now - ticked));
     if (more) wake();
   }
 

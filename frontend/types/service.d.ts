@@ -1,5 +1,6 @@
 // Written by `python -m tools.page_types` from the service's schemas. Do not edit.
-// Bodies of requests and commands have optional fields where the schema has a default; answers and events have all fields.
+// Bodies of requests and commands have optional fields where the schema has a default; answers and events have all
+// fields.
 
 /** A command was executed; it takes effect from this row on. */
 export interface Ack {

@@ -101,7 +101,8 @@ const typed = (value) =>
 
 /**
  * A slider and a field for the same number.
- * @param {{name: string, scale: Scale, value: number, change: (value: number, done: boolean) => void, low?: number, high?: number}} options
+ * @param {{name: string, scale: Scale, value: number, change: (value: number, done: boolean) => void,
+ *   low?: number, high?: number}} options
  */
 export function slider({name, scale, value, change, low = -Infinity, high = Infinity}) {
   const range = h('input', {type: 'range', min: 0, max: ENDS, step: 5, 'aria-label': name});

@@ -66,9 +66,11 @@ const bottom = (line, list) => line.getBoundingClientRect().bottom - list.getBou
 
 function fitAll() {
   for (const {list} of kept)
-    for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one); // a capped list does not grow with its card
+    // a capped list does not grow with its card
+    for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one);
   const before = [...kept].map((one) => ({one, top: one.list.scrollTop, line: inUse(one)}));
-  const free = [...kept].filter(({list}) => !list.closest('.desk')); // a projector's card has one size, whatever is in it
+  // a projector's card has one size, whatever is in it
+  const free = [...kept].filter(({list}) => !list.closest('.desk'));
   for (const {list} of kept) cap(list, null);
   const whole = new Map(free.map((one) => [one, lastWhole(one)]));
   for (const [{list}, end] of whole) if (end) cap(list, end);

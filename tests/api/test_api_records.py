@@ -32,9 +32,10 @@ def test_a_record_is_diagnosed(client, record):
 
 
 def test_a_healthy_beginning_is_learnt(client, record):
-    """With ``learn`` deviations in the first seconds are attributed to the plant; other settings are the experiment's."""
-    asked = {"plant": "friction-motor", "columns": record, "learn": 5.0, "diagnosis": {"confidence": 0.9}}
-    (alarm,) = client.post("/api/diagnosis", asked)["alarms"]
+    """With ``learn`` deviations in the first seconds are attributed to the plant;
+    other settings are the experiment's."""
+    body = {"plant": "friction-motor", "columns": record, "learn": 5.0, "diagnosis": {"confidence": 0.9}}
+    (alarm,) = client.post("/api/diagnosis", body)["alarms"]
     assert alarm["channel"] == "friction" and alarm["t"] > 10
 
 
@@ -52,9 +53,9 @@ def test_a_healthy_beginning_is_learnt(client, record):
 )
 def test_an_invalid_record_is_refused(client, record, change, words):
     """Each error names its field and the remedy."""
-    asked = {"plant": "friction-motor", "columns": record} | ({"columns": None} if "csv" in change else {}) | change
+    body = {"plant": "friction-motor", "columns": record} | ({"columns": None} if "csv" in change else {}) | change
     with pytest.raises(ServiceError, match=words):
-        client.post("/api/diagnosis", asked)
+        client.post("/api/diagnosis", body)
 
 
 def test_the_observability_of_an_experiment(client):

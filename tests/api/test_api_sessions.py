@@ -169,12 +169,12 @@ def test_errors_of_a_request_are_listed_by_field(client, fields, field):
     assert refusal.value.problem["errors"][0]["field"] == field
 
 
-@pytest.mark.parametrize("asked", ["from=1e308", "from=nan", "to=-inf", "to=inf"])
-def test_invalid_times_are_refused(client, asked):
+@pytest.mark.parametrize("query", ["from=1e308", "from=nan", "to=-inf", "to=inf"])
+def test_invalid_times_are_refused(client, query):
     """The error names the field, whatever the number."""
     with pytest.raises(ServiceError) as refusal:
-        client.get(opened(client, play=False)["links"]["data"] + f"?{asked}")
-    assert refusal.value.status == 422 and refusal.value.problem["errors"][0]["field"] == asked.partition("=")[0]
+        client.get(opened(client, play=False)["links"]["data"] + f"?{query}")
+    assert refusal.value.status == 422 and refusal.value.problem["errors"][0]["field"] == query.partition("=")[0]
 
 
 def test_an_unknown_experiment_or_session_is_answered_with_404(client):

@@ -46,7 +46,8 @@ def with_faults(page, path: str, **more):
     live = opened(page, path, **more)
     live.evaluate("""async () => {
       const {plant: {channels: [channel], outputs: [output]}} = thetascope.state;
-      await thetascope.send({type: 'inject', fault: {channel: channel.name, shape: 'step', onset: 0, size: channel.typical}});
+      await thetascope.send({type: 'inject', fault: {channel: channel.name, shape: 'step', onset: 0,
+        size: channel.typical}});
       await thetascope.send({type: 'inject', fault: {output: output.name, shape: 'freeze', onset: 0}});
       await thetascope.send({type: 'step', rows: 300});
     }""")

@@ -13,8 +13,8 @@ def test_a_diverged_plant_is_not_called_healthy(page):
     for speed in ("null", "0.5"):
         live.evaluate(f"thetascope.act.speed({speed})")
         live.evaluate("thetascope.act.play()")
-        said = until(live, f"/plant diverged at 2\\.52/.test({VERDICT}) && {VERDICT}", 30)
-        assert "Go back" in said and live.locator(".hint").count() == 0
+        summary = until(live, f"/plant diverged at 2\\.52/.test({VERDICT}) && {VERDICT}", 30)
+        assert "Go back" in summary and live.locator(".hint").count() == 0
         until(live, "/diverged at 2\\.52/.test(document.querySelector('#notice').textContent)")
         live.click("#notice button")
         until(live, "thetascope.state.t < 2.2 && thetascope.state.broken === null")
@@ -57,7 +57,8 @@ def test_a_restarted_observer_keeps_its_colour_among_others(page):
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "thetascope.state.observers.length === 3")
     live.evaluate(
-        "thetascope.act.together([{type: 'remove-observer', label: 'ekf'}, {type: 'add-observer', observer: thetascope.state.observers.find((one) => one.label === 'ekf').config}])"
+        "thetascope.act.together([{type: 'remove-observer', label: 'ekf'}, {type: 'add-observer', observer: "
+        "thetascope.state.observers.find((one) => one.label === 'ekf').config}])"
     )
     until(live, "thetascope.state.observers.length === 3 && thetascope.state.observers.at(-1).label === 'ekf'")
     assert live.evaluate("Object.fromEntries(thetascope.state.observers.map((one) => [one.label, one.place]))") == {
@@ -82,9 +83,10 @@ def test_a_fault_that_begins_while_the_last_alarm_is_on_is_not_called_found(page
     live = opened(page, "/?experiment=zhao-2012&t=25")
     until(live, f"/found in/.test({VERDICT})", 40)
     live.evaluate(
-        "thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', onset: 0, size: 0.02}}])"
+        "thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', "
+        "onset: 0, size: 0.02}}])"
     )
     live.evaluate("thetascope.act.step(60)")
-    said = until(live, f"/began at .* while this alarm was still on/.test({VERDICT}) && {VERDICT}")
-    assert "since 20.0" in said and "began at 25.0" in said and "found in" not in live.inner_text(".finding")
+    summary = until(live, f"/began at .* while this alarm was still on/.test({VERDICT}) && {VERDICT}")
+    assert "since 20.0" in summary and "began at 25.0" in summary and "found in" not in live.inner_text(".finding")
     until(live, "document.querySelector('#panel-comparison .detector td').title === 'its alarm was already on'")

@@ -22,10 +22,10 @@ def test_checks_are_translated(experiment):
         check for observer in prepare(library.resolve(short)).run(None, None).observers for check in observer.checks
     ]
     messages = [message for check in checks for message in (check.name, check.text)]
-    said, texts = [message.text("zh") for message in messages], [str(message) for message in messages]
-    assert len(checks) >= 4 and [words for words in said if ENGLISH.search(words)] == []
+    chinese, texts = [message.text("zh") for message in messages], [str(message) for message in messages]
+    assert len(checks) >= 4 and [words for words in chinese if ENGLISH.search(words)] == []
     number = re.compile(r"\d\.\d+")
-    assert [sorted(number.findall(words)) for words in said] == [sorted(number.findall(text)) for text in texts]
+    assert [sorted(number.findall(words)) for words in chinese] == [sorted(number.findall(text)) for text in texts]
 
 
 def test_the_list_of_checks_is_chinese(page):
@@ -36,7 +36,8 @@ def test_the_list_of_checks_is_chinese(page):
     until(live, "thetascope.state.checks.adaptive?.length", 40)
     live.click(".lights")
     lines = live.locator(".checks li").evaluate_all(
-        "(all) => all.map((one) => [one.querySelector('b'), one.querySelector('.soft')].map((part) => part.textContent))"
+        "(all) => all.map((one) => [one.querySelector('b'), one.querySelector('.soft')].map((part) => "
+        "part.textContent))"
     )
     assert len(lines) >= 5 and [text for line in lines for text in line if ENGLISH.search(text)] == []
     live.evaluate("document.activeElement.blur()")
@@ -63,6 +64,7 @@ def test_refusals_are_translated(page):
     why = live.get_attribute(".add-form option[value=zhao-adaptive]", "title")
     assert "2 个输出" in why and not ENGLISH.search(why)
     live.evaluate(
-        "thetascope.send({type: 'set-noise', output: 'y_speed', std: -1, sample_time: 0.01}).catch(thetascope.act.refused)"
+        "thetascope.send({type: 'set-noise', output: 'y_speed', std: -1, sample_time: "
+        "0.01}).catch(thetascope.act.refused)"
     )
     assert "不小于 0" in until(live, "document.querySelector('#notice').textContent")

@@ -141,7 +141,8 @@ def test_records_and_plants_have_no_english_sentence(page):
 
 
 def test_a_run_and_its_report_have_no_english_sentence(page):
-    """The page of a run, folds open and the first figures drawn, then its report; a sandwich system and a comparison."""
+    """The page of a run, folds open and the first figures drawn, then its report;
+    a sandwich system and a comparison."""
     runs = chinese(page, "/runs/?experiment=zhou-tan-2012")
     seen = english(runs)
     for experiment in ("zhou-tan-2012", "zhao-2012-observers"):

@@ -25,7 +25,9 @@ def inject(live, fault: str) -> None:
 def site(live, subject: str) -> str:
     """Return the classes of a fault channel in the plant's picture."""
     place = live.evaluate(
-        f"[...thetascope.state.plant.channels.filter((c) => c.kind !== 'sensor'), ...thetascope.state.plant.channels.filter((c) => c.kind === 'sensor')].findIndex((c) => c.name === '{subject}')"
+        f"[...thetascope.state.plant.channels.filter((c) => c.kind !== 'sensor'), "
+        f"...thetascope.state.plant.channels.filter((c) => c.kind === 'sensor')].findIndex((c) => c.name === "
+        f"'{subject}')"
     )
     return live.locator("svg.plant .site:not(.output)").nth(place).get_attribute("class")
 
@@ -36,11 +38,11 @@ def test_a_sensor_fault_is_summarised(page):
     live = started(page)
     inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
     live.evaluate("thetascope.act.play()")
-    said = until(live, f"/found in/.test({VERDICT}) && {VERDICT}", 30)
+    summary = until(live, f"/found in/.test({VERDICT}) && {VERDICT}", 30)
     size, half, since, delay = map(
-        float, re.search(r"\+([\d.]+) ± ([\d.]+) since ([\d.]+).s, found in ([\d.]+).s", said).groups()
+        float, re.search(r"\+([\d.]+) ± ([\d.]+) since ([\d.]+).s, found in ([\d.]+).s", summary).groups()
     )
-    assert said.startswith("θ₃ sensor fault") and abs(size - 0.02) <= 2 * half and half < 0.002
+    assert summary.startswith("θ₃ sensor fault") and abs(size - 0.02) <= 2 * half and half < 0.002
     assert since == pytest.approx(8, abs=0.6) and delay < 2
     until(live, "Math.abs(thetascope.latest('adaptive.theta.theta3') - 0.02) < 0.002", 20)
     assert "found" in site(live, "theta3") and "on" in site(live, "theta3").split()
@@ -57,7 +59,8 @@ def test_an_actuator_fault_is_identified_and_clears(page):
     until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1' && alarm.over === null)", 30)
     until(
         live,
-        "(() => { const {mean} = thetascope.range('adaptive.theta.theta1', thetascope.state.t - 4, thetascope.state.t); return thetascope.state.t > 14 && Math.abs(mean - 0.01) < 0.001; })()",
+        "(() => { const {mean} = thetascope.range('adaptive.theta.theta1', thetascope.state.t - 4, "
+        "thetascope.state.t); return thetascope.state.t > 14 && Math.abs(mean - 0.01) < 0.001; })()",
         30,
     )
     live.evaluate("thetascope.send({type: 'clear'})")
@@ -77,8 +80,8 @@ def test_faults_that_the_input_does_not_distinguish_are_both_named(page):
         )
     inject(live, "channel: 'theta2', shape: 'step', size: 0.015")
     live.evaluate("thetascope.act.play()")
-    said = until(live, f"/does not distinguish them/.test({VERDICT}) && {VERDICT}", 40)
-    assert "θ₁ or θ₂" in said
+    summary = until(live, f"/does not distinguish them/.test({VERDICT}) && {VERDICT}", 40)
+    assert "θ₁ or θ₂" in summary
     assert (
         live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
     )
@@ -93,8 +96,8 @@ def test_an_unexplained_change_is_attributed_to_the_sensor(page):
     live = started(page)
     inject(live, "output: 'y', shape: 'stuck', value: 0.11")
     live.evaluate("thetascope.act.play()")
-    said = until(live, f"/explains y/.test({VERDICT}) && {VERDICT}", 40)
-    assert "sensor" in said
+    summary = until(live, f"/explains y/.test({VERDICT}) && {VERDICT}", 40)
+    assert "sensor" in summary
     assert "found" in live.locator("svg.plant .site.output").get_attribute("class").split()
     until(live, "[...document.querySelectorAll('.finding')].some((one) => /suspect the sensor/.test(one.textContent))")
     marked = live.evaluate("""(() => {
@@ -108,17 +111,17 @@ def test_detectability_and_certainty_are_shown(page):
     """The folds show the excitation and its requirement, the resolution of every channel, the rate, and declared and
     estimated noise."""
     live = started(page)
-    told = live.evaluate("thetascope.state.diagnosis")
+    diagnosis = live.evaluate("thetascope.state.diagnosis")
     see, sure = live.locator("#panel-diagnosis .heading-links button").all()
     see.click()
-    assert live.locator("#panel-diagnosis .seen tbody tr").count() == len(told["resolution"]) == 3
+    assert live.locator("#panel-diagnosis .seen tbody tr").count() == len(diagnosis["resolution"]) == 3
     level = live.locator(".level").get_attribute("aria-label")
-    assert f"{told['excitation']['level'] ** 0.5:.2g} times" in level and "10 required" in level
+    assert f"{diagnosis['excitation']['level'] ** 0.5:.2g} times" in level and "10 required" in level
     sure.click()
     assert live.locator("#panel-diagnosis .seen").is_hidden()
     words = live.locator(".fold-out:not([hidden])").inner_text()
-    assert "one false alarm in 100 h" in words and f"{told['calibration']['thresholds']['glr']:.3g}" in words
-    assert "0.001 declared" in words and f"{told['calibration']['seeds']} fault-free simulations" in words
+    assert "one false alarm in 100 h" in words and f"{diagnosis['calibration']['thresholds']['glr']:.3g}" in words
+    assert "0.001 declared" in words and f"{diagnosis['calibration']['seeds']} fault-free simulations" in words
 
 
 def test_rank_and_condition_along_the_run(page):
@@ -158,7 +161,8 @@ def test_a_run_shows_its_diagnosis(page):
     first = run.locator(".measures tbody tr").first.inner_text().split()
     assert first[:5] == ["detector", "3", "0", "0", "0"]
     summary = run.evaluate(
-        "fetch('/api/runs/' + new URLSearchParams(location.search).get('run')).then((a) => a.json()).then((a) => a.summary)"
+        "fetch('/api/runs/' + new URLSearchParams(location.search).get('run')).then((a) => a.json()).then((a) => "
+        "a.summary)"
     )
     adaptive = next(one for one in summary["comparison"]["observers"] if one["label"] == "adaptive")
     row = run.locator(".measures tbody tr", has_text="adaptive").first.inner_text().split()
@@ -187,7 +191,8 @@ def test_faults_below_the_noise_are_called_unresolvable(page):
     until(live, "/cannot be resolved at this noise level/.test(document.querySelector('.hint')?.textContent)", 40)
     assert live.locator(".hint").inner_text() == "θ₁ and θ₂ cannot be resolved at this noise level."
     marks = live.evaluate(
-        "[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => !strip.querySelector('.unresolved').hidden)"
+        "[...document.querySelectorAll('.strip[data-kind=theta]')].map((strip) => "
+        "!strip.querySelector('.unresolved').hidden)"
     )
     assert marks == [True, True, False]
     live.click(".hint button")
@@ -212,7 +217,8 @@ def test_a_found_fault_that_ends_is_never_called_unfound(page):
     until(live, f"/found in/.test({VERDICT})", 30)
     live.evaluate(f"""(() => {{
       window.said = [];
-      new MutationObserver(() => window.said.push({VERDICT})).observe(document.querySelector('.verdict'), {{childList: true, characterData: true, subtree: true}});
+      new MutationObserver(() => window.said.push({VERDICT})).observe(document.querySelector('.verdict'),
+        {{childList: true, characterData: true, subtree: true}});
     }})()""")
     live.keyboard.press("c")
     until(live, f"/over/.test({VERDICT})", 40)
@@ -226,10 +232,11 @@ def test_a_found_fault_that_ends_is_never_called_unfound(page):
 def test_an_identified_fault_is_not_called_unresolved(page):
     """A strip says that its fault is not resolved only while no alarm names that fault alone."""
     page = opened(page, PAUSED)
-    said = page.evaluate("""import('/diagnosis/fault-size.js').then(({unresolved}) => {
+    summary = page.evaluate("""import('/diagnosis/fault-size.js').then(({unresolved}) => {
       const resolution = ['a', 'b'].map((channel) => ({channel, identifiable: false, resolvable: false}));
       const alarm = (subjects, over = null) => ({subjects, over});
-      const of = (...alarms) => unresolved({t: 9, alarms, diagnosis: {calibration: {from_time: 1}, resolution}}).map(({channel}) => channel).join('');
+      const of = (...alarms) => unresolved({t: 9, alarms, diagnosis: {calibration: {from_time: 1}, resolution}})
+        .map(({channel}) => channel).join('');
       return [of(), of(alarm(['a'])), of(alarm(['a'], 8)), of(alarm(['a', 'b']))];
     })""")
-    assert said == ["ab", "b", "ab", "ab"]
+    assert summary == ["ab", "b", "ab", "ab"]

@@ -142,7 +142,7 @@ def test_a_record_as_spreadsheets_write_it(call):
 
 
 @pytest.mark.parametrize(
-    ("changes", "learn", "said"),
+    ("changes", "learn", "problem"),
     [
         ({"cell": 1e300}, 0.0, "row 51 holds a number that no sensor can show"),
         ({"cell": float("nan")}, 0.0, "row 51 does not hold a number"),
@@ -150,11 +150,11 @@ def test_a_record_as_spreadsheets_write_it(call):
         ({}, float("nan"), "at least a tenth of it"),
     ],
 )
-def test_impossible_records_are_refused(call, changes, learn, said):
+def test_impossible_records_are_refused(call, changes, learn, problem):
     """Non-finite or implausible numbers, and a learning time that leaves nothing to test."""
     columns = recorded(call, "friction-motor")
     y = next(n for n in columns if n.startswith("y."))
     columns[y] = np.where(np.arange(len(columns[y])) == 50, changes.get("cell", columns[y]), columns[y])
     plant = library.plant("friction-motor")
-    with pytest.raises(SpecError, match=said):
+    with pytest.raises(SpecError, match=problem):
         diagnose_recording(plant, recording(plant, columns), DiagnosisSettings(), learn)

@@ -43,7 +43,7 @@ def test_help_is_chinese(call, command):
 
 
 @pytest.mark.parametrize(
-    ("arguments", "code", "said"),
+    ("arguments", "code", "problem"),
     [
         (["run", "dc-moto"], 1, "库中没有实验“dc-moto”"),
         (["run", "shen-hu-2015", "--set", "horizn=1"], 1, "没有字段“horizn”"),
@@ -60,10 +60,10 @@ def test_help_is_chinese(call, command):
         (["fly"], 2, "错误：参数 COMMAND：'fly' 不可选"),
     ],
 )
-def test_refusals_are_chinese(call, arguments, code, said):
+def test_refusals_are_chinese(call, arguments, code, problem):
     """Wrong usage and refused specs, wherever they are detected."""
     found, _, error = call("--language", "zh", *arguments)
-    assert found == code and said in error
+    assert found == code and problem in error
 
 
 def test_argparse_is_english_in_english(call):

@@ -165,8 +165,9 @@ def test_ctrl_c_stops_a_long_run_with_exit_code_130(tmp_path):
     """Within seconds and without a traceback."""
     (tmp_path / "e.json").write_text(json.dumps(long_data()))
     # Where the tests run in the background of a shell, SIGINT is ignored by all that they start.
-    heard = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); from thetascope.cli.main import main; sys.exit(main())"
-    command = [sys.executable, "-c", heard, "run", str(tmp_path / "e.json"), "--no-store"]
+    code = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    code += "from thetascope.cli.main import main; sys.exit(main())"
+    command = [sys.executable, "-c", code, "run", str(tmp_path / "e.json"), "--no-store"]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
     try:
         with pytest.raises(subprocess.TimeoutExpired):

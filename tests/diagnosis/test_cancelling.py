@@ -7,29 +7,29 @@ from thetascope.engine.errors import Cancelled
 from thetascope_schemas import Experiment
 
 
-def asked_in(name: str, stop) -> int:
+def questions_in(name: str, stop) -> int:
     """Return how often a run asks whether it is cancelled after its simulation."""
     spec = library.experiment(name).model_dump(mode="json") | {"seed": 7_301, "diagnosis": {"false_alarms": 0.0123}}
     prepared = prepare(library.resolve(Experiment.model_validate(spec)))
-    asked, done = 0, []
+    questions, done = 0, []
 
     def cancelled() -> bool:
-        nonlocal asked
-        asked += bool(done)
-        return bool(done) and stop(asked)
+        nonlocal questions
+        questions += bool(done)
+        return bool(done) and stop(questions)
 
     try:
         prepared.run(lambda p: done.append(p) if p >= 1.0 else None, cancelled)
     except Cancelled:
-        return -asked
-    return asked
+        return -questions
+    return questions
 
 
 def test_a_run_is_cancelled_during_calibration_and_diagnosis(tmp_path, monkeypatch):
     """It asks before every longer step of the diagnosis, and ends when the answer is yes."""
     monkeypatch.setattr(cache, "folder", lambda: tmp_path)
-    assert asked_in("dc-motor", lambda asked: asked == 3) == -3  # simulating thresholds, which are not kept
-    whole = asked_in("dc-motor", lambda asked: False)
-    watching = asked_in("dc-motor", lambda asked: False)  # thresholds are on disk now
+    assert questions_in("dc-motor", lambda questions: questions == 3) == -3  # simulating thresholds, which are not kept
+    whole = questions_in("dc-motor", lambda questions: False)
+    watching = questions_in("dc-motor", lambda questions: False)  # thresholds are on disk now
     assert whole > watching > 10
-    assert asked_in("dc-motor", lambda asked: asked == watching // 2) == -(watching // 2)
+    assert questions_in("dc-motor", lambda questions: questions == watching // 2) == -(watching // 2)

@@ -56,10 +56,10 @@ def test_no_alarm_without_a_fault(name):
 def test_indistinguishable_faults_are_reported_as_such():
     """At the literal noise variance theta1 and theta2 are not resolvable, and they are named together."""
     result = prepare(library.resolve(library.experiment("zhao-2012-variance-as-printed"))).run()
-    told = result.diagnosis["detector"]
-    able = {r["channel"]: r["resolvable"] for r in told["resolution"]}
+    diagnosis = result.diagnosis["detector"]
+    able = {r["channel"]: r["resolvable"] for r in diagnosis["resolution"]}
     assert able == {"theta1": False, "theta2": False, "theta3": True}
-    later = [a for a in told["alarms"] if a["t"] > 40]
+    later = [a for a in diagnosis["alarms"] if a["t"] > 40]
     assert later and all({a["channel"], *a["alternatives"]} >= {"theta1", "theta2"} for a in later)
     assert {a["text"]["code"] for a in later} == {"diagnosis.alarm.ambiguous"}
 
@@ -191,7 +191,8 @@ def test_cutting_rows_changes_no_decision(pieces, kind):
 
 @pytest.mark.parametrize("row", [7413, 7626, 8265])
 def test_faults_that_end_together_keep_their_sizes(row):
-    """All three faults of zhao-2012 end together: each alarm ends within ten seconds, and nothing remains unexplained."""
+    """All three faults of zhao-2012 end together: each alarm ends within ten seconds,
+    and nothing remains unexplained."""
     end = row * 0.01
     faults = [
         step(c, onset, size, end=end)
@@ -209,8 +210,8 @@ def test_undersampled_inputs_are_refused_with_the_remedy(frequency, record, refu
     data = spec_data(
         horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[]
     )
-    told = prepare(library.resolve(Experiment.model_validate(data))).run().diagnosis["detector"]
-    note = told["note"]
+    diagnosis = prepare(library.resolve(Experiment.model_validate(data))).run().diagnosis["detector"]
+    note = diagnosis["note"]
     assert (note is not None) == refused
     if refused:
         assert (note["code"], note["args"]) == ("diagnosis.none.undersampled", {"signal": "u", "interval": record})

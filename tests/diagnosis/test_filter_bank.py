@@ -122,9 +122,9 @@ def test_hypotheses_equal_runs_of_the_filter(rows):
     numbers[:, :, 5] = np.exp(-numbers[:, :, 5] / rows.stride)
     onset = np.array([e.onset for e in events])
     courses = HypothesisCourses(numbers, np.full(rows.p, -np.inf), np.full(rows.p, np.inf), onset, onset + 4)
-    told = rows.bank.row_inputs(np.zeros((len(rows.d), rows.p)), rows.table, rows.d)
+    inputs = rows.bank.row_inputs(np.zeros((len(rows.d), rows.p)), rows.table, rows.d)
     found = rows.bank.run(
-        np.repeat(rows.begin[None], 9, axis=0), told, rows.t, courses, np.ones(rows.m), np.array([len(rows.d)])
+        np.repeat(rows.begin[None], 9, axis=0), inputs, rows.t, courses, np.ones(rows.m), np.array([len(rows.d)])
     )
     for k, e in enumerate(events):
         J, s, q, seen = rows.run(int(e.onset), [e])

@@ -109,7 +109,7 @@ def outcomes(row) -> list:
     return [(v.name, v.outcome) for v in row.verdicts]
 
 
-# ---- errors -----------------------------------------------------------------------------------------------------------
+# ---- errors ----------------------------------------------------------------------------------------------------------
 
 
 def test_errors_are_given_for_each_window_between_events():
@@ -176,7 +176,7 @@ def test_the_number_of_windows_is_limited():
     assert all(a.end == b.start for a, b in pairwise(found))
 
 
-# ---- alarms -----------------------------------------------------------------------------------------------------------
+# ---- alarms ----------------------------------------------------------------------------------------------------------
 
 
 def test_a_fault_is_found_by_the_first_alarm_that_names_it():

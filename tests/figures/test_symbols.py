@@ -62,7 +62,8 @@ def test_expressions_are_typeset_like_a_paper(text, html):
     ],
 )
 def test_titles_contain_typeset_symbols(text, html):
-    """In titles of axes and traces, names with an index and Greek names are symbols; words and entities are unchanged."""
+    """In titles of axes and traces, names with an index and Greek names are symbols;
+    words and entities are unchanged."""
     assert mathematical(text) == html
 
 

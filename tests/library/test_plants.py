@@ -24,7 +24,8 @@ def test_zhao_contois_is_equation_44():
 
 
 def test_contois_physical_maps_to_equation_44():
-    """x1 = biomass, x2 = a1 x̄1 x̄2/(a2 x̄1 + x̄2) carries (43) into (44) exactly, and the initial states correspond."""
+    """x1 = biomass, x2 = a1 x̄1 x̄2/(a2 x̄1 + x̄2) carries (43) into (44) exactly,
+    and the initial states correspond."""
     physical, canonical = model("contois-physical"), model("zhao-contois-as-printed")
     a1, a2 = physical.parameters[:2]
     one, two = physical.x

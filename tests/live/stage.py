@@ -84,8 +84,8 @@ class Connection:
 
 
 class Stage:
-    """A session on the first-order plant, rows of 10 ms; `go` lets time pass in frames. While it is `busy` rooms compute ahead when two more
-    frames have gone out: time for commands to come between."""
+    """A session on the first-order plant, rows of 10 ms; `go` lets time pass in frames. While it is `busy` rooms
+    compute ahead when two more frames have gone out: time for commands to come between."""
 
     def __init__(
         self,

@@ -108,7 +108,8 @@ def test_intervals_of_zero_theta_are_found_as_rows_arrive():
 
 
 def test_a_room_sends_the_facts_when_they_change_and_only_then():
-    """With hello, when tests begin, when a planned fault begins, after a command and after going back; not otherwise."""
+    """With hello, when tests begin, when a planned fault begins, after a command and after going back;
+    not otherwise."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()
@@ -167,7 +168,8 @@ def test_the_divergence_of_the_plant_is_reported_with_the_last_row(monkeypatch):
 
 
 def test_facts_keep_alarms_while_the_detector_catches_up():
-    """Going back takes the detector to an earlier row: alarms of the log stay found until it has tested the rows again."""
+    """Going back takes the detector to an earlier row: alarms of the log stay found until it has tested the rows
+    again."""
     session = Session(zhao(noise=NOISE))
     session.leave_detection()
     memory = FactsMemory(session.record)

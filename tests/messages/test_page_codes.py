@@ -73,7 +73,8 @@ def test_every_verdict_has_words(language):
 
 @pytest.mark.parametrize("language", languages())
 def test_named_kinds_of_observers_exist(language):
-    """A short name on the page belongs to a kind of observer that can be built; a kind without one is shown by its title."""
+    """A short name on the page belongs to a kind of observer that can be built;
+    a kind without one is shown by its title."""
     from thetascope.engine.observers import registry
 
     prefix = "page.observers.type."

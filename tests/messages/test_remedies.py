@@ -137,7 +137,8 @@ def values_of(name: str, call: ast.Call, function: Function | None) -> list[ast.
 
 
 def passed_on(call: ast.Call, function: Function | None) -> bool:
-    """Whether a refusal only repeats a problem: a parameter of its function, or the problem or code of another error."""
+    """Whether a refusal only repeats a problem: a parameter of its function,
+    or the problem or code of another error."""
     parameters = {a.arg for a in (*function.args.args, *function.args.kwonlyargs)} if function else set()
     return any(
         isinstance(argument, ast.Name)

@@ -77,7 +77,7 @@ const fault = (id, subject) => ({
   ended: false,
 });
 
-test('every state of an alarm has its finding; alarms that are on come first, then faults without one, cleared alarms last', () => {
+test('every state of an alarm has a finding; active alarms first, then faults without one, cleared alarms last', () => {
   /** @type {AlarmState[]} */
   const states = ['cleared', 'acting', 'covering', 'other-fault', 'no-fault', 'fault-over', 'cleared'];
   const found = findings(
@@ -123,7 +123,7 @@ test('alarms and verdicts are joined by id, never by time: two alarms raised at 
   );
 });
 
-test('facts replace observers, faults, noise and alarms of the state; an observer that comes back has its colour', () => {
+test('facts replace observers, faults, noise and alarms of the state; an observer keeps its colour', () => {
   /** @param {string} label @returns {service.ObserverNow} */
   const observer = (label) => ({
     label,

@@ -38,7 +38,10 @@ const RECORD = 0.01;
 /** The value of a row that the server has. @param {number} row */
 const truth = (row) => Math.fround(Math.sin(row / 40));
 
-/** A server with `rows` rows that answers with every n-th of them; `answers` counts its answers. @param {number} rows */
+/**
+ * A server with `rows` rows that answers with every n-th of them; `answers` counts its answers.
+ * @param {number} rows
+ */
 function serve(rows) {
   const server = {answers: 0, refusals: 0};
   globalThis.fetch = async (address) => {

@@ -74,7 +74,7 @@ test('what was chosen by hand is shown or hidden, whatever is usual', () => {
   assert.equal(stripsOf(state({plant: null})).length, 0);
 });
 
-test('a projector shows the channels and one state, or states and a residual where no observer estimates a fault', () => {
+test('a projector shows the channels and one state, or states and a residual without estimates of faults', () => {
   const one = {plant: plant(1), columns: COLUMNS, observers: [observer('o', 0)], presentation: true};
   /** @param {Partial<State>} more */
   const shown = (more) => stripsOf(state({...one, ...more})).filter((strip) => strip.shown);

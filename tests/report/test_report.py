@@ -152,8 +152,8 @@ def diagnosed(outcome, **findings: dict):
     """Return the result with findings; each is the schema's example with these fields changed."""
     example = ObserverDiagnosis.model_json_schema()["examples"][0]
     made = [example | {"observer": label} | changes for label, changes in findings.items()]
-    told = {"detector": {"observer": "", "note": "it was not asked"}, "observers": made}
-    return replace(outcome, diagnosis=Diagnosis.model_validate(told).model_dump(mode="json"))
+    data = {"detector": {"observer": "", "note": "it was not asked"}, "observers": made}
+    return replace(outcome, diagnosis=Diagnosis.model_validate(data).model_dump(mode="json"))
 
 
 ALARM = ObserverDiagnosis.model_json_schema()["examples"][0]["alarms"][0]
@@ -311,8 +311,8 @@ def test_the_text_of_a_message_is_escaped_and_its_markup_is_kept(experiment, res
     """Arguments that are markup stay markup; every other argument is text, whatever it holds."""
     spec = experiment()
     own = ReportContext(FigureData(result(spec), spec, plant, "light", "en"))
-    said = own.say("report.diverged", label=HOSTILE, t=mark("power", "1", "3"), cause="\x000\x00")
-    assert "1·10<sup>3</sup>" in said and "<script" not in said and "<img" not in said
+    sentence = own.say("report.diverged", label=HOSTILE, t=mark("power", "1", "3"), cause="\x000\x00")
+    assert "1·10<sup>3</sup>" in sentence and "<script" not in sentence and "<img" not in sentence
     assert own.say("report.detail", name="<b>", value=Markup("<i>x</i>")) == "&lt;b&gt; <i>x</i>"
 
 

@@ -14,7 +14,8 @@ class SpecError(ThetascopeError):
         field: path of the field, for example `dynamics.x1`.
         value: the value of that field.
         problem: what is wrong with the value.
-        remedy: how to correct it; by default the message whose code is the problem's plus `.remedy`, with its arguments.
+        remedy: how to correct it; by default the message whose code is the problem's plus `.remedy`,
+            with its arguments.
     """
 
     def __init__(self, field: str, value: object, problem: Message, remedy: Message | None = None) -> None:

@@ -47,7 +47,9 @@ HAT, TILDE = "\u0302", "\u0303"
 _INDEXED = re.compile(r"([A-Za-z]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?)\Z")
 _UNDERSCORED = re.compile(r"([A-Za-z]|" + "|".join(GREEK) + r")_([A-Za-z0-9]+)\Z")
 _TOKEN = re.compile(
-    r"(?P<name>[^\W\d]\w*)|(?P<power>\s*(?:\*\*|\^)\s*(?P<exponent>\d+(?:\.\d+)?|[^\W\d]\w*(?!\s*\()))|(?P<times>\s*\*\s*)"
+    r"(?P<name>[^\W\d]\w*)"
+    r"|(?P<power>\s*(?:\*\*|\^)\s*(?P<exponent>\d+(?:\.\d+)?|[^\W\d]\w*(?!\s*\()))"
+    r"|(?P<times>\s*\*\s*)"
     r"|(?P<number>\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?)|(?P<other>.)",
     re.DOTALL,
 )

@@ -6,9 +6,9 @@ A template is the translation of a code. It holds fields in braces, each with an
     {value:.4g}  a number by Python's format: .Ng, .Nf, .N%, `,` for thousands, `+` for the sign
     {names}      a list, joined by the catalogue's `join.comma`; {names:or} and {names:and} join the last item so
 
-A blank that has come to stand between two Chinese characters, as around a name that turned out to be Chinese, is left out.
-An entry with plural forms is chosen by the argument `n` and the rule in the catalogue's header. The page renders the
-same templates with frontend/i18n/render.js; tests/messages/rendering.json holds both to the same results.
+A blank that has come to stand between two Chinese characters, as around a name that turned out to be Chinese, is left
+out. An entry with plural forms is chosen by the argument `n` and the rule in the catalogue's header. The page renders
+the same templates with frontend/i18n/render.js; tests/messages/rendering.json holds both to the same results.
 """
 
 import re
@@ -69,8 +69,8 @@ class Catalogue:
     def as_data(self) -> dict[str, Any]:
         """Return the catalogue as plain data: language, templates, and the plural rule.
 
-        `plural` lists the categories of Unicode's CLDR (`one`, `other` …) in the order of the plural forms, so that a page
-        finds the form of n with `Intl.PluralRules`. A number that is not whole takes the form of 2.
+        `plural` lists the categories of Unicode's CLDR (`one`, `other` …) in the order of the plural forms, so that a
+        page finds the form of n with `Intl.PluralRules`. A number that is not whole takes the form of 2.
         """
         return {"language": self.language, "plural": _plural_categories(self.language), "messages": self.templates}
 

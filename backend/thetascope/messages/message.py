@@ -64,8 +64,9 @@ def text_of(value: Any, language: str = "en") -> str:
     """Return what people read in a language.
 
     Args:
-        value: a message, anything with its `code` and `args` (the wire's form, plain data), or a text. A text that has `texts`, a
-            map from language to text, is one in several languages; any other is given back as it is. None is no text.
+        value: a message, anything with its `code` and `args` (the wire's form, plain data), or a text. A text that has
+            `texts`, a map from language to text, is one in several languages; any other is given back as it is. None is
+            no text.
     """
     if value is None:
         return ""
@@ -80,7 +81,8 @@ def text_of(value: Any, language: str = "en") -> str:
 
 
 def words(language: str = "en") -> Callable[[str, Mapping[str, Any]], str]:
-    """Return the function that renders a code and its arguments (plain data, as of :meth:`Message.as_data`) in a language."""
+    """Return the function that renders a code and its arguments (plain data,
+    as of :meth:`Message.as_data`) in a language."""
 
     def render(code: str, args: Mapping[str, Any]) -> str:
         return Message.from_data({"code": code, "args": args}).text(language)

@@ -18,7 +18,8 @@ from thetascope_schemas.experiment.diagnosis import (
 
 
 def diagnosis(report: ReportContext, findings: Mapping[str, ObserverDiagnosis], seen: Observability) -> Markup:
-    """Return the detector's findings, then each observer's in the order of the spec, then the observability of the plant."""
+    """Return the detector's findings, then each observer's in the order of the spec,
+    then the observability of the plant."""
     labels = [label for label in (DETECTOR, *report.run.labels) if label in findings]
     return report.render(
         "diagnosis.html",

@@ -80,9 +80,9 @@ def versions() -> dict[str, str]:
 def report(result, spec, plant, run_meta: Mapping[str, Any], language: str = "en") -> str:
     """Return the whole report as HTML text in a language.
 
-    result: the run's `Result`; spec: its Experiment; plant: the Plant in full. run_meta, all optional: `id` (of the run),
-    `created` (text or datetime), `command` (the command line that makes this report), `versions` (name → version).
-    Raises PlotlyMissing when the drawing script cannot be found.
+    result: the run's `Result`; spec: its Experiment; plant: the Plant in full. run_meta, all optional: `id` (of the
+    run), `created` (text or datetime), `command` (the command line that makes this report), `versions` (name →
+    version). Raises PlotlyMissing when the drawing script cannot be found.
     """
     own = ReportContext(FigureData(result, spec, plant, "light", language))
     figures = [

@@ -59,7 +59,8 @@ def timeline(report: ReportContext) -> Markup:
 
 
 def _equations(report: ReportContext, plant: Plant) -> Iterator[tuple[Markup, Markup, Markup | str]]:
-    """Yield left side, right side and note: the states, the definitions, the outputs. Faults are marked where they enter."""
+    """Yield left side, right side and note: the states, the definitions, the outputs.
+    Faults are marked where they enter."""
     prime = mark("next") if plant.time.kind == "discrete" else "′"
     for state in plant.states:
         right = expression(plant.dynamics[state.name]) + _faults(plant, state.name, ("actuator", "process"))

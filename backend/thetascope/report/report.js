@@ -1,4 +1,5 @@
-// Draws the figures whose JSON is in the page, one after another. Nothing is fetched and nothing is sent. The width is set
+// Draws the figures whose JSON is in the page, one after another. Nothing is fetched and nothing is sent. The width is
+// set
 // explicitly: Plotly's own resizing measures the height too, and loses the margins.
 
 /** @import {PlotlyFigure} from '../../../frontend/types/globals.js' */

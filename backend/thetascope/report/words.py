@@ -1,7 +1,7 @@
 """The sentences of the report in one language, and its templates.
 
-Templates escape everything that is not markup already. Markup comes from the templates themselves, from `marks`, and from
-symbols and expressions (`figures.html_symbols`), which escape the names in them.
+Templates escape everything that is not markup already. Markup comes from the templates themselves, from `marks`, and
+from symbols and expressions (`figures.html_symbols`), which escape the names in them.
 """
 
 from collections.abc import Iterable
@@ -72,7 +72,8 @@ class ReportContext:
         return Markup(self.say("join.comma")).join(items)
 
     def table(self, head: Iterable[Any], rows: Iterable[Iterable[Any]], numeric: int) -> Markup:
-        """Return a table; the first cell of a row is its heading, the last `numeric` cells are numbers. Without rows: nothing."""
+        """Return a table; the first cell of a row is its heading, the last `numeric` cells are numbers.
+        Without rows: nothing."""
         head = list(head)
         return mark("table", head, [list(row) for row in rows], len(head) - numeric)
 

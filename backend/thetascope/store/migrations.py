@@ -1,7 +1,7 @@
 """The tables as a list of migrations: entry n upgrades a file from version n to n + 1. Entries are never edited."""
 
-#: Specs are kept. Results can be recomputed and are deleted to free space, so they are a separate table. The blob is the
-#: last column of its row, so that reading the other columns does not read it.
+#: Specs are kept. Results can be recomputed and are deleted to free space, so they are a separate table. The blob is
+#: the last column of its row, so that reading the other columns does not read it.
 MIGRATIONS: tuple[tuple[str, ...], ...] = (
     (
         """CREATE TABLE runs (

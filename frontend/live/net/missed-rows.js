@@ -89,7 +89,8 @@ export class Arrivals {
 /**
  * Fetch rows first … last − 1 of a session and give them to `push(first, count, data)` as if they had been sent, each
  * held until the next.
- * @param {{session: string, names: string[], record: number, first: number, last: number, push: (first: number, count: number, data: Float32Array) => void}} options
+ * @param {{session: string, names: string[], record: number, first: number, last: number,
+ *   push: (first: number, count: number, data: Float32Array) => void}} options
  * @returns {Promise<void>}
  */
 async function fetchMissed({session, names, record, first, last, push}) {

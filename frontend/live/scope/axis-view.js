@@ -5,7 +5,8 @@ import {fixed, power, raised} from '../../widgets/number-format.js';
 
 /** @import {DrawnStrip, Leaving, Range, Samples, Strip, Trace} from '../types.js' */
 
-const TRIMMED = 0.12; // share of an estimate's outermost moments that do not set the scale: starts, and what other faults throw it to
+// share of an estimate's outermost samples that do not set the scale: its start, and the effect of other faults
+const TRIMMED = 0.12;
 const BEYOND = 0.6; // of that scale: what lies within it on either side is shown whole, so that noise is never cut
 const BAND = 0.35; // the same for a confidence band, which may be as wide as it likes
 const DIGITS = 7; // that fit beside an axis
@@ -141,7 +142,8 @@ export function setTicks(strip, range, height) {
   let count = strip.log ? height / 30 : Math.max(2, height / (height < 80 ? 17 : 23));
   let step = strip.log ? Math.max(1, Math.round(niceStep(span, count))) : niceStep(span, count);
   const inside = () => marks(range.low + 0.05 * span, range.high - 0.05 * span, step).length;
-  while (!strip.log && inside() < 2 && count < 10) step = niceStep(span, (count += 1)); // one alone says nothing of the scale
+  // one alone says nothing of the scale
+  while (!strip.log && inside() < 2 && count < 10) step = niceStep(span, (count += 1));
   strip.ticks = marks(range.low, range.high, step);
   [strip.labels, strip.power] = strip.log
     ? [strip.ticks.map((value) => `10${raised(Math.round(value))}`), '']

@@ -197,7 +197,10 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
   ctx.globalAlpha = 1;
 }
 
-/** @typedef {[first: number, last: number, power: number, x0: number, dx: number, y0: number, dy: number, top: number, bottom: number]} Geometry */
+/**
+ * @typedef {[first: number, last: number, power: number, x0: number, dx: number, y0: number, dy: number,
+ *   top: number, bottom: number]} Geometry
+ */
 
 /**
  * Confidence bands, the first observer's on top; many of them are paler. (Outlines would cost the square of what
@@ -268,7 +271,8 @@ function drawMarks(ctx, strip, {left, width, height}, view, scale, colours) {
 function drawLeaving(ctx, strip, {left, right, height}, scale, colours) {
   const arm = 3.6 * colours.size;
   for (const {from, to, up, place, trace} of strip.leaving ?? []) {
-    const x = scale.x((from + to) / 2) + (trace - (strip.traces.length - 1) / 2) * 2 * arm; // beside those of other curves
+    // beside those of other curves
+    const x = scale.x((from + to) / 2) + (trace - (strip.traces.length - 1) / 2) * 2 * arm;
     if (x < left || x > right) continue;
     const [tip, foot] = up ? [1, 1 + 1.5 * arm] : [height - 1, height - 1 - 1.5 * arm];
     ctx.fillStyle = colours.observers[place % 6];

@@ -55,7 +55,8 @@ export function operatorsOf(plant) {
     const match = BACKLASH.exec(expression);
     if (!match) continue;
     input ??= match[1];
-    const memory = Object.entries(plant?.dynamics ?? {}).find(([, dynamics]) => dynamics.trim() === name)?.[0]; // the state that keeps its output
+    // the state that keeps its output
+    const memory = Object.entries(plant?.dynamics ?? {}).find(([, dynamics]) => dynamics.trim() === name)?.[0];
     if (memory && input === match[1]) operators.push({name, memory, right: amount(match[2]), left: amount(match[3])});
   }
   return input !== null && operators.length ? {input, operators} : null;

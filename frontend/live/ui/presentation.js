@@ -134,7 +134,8 @@ function keeping(main, move) {
 function watchEmpty(tabs, app) {
   const look = () => {
     for (const [name, tab] of tabs) tab.disabled = panel(name).matches('[hidden]');
-    if (app.state.plant && tabs.get(app.state.desk)?.disabled) app.act.desk(names[0]); // while a session is opened, all of them are empty
+    // while a session is opened, all of them are empty
+    if (app.state.plant && tabs.get(app.state.desk)?.disabled) app.act.desk(names[0]);
   };
   const watcher = new MutationObserver(look);
   for (const name of names) watcher.observe(panel(name), {attributeFilter: ['hidden']});

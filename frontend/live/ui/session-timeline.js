@@ -274,7 +274,8 @@ function place({app, choice, root}) {
   const {left, width} = root.getBoundingClientRect(); // while presenting: over the scope's legend, below its time
   const scope = query('#scope').getBoundingClientRect();
   const wide = choice.offsetWidth;
-  choice.style.left = `${Math.max(scope.left - left, Math.min(((app.state.looking ?? 0) / reach({app})) * width - wide / 2, scope.right - left - wide))}px`;
+  const middle = ((app.state.looking ?? 0) / reach({app})) * width;
+  choice.style.left = `${Math.max(scope.left - left, Math.min(middle - wide / 2, scope.right - left - wide))}px`;
 }
 
 /** @param {Timeline} timeline */

@@ -70,7 +70,8 @@ export function mountTransport(root, app) {
     },
   );
   app.onTick(() => {
-    const text = seconds(app.samples.now, app.state.record >= 1 ? 1 : 0.1); // the present, also while looking back: the scope shows that time at its line
+    // the present, also while looking back: the scope shows that time at its line
+    const text = seconds(app.samples.now, app.state.record >= 1 ? 1 : 0.1);
     if (figures.textContent !== text) figures.textContent = text;
   });
 }

@@ -1,4 +1,5 @@
-// Between the experiment and its figures: the detector's findings, and which observer found which fault how fast; with the numbers
+// Between the experiment and its figures: the detector's findings, and which observer found which fault how fast; with
+// the numbers
 // behind it folded away.
 
 import {fill, h, number} from '../../common/dom.js';

@@ -26,7 +26,8 @@ def state(page, field: str):
 def last_row(page) -> dict:
     """Return the newest value of every column, and its time."""
     return page.evaluate(
-        f"Object.fromEntries([['now', {APP}.samples.now], ...{APP}.state.columns.map((name) => [name, {APP}.latest(name)])])"
+        f"Object.fromEntries([['now', {APP}.samples.now], ...{APP}.state.columns.map((name) => [name, "
+        f"{APP}.latest(name)])])"
     )
 
 

@@ -43,7 +43,8 @@ def test_space_presses_a_button_that_was_reached_by_tab(page):
 
 
 def test_an_export_waits_for_a_long_run(page):
-    """The server answers 202 with the progress, without a spec: the specification is downloaded when the run has ended."""
+    """The server answers 202 with the progress, without a spec:
+    the specification is downloaded when the run has ended."""
     live = opened(page)
     until(live, "thetascope.state.t > 0.5")
 

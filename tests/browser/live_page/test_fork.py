@@ -39,7 +39,8 @@ def test_a_fork_is_compared_with_its_parent(page):
         return Math.sqrt(a.reduce((sum, v, k) => sum + (v - b[k]) ** 2, 0) / a.length);
       }};
       const shown = (row) => Number(document.querySelector(`#panel-comparison ${{row}} td`).textContent);
-      return Math.abs(shown('tbody tr') / of({APP}.samples) - 1) < 0.1 && Math.abs(shown('.of-origin') / of({APP}.ghost) - 1) < 0.1;
+      return Math.abs(shown('tbody tr') / of({APP}.samples) - 1) < 0.1
+        && Math.abs(shown('.of-origin') / of({APP}.ghost) - 1) < 0.1;
     }})()""",
     )
     noise = [

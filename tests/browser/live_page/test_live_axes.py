@@ -103,14 +103,16 @@ def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(page):
     """At 1280×720 eleven strips fit: none is cut, none overlaps, nothing needs scrolling."""
     opened = settled(page, "/?experiment=dts200&t=700", width=1280, height=720)
     boxes = opened.evaluate(
-        "[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })"
+        "[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = "
+        "one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })"
     )
     assert len(boxes) == 11 and all(after[0] - before[1] >= 3 for before, after in pairwise(boxes))
     assert opened.evaluate(
         "document.querySelector('.strips').scrollHeight <= document.querySelector('.strips').clientHeight + 1"
     )
     labels = opened.evaluate(
-        "[...document.querySelectorAll('.strip')].map((one) => one.querySelector('.strip-label').getBoundingClientRect().bottom - one.getBoundingClientRect().bottom)"
+        "[...document.querySelectorAll('.strip')].map((one) => "
+        "one.querySelector('.strip-label').getBoundingClientRect().bottom - one.getBoundingClientRect().bottom)"
     )
     assert max(labels) <= 1
 
@@ -120,7 +122,8 @@ def test_a_strip_without_values_gives_the_reason(page):
     opened = settled(page, "/?experiment=friction-motor&t=10")
     until(
         opened,
-        "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] .unresolved').innerText)",
+        "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] "
+        ".unresolved').innerText)",
     )
 
 
@@ -138,11 +141,11 @@ def test_marks_are_explained(page):
     rail = opened.locator(".rail").bounding_box()
     opened.mouse.move(rail["x"] + rail["width"] * t / 100, rail["y"] + 10)
     assert "alarm: θ₃" in opened.get_attribute(".rail", "title")
-    for language, said in (("en", "the interval"), ("zh", "区间")):
+    for language, words in (("en", "the interval"), ("zh", "区间")):
         opened.evaluate(f"{APP}.act.language('{language}')")
         opened.keyboard.press("?")
         opened.wait_for_selector(".marks-list tr")
-        assert opened.locator(".marks-list tr").count() == 13 and said in opened.inner_text(".marks-list")
+        assert opened.locator(".marks-list tr").count() == 13 and words in opened.inner_text(".marks-list")
         opened.keyboard.press("Escape")
 
 

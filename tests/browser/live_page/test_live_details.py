@@ -49,7 +49,8 @@ def test_a_lesson_waits_in_the_time_of_the_plant(page):
     until(live, "document.querySelectorAll('.coming:not(:empty)').length === 0")
     assert "found in" in until(
         live,
-        "/found in/.test(document.querySelector('.verdict').textContent) && document.querySelector('.verdict').textContent",
+        "/found in/.test(document.querySelector('.verdict').textContent) && "
+        "document.querySelector('.verdict').textContent",
     )
 
 
@@ -64,7 +65,8 @@ def test_enter_on_the_size_injects(page):
     field.press("Enter")
     until(
         live,
-        "thetascope.state.faults.some((fault) => fault.subject === 'theta2' && fault.active && fault.fault.size === 0.008)",
+        "thetascope.state.faults.some((fault) => fault.subject === 'theta2' && fault.active && fault.fault.size "
+        "=== 0.008)",
     )
     assert (
         live.evaluate("thetascope.state.faults.filter((fault) => fault.subject === 'theta2' && !fault.ended).length")
@@ -86,7 +88,8 @@ def test_overlapping_faults_are_listed_with_their_sum(page):
     live.evaluate("thetascope.act.step(300)")
     until(
         live,
-        "/Together with 0\\.02 since 20\\.0.*Total: 0\\.04/.test(document.querySelector('#fault-theta3 .stack').textContent)",
+        "/Together with 0\\.02 since 20\\.0.*Total: 0\\.04/.test(document.querySelector('#fault-theta3 "
+        ".stack').textContent)",
     )
     assert live.evaluate("thetascope.latest('theta.theta3')") == pytest.approx(0.04)
 
@@ -95,14 +98,16 @@ def test_the_log_is_in_order_and_names_the_quantity(page):
     """Newest first; a probability is not called a size; later faults state their time; gains have the names of their
     cards."""
     live = opened(page, "/?experiment=friction-motor&t=2")
-    told = live.evaluate("""async () => {
+    log_lines = live.evaluate("""async () => {
       const {lines} = await import('/live/ui/event-words.js');
       const event = (t, kind, subject, value, text = '') => ({t, row: t, kind, subject, value, text});
-      const log = [event(1, 'inject', 'y_speed', {output: 'y_speed', shape: 'dropout', onset: 0, probability: 0.3}), event(9, 'inject', 'friction', {shape: 'step', onset: 3, size: 2}),
-        event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5, 'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', '', null, 'the plant escapes')];
+      const log = [event(1, 'inject', 'y_speed', {output: 'y_speed', shape: 'dropout', onset: 0, probability: 0.3}),
+        event(9, 'inject', 'friction', {shape: 'step', onset: 3, size: 2}),
+        event(4, 'fault-begins', 'friction', null), event(6, 'gain', 'ekf', {gain: 'q_theta', value: 3}), event(6.5,
+          'gain', 'ekf', {gain: 'q_theta', value: 4}), event(12, 'diverged', '', null, 'the plant escapes')];
       return lines(log, thetascope.state.plant, {q_theta: 'Qθ'}).map(({t, words}) => [t, words]);
     }""")
-    assert told == [
+    assert log_lines == [
         [12, "the plant diverged"],
         [9, "you injected added friction = 2, step, starting at 12.0 s"],
         [6.5, "you set Qθ of ekf to 4"],
@@ -121,12 +126,13 @@ def test_names_in_chinese_are_consistent(page):
     until(live, "document.querySelector('#panel-comparison option')?.textContent.includes('液位')")
     live.evaluate("thetascope.send({type: 'inject', fault: {channel: 'leak1', shape: 'step', onset: 0, size: 0.05}})")
     until(live, "/1 号罐泄漏/.test(document.querySelector('#panel-log').textContent)")
-    said = live.evaluate("""async () => {
+    names = live.evaluate("""async () => {
       const {spoken, called} = await import('/common/names.js');
       const {plant} = thetascope.state;
-      return [spoken('leak1, level1 and clog13 cannot be distinguished with this input: only 2 combinations of them are visible', plant), called('y1', plant), called('leak1', plant)];
+      const sentence = 'leak1, level1 and clog13 cannot be distinguished with this input';
+      return [spoken(sentence, plant), called('y1', plant), called('leak1', plant)];
     }""")
-    assert "1 号罐泄漏" in said[0] and "leak1" not in said[0] and said[1:] == ["y₁", "1 号罐泄漏"]
+    assert "1 号罐泄漏" in names[0] and "leak1" not in names[0] and names[1:] == ["y₁", "1 号罐泄漏"]
     options = live.locator("#panel-comparison option").all_inner_texts()
     assert not [one for one in options if "leak" in one or "level" in one]
 

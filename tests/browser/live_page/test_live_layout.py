@@ -13,14 +13,17 @@ SIX = [
     ("ekf", "joint-ekf"),
     ("ukf", "joint-ukf"),
 ]
-CARDS = """Object.fromEntries([...document.querySelectorAll('.left > .card, .right > .card, #scope')].filter((one) => one.checkVisibility())
-  .map((one) => { const {top, bottom, left, right} = one.getBoundingClientRect(); return [one.id, [top, bottom, left, right].map(Math.round).join(' ')]; }))"""
+CARDS = """Object.fromEntries([...document.querySelectorAll('.left > .card, .right > .card, #scope')]
+  .filter((one) => one.checkVisibility())
+  .map((one) => { const {top, bottom, left, right} = one.getBoundingClientRect(); return [one.id, [top, bottom, left,
+    right].map(Math.round).join(' ')]; }))"""
 #: Lines of a card's list: how many are seen whole, how many in part, how many are there, and what the rim says.
 LINES = """(selector) => {
   const all = [...document.querySelectorAll(selector)].filter((one) => one.offsetHeight > 0);
   const list = all[0].closest('.scroll').getBoundingClientRect();
   const whole = all.filter((one) => one.getBoundingClientRect().bottom <= list.bottom + 1.5).length;
-  const cut = all.filter((one) => one.getBoundingClientRect().top < list.bottom - 2 && one.getBoundingClientRect().bottom > list.bottom + 1.5).length;
+  const cut = all.filter((one) => one.getBoundingClientRect().top < list.bottom - 2
+    && one.getBoundingClientRect().bottom > list.bottom + 1.5).length;
   return [whole, cut, all.length, all[0].closest('.card').querySelector(':scope > .more-lines').innerText];
 }"""
 LISTS = {
@@ -120,7 +123,8 @@ OVERLAPS = """() => {
   const apart = (a, b) => a.right <= b.left || b.right <= a.left || a.bottom <= b.top || b.bottom <= a.top;
   const notices = boxes('.choice:not([hidden]), #notice:not(:empty)');
   const kept = boxes('.logo, .pages a, .connection, .actions button, #timeline .rail, #transport, .strip-plot');
-  return notices.flatMap(([name, box], i) => [...kept, ...notices.slice(i + 1)].filter(([, other]) => !apart(box, other))
+  return notices.flatMap(([name, box], i) => [...kept, ...notices.slice(i + 1)].filter(([, other]) => !apart(box,
+    other))
     .map(([other]) => `${name} / ${other}`));
 }"""
 
@@ -154,5 +158,6 @@ def test_the_hysteresis_fits_on_a_phone(page):
     assert len(boxes) == 4 and all(box["y"] + box["height"] <= card["y"] + card["height"] for box in boxes)
     assert all(before["y"] + before["height"] <= after["y"] + 1 for before, after in pairwise(boxes))
     assert live.evaluate(
-        "[...document.querySelectorAll('#hysteresis canvas')].every((one) => one.height === Math.round(one.clientHeight * devicePixelRatio))"
+        "[...document.querySelectorAll('#hysteresis canvas')].every((one) => one.height === "
+        "Math.round(one.clientHeight * devicePixelRatio))"
     )

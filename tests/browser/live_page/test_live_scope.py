@@ -14,7 +14,8 @@ def coloured(page, strip: str, colour: str) -> int:
     return page.evaluate(
         """([strip, name]) => {
       const canvas = document.querySelector(`[data-strip="${strip}"] canvas`);
-      const probe = Object.assign(document.createElement('canvas'), {width: canvas.width, height: canvas.height}).getContext('2d', {willReadFrequently: true});
+      const probe = Object.assign(document.createElement('canvas'), {width: canvas.width,
+        height: canvas.height}).getContext('2d', {willReadFrequently: true});
       probe.fillStyle = getComputedStyle(document.documentElement).getPropertyValue(name);
       probe.fillRect(0, 0, 1, 1);
       const want = probe.getImageData(0, 0, 1, 1).data;
@@ -173,7 +174,8 @@ def test_a_fault_injected_while_paused_is_shown_immediately(page):
     send(opened, "{type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.012}}")
     until(
         opened,
-        f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding .badge.lit').length === 1",
+        f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding "
+        f".badge.lit').length === 1",
     )
     opened.wait_for_timeout(200)
     assert not state(opened, "playing") and coloured(opened, "theta.theta1", "--fault-line") > 30
@@ -181,5 +183,6 @@ def test_a_fault_injected_while_paused_is_shown_immediately(page):
     send(opened, "{type: 'clear', channel: 'theta1'}")
     until(
         opened,
-        f"{lit} === 0 && !{APP}.state.faults.some(({{active}}) => active) && document.querySelectorAll('.finding').length === 0",
+        f"{lit} === 0 && !{APP}.state.faults.some(({{active}}) => active) && "
+        f"document.querySelectorAll('.finding').length === 0",
     )

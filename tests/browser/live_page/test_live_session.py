@@ -87,7 +87,8 @@ def test_a_read_only_viewer_sees_everything_and_changes_nothing(page):
       const {connect} = await import('/live/net/socket.js');
       let hello;
       const greeted = new Promise((done) => { hello = done; });
-      const socket = connect({session: thetascope.state.session, token: null, onMessage: (message) => message.type === 'hello' && hello(), onFrame() {}, onConnection() {}});
+      const socket = connect({session: thetascope.state.session, token: null, onMessage: (message) =>
+        message.type === 'hello' && hello(), onFrame() {}, onConnection() {}});
       await greeted;
       return socket.send({type: 'play'}).then(() => 'done', (error) => error.name);
     }""")
@@ -158,9 +159,11 @@ def test_a_lost_connection_is_survived_without_a_gap(page):
     until(opened, f"window.lost && {APP}.state.connection === 'live' && {APP}.samples.now > 15")
     opened.evaluate(f"{APP}.act.pause()")
     until(opened, f"!{APP}.state.playing && {APP}.samples.rows === {APP}.state.row")
-    different = opened.evaluate(f"""fetch(`/api/sessions/${{{APP}.state.session}}/data`).then((answer) => answer.json()).then(({{columns}}) => {{
+    different = opened.evaluate(f"""fetch(`/api/sessions/${{{APP}.state.session}}/data`)
+      .then((answer) => answer.json()).then(({{columns}}) => {{
       const own = {APP}.window('adaptive.x.x1', 0, 1e9).v;
-      return [own.length, own.filter((value, i) => value !== Math.fround(columns['adaptive.x.x1'][i])).length, columns.t.length];
+      return [own.length, own.filter((value, i) => value !== Math.fround(columns['adaptive.x.x1'][i])).length,
+        columns.t.length];
     }})""")
     assert different[1] == 0 and different[0] == different[2] > 1500
 
@@ -230,11 +233,13 @@ def test_rows_that_were_not_sent_are_fetched_in_order(page):
       samples.epoch = 7;
       const arrivals = new Arrivals(samples, state.session, () => {});
       const frame = (first, count) => ({epoch: 7, first, count, columns: whole.sent.length,
-        data: Float32Array.from(whole.sent.flatMap((name) => Array.from({length: count}, (_, i) => whole.value(name, first + i))))});
+        data: Float32Array.from(whole.sent.flatMap((name) => Array.from({length: count}, (_, i) => whole.value(name,
+          first + i))))});
       const asked = window.fetch;
       let tries = 0;
       window.fetch = (address, ...more) => (String(address).includes('/data?') && (tries += 1) === 1
-        ? Promise.resolve(new Response('{}', {status: 503, headers: {'content-type': 'application/json'}})) : asked(address, ...more));
+        ? Promise.resolve(new Response('{}', {status: 503,
+          headers: {'content-type': 'application/json'}})) : asked(address, ...more));
       arrivals.frame(frame(0, 100));
       const first = arrivals.jump({first: 100, row: 900});
       arrivals.frame(frame(900, 100));
@@ -243,7 +248,8 @@ def test_rows_that_were_not_sent_are_fetched_in_order(page):
       await first;
       window.fetch = asked;
       let wrong = 0;
-      for (const name of whole.sent) for (let row = 0; row < 2600; row += 1) if (!Object.is(samples.value(name, row), whole.value(name, row))) wrong += 1;
+      for (const name of whole.sent) for (let row = 0; row < 2600; row += 1) if (!Object.is(samples.value(name, row),
+        whole.value(name, row))) wrong += 1;
       return [wrong, tries];
     }""")
     assert wrong == 0 and tries == 3

@@ -16,10 +16,12 @@ SPOKEN = """() => {
   const walk = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   while (walk.nextNode()) {
     const {parentElement: at, data} = walk.currentNode;
-    if (data.trim() && at.checkVisibility() && !at.closest('noscript, .languages, option, title')) words.push(data.trim());
+    const shown = at.checkVisibility() && !at.closest('noscript, .languages, option, title');
+    if (data.trim() && shown) words.push(data.trim());
   }
   for (const one of document.querySelectorAll('[aria-label], [title], [placeholder]')) {
-    for (const name of ['aria-label', 'title', 'placeholder']) if (one.getAttribute(name)) words.push(one.getAttribute(name));
+    for (const name of ['aria-label', 'title',
+      'placeholder']) if (one.getAttribute(name)) words.push(one.getAttribute(name));
   }
   return words;
 }"""
@@ -141,7 +143,8 @@ def test_other_plants_fill_the_same_panels(page, experiment):
     assert live.locator("#panel-inject .fault:not(.noise)").count() == sites
     outside = live.evaluate(
         "(() => { const box = document.querySelector('svg.plant').getBoundingClientRect();"
-        " return [...document.querySelectorAll('svg.plant text, svg.plant .site')].filter((one) => { const r = one.getBoundingClientRect();"
+        " return [...document.querySelectorAll('svg.plant text, svg.plant .site')].filter((one) => { const r = "
+        "one.getBoundingClientRect();"
         " return r.left < box.left - 3 || r.right > box.right + 3; }).map((one) => one.textContent); })()"
     )
     assert outside == [] and live.watch.errors == []

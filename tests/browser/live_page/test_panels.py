@@ -150,8 +150,8 @@ def test_a_refusal_is_shown_in_the_form(page):
     live.click("#panel-observers .heading .link")
     live.fill(".add-form input[type=text]", "adaptive")
     live.click(".add-form button[type=submit]")
-    said = until(live, "document.querySelector('.add-form .refused').textContent")
-    assert "label" in said and "Remedy" in said
+    problem = until(live, "document.querySelector('.add-form .refused').textContent")
+    assert "label" in problem and "Remedy" in problem
     assert live.evaluate("thetascope.state.observers.length") == 1
 
 
@@ -195,7 +195,8 @@ def test_the_comparison_is_computed_over_the_window(page):
       const {t, window: w} = thetascope.state;
       const [a, b] = ['x.x1', 'adaptive.x.x1'].map((name) => thetascope.window(name, Math.max(0, t - w), t).v);
       const rmse = Math.sqrt(a.reduce((sum, value, k) => sum + (value - b[k]) ** 2, 0) / a.length);
-      return Math.abs(document.querySelector('#panel-comparison tbody td').textContent / rmse - 1) < 0.051; // two digits
+      return Math.abs(document.querySelector('#panel-comparison tbody td').textContent / rmse - 1) < 0.051;
+        // two digits
     })()""",
     )
 
@@ -222,7 +223,8 @@ def test_the_longest_sentence_covers_nothing(page):
         "(() => { const box = document.querySelector('.verdict'); return box.scrollHeight <= box.clientHeight + 1; })()"
     )
     below = live.evaluate(
-        "document.querySelector('.finding').getBoundingClientRect().top >= document.querySelector('.verdict').getBoundingClientRect().bottom - 1"
+        "document.querySelector('.finding').getBoundingClientRect().top >= "
+        "document.querySelector('.verdict').getBoundingClientRect().bottom - 1"
     )
     lines = live.locator(".finding .line").evaluate_all("(all) => all.map((one) => one.clientHeight)")
     assert inside and below and max(lines) < 30

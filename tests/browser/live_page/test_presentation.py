@@ -7,13 +7,16 @@ from tests.browser.test_accessibility import UNFOLD, serious, with_faults
 
 TABS = {"inject": "I", "observers": "O", "comparison": "M", "log": "G", "try": "Y"}
 SIZES = [(1920, 1080), (1440, 900), (1280, 720), (1024, 768)]
-SHOWN = """[...document.querySelectorAll('.desk > [role=tabpanel]')].filter((one) => one.checkVisibility()).map((one) => one.id)"""
-PLACES = "[...document.querySelectorAll('.col')].map((column) => [column.className, ...[...column.children].map((one) => one.id)])"
-BOXES = """Object.fromEntries(['#panel-title', '.connection', '#timeline', '#transport', '.marks', '#scope', '.strips', '#panel-diagnosis', '.verdict', '#panel-plant',
-  'svg.plant', '.desk', '.desk-tabs'].map((name) => { const {x, y, width, height} = document.querySelector(name).getBoundingClientRect();
+SHOWN = """[...document.querySelectorAll('.desk > [role=tabpanel]')].filter((one) => one.checkVisibility())
+  .map((one) => one.id)"""
+PLACES = """[...document.querySelectorAll('.col')]
+  .map((column) => [column.className, ...[...column.children].map((one) => one.id)])"""
+BOXES = """Object.fromEntries(['#panel-title', '.connection', '#timeline', '#transport', '.marks', '#scope',
+  '.strips', '#panel-diagnosis', '.verdict', '#panel-plant', 'svg.plant', '.desk', '.desk-tabs'].map((name) => {
+  const {x, y, width, height} = document.querySelector(name).getBoundingClientRect();
   return [name, [x, y, width, height].map(Math.round).join(' ')]; }))"""
-#: Controls and parts that stand over one another or reach out of the window or of the card that they stand in. What a list has
-#: scrolled away upwards or downwards counts as far as it is seen.
+#: Controls and parts that overlap or reach out of the window or of their card. Items that a list has scrolled count as
+#: far as they are visible.
 WRONG = """(() => {
   const seen = (element) => {
     let {left, top, right, bottom} = element.getBoundingClientRect();
@@ -24,12 +27,15 @@ WRONG = """(() => {
     }
     return {element, left, top, right, bottom};
   };
-  const name = ({element}) => element.id || element.getAttribute('aria-label') || element.textContent.trim().slice(0, 30) || element.className;
-  const all = (selector) => [...document.querySelectorAll(selector)].filter((one) => one.checkVisibility({opacityProperty: true})).map(seen)
+  const name = ({element}) => element.id || element.getAttribute('aria-label')
+    || element.textContent.trim().slice(0, 30) || element.className;
+  const all = (selector) => [...document.querySelectorAll(selector)]
+    .filter((one) => one.checkVisibility({opacityProperty: true})).map(seen)
     .filter((box) => box.right - box.left > 1 && box.bottom - box.top > 1);
   const wrong = [];
   const apart = (boxes) => boxes.forEach((a, at) => boxes.slice(at + 1).forEach((b) => {
-    const over = Math.min(Math.min(a.right, b.right) - Math.max(a.left, b.left), Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
+    const over = Math.min(
+      Math.min(a.right, b.right) - Math.max(a.left, b.left), Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top));
     if (over > 1 && !a.element.contains(b.element)) wrong.push(`${name(a)} / ${name(b)}`);
   }));
   const controls = all('button, select, input:not([type=checkbox]), .clock, .connection, .rail, .verdict, .unresolved');
@@ -37,11 +43,14 @@ WRONG = """(() => {
   apart(controls);
   apart(cards);
   for (const box of [...controls, ...cards]) {
-    if (box.left < 0 || box.top < 0 || box.right > innerWidth || box.bottom > innerHeight) wrong.push(`${name(box)} leaves the window`);
+    if (box.left < 0 || box.top < 0 || box.right > innerWidth
+      || box.bottom > innerHeight) wrong.push(`${name(box)} leaves the window`);
     const card = box.element.parentElement.closest('.card:not(.desk > .card)')?.getBoundingClientRect();
-    if (card && (box.left < card.left || box.right > card.right || box.top < card.top || box.bottom > card.bottom)) wrong.push(`${name(box)} leaves its card`);
+    if (card && (box.left < card.left || box.right > card.right || box.top < card.top
+      || box.bottom > card.bottom)) wrong.push(`${name(box)} leaves its card`);
   }
-  for (const {element} of controls) if (element.matches('button') && element.scrollWidth > element.clientWidth + 1 && !element.matches('.moment, .plain-words')) wrong.push(`${name({element})} is cut`);
+  for (const {element} of controls) if (element.matches('button') && element.scrollWidth > element.clientWidth + 1
+    && !element.matches('.moment, .plain-words')) wrong.push(`${name({element})} is cut`);
   if (document.documentElement.scrollWidth > innerWidth) wrong.push('the page is too wide');
   return wrong;
 })()"""
@@ -98,7 +107,8 @@ def test_the_panels_work_while_presenting(page):
     live.click(".add-form button[type=submit]")
     until(
         live,
-        "thetascope.state.observers.length === 2 && document.querySelectorAll('#panel-observers .observer').length === 2",
+        "thetascope.state.observers.length === 2 && document.querySelectorAll('#panel-observers .observer').length "
+        "=== 2",
         60,
     )
     live.wait_for_timeout(300)
@@ -116,7 +126,8 @@ def test_a_fault_channel_in_the_plant_opens_its_injection(page):
     """From another tab: the card switches to Inject, and the row is visible and focused; a number key does the same."""
     live = presented(page, "/?experiment=dts200&t=10", width=1280, height=720)
     whole = """(name) => { const row = document.getElementById(`fault-${name}`).getBoundingClientRect();
-      const list = document.querySelector('.faults').getBoundingClientRect(); return row.top >= list.top - 1 && row.bottom <= list.bottom + 1; }"""
+      const list = document.querySelector('.faults').getBoundingClientRect(); return row.top >= list.top - 1
+        && row.bottom <= list.bottom + 1; }"""
     live.click("#desk-log")
     last = live.evaluate("thetascope.state.plant.channels.at(-1).name")
     live.locator("svg.plant .site:not(.output)").last.click()
@@ -143,7 +154,8 @@ def test_leaving_restores_the_normal_page(page, way):
     live = opened(page, "/?experiment=zhao-2012&t=30")
     live.evaluate("thetascope.act.pause(); thetascope.act.window(10)")
     before = live.evaluate(PLACES)
-    kept = "[thetascope.state.session, thetascope.state.window, thetascope.state.row, document.querySelector('.observer input.number').value]"
+    kept = """[thetascope.state.session, thetascope.state.window, thetascope.state.row,
+      document.querySelector('.observer input.number').value]"""
     same = live.evaluate(kept)
     live.keyboard.press("p")
     live.wait_for_selector("#desk-inject")
@@ -194,7 +206,8 @@ def test_a_reload_keeps_the_presentation(page):
     live.reload()
     until(
         live,
-        f"window.thetascope?.state.session === '{session}' && thetascope.state.presentation && document.querySelector('.desk .fault') !== null",
+        f"window.thetascope?.state.session === '{session}' && thetascope.state.presentation && "
+        f"document.querySelector('.desk .fault') !== null",
     )
     live.keyboard.press("p")
     live.reload()
@@ -208,11 +221,11 @@ def test_the_bar_shows_view_only_and_a_lost_connection(page, server):
     link = live.evaluate("thetascope.act.link({view: true})")
     viewer = opened(page, link.removeprefix(server), width=1024, height=768)
     viewer.evaluate("thetascope.act.present(true)")
-    said = viewer.locator(".connection")
-    assert said.is_visible() and said.inner_text() == "view only · live · 2 viewers"
+    connection = viewer.locator(".connection")
+    assert connection.is_visible() and connection.inner_text() == "view only · live · 2 viewers"
     assert viewer.locator("#desk-try").is_disabled()  # the questions are for who controls the session
     viewer.evaluate("thetascope.store.dispatch({type: 'connection', now: 'reconnecting'})")
-    assert said.inner_text().startswith("view only · connection lost") and said.is_visible()
+    assert connection.inner_text().startswith("view only · connection lost") and connection.is_visible()
     assert (
         viewer.locator(".connection .dot").evaluate("(dot) => getComputedStyle(dot).backgroundColor")
         == "rgb(194, 65, 12)"
@@ -227,9 +240,11 @@ def test_nothing_overlaps_or_is_cut(page, experiment):
     visible."""
     live = presented(page, f"/?experiment={experiment}&t=2")
     live.evaluate(
-        "thetascope.send({type: 'inject', fault: {channel: thetascope.state.plant.channels[0].name, shape: 'step', onset: 0, size: 1e-3}})"
+        "thetascope.send({type: 'inject', fault: {channel: thetascope.state.plant.channels[0].name, shape: 'step', "
+        "onset: 0, size: 1e-3}})"
     )
-    inside = """(selector) => { const all = [...document.querySelectorAll(selector)]; const list = all[0].closest('.scroll').getBoundingClientRect();
+    inside = """(selector) => { const all = [...document.querySelectorAll(selector)];
+      const list = all[0].closest('.scroll').getBoundingClientRect();
       return all.filter((one) => one.getBoundingClientRect().bottom <= list.bottom + 1).length; }"""
     wrong = {}
     for width, height in SIZES:

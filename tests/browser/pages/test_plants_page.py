@@ -19,7 +19,8 @@ def test_every_plant_is_listed_with_its_equations(page):
 
 
 def test_an_edited_plant_is_checked(page):
-    """A valid plant gets its equations and the observers that can be built, an invalid one the position and the remedy."""
+    """A valid plant gets its equations and the observers that can be built,
+    an invalid one the position and the remedy."""
     opened = page("/plants/")
     opened.wait_for_selector("#own")
     plant = library.plant("shen-hu-2015").model_dump(mode="json")

@@ -202,12 +202,12 @@ def test_the_report_opens_offline_from_a_file(page, server, browser, tmp_path):
     (tmp_path / "report.html").write_text(report, encoding="utf-8")
     context = browser.new_context(offline=True)
     page_ = context.new_page()
-    asked, errors = [], []
-    page_.on("request", lambda request: asked.append(request.url))
+    requests, errors = [], []
+    page_.on("request", lambda request: requests.append(request.url))
     page_.on("console", lambda message: errors.append(message.text) if message.type == "error" else None)
     page_.goto((tmp_path / "report.html").as_uri())
     until(page_, "document.querySelectorAll('.plot .js-line').length && !resizing.busy")
     assert page_.locator(".plot").count() == page_.locator(".plot:has(.main-svg)").count() >= 5
-    assert len(asked) == 1 and errors == []
+    assert len(requests) == 1 and errors == []
     assert page_.locator(".modebar-btn[data-title*=Share]").count() == 0
     context.close()

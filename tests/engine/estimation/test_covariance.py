@@ -26,7 +26,8 @@ def results(name: str) -> tuple[list[Result], tuple]:
 
 @pytest.mark.parametrize("name", ["zhao-2012", "dc-motor", "contois-physical", "shen-hu-2015"])
 def test_the_95_percent_band_covers_the_truth(name: str):
-    """In the last two thirds of ten runs the band contains θ 93 to 97 % of the time, over all estimates of an observer."""
+    """In the last two thirds of ten runs the band contains θ 93 to 97 % of the time,
+    over all estimates of an observer."""
     runs, estimators = results(name)
     for e in (e for e in estimators if e.channels):
         inside = []
@@ -42,8 +43,8 @@ def test_the_band_of_a_kalman_filter_agrees_with_its_own_covariance():
     """If all its assumptions hold, the independent recursion for S agrees with the filter's P to a tenth."""
     runs, _ = results("friction-motor")
     late = len(runs[0].column("t")) // 2
-    said, claimed = (np.mean([r.column(f"ekf.{w}.friction")[late:] for r in runs]) for w in ("sigma", "claimed"))
-    assert said < 1.1 * claimed
+    computed, claimed = (np.mean([r.column(f"ekf.{w}.friction")[late:] for r in runs]) for w in ("sigma", "claimed"))
+    assert computed < 1.1 * claimed
 
 
 def test_the_band_widens_when_excitation_is_lost():

@@ -212,8 +212,8 @@ def test_faults_act_in_the_order_of_the_signal_path():
         {"shape": "delay", "onset": 0.0, "delay": 0.4},
         {"shape": "stuck", "onset": 4.0, "value": 0.3},
     ]
-    for told in (faults, faults[::-1]):
-        found = seen(sensor(*told))
+    for order in (faults, faults[::-1]):
+        found = seen(sensor(*order))
         np.testing.assert_allclose(found.at(2.0, 4.0), np.rint(smooth(np.array(1.6), 0) / 0.5) * 0.5, atol=1e-12)
         assert (found.at(4.0) == 0.5).all()
 

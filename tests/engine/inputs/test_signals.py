@@ -111,7 +111,8 @@ def test_breaks_of_a_span_are_those_of_its_parts(a: float, b: float, middle: flo
 
 
 def test_prbs_is_binary_fair_and_depends_on_its_seed():
-    """Two values, each about half of the time, drawn anew after every hold time; another seed gives another sequence."""
+    """Two values, each about half of the time, drawn anew after every hold time;
+    another seed gives another sequence."""
 
     def make(seed: int):
         return signal({"kind": "prbs", "low": -1, "high": 2, "hold": 0.5, "seed": seed})

@@ -98,8 +98,8 @@ def test_faults_that_no_output_shows_are_named():
         ],
     )
     found = structure(plant)
-    told = {(g.channels, g.states) for g in found.groups}
-    assert told == {(("lost",), ()), (("bias",), ("x1",)), ((), ("x3",))}
+    groups = {(g.channels, g.states) for g in found.groups}
+    assert groups == {(("lost",), ()), (("bias",), ("x1",)), ((), ("x3",))}
     assert sorted(found.unidentifiable) == ["bias", "lost"]
     assert "lost shows in no output" in str(found.text)
     assert "bias cannot be distinguished from the state x1" in str(found.text)

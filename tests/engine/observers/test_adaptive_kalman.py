@@ -107,7 +107,7 @@ def _ramp(onset: float, slope: float):
 
 def test_the_claimed_deviation_is_the_spread_of_the_estimates():
     """With noise according to Q and R, θ̂ spreads over 60 seeds as the observer claims (√(Γ/2)), within 20 %."""
-    spread, told, times = [], [], [0.05 * k for k in range(400)]
+    spread, claimed, times = [], [], [0.05 * k for k in range(400)]
     for seed in range(60):
         white = np.random.default_rng(seed).normal(
             scale=(0.04 / 0.05) ** 0.5, size=400
@@ -135,8 +135,8 @@ def test_the_claimed_deviation_is_the_spread_of_the_estimates():
             ],
         )
         spread.append(result.column("o.theta.theta")[100:])
-        told.append(result.column("o.claimed.theta")[100:])
-    assert np.std(spread) == pytest.approx(np.mean(told), rel=0.2)
+        claimed.append(result.column("o.claimed.theta")[100:])
+    assert np.std(spread) == pytest.approx(np.mean(claimed), rel=0.2)
 
 
 LAG = {

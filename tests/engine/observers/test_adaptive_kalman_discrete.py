@@ -152,7 +152,8 @@ def test_discrete_plant_takes_its_own_map():
 
 @pytest.mark.parametrize("experiment", ["dts200", "quadruple-tank"])
 def test_library_tanks_are_diagnosed(experiment):
-    """At the end of its phase every fault, and every healthy channel, is within three of its σ; every assumption holds."""
+    """At the end of its phase every fault, and every healthy channel, is within three of its σ;
+    every assumption holds."""
     result = prepare(library.resolve(library.experiment(experiment))).run()
     onsets = sorted(f.onset for f in library.experiment(experiment).faults)
     t = result.column("t")

@@ -149,10 +149,10 @@ def test_the_digest_of_the_code_depends_on_every_file_of_the_engine(tmp_path, mo
 
 def test_prose_does_not_change_programs(plant: dict):
     """A plant with other titles has the same programs; one with another equation, parameter or start does not."""
-    told = oscillator(title="Another title", description="x", source="y", id="other")
-    told["states"] = [s | {"unit": "m", "description": "position"} for s in told["states"]]
-    told["inputs"] = [u | {"bounds": [-1, 1], "default": 0.5} for u in told["inputs"]]
-    assert mathematics(told) == mathematics(plant)
+    reworded = oscillator(title="Another title", description="x", source="y", id="other")
+    reworded["states"] = [s | {"unit": "m", "description": "position"} for s in reworded["states"]]
+    reworded["inputs"] = [u | {"bounds": [-1, 1], "default": 0.5} for u in reworded["inputs"]]
+    assert mathematics(reworded) == mathematics(plant)
     for change in (
         {"dynamics": plant["dynamics"] | {"x1": "2*x2"}},
         {"parameters": [{"name": "k", "value": 5.0}]},

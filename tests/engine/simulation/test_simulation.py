@@ -76,7 +76,8 @@ def test_joined_and_separate_kernels_agree_bit_for_bit():
 
 
 def test_a_discontinuity_off_the_grid_is_met_exactly():
-    """A fault at 1.0037 s with h = 5 ms: the states agree with h = 0.1 ms, whose grid contains it, to rounding of RK4."""
+    """A fault at 1.0037 s with h = 5 ms: the states agree with h = 0.1 ms, whose grid contains it,
+    to rounding of RK4."""
     change = {
         "noise": {},
         "faults": [{"channel": "force", "shape": "step", "onset": 1.0037, "size": 2.0}],

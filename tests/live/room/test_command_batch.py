@@ -35,7 +35,8 @@ def test_a_fault_is_changed_at_one_row_while_time_runs():
 
 
 def test_a_batch_with_a_refused_command_leaves_nothing():
-    """The first command of two would have been carried out: its fault goes on, nothing is logged, one refusal says where."""
+    """The first command of two would have been carried out:
+    its fault goes on, nothing is logged, one refusal says where."""
 
     async def scenario(stage: Stage) -> None:
         page = await stage.connect()

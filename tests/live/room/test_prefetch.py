@@ -22,7 +22,7 @@ def frames(
     playback: PlaybackClock, call: float, row: float, count: int = 60
 ) -> list[tuple[int, list[tuple[int, bool]]]]:
     """Return for each frame the rows available for it, and the batches computed before it: (rows, in a thread)."""
-    ahead, left, told = PrefetchPlan(), 0, []
+    ahead, left, planned = PrefetchPlan(), 0, []
     for _ in range(count):
         pieces = []
         while not pieces or ahead.behind(playback, left):
@@ -32,9 +32,9 @@ def frames(
             pieces.append(wanted)
             left += wanted[0]
             ahead.measured(wanted[0], call + row * wanted[0])
-        told.append((left, pieces))
+        planned.append((left, pieces))
         left -= min(left, playback.rows_in(FRAME))
-    return told
+    return planned
 
 
 @pytest.mark.parametrize("speed", [0.1, 1, 20, 200, 1000])

@@ -25,7 +25,8 @@ def in_state(state: State) -> RoomMachine:
 
 @given(st.lists(st.sampled_from(Transition), max_size=60))
 def test_no_sequence_of_events_leaves_the_table(transitions):
-    """A transition of the table leads to its state; any other raises and changes nothing; answers depend on the state only."""
+    """A transition of the table leads to its state; any other raises and changes nothing;
+    answers depend on the state only."""
     machine = RoomMachine()
     for transition in transitions:
         before = machine.state

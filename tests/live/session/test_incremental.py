@@ -114,7 +114,8 @@ def test_an_adapted_experiment_equals_a_new_one(seed):
 
 
 def test_unaffected_parts_are_kept():
-    """A changed gain keeps all signals and the measurement, a fault on a channel all observers and the other signals."""
+    """A changed gain keeps all signals and the measurement,
+    a fault on a channel all observers and the other signals."""
     spec = complete("zhao-2012", faults=())
     made = engine(spec)
     gain = adapted(changed(spec, SetGain(at=0, observer="adaptive", gain="rho", value=7.0)), {}, spec, made)
@@ -150,10 +151,10 @@ def test_the_state_follows_from_recorded_rows(observers):
     _, rows = simulation.advance(start, 40 * experiment.every)
     for r in (0, 1, 17, 39):
         stopped, _ = simulation.advance(start, r * experiment.every) if r else (start, None)
-        told = simulation.state_at(start, rows, r)
-        assert told.k == stopped.k
+        recorded = simulation.state_at(start, rows, r)
+        assert recorded.k == stopped.k
         for a, b in zip(
-            (told.plant, *told.observers, told.memory.passed),
+            (recorded.plant, *recorded.observers, recorded.memory.passed),
             (stopped.plant, *stopped.observers, stopped.memory.passed),
             strict=True,
         ):

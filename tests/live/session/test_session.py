@@ -109,7 +109,8 @@ ACTIONS = [
 
 @pytest.mark.parametrize("seed", range(6))
 def test_a_random_sequence_of_commands_is_saved_bit_for_bit(seed):
-    """Faults, gains, noise, signals and observers at random, also while rows are half computed: the saved run is equal."""
+    """Faults, gains, noise, signals and observers at random, also while rows are half computed:
+    the saved run is equal."""
     draw = random.Random(seed)
     session, pieces = Session(zhao()), []
     for _ in range(9):
@@ -322,22 +323,22 @@ def test_divergence_is_reported_where_the_run_reports_it(piece):
         )
         while session.row < 150 and not session.ended:
             session.advance(piece)
-        (told,) = [e for e in session.log if e.kind == "diverged"]
+        (logged,) = [e for e in session.log if e.kind == "diverged"]
         when = run.diverged if who == "" else run.observers[0].diverged
-        assert (told.subject, told.t, told.row) == (who, when.time, round(when.time / session.record))
-        assert who or (session.ended and session.history.end == session.row == told.row + 1)
+        assert (logged.subject, logged.t, logged.row) == (who, when.time, round(when.time / session.record))
+        assert who or (session.ended and session.history.end == session.row == logged.row + 1)
 
 
 def test_the_log_has_cleared_faults_and_first_sizes():
     """The log names planned faults that were cleared; an alarm's size is the first one reported, however rows are
     grouped."""
-    told = []
+    logged = []
     for piece in (13, 900):
         session = Session(library.resolve(library.experiment("zhao-2012")))
         while session.t < 26:
             session.advance(min(piece, 2600 - session.row))
-        told.append([(e.row, e.subject, e.value["size"]) for e in session.log if e.kind == "alarm"])
-    assert told[0] == told[1] and [subject for _, subject, _ in told[0]] == ["theta3"]
+        logged.append([(e.row, e.subject, e.value["size"]) for e in session.log if e.kind == "alarm"])
+    assert logged[0] == logged[1] and [subject for _, subject, _ in logged[0]] == ["theta3"]
     (event,), _ = do(session, "clear", channel="theta1")
     assert event.value == {"planned": 1} and event.message.text == "theta1 cleared, planned faults included"
     (event,), _ = do(session, "clear", channel="theta3")

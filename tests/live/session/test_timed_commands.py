@@ -53,9 +53,9 @@ def test_observers_that_have_no_row_yet_are_not_checked():
     session = Session(zhao())
     session.advance(300)
     do(session, "add-observer", observer={"label": "ekf", "kind": "joint-ekf"})
-    assert [told.observer for told in session.assumptions()] == ["adaptive"]
+    assert [report.observer for report in session.assumptions()] == ["adaptive"]
     session.advance(300)
-    assert [told.observer for told in session.assumptions()] == ["adaptive", "ekf"]
+    assert [report.observer for report in session.assumptions()] == ["adaptive", "ekf"]
 
 
 @pytest.mark.parametrize(

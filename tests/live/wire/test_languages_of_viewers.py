@@ -42,7 +42,8 @@ def test_each_viewer_gets_the_log_in_its_language():
     ],
 )
 def test_a_refusal_is_in_the_language_of_the_viewer_that_it_answers(kind, fields, problem, remedy):
-    """Problem and remedy are Chinese, whether the message, the session or the clock refuses; code and arguments stay."""
+    """Problem and remedy are Chinese, whether the message, the session or the clock refuses;
+    code and arguments stay."""
 
     async def scenario(stage: Stage) -> None:
         page, english = await stage.connect(language="zh"), await stage.connect()

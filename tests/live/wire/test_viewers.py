@@ -76,7 +76,8 @@ def test_a_viewer_with_too_many_unread_events_is_closed():
 
 
 def test_a_lost_connection_resumes_without_a_gap():
-    """A viewer that names its last frame gets the rows after it, none twice; in the end it has those of one that stayed."""
+    """A viewer that names its last frame gets the rows after it, none twice;
+    in the end it has those of one that stayed."""
 
     async def scenario(stage: Stage) -> None:
         page, lost = await stage.connect(), await stage.connect()

@@ -123,7 +123,8 @@ def rmse(estimate: np.ndarray, truth: np.ndarray) -> float | None:
 
 
 def settling_time(t: np.ndarray, error: np.ndarray, start: float, until: float, within: float) -> float | None:
-    """Return the seconds from `start` until |error| ≤ within for every later row before `until`; None if that never comes.
+    """Return the seconds from `start` until |error| ≤ within for every later row before `until`;
+    None if that never comes.
 
     t, error: shape (rows,). Rows at `until` and later belong to the next event and are ignored. An estimate that
     leaves the band in the last tenth of the rows has not settled.
@@ -139,7 +140,8 @@ def settling_time(t: np.ndarray, error: np.ndarray, start: float, until: float, 
 
 
 def reaching_time(t: np.ndarray, error: np.ndarray, start: float, until: float, within: float) -> float | None:
-    """Return the seconds from `start` until |error| ≤ within for the first time; None if that never happens before `until`."""
+    """Return the seconds from `start` until |error| ≤ within for the first time;
+    None if that never happens before `until`."""
     rows = _between(t, start, until)
     inside = np.flatnonzero(np.abs(error[rows]) <= within)
     return float(t[rows[inside[0]]] - start) if inside.size else None
@@ -255,7 +257,8 @@ def final_values(result: Columns, label: str, last: float = LAST) -> dict[str, d
 
 
 def state_rmse(result: Columns, label: str, last: float | None = None) -> dict[str, float | None]:
-    """Return the RMSE of every state that observer `label` estimates, over the whole run or (last=0.1) its last share."""
+    """Return the RMSE of every state that observer `label` estimates,
+    over the whole run or (last=0.1) its last share."""
     t = result.column("t")
     rows = slice(None) if last is None else t >= t[-1] - last * (t[-1] - t[0])
     states = [s for s in names_after(result, "x.") if f"{label}.x.{s}" in result.names]

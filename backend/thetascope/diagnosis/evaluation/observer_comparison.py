@@ -1,4 +1,5 @@
-"""Observers compared on the same data: errors between fault events, settling, faults found and missed, cost. Pure NumPy.
+"""Observers compared on the same data: errors between fault events, settling, faults found and missed, cost.
+Pure NumPy.
 
 A fault *event* is the onset or the end of a fault, in a channel of the model or on a measurement. *Windows* lie between
 consecutive events. An observer without a number in some row of a window has none for the window, because it was not
@@ -41,7 +42,8 @@ DETECTOR = "detector"
 """Label of the detector among the labels of the observers."""
 MOST_WINDOWS = 64
 GRACE = 0.05
-"""Grace as a share of the run, used without a calibration: then it is not known how long an observer takes to settle."""
+"""Grace as a share of the run, used without a calibration:
+then it is not known how long an observer takes to settle."""
 BANDS = (0.1, 0.05)
 """Shares of a step's size within which an estimate counts as settled."""
 _SAME_INSTANT = 1e-9
@@ -89,7 +91,8 @@ class Step:
 
 @dataclass(frozen=True)
 class Row:
-    """One observer. Errors by column name ("x.x1", "theta.theta1"), one number per window, None if a window has no value.
+    """One observer. Errors by column name ("x.x1", "theta.theta1"), one number per window,
+    None if a window has no value.
 
     `judgement` is None, and so are the counts, if no tests ran on the observer. `cost` is in processor seconds per
     simulated second.
@@ -193,7 +196,7 @@ def presences_in(result: Columns, faults: Sequence[FaultOverTime]) -> tuple[Pres
     return presences(faults, float(t[-1]), nonzero)
 
 
-# ---- errors -----------------------------------------------------------------------------------------------------------
+# ---- errors ----------------------------------------------------------------------------------------------------------
 
 
 def windows(faults: Sequence[FaultOverTime], t: np.ndarray) -> tuple[Window, ...]:
@@ -226,7 +229,8 @@ def errors(
 
 
 def error(truth: np.ndarray, estimate: np.ndarray) -> tuple[float | None, float | None]:
-    """Return RMSE and peak over the rows with a finite truth; None, None without such rows or if an estimate is missing."""
+    """Return RMSE and peak over the rows with a finite truth;
+    None, None without such rows or if an estimate is missing."""
     with np.errstate(over="ignore", invalid="ignore"):
         distance = np.abs(estimate - truth)[np.isfinite(truth)]
         mean = float(np.sqrt(np.mean(distance**2))) if distance.size else np.inf

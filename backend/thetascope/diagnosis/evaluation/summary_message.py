@@ -1,4 +1,5 @@
-"""The diagnosis in one sentence: which message says most about the present verdicts, from the worst news to the best."""
+"""The diagnosis in one sentence: which message says most about the present verdicts,
+from the worst news to the best."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -190,7 +190,8 @@ class AlarmVerdict:
 class Judgement:
     """All verdicts on one detector, in order of time.
 
-    `undetected`: of the faults that act at the time of judging those that no alarm that is on names, the newest of each site.
+    `undetected`: of the faults that act at the time of judging those that no alarm that is on names,
+    the newest of each site.
     """
 
     faults: tuple[FaultVerdict, ...]

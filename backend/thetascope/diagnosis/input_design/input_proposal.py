@@ -187,7 +187,7 @@ class _Trial:
                 return False
         return True
 
-    # ---- candidates ----------------------------------------------------------------------------------------------------
+    # ---- candidates --------------------------------------------------------------------------------------------------
 
     def candidates(self, swing: float) -> Iterator[tuple[str, dict]]:
         """Yield (input, signal) of all candidates with a swing."""

@@ -1,11 +1,12 @@
 """Detect, isolate and revise, decision by decision.
 
 1. *Detection*: the largest GLR over windows and channels, and the largest residual, are compared with their thresholds.
-2. *Isolation* (isolate.py): a test is above its threshold. Hypotheses are ranked by likelihood; a finding is raised when
-   one leads clearly, or after a while with the best one.
+2. *Isolation* (isolate.py): a test is above its threshold. Hypotheses are ranked by likelihood; a finding is raised
+   when one leads clearly, or after a while with the best one.
 3. Afterwards the fault is taken as known, and detection continues for changes from there: another fault, or the end of
-   this one. The latest events are revised as data come in (revise.py). An output that is faulty is ignored by the filter
-   until it agrees again with its prediction from the others; from time to time it is tried again (revise_beliefs.py).
+   this one. The latest events are revised as data come in (revise.py). An output that is faulty is ignored by the
+   filter until it agrees again with its prediction from the others; from time to time it is tried again
+   (revise_beliefs.py).
 
 Functions that return `Steps` are generators: they yield before each longer computation.
 """

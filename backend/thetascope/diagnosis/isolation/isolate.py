@@ -143,7 +143,7 @@ def _is_clear(choice: RankedExplanations) -> bool:
     return not rivals or rivals[0].cost - leader.cost > CLEAR
 
 
-# ---- hypotheses --------------------------------------------------------------------------------------------------------
+# ---- hypotheses ------------------------------------------------------------------------------------------------------
 
 
 def _new_events(state: DecisionState, evidence: Evidence, least_length: int) -> Steps[RankedExplanations]:
@@ -247,7 +247,7 @@ def _is_acceptable(window: ReplayWindow, explanation: Explanation) -> bool:
     return explanation.left < ACCEPTED_RESIDUAL and significant and long_enough
 
 
-# ---- decisions ---------------------------------------------------------------------------------------------------------
+# ---- decisions -------------------------------------------------------------------------------------------------------
 
 
 def accept_leader(state: DecisionState, evidence: Evidence, choice: RankedExplanations) -> Steps[DecisionState]:

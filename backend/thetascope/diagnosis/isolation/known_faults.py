@@ -110,7 +110,7 @@ def _remember_settled(state: DecisionState, entries: tuple[TentativeEvent, ...])
     return state
 
 
-# ---- standard deviations -----------------------------------------------------------------------------------------------
+# ---- standard deviations ---------------------------------------------------------------------------------------------
 
 
 def _deviation(
@@ -200,7 +200,7 @@ def _merge_ramp(tentative: TentativeEvents, fit: Explanation) -> TentativeEvents
     return tentative
 
 
-# ---- findings ----------------------------------------------------------------------------------------------------------
+# ---- findings --------------------------------------------------------------------------------------------------------
 
 
 def clear_findings(state: DecisionState, which: list[int]) -> DecisionState:
@@ -327,7 +327,7 @@ def _caused_since(state: DecisionState, tentative: TentativeEvents, onset: int) 
     )
 
 
-# ---- memory ------------------------------------------------------------------------------------------------------------
+# ---- memory ----------------------------------------------------------------------------------------------------------
 
 
 def earliest_replay(state: DecisionState, evidence: Evidence) -> int:

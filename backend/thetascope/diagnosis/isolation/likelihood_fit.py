@@ -165,7 +165,7 @@ def pseudo_inverse(J: np.ndarray) -> np.ndarray:
         return np.linalg.pinv(J / scale, rcond=1e-9, hermitian=True) / scale
 
 
-# ---- onsets ------------------------------------------------------------------------------------------------------------
+# ---- onsets ----------------------------------------------------------------------------------------------------------
 
 
 def refine_onsets(fits: FitBatch, which: list[int]) -> Steps[list[Explanation]]:

@@ -124,7 +124,7 @@ def _theta_bounds(context: Context) -> ThetaBounds:
     )
 
 
-# ---- runs without faults -----------------------------------------------------------------------------------------------
+# ---- runs without faults ---------------------------------------------------------------------------------------------
 
 
 def healthy(experiment: Experiment) -> Experiment:
@@ -207,7 +207,7 @@ def _rows_until_settled_covariance(filter_: InnovationFilter, states: np.ndarray
     return int(unsettled[-1]) + 1 if len(unsettled) else 0
 
 
-# ---- cache -------------------------------------------------------------------------------------------------------------
+# ---- cache -----------------------------------------------------------------------------------------------------------
 
 
 @lru_cache(maxsize=1)

@@ -159,7 +159,7 @@ def _monitor_run(detector: Detector, parts: Parts, doubt: float) -> Steps[Monito
     return state
 
 
-# ---- observers' own estimates ------------------------------------------------------------------------------------------
+# ---- observers' own estimates ----------------------------------------------------------------------------------------
 
 
 def _diagnose_estimates(

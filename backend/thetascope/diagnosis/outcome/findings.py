@@ -235,7 +235,7 @@ def excitation_of(detector: Detector, J: np.ndarray, accuracy: float) -> Excitat
     return excitation(J, [c["name"] for c in channels], typical, accuracy)
 
 
-# ---- observers' own estimates ------------------------------------------------------------------------------------------
+# ---- observers' own estimates ----------------------------------------------------------------------------------------
 
 
 def observer_report(own: EstimateDiagnosis, interval: float, confidence: float, rate: float) -> dict:

@@ -3,8 +3,8 @@
 All are real and opaque: SymPy does not rewrite them and evaluates them only with numbers. They define their
 derivatives. Those named like SymPy's own (`Abs`, `sign`, `floor`, `Min`, `Max`, `atan2`) print like them, but never
 turn into square roots, conjugates, Heaviside or Dirac terms, and are cheap to construct. Their derivatives follow the
-rule in derivatives.py: at a kink they are the limit along one direction, at a jump those of the selected branch. Conditions
-are the real numbers 1 and 0.
+rule in derivatives.py: at a kink they are the limit along one direction, at a jump those of the selected branch.
+Conditions are the real numbers 1 and 0.
 """
 
 import math

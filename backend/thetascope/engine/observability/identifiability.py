@@ -129,7 +129,8 @@ def _structure(plant: Mapping, channels: tuple[str, ...]) -> Structure:
 
 
 def _found(plant: Mapping, program: Program, channels: tuple[str, ...]) -> tuple[list[Found], Message | None, bool]:
-    """Return the ranks at several points, why they do not decide the question (or None), and whether the equations switch."""
+    """Return the ranks at several points, why they do not decide the question (or None),
+    and whether the equations switch."""
     findings = []
     with precise():
         try:

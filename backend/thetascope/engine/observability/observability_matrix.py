@@ -30,7 +30,8 @@ class TooLarge(Exception):
 
 @dataclass(frozen=True)
 class Point:
-    """A point of evaluation: states, parameters, faults and t as values, inputs as Taylor coefficients (one per step)."""
+    """A point of evaluation: states, parameters, faults and t as values,
+    inputs as Taylor coefficients (one per step)."""
 
     values: Mapping[str, Decimal]
     inputs: Mapping[str, list[Decimal]]

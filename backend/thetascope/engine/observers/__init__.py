@@ -1,1 +1,2 @@
-"""Observers, one file each. support/declaration.py describes the contents of a file, support/draft.py the form of its equations."""
+"""Observers, one file each. support/declaration.py describes the contents of a file,
+support/draft.py the form of its equations."""

@@ -118,7 +118,8 @@ class Simulation:
         return np.concatenate(parts)
 
     def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
-        """Return the states at the rows of the span: kernels record at ends of steps; the first row may be the start."""
+        """Return the states at the rows of the span: kernels record at ends of steps;
+        the first row may be the start."""
         rows = np.vstack([start[None, :], out]) if first % self.experiment.every == 0 else out
         return rows[: len(index)]
 

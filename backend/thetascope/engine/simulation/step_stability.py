@@ -49,7 +49,8 @@ def _largest(jacobian: np.ndarray) -> np.ndarray:
     try:
         begin = np.ones(len(jacobian))
         # pyright infers the type of tol from its default, 0
-        eigenvalues = eigs(jacobian, k=6, which="LM", return_eigenvectors=False, v0=begin, tol=1e-3)  # pyright: ignore[reportArgumentType]
+        options = {"k": 6, "which": "LM", "v0": begin, "tol": 1e-3}
+        eigenvalues = eigs(jacobian, return_eigenvectors=False, **options)  # pyright: ignore[reportArgumentType]
         return np.asarray(eigenvalues)
     except ArpackError:
         return np.linalg.eigvals(jacobian)

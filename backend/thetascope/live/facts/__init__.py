@@ -1,1 +1,2 @@
-"""The facts of a live session: active faults and findings at the row that is shown, and the comparison of observers over a window."""
+"""The facts of a live session: active faults and findings at the row that is shown,
+and the comparison of observers over a window."""

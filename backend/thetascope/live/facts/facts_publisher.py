@@ -40,7 +40,8 @@ class FactsPublisher:
         return self._sent or self.facts()
 
     def _following(self) -> float:
-        """Return the time in s of the next row at which the spec, or an event of a row computed ahead, changes the facts."""
+        """Return the time in s of the next row at which the spec, or an event of a row computed ahead,
+        changes the facts."""
         session, shown = self._room.session, self._room.shown
         times = [t for fault in session.spec.faults for t in (fault.onset, fault.end) if t is not None]
         times += [command.at for command in session.spec.commands]

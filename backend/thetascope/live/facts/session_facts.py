@@ -85,7 +85,8 @@ def losses(session: "Session", row: int) -> Losses:
 
 
 class FactsMemory:
-    """Results kept between two calls: alarms by their findings, the latest alarms by id, and in which stretches of rows the true θ is not zero."""
+    """Results kept between two calls: alarms by their findings, the latest alarms by id,
+    and in which stretches of rows the true θ is not zero."""
 
     def __init__(self, record: float) -> None:
         self._record = record

@@ -1,4 +1,5 @@
-"""The observers of a session compared over the window that a page shows. Rows are copied in turn with other jobs, then measured apart."""
+"""The observers of a session compared over the window that a page shows.
+Rows are copied in turn with other jobs, then measured apart."""
 
 import math
 from dataclasses import asdict

@@ -26,7 +26,7 @@ class BackgroundChecks:
         self._checked, self._checking = room.services.clock(), False
         room.session.leave_detection()
 
-    # ---- faults --------------------------------------------------------------------------------------------------------
+    # ---- faults ------------------------------------------------------------------------------------------------------
 
     def detection_job(self) -> tuple[Steps["MonitorState"], Callback] | None:
         """Return the steps that test the waiting rows for faults, and their callback; None if no rows wait.
@@ -59,7 +59,7 @@ class BackgroundChecks:
         if not room.machine.closed and room.session.pending_detection() is not None:
             room.request_detection()
 
-    # ---- assumptions ---------------------------------------------------------------------------------------------------
+    # ---- assumptions -------------------------------------------------------------------------------------------------
 
     def check(self, spacing: float) -> None:
         """Check the assumptions if a viewer is there and the last check is `spacing` seconds ago or more."""

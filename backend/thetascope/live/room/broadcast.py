@@ -112,7 +112,7 @@ class Broadcast:
         """Return how many rows a viewer has that received frame `number` last; 0 if that is unknown."""
         return (self._numbers.rows_after(number) or 0) if number is not None else 0
 
-    # ---- viewers that do not have the latest frame ---------------------------------------------------------------------
+    # ---- viewers that do not have the latest frame -------------------------------------------------------------------
 
     def next_span(self, viewer: Viewer, backlog: int, oldest: int) -> Span | None:
         """Return the rows to send to a viewer next; one that is more than `backlog` bytes behind jumps."""
@@ -133,7 +133,7 @@ class Broadcast:
         """Return the frame of rows of the past."""
         return encode_frame(self._numbers.number_at(span.last), self.epoch, span.first, rows)
 
-    # --------------------------------------------------------------------------------------------------------------------
+    # ------------------------------------------------------------------------------------------------------------------
 
     def _send_events(self, last: int) -> None:
         for event in self._events:

@@ -80,7 +80,7 @@ class CommandHandler:
             self._waiting.append((viewer, command))
             self._next()
 
-    # ---- the clock -----------------------------------------------------------------------------------------------------
+    # ---- the clock ---------------------------------------------------------------------------------------------------
 
     def _move_clock(self, viewer: Viewer, command: Play | Pause | Step | Speed) -> None:
         room = self._room
@@ -108,7 +108,7 @@ class CommandHandler:
         room.send_status()
         room.facts.publish()
 
-    # ---- the session ---------------------------------------------------------------------------------------------------
+    # ---- the session -------------------------------------------------------------------------------------------------
 
     def _next(self) -> None:
         if self._busy or not self._waiting or self._room.machine.closed:
@@ -117,7 +117,8 @@ class CommandHandler:
         viewer, command = self._waiting.popleft()
         added = [member for member in _members(command) if isinstance(member, AddObserverNow)]
         if added:
-            # Compiling must not stop the session: it is done beside it, into the cache, where the session finds the kernel.
+            # Compiling must not stop the session: it is done beside it, into the cache, where the session finds the
+            # kernel.
             spec = self._room.session.spec
             self._room.services.workshop(lambda: _compile(spec, added), lambda *_: self._submit(viewer, command))
         else:

@@ -79,7 +79,8 @@ class PlaybackClock:
     def next(self, rows: int, before: float, now: float) -> float | None:
         """Return when to show rows again after a frame that was due at `before`; None if time does not run.
 
-        Frames keep their rhythm whatever the delay of one of them; where rows are rarer than frames, the next row decides.
+        Frames keep their rhythm whatever the delay of one of them;
+        where rows are rarer than frames, the next row decides.
 
         Args:
             rows: rows shown so far.

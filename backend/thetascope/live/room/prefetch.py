@@ -1,4 +1,5 @@
-"""Computing rows ahead: in two halves on the event loop, with commands and frames in between, or in a thread if rows are slow."""
+"""Computing rows ahead: in two halves on the event loop, with commands and frames in between,
+or in a thread if rows are slow."""
 
 import logging
 from collections.abc import Callable
@@ -91,7 +92,8 @@ class Prefetcher:
 
 
 def _timed(job: Callable[..., Any], *args: Any) -> tuple[Any, float]:
-    """Return a job's value and its processor seconds; wall time would make the batches ever smaller on a busy machine."""
+    """Return a job's value and its processor seconds; wall time would make the batches ever smaller on a busy
+    machine."""
     begin = thread_time()
     value = job(*args)
     return value, thread_time() - begin

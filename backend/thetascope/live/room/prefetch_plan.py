@@ -19,7 +19,8 @@ SHORTEST, LONGEST = 4 * FRAME, 8.0
 """Seconds of real time computed ahead: right after a command, and when nothing happens."""
 
 LIGHT = 0.004
-"""Seconds of work that the event loop may do itself in one go: in a thread, Python's lock would block the others as long."""
+"""Seconds of work that the event loop may do itself in one go:
+in a thread, Python's lock would block the others as long."""
 PIECE = 0.002
 """Of these, seconds for the rows: a longer call is hardly cheaper per row, and commands wait longer."""
 HALVES = 0.007
@@ -90,8 +91,8 @@ class Cost:
     def rows_surely(self, seconds: float) -> int:
         """Return the rows that take at most `seconds`, if a row costs no more in a longer call than in recent ones.
 
-        While all calls are alike the fit cannot separate the cost of a call from that of its rows; without this estimate,
-        short calls would stay short.
+        While all calls are alike the fit cannot separate the cost of a call from that of its rows; without this
+        estimate, short calls would stay short.
         """
         return int(min(seconds / self._took, self._GROWTH) * self._mean) if self._took > 0.0 else 0
 

@@ -1,7 +1,7 @@
 """A session with its viewers: time runs, rows become frames, viewers come and go.
 
-Everything here runs on the event loop, except the jobs on the session, which run one at a time (serial_queue.py). Nothing
-here waits for a viewer. Commands are in command_handler.py, the states of a room in room_state.py.
+Everything here runs on the event loop, except the jobs on the session, which run one at a time (serial_queue.py).
+Nothing here waits for a viewer. Commands are in command_handler.py, the states of a room in room_state.py.
 """
 
 import asyncio
@@ -38,7 +38,8 @@ ASLEEP_AFTER = 60.0
 """Seconds without a viewer after which time stops until one connects."""
 
 _OF_ROWS = {"fault-begins", "fault-ends", "alarm", "alarm-over", "diverged", "substeps"}
-"""Kinds of events that come from computing a row; all others come from commands, which act at the row to be shown next."""
+"""Kinds of events that come from computing a row; all others come from commands,
+which act at the row to be shown next."""
 
 
 class RoomFull(Exception):
@@ -74,7 +75,7 @@ class Room:
         session.new_events()  # of rows that count as shown: they are in the log
         self.update_end()
 
-    # ---- status --------------------------------------------------------------------------------------------------------
+    # ---- status ------------------------------------------------------------------------------------------------------
 
     @property
     def shown(self) -> int:
@@ -103,7 +104,7 @@ class Room:
         self._status_sent = self.services.clock()
         self.broadcast.send(self.status(), "status")
 
-    # ---- viewers -------------------------------------------------------------------------------------------------------
+    # ---- viewers -----------------------------------------------------------------------------------------------------
 
     def join(self, viewer: Viewer, after: int | None = None) -> None:
         """Add a viewer.
@@ -178,7 +179,7 @@ class Room:
         for viewer in list(self.broadcast.viewers):
             viewer.close(code, reason)
 
-    # ---- the past, copies ----------------------------------------------------------------------------------------------
+    # ---- the past, copies --------------------------------------------------------------------------------------------
 
     @property
     def oldest(self) -> int:
@@ -215,7 +216,7 @@ class Room:
         commands = tuple(command for command in spec.commands if command.at <= t)
         return spec.model_copy(update={"horizon": t, "record": self.session.record, "commands": commands})
 
-    # ---- time ----------------------------------------------------------------------------------------------------------
+    # ---- time --------------------------------------------------------------------------------------------------------
 
     def tick(self, at: float) -> float | None:
         """Show the rows that are due.

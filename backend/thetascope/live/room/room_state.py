@@ -8,8 +8,8 @@
     held …     the same while a long command (add-observer, reset, seek) is carried out: no row is shown
     closed     the session is over
 
-The status sent to viewers (`Status.playing`, `Status.ended`) and the permitted actions are functions of the state alone.
-Data such as the rows computed ahead, the speed or the time of the last disconnection are no states.
+The status sent to viewers (`Status.playing`, `Status.ended`) and the permitted actions are functions of the state
+alone. Data such as the rows computed ahead, the speed or the time of the last disconnection are no states.
 """
 
 from enum import Enum, auto

@@ -28,8 +28,8 @@ def outcome(job: Job) -> tuple[Any, Exception | None]:
 class SerialQueue:
     """The queue of jobs on one session.
 
-    Short jobs run on the event loop as soon as the queue is free, long ones in a thread. The callback always runs on the
-    event loop, before the next job begins.
+    Short jobs run on the event loop as soon as the queue is free, long ones in a thread. The callback always runs on
+    the event loop, before the next job begins.
     """
 
     def __init__(self, background: Background) -> None:

@@ -34,15 +34,16 @@ _WORKSHOPS = 2
 _CHECKS = 0.2
 """Seconds between two checks of assumptions, of any sessions."""
 _SWITCH = 0.0002
-"""Seconds after which a thread releases Python's lock to the event loop. Every frame that is sent releases the lock, so with
-Python's default of 5 ms one busy thread (a compilation) would leave 200 frames per second for all sessions together."""
+"""Seconds after which a thread releases Python's lock to the event loop. Every frame that is sent releases the lock, so
+with Python's default of 5 ms one busy thread (a compilation) would leave 200 frames per second for all sessions
+together."""
 _TOGETHER = 32
 """Sessions that may each keep `past` bytes of samples (a setting); more sessions share the memory of this many."""
 _TEMPLATES = 16
 """Sessions with only their first row, kept as copies for new ones: most sessions open one of a few experiments."""
 _OPENING, _JOINING = 0.012, 0.006
-"""Seconds between two sessions that open and between two viewers that join: twice the time of one, so that a crowd leaves
-playing sessions the time they need."""
+"""Seconds between two sessions that open and between two viewers that join: twice the time of one, so that a crowd
+leaves playing sessions the time they need."""
 _COLLECT = 900.0
 """Seconds between two full garbage collections, if sessions were opened."""
 _ROWS = 4096  # computed in one call on the way to a session's opening time
@@ -101,7 +102,8 @@ class Hub:
         await asyncio.sleep(self._joins.wait(asyncio.get_running_loop().time()))
 
     async def fork(self, room: "Room", t: float | None = None) -> "Room":
-        """Open a second session that continues from this one, at the present or an earlier time. Raises TooManySessions."""
+        """Open a second session that continues from this one, at the present or an earlier time.
+        Raises TooManySessions."""
         with self._reserve():
             session = await room.fork(t)
         return self._add(session, room.machine.playing, room.playback.speed, room.id)
@@ -121,7 +123,7 @@ class Hub:
         for pool in (self._threads, self._workshop):
             pool.shutdown(wait=False, cancel_futures=True)
 
-    # --------------------------------------------------------------------------------------------------------------------
+    # ------------------------------------------------------------------------------------------------------------------
 
     async def _open(self, make: Callable[[], "Session"], play: bool, speed: float | None) -> "Room":
         loop = asyncio.get_running_loop()
@@ -198,7 +200,8 @@ class Hub:
         return self._room_services
 
     def _sweep_rooms(self, loop: asyncio.AbstractEventLoop) -> None:
-        """Close sessions without viewers that are idle for too long, and free their memory; repeated every few seconds."""
+        """Close sessions without viewers that are idle for too long, and free their memory;
+        repeated every few seconds."""
         idle, now = self._settings.idle, loop.time()
         for room in list(self._rooms.values()):
             if room.empty_since is not None and now - room.empty_since > idle:

@@ -1,7 +1,7 @@
 """One timer for all sessions: it calls each room's tick when its next frame is due.
 
-The timer is set to the earliest of them, so 400 sessions cost the event loop no more than one, and no session drifts with
-a sleep of its own. Rooms begin at different times, so their frames are spread over time.
+The timer is set to the earliest of them, so 400 sessions cost the event loop no more than one, and no session drifts
+with a sleep of its own. Rooms begin at different times, so their frames are spread over time.
 """
 
 import asyncio
@@ -22,9 +22,9 @@ log = logging.getLogger(__name__)
 SHARE = 0.002
 """Seconds of frames after which the event loop continues, so that commands are read however many frames are due."""
 FEW, MANY, TOGETHER, SLOTS = 20, 150, 50, 8
-"""More than a few rooms are called together, once per frame time: waking up for each would cost as much as its frame, and
-data that one has brought into the processor's caches serves the next. Many rooms get several such calls per frame time, a
-power of two up to a limit, with about fifty rooms in each."""
+"""More than a few rooms are called together, once per frame time: waking up for each would cost as much as its frame,
+and data that one has brought into the processor's caches serves the next. Many rooms get several such calls per frame
+time, a power of two up to a limit, with about fifty rooms in each."""
 _TINY = 1e-6  # s, tolerance for the rounding of times
 PAUSE = 0.002
 """Seconds between two rooms that compute ahead."""

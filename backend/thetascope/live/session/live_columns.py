@@ -1,6 +1,7 @@
 """From the engine's recorded rows to the columns that are shown, with a tail of older rows for windows.
 
-The columns come from the functions that a run uses, applied to the tail and the new rows together, so they are the run's.
+The columns come from the functions that a run uses, applied to the tail and the new rows together,
+so they are the run's.
 """
 
 from dataclasses import dataclass, field, replace
@@ -153,7 +154,7 @@ class LiveColumns:
             first = start
         return replace(self, parts=tuple(parts), first=first)
 
-    # ---- reports -------------------------------------------------------------------------------------------------------
+    # ---- reports -----------------------------------------------------------------------------------------------------
 
     def lost_since(self, before: "LiveColumns", record: float) -> list[Event]:
         """Return an event for everything that has diverged since `before`, at the first row that is not finite."""
@@ -281,7 +282,8 @@ def _present(parts: Parts, estimators: tuple[Estimator, ...]) -> list[Life]:
 
 
 def _with(parts: Parts, experiment: Engine, rows: Rows) -> Parts:
-    """Return the parts with newer rows; consecutive rows of one experiment are one part, since every part costs time."""
+    """Return the parts with newer rows; consecutive rows of one experiment are one part,
+    since every part costs time."""
     if not parts or parts[-1][0] is not experiment:
         return (*parts, (experiment, rows))
     last = parts[-1][1]

@@ -198,7 +198,8 @@ class LiveDetector:
         return InputProposal.model_validate(vars(proposal))
 
     def report(self, progress: DetectorProgress | None, outside: bool) -> DiagnosisNow:
-        """Return the diagnosis of all rows so far; rows that are left to somebody else (`outside`) are not waited for."""
+        """Return the diagnosis of all rows so far; rows that are left to somebody else (`outside`) are not waited
+        for."""
         monitor = None
         if progress is not None:
             monitor = progress.monitor if outside else run_to_end(self.catch_up(progress))

@@ -60,7 +60,8 @@ def due_events(spec: ResolvedExperiment, log: Sequence[Event], first: int, last:
 
 
 def _edges(fault: Fault, record: float) -> Iterator[tuple[EventKind, EventKind, int]]:
-    """Yield for the onset and the end of a fault: the event's kind, the kind of the command that does the same, the row."""
+    """Yield for the onset and the end of a fault: the event's kind, the kind of the command that does the same,
+    the row."""
     yield "fault-begins", "inject", math.ceil(fault.onset / record - 1e-9)
     if fault.end is not None:
         yield "fault-ends", "clear", math.ceil(fault.end / record - 1e-9)

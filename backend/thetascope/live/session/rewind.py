@@ -44,7 +44,8 @@ def seek(state: SessionState, row: int) -> tuple[SessionState, Event]:
 
 
 def return_to(state: SessionState, row: int) -> SessionState:
-    """Return the state at an earlier row, with spec, stages and log as they were: rows that nobody has seen are dropped."""
+    """Return the state at an earlier row, with spec, stages and log as they were:
+    rows that nobody has seen are dropped."""
     base = state.snapshots.latest_full(row) or _restored(state, row)
     batch = state.snapshots.batch(base.row, row)
     again = replace(
@@ -84,7 +85,8 @@ def _recall(state: SessionState, batch: RecordedBatch, row: int) -> SessionState
 
 
 def _restored(state: SessionState, row: int) -> Snapshot:
-    """Return a full snapshot before a row, made from a light one: columns need some rows before they are right again."""
+    """Return a full snapshot before a row, made from a light one:
+    columns need some rows before they are right again."""
     first = state.stages[0].experiment
     start = LightSnapshot(0, Simulation(first).initial(), 0, state.setup.detector.begin(), 0, {})
     for snapshot in (*state.snapshots.light_before(row), start):

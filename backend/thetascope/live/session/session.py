@@ -1,7 +1,7 @@
 """A live session without any input or output: commands in, rows and events out.
 
-It is the experiment that runs use, advanced a few rows at a time. Everything done to it is part of its `spec` (faults with
-their times, timed commands), so an ordinary run of `spec` gives the same numbers bit for bit.
+It is the experiment that runs use, advanced a few rows at a time. Everything done to it is part of its `spec` (faults
+with their times, timed commands), so an ordinary run of `spec` gives the same numbers bit for bit.
 """
 
 from copy import copy
@@ -35,7 +35,7 @@ class Session:
     def __init__(self, spec: ResolvedExperiment, horizon_rows: int = 1_000_000) -> None:
         self.state = SessionState.at_start(SessionSetup.of(spec, horizon_rows))
 
-    # ---- the present state ---------------------------------------------------------------------------------------------
+    # ---- the present state -------------------------------------------------------------------------------------------
 
     @property
     def spec(self) -> ResolvedExperiment:
@@ -116,7 +116,7 @@ class Session:
         """Return the checks of every observer's theorem over its last rows."""
         return self.current.live_columns.assumptions(self.experiment)
 
-    # ---- advancing -----------------------------------------------------------------------------------------------------
+    # ---- advancing ---------------------------------------------------------------------------------------------------
 
     def advance(self, rows: int) -> np.ndarray:
         """Advance by up to `rows` rows (to where columns change, or the end); return them, columns × rows."""
@@ -141,7 +141,7 @@ class Session:
         """Leave testing rows for faults to `live/room/background_checks.py`; otherwise they are tested as they come."""
         self.state = replace(self.state, detects_outside=True)
 
-    # ---- commands ------------------------------------------------------------------------------------------------------
+    # ---- commands ----------------------------------------------------------------------------------------------------
 
     def handle(self, command: SessionCommand) -> tuple[list[Event], bool]:
         """Carry out a command at the present row. Play, Pause, Step and Speed concern the clock, not the session.
@@ -161,7 +161,7 @@ class Session:
         if row < self.row:
             self.state = rewind.return_to(self.state, row)
 
-    # ---- faults --------------------------------------------------------------------------------------------------------
+    # ---- faults ------------------------------------------------------------------------------------------------------
 
     def pending_detection(self) -> DetectorProgress | None:
         """Return how far rows have been tested for faults, if some wait; None otherwise."""
@@ -182,7 +182,7 @@ class Session:
         self.state = state.with_log((*self.log, *alarms))
         return alarms
 
-    # ---- copies --------------------------------------------------------------------------------------------------------
+    # ---- copies ------------------------------------------------------------------------------------------------------
 
     def fork(self, row: int | None = None) -> "Session":
         """Return a second session at a row of this one (by default the present one); it goes its own way from there."""

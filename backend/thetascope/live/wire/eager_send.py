@@ -1,7 +1,7 @@
 """Sending immediately as much as a connection accepts.
 
-A server's `send` waits only when the connection's buffer is full. So a frame for hundreds of connections is written in one
-go, without waking a task for each; only if a connection is slow does the rest of its `send` go to its task.
+A server's `send` waits only when the connection's buffer is full. So a frame for hundreds of connections is written in
+one go, without waking a task for each; only if a connection is slow does the rest of its `send` go to its task.
 """
 
 from collections.abc import Coroutine, Generator

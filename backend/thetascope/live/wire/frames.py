@@ -28,8 +28,8 @@ def as_float32(rows: np.ndarray) -> np.ndarray:
 class FrameBuffer:
     """Rows first … end − 1 as float32: those computed ahead, and a few that were shown recently.
 
-    They are stored row by row, so that the few rows of a frame are adjacent in memory: many sessions do not fit into the
-    processor's cache.
+    They are stored row by row, so that the few rows of a frame are adjacent in memory: many sessions do not fit into
+    the processor's cache.
     """
 
     def __init__(self, row: int, columns: int) -> None:
@@ -64,8 +64,8 @@ class FrameBuffer:
 class FrameNumbers:
     """The numbers of a session's frames, to find the rows that a viewer has from the last frame it received.
 
-    Frames count from 1. The ends of the last frames of the present epoch are kept; a viewer that names an older one is sent
-    all rows again.
+    Frames count from 1. The ends of the last frames of the present epoch are kept; a viewer that names an older one is
+    sent all rows again.
     """
 
     KEPT = 4096

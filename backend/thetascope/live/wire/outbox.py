@@ -1,8 +1,9 @@
 """What one viewer is still to be sent, in bounded memory however slow it is.
 
-Texts go out in order. One with a key (status, spec) replaces an unsent one with the same key; the others are never dropped,
-and a viewer with too many of them is disconnected. Samples are not stored: the outbox knows which rows the viewer has, so
-all rows that it missed become one frame as soon as it can take one. A viewer that is too far behind jumps.
+Texts go out in order. One with a key (status, spec) replaces an unsent one with the same key; the others are never
+dropped, and a viewer with too many of them is disconnected. Samples are not stored: the outbox knows which rows the
+viewer has, so all rows that it missed become one frame as soon as it can take one. A viewer that is too far behind
+jumps.
 """
 
 from collections.abc import Hashable
@@ -66,8 +67,8 @@ class Outbox:
     def jump(self, rows: int, backlog: int, oldest: int = 0) -> Span | None:
         """Return the rows that a viewer skips; None if it can follow.
 
-        A viewer skips rows if it is more than `backlog` rows behind, or behind the oldest row that is kept. Half the backlog
-        remains, so that it does not jump again immediately.
+        A viewer skips rows if it is more than `backlog` rows behind, or behind the oldest row that is kept. Half the
+        backlog remains, so that it does not jump again immediately.
 
         Args:
             rows: rows shown so far.

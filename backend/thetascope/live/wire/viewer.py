@@ -24,8 +24,8 @@ class Source(Protocol):
 class Viewer:
     """A connection.
 
-    Whoever publishes never waits for a viewer: as much as the connection accepts is written immediately, and the rest waits
-    in the outbox for the viewer's own task, :meth:`run`.
+    Whoever publishes never waits for a viewer: as much as the connection accepts is written immediately, and the rest
+    waits in the outbox for the viewer's own task, :meth:`run`.
 
     Args:
         text, samples: send a text or binary frame; they wait while the connection's buffer is full.

@@ -6,7 +6,10 @@ import {linear, logarithmic, nice} from '../../../widgets/slider-scale.js';
 /** @import * as service from '../../../types/service.js' */
 
 /** @typedef {string | number | number[] | null} FieldValue */
-/** @typedef {Pick<service.FormField, 'type' | 'nullable' | 'description'> & Partial<service.FormField>} TypedField   what reading takes */
+/**
+ * The part of a field that reading needs.
+ * @typedef {Pick<service.FormField, 'type' | 'nullable' | 'description'> & Partial<service.FormField>} TypedField
+ */
 /** @typedef {{[field: string]: FieldValue}} Values */
 
 /**

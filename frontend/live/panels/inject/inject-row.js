@@ -140,7 +140,7 @@ export function createRow(app, subjectOf, about) {
   const inject = () => {
     const end = row.end === null ? {} : {end: row.end};
     const fault = {...where, shape: row.shape.shape, onset: 0, ...end, ...row.values};
-    return {type: 'inject', fault: /** @type {FaultInput} */ (/** @type {unknown} */ (fault))}; // by the catalogue's form
+    return {type: 'inject', fault: /** @type {FaultInput} */ (/** @type {unknown} */ (fault))}; // by its form
   };
   control.addEventListener('keydown', (event) => {
     const input = event.target;
@@ -175,7 +175,8 @@ export function createRow(app, subjectOf, about) {
     stack.textContent = fault ? stacked(acting, planned, horizon) : '';
     fill(sub, h('span', {class: 'kind'}, about.kind, beside && ' · '), beside);
     if (fault && other) adopt(row, menu, fault, build);
-    if (!fault && row.end !== row.typed) build(row.values, row.typed); // how long the last one lasted says nothing of the next
+    // how long the last one lasted says nothing of the next
+    if (!fault && row.end !== row.typed) build(row.values, row.typed);
     if (other) {
       row.edited = false;
       change.hidden = true;

@@ -13,7 +13,10 @@ import {asSentence, named, say, t} from '../../../i18n/words.js';
 /** @import * as service from '../../../types/service.js' */
 
 /** @typedef {{[name: string]: Gain | null}} Gains */
-/** @typedef {{gain: service.GainForm, place: number[], value: number | null, name: string}} Entry   one number of a gain */
+/**
+ * One number of a gain.
+ * @typedef {{gain: service.GainForm, place: number[], value: number | null, name: string}} Entry
+ */
 /** @typedef {ReturnType<typeof slider>} Control */
 
 /**
@@ -22,7 +25,7 @@ import {asSentence, named, say, t} from '../../../i18n/words.js';
  * @property {HTMLElement} element
  * @property {string} label
  * @property {(next: ObserverState | undefined) => void} update
- * @property {(anew: boolean) => boolean} lacks    whether defaults are missing; `anew`: whether any come from the server
+ * @property {(anew: boolean) => boolean} lacks    whether defaults are missing; `anew`: whether to ask the server
  * @property {(found: Gains, labels?: Record<string, service.GainLabels>) => void} defaults
  * @property {() => void} checks
  * @property {() => void} end
@@ -350,7 +353,8 @@ function showLights(lights, list, found, listed) {
           : h(
               'span',
               {class: 'num'},
-              ` ${number(check.value, 3)}${check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`}`,
+              ` ${number(check.value, 3)}`,
+              check.threshold === null || check.threshold === undefined ? '' : ` / ${number(check.threshold, 3)}`,
             ),
         h('span', {class: 'soft'}, say(check.text)),
         check.source && h('span', {class: 'soft source'}, check.source),

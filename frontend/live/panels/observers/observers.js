@@ -19,7 +19,8 @@ const FOLDED = 3; // with this many observers each is one line until it is opene
 export function mount(element, app) {
   const list = h('div', {class: 'watching'});
   const adder = h('div', {class: 'adder', hidden: true});
-  const body = h('div', {class: 'scroll'}, adder, list); // the form scrolls with the cards: however low the card is, its buttons can be reached
+  // the form scrolls with the cards: however low the card is, its buttons can be reached
+  const body = h('div', {class: 'scroll'}, adder, list);
   const more = wholeLines(body, () => childrenOf(list), app);
   /** @type {Map<string, Card>} */
   let cards = new Map();

@@ -27,7 +27,8 @@ export function sandwich(plant) {
   const uses = Object.fromEntries(states.map((state) => [state, mentioned(plant.dynamics[state])]));
   const within = new Set(operators.flatMap((one) => [...mentioned(one.expression)]));
   const memory = states.filter((state) => within.has(state) && uses[state].size === 1 && !uses[state].has(state));
-  const carries = new Set(operators.map((one) => one.name)); // what comes after the hysteresis: its operators, then everything that uses them
+  // what comes after the hysteresis: its operators, then everything that uses them
+  const carries = new Set(operators.map((one) => one.name));
   for (const one of plant.definitions)
     if ([...mentioned(one.expression)].some((name) => carries.has(name))) carries.add(one.name);
   /** @type {string[]} */

@@ -100,7 +100,8 @@ def _riccati(moved: np.ndarray) -> np.ndarray | None:
         Q = gamma * np.outer(c, c) + epsilon * np.eye(size)
         H = np.block([[drift, gamma * np.outer(b, b)], [-Q, -drift.T]])
         try:
-            _, U, stable = scipy.linalg.schur(H, sort="lhp")  # pyright: ignore[reportAssignmentType] three values, since it sorts
+            # three values, since it sorts
+            _, U, stable = scipy.linalg.schur(H, sort="lhp")  # pyright: ignore[reportAssignmentType]
         except np.linalg.LinAlgError:  # eigenvalues too near the imaginary axis to be separated: ε is too large
             continue
         if stable == size and np.linalg.cond(U[:size, :size]) < 1e12:

@@ -47,7 +47,8 @@ def write(d: Draft) -> None:
 
 
 def augmented(d: Draft) -> tuple[Matrix, Matrix, Matrix, Matrix]:
-    """Declare x̂ (n×1), θ̂ (p×1) and their joint covariance P; return them with Q, which one sample interval adds to P."""
+    """Declare x̂ (n×1), θ̂ (p×1) and their joint covariance P;
+    return them with Q, which one sample interval adds to P."""
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     P = d.symmetric("P", d.n + d.p, initial=diag([*d.gain("p0"), *d.gain("gamma0")]))
     return x, theta, P, diag([*d.gain("q"), *[walk**2 for walk in d.gain("q_theta")]]) * d.period

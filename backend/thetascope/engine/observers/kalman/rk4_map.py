@@ -1,9 +1,9 @@
 """The flow of the plant's model over one sample interval, with its exact derivatives.
 
-Continuous plants: classical Runge–Kutta steps of x' = f(x) + Φ(x)θ, with θ constant over the interval. The derivatives are
-those of the Runge–Kutta map itself: every stage is differentiated. S = ∂(state at the stage)/∂(x, θ) goes through the same
-stages, with ∂k = A S + [0 Φ]. Where the model is saturated, A and Φ are taken at the saturated point. Discrete-time plants:
-the plant's own map.
+Continuous plants: classical Runge–Kutta steps of x' = f(x) + Φ(x)θ, with θ constant over the interval. The derivatives
+are those of the Runge–Kutta map itself: every stage is differentiated. S = ∂(state at the stage)/∂(x, θ) goes through
+the same stages, with ∂k = A S + [0 Φ]. Where the model is saturated, A and Φ are taken at the saturated point.
+Discrete-time plants: the plant's own map.
 """
 
 from __future__ import annotations

@@ -4,8 +4,8 @@
     θ̂' = λ g(x̂, u) e1                             (12)
 
 for one output y = Cx, C the first state, e1 = y − ŷ. Any plant is A x + γ with γ = f − A x, A the chain of
-integrators. The paper's f is the plant's Φ here; g and P come from the matching condition (8), see matching_condition.py.
-What the nonsmooth observer (nonsmooth_adaptive.py) shares with it is written here.
+integrators. The paper's f is the plant's Φ here; g and P come from the matching condition (8), see
+matching_condition.py. What the nonsmooth observer (nonsmooth_adaptive.py) shares with it is written here.
 """
 
 from __future__ import annotations

@@ -96,7 +96,8 @@ def linear_checks(run: Observed) -> list[Check]:
 
 
 def structure(run: Observed, only_back: bool) -> Check:
-    """Check that the plant is two linear parts with the hysteresis between, and that the output depends on the second alone."""
+    """Check that the plant is two linear parts with the hysteresis between,
+    and that the output depends on the second alone."""
     linear, front, back = run.facts["linear"], run.facts["L1"], run.facts["L2"]
     text = Message(
         "check.sandwich.parts" if linear else "check.sandwich.parts-nonlinear",

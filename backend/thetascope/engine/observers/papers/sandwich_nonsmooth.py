@@ -3,9 +3,9 @@
     x̂(k+1) = Â(k) x̂(k) + B u(k) + η̂(k) + K (y(k) − ŷ(k))                    (13), (21)
 
 is the plant's own text (11) at the estimates, f(x̂, u) = Â(k) x̂ + B u + η̂(k): Â and η̂ switch with the zone that each
-operator is in at x̂. K corrects the states of L1 and L2; the memories of the operators follow the estimates. The paper does
-not give x̂(−1). By default x̂ did not move before k = 0, so Δx̂(0) = 0 and all operators hold; the option ``before`` changes
-that.
+operator is in at x̂. K corrects the states of L1 and L2; the memories of the operators follow the estimates. The paper
+does not give x̂(−1). By default x̂ did not move before k = 0, so Δx̂(0) = 0 and all operators hold; the option
+``before`` changes that.
 """
 
 from __future__ import annotations

@@ -146,7 +146,8 @@ class Observed:
 
     @property
     def noisy(self) -> tuple[str, ...]:
-        """Names of the measured outputs, ``y.*``; ``intensity.y.*`` in the values is their noise's std² · sample time."""
+        """Names of the measured outputs, ``y.*``; ``intensity.y.*`` in the values is their noise's std² · sample
+        time."""
         return tuple(n.removeprefix("intensity.") for n in self.values if n.startswith("intensity."))
 
     def gain(self, name: str) -> float:
@@ -180,8 +181,9 @@ def _last(value: np.ndarray | float) -> float:
 class Observer:
     """One kind of observer. ``write`` puts its equations into a Draft; it raises SpecError where it cannot be built.
 
-    ``equations``: (number in the paper, formula) for a reader, in the notation of engine/language/render/unicode_math.py;
-    ``where``: (symbol, its meaning). The catalogues have a title and a summary for every id.
+    ``equations``: (number in the paper, formula) for a reader, in the notation of
+    engine/language/render/unicode_math.py; ``where``: (symbol, its meaning). The catalogues have a title and a summary
+    for every id.
     """
 
     id: str

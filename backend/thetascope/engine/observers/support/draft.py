@@ -89,7 +89,8 @@ class Draft:
         return sympy.Symbol("g.period", real=True, positive=True)
 
     def measured(self, when: str = START) -> Matrix:
-        """Return y as measured (m×1). Discrete observers have it at START and, for the end of the sample interval, NOW."""
+        """Return y as measured (m×1). Discrete observers have it at START and, for the end of the sample interval,
+        NOW."""
         return self._matrix(column(symbols(f"{when}y", self.model.outputs)), "y")
 
     def inputs(self, when: str = START) -> Matrix:
@@ -263,8 +264,8 @@ class Draft:
         Args:
             x: the estimate of the state (n×1).
             theta: the estimate of θ (p×1), for the Jacobians.
-            when: inputs and signals are those at START, MIDDLE, END, NOW, or at a fraction of the sample interval (on the
-                parabola through the first three).
+            when: inputs and signals are those at START, MIDDLE, END, NOW, or at a fraction of the sample interval (on
+                the parabola through the first three).
             saturate: False uses the model without saturation.
             model: another model of the plant, with the same states, inputs and outputs.
         """

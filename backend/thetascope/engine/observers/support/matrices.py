@@ -144,8 +144,11 @@ class Product(Matrix):
         split = _splits(self.factors, self.draft)[0, len(self.factors) - 1][1]
         return self._part(0, split), self._part(split + 1, len(self.factors) - 1)
 
+    # SymPy's own entries are an attribute; here they are computed when needed
     @cached_property
-    def entries(self) -> ImmutableMatrix:  # pyright: ignore[reportIncompatibleMethodOverride, reportIncompatibleVariableOverride] computed when needed
+    def entries(  # pyright: ignore[reportIncompatibleMethodOverride, reportIncompatibleVariableOverride]
+        self,
+    ) -> ImmutableMatrix:
         """Return the evaluated product."""
         left, right = self.last
         named = self.draft.named_product(left, right) if self.draft else None

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from sympy import Expr, Rational, Symbol
 
 START, MIDDLE, END, NOW = "", "mid.", "end.", "now."
-"""Instants of a sample interval: just after its start, its middle, just before its end; and the end itself, at which y is
-measured, just after any jump there."""
+"""Instants of a sample interval: just after its start, its middle, just before its end; and the end itself, at which y
+is measured, just after any jump there."""
 
 
 @dataclass(frozen=True)
