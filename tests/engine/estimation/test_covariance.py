@@ -58,3 +58,18 @@ def test_the_band_widens_when_excitation_is_lost():
         for s in (spec, still)
     )
     assert rest > 5 * moving
+
+
+def test_a_precise_measurement_keeps_the_band():
+    """A twentieth of the noise makes the motor's adaptive observer stiff: its bands are finite and hold the truth."""
+    spec = library.experiment("dc-motor").model_dump(mode="json")
+    kept = [o for o in spec["observers"] if o["label"] == "adaptive"]
+    noise = {"y_current": {"std": 0.0025, "sample_time": 0.005}, "y_speed": {"std": 0.025, "sample_time": 0.005}}
+    spec |= {"noise": noise, "figures": [], "diagnosis": {"enabled": False}, "observers": kept, "faults": []}
+    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
+    names = [n.removeprefix("adaptive.sigma.") for n in result.names if n.startswith("adaptive.sigma.")]
+    sigma = np.array([result.column(f"adaptive.sigma.{n}") for n in names])
+    error = np.array([result.column(f"adaptive.theta.{n}") for n in names])
+    assert np.isfinite(sigma).all()
+    late = sigma.shape[1] // 3
+    assert np.mean(np.abs(error) < 1.96 * sigma, axis=1, where=np.arange(sigma.shape[1]) >= late).min() > 0.8

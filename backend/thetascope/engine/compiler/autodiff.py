@@ -16,6 +16,9 @@ Tangent = dict[str, int]  # variable → node of the derivative with respect to 
 _STEEPEST = 1e-6  # lower limit of |x| in the slope of spow(x, a) for a < 1, the injection of nonsmooth observers
 
 
+_FEW = 2  # variables of a quantity up to which its kinks are resolved where both branches are equal
+
+
 def derivatives(graph: Graph, roots: Sequence[int], names: Iterable[str]) -> list[Tangent]:
     """Return the partial derivatives of each root with respect to the named variables, as nodes added to the graph."""
     return _Forward(graph, set(names)).of(roots)
@@ -84,8 +87,13 @@ class _Forward:
     # ---- kinks: limits along one direction -----------------------------------------------------------------------
 
     def _direction(self, i: int) -> int:
-        """Return the rate of a node along the direction: each variable falls at a rate of its own."""
+        """Return the rate of a node along the direction: each variable falls at a rate of its own.
+
+        It counts as 0 where many variables enter, as into the sigma points of a UKF: ties are rare, the sums are not.
+        """
         graph, rate = self.graph, self.graph.const(0.0)
+        if len(self.tangents[i]) > _FEW:
+            return rate
         for name in sorted(self.tangents[i]):
             weight = graph.const(-1 - zlib.crc32(name.encode()) / 2**32)
             rate = graph.add(rate, graph.mul(weight, self.tangents[i][name]))

@@ -9,9 +9,9 @@ from functools import lru_cache
 import numpy as np
 
 from thetascope.engine.compiler.graph import variables
-from thetascope.engine.compiler.jit import NEVER, Kernel, Layout, Segments, kernel
 from thetascope.engine.compiler.system import Program
 from thetascope.engine.estimation.covariance_equations import Shape, companion, shape_of
+from thetascope.engine.estimation.discretisation import propagate, transitions
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.kalman_defaults import output_scales, state_scales, typical_sizes
@@ -21,8 +21,6 @@ from thetascope.engine.simulation.experiment import Estimator, Experiment, Rows
 
 QUIET = 1e-3  # of an output's scale: the noise assumed where none is declared
 WIDEST = 10.0  # typical faults: the largest reported standard deviation
-_RATE = 2.0  # largest ‖A‖·h in a Runge–Kutta step of S; relative to 1 this changed σ by at most 2e-5 in tests
-_PIECES = 64  # most steps between two rows
 
 Spreads = dict[tuple[str, int], np.ndarray]
 """S by observer: its label, and the base step at which it was added."""
@@ -80,42 +78,29 @@ def latest(tables: Spreads) -> Spreads:
 
 @dataclass(frozen=True)
 class _Plan:
-    """Everything that calls share: the companion, its kernel, its inputs, the positions of the variances."""
+    """Everything that calls share: the companion, its outputs and inputs, the positions of the observer's states."""
 
     shape: Shape
     program: Program
-    kernel: Kernel | None  # None for an observer that estimates no faults
-    held: tuple[str, ...]
-    params: tuple[str, ...]
-    slopes: tuple[str, ...]
-    wanted: tuple[str, ...]
-    places: dict[str, int]  # position of each state of the observer
-    variances: np.ndarray
+    outputs: tuple[str, ...]  # A and B, row by row
+    wanted: tuple[str, ...]  # inputs of the outputs
+    places: dict[str, int]
+
+    @property
+    def size(self) -> int:
+        """Return the number of estimates."""
+        return len(self.shape.x) + len(self.shape.theta)
 
 
 @lru_cache(maxsize=128)
 def _plan(observer: Program) -> _Plan:
     shape = shape_of(observer)
     if not shape.theta:
-        return _Plan(shape, observer, None, (), (), (), (), {}, np.empty(0))
+        return _Plan(shape, observer, (), (), {})
     program = companion(observer)
-    n, size = len(shape.x), len(shape.x) + len(shape.theta)
-    held = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
-    layout = Layout(held=held)
-    slopes = tuple(f"slope.{i}.{j}" for i in range(size) for j in range(size))
-    slope_inputs = variables(program.graph, [program.outputs[s] for s in slopes]) & set(program.inputs)
-    i, j = np.triu_indices(size)
-    return _Plan(
-        shape,
-        program,
-        kernel(program, layout),
-        held,
-        layout.shared_params(program),
-        slopes,
-        tuple(sorted({*held, *slope_inputs})),
-        {s: k for k, s in enumerate(observer.states)},
-        np.flatnonzero((i == j) & (i >= n)),
-    )
+    used = variables(program.graph, list(program.outputs.values())) & set(program.inputs)
+    places = {s: k for k, s in enumerate(observer.states)}
+    return _Plan(shape, program, tuple(program.outputs), tuple(sorted(used)), places)
 
 
 def _spread(
@@ -123,36 +108,35 @@ def _spread(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return S at the rows and after them, and the standard deviations of θ̂ at the rows (p × rows)."""
     plan, index, count = _plan(estimator.program), rows.index, len(rows.index)
-    inputs = _seen(plan, experiment, estimator, rows, states, values)
-    interval = experiment.every * experiment.step
+    n, p = plan.size, len(plan.shape.theta)
+    scales, typical, slowest = _scales(estimator)
+    A, root = _linear(plan, experiment, estimator, _seen(plan, experiment, estimator, rows, states, values), count)
     if estimator.every is None:
-        counts = _pieces(plan, estimator, inputs, interval, count)
-        h = interval / counts
+        interval, end = experiment.every * experiment.step, 0.5
+        steps = np.ones(count, dtype=np.int64)
+        F, Q = transitions(A, root, np.full(count, interval))
+        memory, follow = slowest, -np.expm1(-slowest * interval)
     else:
-        counts = (index + experiment.every) // estimator.every - index // estimator.every
-        h = np.full(count, estimator.context.period)
-    moving = np.flatnonzero(counts)
-    table = np.empty((count + 1, len(S)))
-    table[0] = S
-    if len(moving) == count:
-        _carry(plan, S, index * experiment.step, counts, h, inputs, slice(None), table[1:])
-    else:
-        out = np.empty((len(moving) + 1, len(S)))
-        out[0] = S
-        if len(moving):
-            _carry(plan, S, index[moving] * experiment.step, counts[moving], h[moving], inputs, moving, out[1:])
-        table[:] = out[np.searchsorted(moving, np.arange(count + 1))]  # S after all steps before each row
-    with np.errstate(invalid="ignore"):
-        sigma = np.sqrt(np.maximum(table[:-1, plan.variances].T, 0.0))
-    return table, np.minimum(sigma, WIDEST * _scales(estimator)[1][:, None])
+        steps = (index + experiment.every) // estimator.every - index // estimator.every
+        interval, end, F, Q = 1.0, 0.0, A, root @ root.transpose(0, 2, 1)
+        memory = follow = min(1.0, slowest * estimator.context.period)
+    W = np.square(root[:, n - p :]).sum(axis=2)
+    unit = np.ldexp(1.0, np.frexp(scales)[1])
+    in_units = np.concatenate([np.outer(unit, unit)[np.triu_indices(n)], np.ones(p)])
+    table = propagate(F, Q, W, S / in_units, steps, (interval, memory, follow, end)) * in_units
+    variances = np.flatnonzero(np.equal(*np.triu_indices(n)))[n - p :]
+    sigma = np.sqrt(np.maximum(table[:-1, variances].T, 0.0))
+    estimates = states[:, [plan.places[s] for s in (*plan.shape.x, *plan.shape.theta)]]
+    sigma[:, ~np.isfinite(estimates).all(axis=1)] = np.nan
+    return table, np.minimum(sigma, WIDEST * typical[:, None])
 
 
 def _seen(
     plan: _Plan, experiment: Experiment, estimator: Estimator, rows: Rows, states: np.ndarray, values: dict
 ) -> dict:
-    """Return the inputs of the companion along the rows: the observer's states and inputs, its gains, the noise."""
+    """Return the inputs of the companion along the rows: the observer's states and inputs, and its gains."""
     outputs = {name: k for k, name in enumerate(experiment.plant.outputs)}
-    inputs = dict(estimator.parameters) | {"t": values["t"]} | _noise(experiment, estimator)
+    inputs = dict(estimator.parameters) | {"t": values["t"]}
     for name in plan.wanted:
         place = plan.places.get(name)
         if place is not None:
@@ -163,26 +147,20 @@ def _seen(
     return inputs
 
 
-def _carry(
-    plan: _Plan, S: np.ndarray, t: np.ndarray, steps: np.ndarray, h: np.ndarray, seen: dict, rows, out: np.ndarray
-):
-    """Write S after each of the given rows into ``out``."""
-    held = np.empty((len(t), max(1, len(plan.held))))
-    for c, name in enumerate(plan.held):
-        held[:, c] = seen[name][rows]
-    params = np.array([seen[p] for p in plan.params] or [0.0])
-    assert plan.kernel is not None, "an observer without estimates of faults has no covariance"
-    plan.kernel(Segments(steps, steps, t, np.zeros(len(t)), h), S.copy(), params, int(NEVER), out, held=held)
-
-
-def _pieces(plan: _Plan, estimator: Estimator, inputs: dict, interval: float, rows: int) -> np.ndarray:
-    """Return the number of Runge–Kutta steps per row that keeps S stable, from the norm of A in units of the scales."""
-    scales = _scales(estimator)[0]
-    size = len(scales)
-    A = np.abs(probe(plan.program, plan.slopes, inputs)).reshape(size, size, rows)
-    norm = np.einsum("ijr,ij->ir", A, scales[None, :] / scales[:, None]).max(axis=0)
-    steps = np.nan_to_num(interval * norm / _RATE, nan=1.0, posinf=_PIECES)
-    return np.clip(np.ceil(steps), 1, _PIECES).astype(np.int64)
+def _linear(
+    plan: _Plan, experiment: Experiment, estimator: Estimator, inputs: dict, rows: int
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return A (rows × n × n) and B R^½ (rows × n × m), in units of the scales; zero in rows without finite values."""
+    n = plan.size
+    linear = probe(plan.program, plan.outputs, inputs).T
+    unit = np.ldexp(1.0, np.frexp(_scales(estimator)[0])[1])
+    A = linear[:, : n * n].reshape(rows, n, n) * (unit / unit[:, None])
+    root = linear[:, n * n :].reshape(rows, n, -1) * (np.sqrt(_intensity(experiment, estimator)) / unit[:, None])
+    lost = ~(np.isfinite(A).all(axis=(1, 2)) & np.isfinite(root).all(axis=(1, 2)))
+    if lost.any():
+        A[lost] = 0.0 if estimator.every is None else np.eye(n)
+        root[lost] = 0.0
+    return A, root
 
 
 _known: dict[int, tuple[Context, tuple[np.ndarray, np.ndarray, float]]] = {}
@@ -203,15 +181,8 @@ def _scales(estimator: Estimator) -> tuple[np.ndarray, np.ndarray, float]:
     return cached[1]
 
 
-def _noise(experiment: Experiment, estimator: Estimator) -> dict[str, float]:
-    """Return the companion's R and ``memory``.
-
-    R is variance times hold time in continuous time, else the variance of one sample. ``memory`` is the rate, per
-    second or per sample, at which the recent average h is updated: the plant's slowest rate.
-    """
+def _intensity(experiment: Experiment, estimator: Estimator) -> np.ndarray:
+    """Return R (m,): variance times hold time in continuous time, else the variance of one sample."""
     measurement, period = experiment.measurement, estimator.context.period
     variance, hold = noise_stds(measurement, estimator.context) ** 2, holds(measurement, experiment.step)
-    R = variance * (hold if estimator.every is None else np.maximum(1.0, hold / period))
-    rate = _scales(estimator)[2]
-    memory = rate if estimator.every is None else min(1.0, rate * period)
-    return {f"intensity.{k}": float(r) for k, r in enumerate(R)} | {"memory": memory}
+    return variance * (hold if estimator.every is None else np.maximum(1.0, hold / period))

@@ -6,8 +6,9 @@ order, from the derivatives of the observer's equations (engine/compiler/autodif
     e' = A e + B n,    A = ∂(x̂', θ̂')/∂(x̂, θ̂),    B = ∂(x̂', θ̂')/∂y,    n white of intensity R,
     S' = A S + S Aᵀ + B R Bᵀ,
 
-for every kind of observer; no property of a paper's theorem is used. Observers with a sample period follow the same
-equation in discrete time, S⁺ = A S Aᵀ + B R Bᵀ. The initial S is the uncertainty of the first estimates.
+for every kind of observer; no property of a paper's theorem is used. Between two rows A and B are those of the first,
+and S is exact (discretisation.py): S⁺ = F S Fᵀ + Q. Observers with a sample period have F = A and Q = B R Bᵀ for each
+sample. The initial S is the uncertainty of the first estimates.
 
 Knowledge of a fault fades while no new information arrives. Let η be the noise that enters its estimate divided by the
 estimate's variance: twice the learning rate where the two balance. Where η is far below its recent average h, the
@@ -27,6 +28,7 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.programs.program_store import derived
 
 FADING = 0.04  # growth rate of a variance without new information, relative to the previous learning rate
+MOST = 1e9  # scales: the largest deviation that is kept
 
 
 @dataclass(frozen=True)
@@ -49,69 +51,93 @@ def shape_of(program: Program) -> Shape:
 
 @lru_cache(maxsize=128)
 def companion(program: Program) -> Program:
-    """Return the program of S for an observer's program; its inputs are the observer's states and inputs."""
+    """Return the program of A and B for an observer's program; its inputs are the observer's states and inputs.
+
+    Outputs: ``slope.i.j`` (A) and ``noise.i.k`` (B).
+    """
     return derived(["companion", program.digest], lambda: _write(program))
 
 
 def _write(program: Program) -> Program:
     shape, graph = shape_of(program), Graph()
     estimates = (*shape.x, *shape.theta)
-    size, place = len(estimates), {s: i for i, s in enumerate(program.states)}
+    place = {s: i for i, s in enumerate(program.states)}
     moved = graph.absorb(program.graph, program.update)
     given = [f"now.{o}" if program.time == DISCRETE else o for o in shape.outputs]
     rates = derivatives(graph, [moved[program.update[place[s]]] for s in estimates], (*estimates, *given))
     zero = graph.const(0.0)
-    A = [[row.get(s, zero) for s in estimates] for row in rates]
-    B = [[row.get(y, zero) for y in given] for row in rates]
+    outputs = {f"slope.{i}.{j}": row.get(s, zero) for i, row in enumerate(rates) for j, s in enumerate(estimates)}
+    outputs |= {f"noise.{i}.{k}": row.get(y, zero) for i, row in enumerate(rates) for k, y in enumerate(given)}
     return Program(
         name=f"companion of {program.name}",
         time=program.time,
-        states=(
-            *(f"spread.{i}.{j}" for i in range(size) for j in range(i, size)),
-            *(f"lately.{j}" for j in range(len(shape.theta))),
-        ),
+        states=(),
         inputs=(*program.states, *program.inputs),
-        parameters=(*program.parameters, *(f"intensity.{k}" for k in range(len(given))), "memory"),
+        parameters=program.parameters,
         graph=graph,
-        update=tuple(_covariance(graph, A, B, program.time, len(shape.x))),
-        outputs={f"slope.{i}.{j}": A[i][j] for i in range(size) for j in range(size)},
+        update=(),
+        outputs=outputs,
     )
 
 
-def _covariance(graph: Graph, A: list[list[int]], B: list[list[int]], time: str, n: int) -> list[int]:
-    """Return the upper triangle of the update of S, then h of each θ̂.
+@lru_cache(maxsize=64)
+def recursion(n: int, p: int) -> Program:
+    """Return the program of S for n estimates, the last p of which are θ̂; one step is an interval or a sample.
 
-    The update is A S + S Aᵀ + B R Bᵀ in continuous time, A S Aᵀ + B R Bᵀ for one sample.
+    The states are the upper triangle of S in units of the scales, and h of each θ̂. Inputs: ``F.i.j``, ``Q.i.j`` and
+    ``W.j`` (the noise that enters θ̂_j, BRBᵀ). Parameters: ``interval``, ``memory`` (the plant's slowest rate),
+    ``follow`` (the share by which h approaches η) and ``end`` (the weight of S after the step in η).
     """
-    size, m = len(A), len(B[0]) if B else 0
-    S = [[graph.var(f"spread.{min(i, j)}.{max(i, j)}") for j in range(size)] for i in range(size)]
-    R = [graph.var(f"intensity.{k}") for k in range(m)]
-    BR = [[graph.mul(B[i][k], R[k]) for k in range(m)] for i in range(size)]
-    AS = [[total(graph, [(A[i][k], S[k][j]) for k in range(size)]) for j in range(size)] for i in range(size)]
-    update, lately = [], []
-    for i in range(size):
-        for j in range(i, size):
-            noise = total(graph, [(BR[i][k], B[j][k]) for k in range(m)])
-            if time == DISCRETE:
-                moved = total(graph, [(AS[i][k], A[j][k]) for k in range(size)])
-            else:
-                moved = graph.add(AS[i][j], AS[j][i])
-            if i == j >= n:
-                fading, h = _fading(graph, noise, S[i][i], f"lately.{i - n}", time)
-                moved, lately = graph.add(moved, fading), [*lately, h]
-            update.append(graph.add(moved, noise))
-    return update + lately
+    return derived(["recursion", n, p], lambda: _write_recursion(n, p))
 
 
-def _fading(graph: Graph, noise: int, S: int, name: str, time: str) -> tuple[int, int]:
-    """Return the growth of a variance without new information, and h' (or the next h), which follows η."""
-    h = graph.var(name)
-    eta = graph.div(noise, graph.call("max", S, graph.const(1e-300)))
-    rate = graph.call("min", graph.mul(graph.const(FADING), h), graph.var("memory"))
-    rate = graph.add(rate, graph.const(1e-12))
-    share = graph.div(rate, graph.add(graph.const(1.0), graph.power(graph.div(eta, rate), 4)))
-    follows = graph.mul(graph.var("memory"), graph.sub(eta, h))
-    return graph.mul(share, S), follows if time != DISCRETE else graph.add(h, follows)
+def _write_recursion(n: int, p: int) -> Program:
+    g = Graph()
+    upper = [(i, j) for i in range(n) for j in range(i, n)]
+    S = [[g.var(f"spread.{min(i, j)}.{max(i, j)}") for j in range(n)] for i in range(n)]
+    F = [[g.var(f"F.{i}.{j}") for j in range(n)] for i in range(n)]
+    FS = [[total(g, [(F[i][k], S[k][j]) for k in range(n)]) for j in range(n)] for i in range(n)]
+    after = {(i, j): g.add(total(g, [(FS[i][k], F[j][k]) for k in range(n)]), g.var(f"Q.{i}.{j}")) for i, j in upper}
+    recent = []
+    for j in range(p):
+        i = n - p + j
+        growth, h = _fading(g, g.var(f"W.{j}"), S[i][i], after[i, i], g.var(f"lately.{j}"))
+        after[i, i] = g.add(after[i, i], growth)
+        recent.append(h)
+    shares = [_share(g, after[i, i]) for i in range(n)]
+    return Program(
+        name=f"covariance of {n} estimates",
+        time=DISCRETE,
+        states=(*(f"spread.{i}.{j}" for i, j in upper), *(f"lately.{j}" for j in range(p))),
+        inputs=(
+            *(f"F.{i}.{j}" for i in range(n) for j in range(n)),
+            *(f"Q.{i}.{j}" for i, j in upper),
+            *(f"W.{j}" for j in range(p)),
+        ),
+        parameters=("interval", "memory", "follow", "end"),
+        graph=g,
+        update=(*(g.mul(g.mul(shares[i], shares[j]), after[i, j]) for i, j in upper), *recent),
+        outputs={},
+    )
+
+
+def _share(g: Graph, variance: int) -> int:
+    """Return the factor of a deviation that limits it to MOST scales: nothing overflows, and S stays a covariance."""
+    limit = g.const(MOST * MOST)
+    return g.call("sqrt", g.div(limit, g.call("max", variance, limit)))
+
+
+def _fading(g: Graph, noise: int, before: int, after: int, recent: int) -> tuple[int, int]:
+    """Return the growth of a variance without new information, and the next h, which follows η."""
+    end, tiny = g.var("end"), g.const(1e-300)
+    inverse = [g.div(g.const(1.0), g.call("max", S, tiny)) for S in (before, after)]
+    eta = g.mul(noise, g.add(inverse[0], g.mul(end, g.sub(inverse[1], inverse[0]))))
+    rate = g.call("min", g.mul(g.const(FADING), recent), g.var("memory"))
+    rate = g.add(rate, g.const(1e-12))
+    share = g.div(rate, g.add(g.const(1.0), g.power(g.div(eta, rate), 4)))
+    variance = g.add(before, g.mul(end, g.sub(after, before)))
+    growth = g.mul(g.mul(share, variance), g.var("interval"))
+    return growth, g.add(recent, g.mul(g.var("follow"), g.sub(eta, recent)))
 
 
 def total(graph: Graph, products: list[tuple[int, int]]) -> int:
