@@ -11,7 +11,8 @@ import sys
 from pathlib import Path
 
 VARIABLE = "THETASCOPE_BROWSER"
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+#: The headless shell first: the same engine without a browser's own window, at two thirds of the processor time.
+NAMES = ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 MAC = tuple(Path(f"/Applications/{name}.app/Contents/MacOS/{name}") for name in ("Chromium", "Google Chrome"))
 
 
@@ -56,7 +57,7 @@ def fetch() -> str | None:
         return path
     if shutil.which("apt-get") and os.geteuid() == 0:
         run("apt-get", "update")
-        run("apt-get", "install", "-y", "--no-install-recommends", "chromium", "fonts-dejavu-core")
+        run("apt-get", "install", "-y", "--no-install-recommends", "chromium-headless-shell", "fonts-dejavu-core")
     return find()
 
 

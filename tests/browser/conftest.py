@@ -2,7 +2,6 @@
 
 import os
 import re
-import shutil
 import socket
 import subprocess
 import sys
@@ -10,12 +9,13 @@ import time
 import urllib.request
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from tools import browser as browser_tool
+
 ROOT = Path(__file__).parents[2]
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable", "chrome", "microsoft-edge")
-MAC = Path("/Applications/Google Chrome.app/Contents/MacOS/Google Chrome")
 ARGUMENTS = [
     "--no-sandbox",
     "--disable-gpu",
@@ -23,42 +23,23 @@ ARGUMENTS = [
     "--no-first-run",
     "--disable-background-networking",
     "--disable-component-update",
+    "--disable-features=PreloadTopChromeWebUI",  # Chromium's own menus, a process for every context
     "--disable-sync",
 ]
 REMEDY = "install Chromium or Chrome (Debian: apt-get install chromium), or run: python -m playwright install chromium"
 
 
-def installed_browser() -> str | None:
-    """Return a Chromium on the path, or the one that THETASCOPE_BROWSER names."""
-    named = os.environ.get("THETASCOPE_BROWSER")
-    found = named or next(filter(None, map(shutil.which, NAMES)), None)
-    return found or (str(MAC) if MAC.exists() else None)
-
-
-def install_browser() -> str | None:
-    """Install Debian's Chromium if this process may."""
-    if os.name != "posix" or os.geteuid() != 0 or not shutil.which("apt-get"):
-        return None
-    for command in (["apt-get", "update", "-qq"], ["apt-get", "install", "-qq", "-y", "chromium"]):
-        quiet = {**os.environ, "DEBIAN_FRONTEND": "noninteractive"}
-        done = subprocess.run(command, capture_output=True, text=True, check=False, env=quiet)
-        if done.returncode:
-            pytest.fail(f"no browser, and {' '.join(command)} failed: {done.stderr[-400:]}\n{REMEDY}", pytrace=False)
-    return installed_browser()
-
-
 @pytest.fixture(scope="session")
 def browser() -> Iterator:
-    """Yield an installed Chromium, else Playwright's own, else one from apt; without one fail with the remedy."""
+    """Start an installed Chromium, or one that can be fetched; fail with the remedy if there is none."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
         pytest.fail("playwright is not installed; run make test, or: pip install playwright", pytrace=False)
+    path = browser_tool.find() or browser_tool.fetch()
+    if path is None:
+        pytest.fail(f"no browser to test the page with; {REMEDY}", pytrace=False)
     with sync_playwright() as playwright:
-        own = playwright.chromium.executable_path
-        path = installed_browser() or (own if Path(own).exists() else install_browser())
-        if path is None:
-            pytest.fail(f"no browser to test the page with; {REMEDY}", pytrace=False)
         opened = playwright.chromium.launch(executable_path=path, args=ARGUMENTS)
         yield opened
         opened.close()
@@ -119,20 +100,47 @@ class Watch:
         page.on("request", lambda request: None if allowed.match(request.url) else self.foreign.append(request.url))
 
 
-@pytest.fixture
-def page(browser, server):
-    """Yield a function that opens pages: page("/?experiment=…", width=390, theme="dark"); .watch has their faults."""
-    contexts = []
+def opener(browser, server: str, contexts: list):
+    """Return a function that opens a page in a context of its own and adds the context to a list."""
 
     def open_page(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
         context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=theme)
         contexts.append(context)
         opened = context.new_page()
-        opened.set_default_timeout(30_000)
+        opened.set_default_timeout(60_000)
         opened.watch = Watch(opened, server)
         opened.goto(server + path)
         return opened
 
-    yield open_page
+    return open_page
+
+
+@pytest.fixture
+def page(browser, server) -> Iterator:
+    """Opens pages: page("/?experiment=…", width=390, theme="dark") → the page, with .watch of what went wrong on it."""
+    contexts: list = []
+    yield opener(browser, server, contexts)
+    for context in contexts:
+        context.close()
+
+
+@pytest.fixture(scope="module")
+def kept_page(browser, server) -> Iterator:
+    """Opens a page as `page` does, or returns the one that an earlier test of the module opened at that path, at the size asked for.
+
+    For tests that only look: they leave the session and the view as they found them.
+    """
+    contexts: list = []
+    open_page = opener(browser, server, contexts)
+    pages: dict[tuple[str, str], Any] = {}
+
+    def open_or_keep(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
+        kept = pages.get((path, theme))
+        if kept is None:
+            kept = pages[path, theme] = open_page(path, width, height, theme)
+        kept.set_viewport_size({"width": width, "height": height})
+        return kept
+
+    yield open_or_keep
     for context in contexts:
         context.close()

@@ -13,8 +13,8 @@ def test_a_diverged_plant_is_not_called_healthy(page):
     for speed in ("null", "0.5"):
         live.evaluate(f"thetascope.act.speed({speed})")
         live.evaluate("thetascope.act.play()")
-        summary = until(live, f"/plant diverged at 2\\.52/.test({VERDICT}) && {VERDICT}", 30)
-        assert "Go back" in summary and live.locator(".hint").count() == 0
+        said = until(live, f"/plant diverged at 2\\.52/.test({VERDICT}) && {VERDICT}")
+        assert "Go back" in said and live.locator(".hint").count() == 0
         until(live, "/diverged at 2\\.52/.test(document.querySelector('#notice').textContent)")
         live.click("#notice button")
         until(live, "thetascope.state.t < 2.2 && thetascope.state.broken === null")
@@ -66,7 +66,7 @@ def test_a_restarted_observer_keeps_its_colour_among_others(page):
         "ukf": 3,
         "ekf": 2,
     }
-    until(live, "thetascope.state.checks.kalman?.length", 40)
+    until(live, "thetascope.state.checks.kalman?.length")
     live.evaluate("thetascope.send({type: 'set-gain', observer: 'kalman', gain: 'lambda', value: 1})")
     lights = live.locator(".observer[aria-label=kalman] .lights")
     for _ in range(2):
@@ -81,7 +81,7 @@ def test_a_restarted_observer_keeps_its_colour_among_others(page):
 def test_a_fault_that_begins_while_the_last_alarm_is_on_is_not_called_found(page):
     """The summary has the onset of the alarm and of the new fault, and no time to find it."""
     live = opened(page, "/?experiment=zhao-2012&t=25")
-    until(live, f"/found in/.test({VERDICT})", 40)
+    until(live, f"/found in/.test({VERDICT})")
     live.evaluate(
         "thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', "
         "onset: 0, size: 0.02}}])"

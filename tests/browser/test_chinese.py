@@ -33,7 +33,7 @@ def test_the_list_of_checks_is_chinese(page):
     live = opened(page)
     live.evaluate("thetascope.act.language('zh')")
     until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
-    until(live, "thetascope.state.checks.adaptive?.length", 40)
+    until(live, "thetascope.state.checks.adaptive?.length")
     live.click(".lights")
     lines = live.locator(".checks li").evaluate_all(
         "(all) => all.map((one) => [one.querySelector('b'), one.querySelector('.soft')].map((part) => "
@@ -60,7 +60,7 @@ def test_refusals_are_translated(page):
         until(live, "document.querySelector('.add-form .refused').textContent")
         == "已有标签为 adaptive 的观测器。 解决办法：请换一个标签。"
     )
-    until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled", 60)
+    until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled")
     why = live.get_attribute(".add-form option[value=zhao-adaptive]", "title")
     assert "2 个输出" in why and not ENGLISH.search(why)
     live.evaluate(

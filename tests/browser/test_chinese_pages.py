@@ -69,7 +69,7 @@ def test_the_live_page_has_no_english_sentence(page):
     live = opened(page, "/?experiment=dts200&t=12")
     live.evaluate("thetascope.act.language('zh')")
     until(live, "thetascope.state.language === 'zh'")
-    until(live, "Object.values(thetascope.state.checks).some((one) => one.length)", 60)
+    until(live, "Object.values(thetascope.state.checks).some((one) => one.length)")
     channel = live.evaluate("thetascope.state.plant.channels[0]")
     fault = {"channel": channel["name"], "shape": "step", "onset": 0, "size": channel["typical"]}
     live.evaluate("(fault) => thetascope.send({type: 'inject', fault})", fault)
@@ -88,7 +88,7 @@ def test_the_live_page_has_no_english_sentence(page):
     seen |= english(live)
     live.keyboard.press("Escape")
     live.click("#panel-observers .heading .link")
-    until(live, "document.querySelector('.add-form option:disabled')?.title", 60)
+    until(live, "document.querySelector('.add-form option:disabled')?.title")
     for kind in live.locator(".add-form > select option:not(:disabled)").evaluate_all(
         "(all) => all.map((one) => one.value)"
     ):
@@ -120,7 +120,7 @@ def test_records_and_plants_have_no_english_sentence(page):
     records.wait_for_selector("#plant option", state="attached")
     seen = english(records)
     records.click(".buttons button.quiet")
-    until(records, "document.querySelector('.buttons [role=status]').textContent.includes('取自')", 60)
+    until(records, "document.querySelector('.buttons [role=status]').textContent.includes('取自')")
     seen |= english(records)
     records.click("button.run")
     records.wait_for_selector(".found .verdict", timeout=120_000)

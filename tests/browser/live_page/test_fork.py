@@ -1,6 +1,6 @@
 """A fork and its parent: compared in one table, and one click or Back away from each other."""
 
-from page_state import APP, ready, send, state, until
+from tests.browser.live_helpers import APP, ready, send, state, until
 
 
 def forked(page):

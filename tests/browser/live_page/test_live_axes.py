@@ -4,16 +4,19 @@ import re
 from itertools import pairwise
 
 import pytest
-from page_state import APP, ready, state, until
+
+from tests.browser.live_helpers import APP, ready, state, until
 
 PAUSED = "/?experiment=zhao-2012&t=30"
 FOUR = "/?experiment=zhao-2012-observers&t=30"
 
 
 def settled(page, path: str, **more):
-    """Return the page paused, with its axes at rest."""
+    """Return the page as it opens, paused, when its axes have come to rest."""
     opened = page(path, **more)
     ready(opened)
+    opened.mouse.move(0, 0)
+    opened.evaluate(f"{APP}.act.look(null); {APP}.act.select(null); {APP}.act.language('en')")
     opened.wait_for_timeout(1200)
     return opened
 
@@ -22,9 +25,9 @@ def beside(opened, strip: str) -> list[str]:
     return opened.locator(f'[data-strip="{strip}"] .strip-values span').all_inner_texts()
 
 
-def test_looking_back_shows_that_time(page):
-    """Values and line are those of that time; the clock shows the present, also while the pointer is on the curves."""
-    opened = settled(page, "/?experiment=zhao-2012&t=40")
+def test_looking_back_shows_that_time(kept_page):
+    """Values and the line are those of the time that is looked at, and the clock stays at now, also while the pointer is on the curves."""
+    opened = settled(kept_page, "/?experiment=zhao-2012&t=40")
     opened.evaluate(f"{APP}.act.look(12)")
     until(opened, "document.querySelector('[data-strip=\"theta.theta3\"] .truth').textContent.startsWith('0.0000')")
     truth, estimate = beside(opened, "theta.theta3")
@@ -39,9 +42,9 @@ def test_looking_back_shows_that_time(page):
     assert opened.inner_text(".clock .digits") == "40.0"
 
 
-def test_noise_is_never_cut_and_outliers_are_marked(page):
-    """After the start only outliers of x̂₂ leave its axis, each with an arrow at its time; one press shows all."""
-    opened = settled(page, "/?experiment=zhao-2012&t=60")
+def test_noise_is_never_cut_and_what_leaves_is_marked(kept_page):
+    """Past the start every sample of x̂₂ lies within its axis but for throws; those have an arrow each, at their time; one press shows all."""
+    opened = settled(kept_page, "/?experiment=zhao-2012&t=60")
     low, high = opened.evaluate(f"{APP}.scope.rows.get('x.x2').range.target")
     seen = opened.evaluate(f"{APP}.range('adaptive.x.x2', 42, 60)")
     assert low <= seen["min"] and seen["max"] <= high
@@ -62,10 +65,9 @@ def test_noise_is_never_cut_and_outliers_are_marked(page):
     assert show.get_attribute("aria-pressed") == "false" and state(opened, "selection") == [5, 35]
 
 
-def test_every_band_is_drawn_and_a_name_selects_one(page):
-    """With four observers all bands are drawn on every θ strip; a click or key on a name keeps one, and the legend says
-    which."""
-    opened = settled(page, FOUR)
+def test_every_band_is_drawn_and_a_name_leaves_its_own(kept_page):
+    """With four observers all bands are there, on every θ strip; a click on a name, by keyboard too, leaves its own, and the legend says whose."""
+    opened = settled(kept_page, FOUR)
     labels = opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")
     assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
     assert opened.inner_text(".legend [data-mark=band]") == "±2σ of each" and opened.locator(".bands .key").count() == 4
@@ -87,9 +89,9 @@ def test_every_band_is_drawn_and_a_name_selects_one(page):
     ("path", "width", "height"),
     [("/", 1280, 800), ("/?experiment=dc-motor", 1440, 900), ("/?experiment=dts200", 1280, 720), (FOUR, 1440, 900)],
 )
-def test_the_legend_is_complete(page, path, width, height):
-    """With many observers, too, on at most two lines."""
-    opened = settled(page, path, width=width, height=height)
+def test_the_legend_keeps_its_words(kept_page, path, width, height):
+    """With many observers, too, and on at most two lines."""
+    opened = settled(kept_page, path, width=width, height=height)
     marks = opened.evaluate(
         "[...document.querySelectorAll('.legend li')].map((one) => [one.innerText.trim(), one.offsetTop])"
     )
@@ -99,9 +101,9 @@ def test_the_legend_is_complete(page, path, width, height):
     assert set(opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")) <= set(words)
 
 
-def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(page):
-    """At 1280×720 eleven strips fit: none is cut, none overlaps, nothing needs scrolling."""
-    opened = settled(page, "/?experiment=dts200&t=700", width=1280, height=720)
+def test_all_strips_of_the_tanks_are_in_sight_on_a_small_screen(kept_page):
+    """At 1280×720 eleven strips fit: none is cut, none touches its neighbour, nothing is scrolled away."""
+    opened = settled(kept_page, "/?experiment=dts200&t=700", width=1280, height=720)
     boxes = opened.evaluate(
         "[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = "
         "one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })"
@@ -117,9 +119,9 @@ def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(page):
     assert max(labels) <= 1
 
 
-def test_a_strip_without_values_gives_the_reason(page):
-    """If no observer has an excitation yet, its strip says why."""
-    opened = settled(page, "/?experiment=friction-motor&t=10")
+def test_a_strip_that_cannot_tell_says_why(kept_page):
+    """Where no observer has an excitation yet, its strip says what is missing."""
+    opened = settled(kept_page, "/?experiment=friction-motor&t=10")
     until(
         opened,
         "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] "
@@ -127,9 +129,9 @@ def test_a_strip_without_values_gives_the_reason(page):
     )
 
 
-def test_marks_are_explained(page):
-    """The pointer on an alarm or the timeline shows an explanation; the help lists every mark in both languages."""
-    opened = settled(page, PAUSED)
+def test_marks_are_explained(kept_page):
+    """Under the pointer an alarm says what it is, the timeline what happened; the help lists every mark, in both languages."""
+    opened = settled(kept_page, PAUSED)
     t = opened.evaluate(f"{APP}.state.alarms[0].t")
     canvas = opened.locator('[data-strip="theta.theta3"] canvas')
     box = canvas.bounding_box()
@@ -149,9 +151,9 @@ def test_marks_are_explained(page):
         opened.keyboard.press("Escape")
 
 
-def test_a_figure_has_its_marks_and_their_legend(page):
-    """The exported scope contains alarms, threshold, tint and bands, each with its legend."""
-    opened = settled(page, PAUSED)
+def test_a_figure_has_its_marks_and_their_legend(kept_page):
+    """The exported scope carries alarms, threshold, tint and bands, each with its words."""
+    opened = settled(kept_page, PAUSED)
     svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
     for words in ("alarm", "fault active", "±2σ of adaptive", "required excitation"):
         assert words in svg, words

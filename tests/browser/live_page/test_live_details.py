@@ -45,7 +45,7 @@ def test_a_lesson_waits_in_the_time_of_the_plant(page):
     assert live.evaluate("thetascope.state.faults.at(-1).onset") == onset
     assert live.locator(".coming:not(:empty)").count() == 1 and f"from {onset:.1f}" in row(live, "theta3").inner_text()
     live.evaluate("thetascope.act.play()")
-    until(live, f"thetascope.state.alarms.some((alarm) => alarm.subject === 'theta3' && alarm.t > {onset})", 40)
+    until(live, f"thetascope.state.alarms.some((alarm) => alarm.subject === 'theta3' && alarm.t > {onset})")
     until(live, "document.querySelectorAll('.coming:not(:empty)').length === 0")
     assert "found in" in until(
         live,

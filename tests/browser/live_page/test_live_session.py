@@ -4,7 +4,8 @@ import base64
 import zlib
 
 import pytest
-from page_state import APP, last_row, ready, send, state, until
+
+from tests.browser.live_helpers import APP, last_row, ready, send, state, until
 
 PAUSED = "/?experiment=zhao-2012&t=12"
 
@@ -171,9 +172,9 @@ def test_a_lost_connection_is_survived_without_a_gap(page):
 def test_a_viewer_of_a_long_session_sees_all_of_it(page):
     """Rows that the server does not send to a late viewer are fetched with fewer points: the curves have no hole."""
     opened = page("/?experiment=zhao-2012&t=1500")
-    until(opened, f"{APP}?.samples.rows >= 150_000", 60)
+    until(opened, f"{APP}?.samples.rows >= 150_000")
     watcher = page(f"/?session={state(opened, 'session')}")
-    until(watcher, f"{APP}?.samples.rows >= 150_000 && !{APP}.samples.held", 60)
+    until(watcher, f"{APP}?.samples.rows >= 150_000 && !{APP}.samples.held")
     holes = watcher.evaluate(f"{APP}.window('x.x1', 0, 1e9).v.filter((value) => value !== value).length")
     assert holes == 0
 

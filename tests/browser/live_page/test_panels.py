@@ -35,7 +35,7 @@ def test_an_injected_fault_is_shown_everywhere_and_identified(page):
     press(live, "theta1")
     until(live, "document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₁')")
-    until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1')", 40)
+    until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1')")
     until(live, "/identified|found in/.test(document.querySelector('.verdict').textContent)")
     until(live, "/[+−]0\\.0\\d+ ± 0\\.\\d+/.test(document.querySelector('.finding .value').textContent)")
     press(live, "theta1")
@@ -134,7 +134,7 @@ def test_an_observer_is_added_coloured_and_removed(page):
     live.click("#panel-observers .heading .link")
     live.select_option(".add-form > select", "joint-ekf")
     live.click(".add-form button[type=submit]")
-    until(live, "thetascope.state.observers.length === 2 && thetascope.state.columns.includes('ekf.theta.theta1')", 60)
+    until(live, "thetascope.state.observers.length === 2 && thetascope.state.columns.includes('ekf.theta.theta1')")
     colours = live.locator("#panel-observers .observer .chip").evaluate_all(
         "(all) => all.map((one) => one.style.getPropertyValue('--c'))"
     )
@@ -159,7 +159,7 @@ def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(page):
     """For the two-output motor the single-output observers are disabled, with the reason."""
     live = opened(page, "/?experiment=dc-motor")
     live.click("#panel-observers .heading .link")
-    until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled", 60)
+    until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled")
     assert "output" in live.get_attribute(".add-form option[value=zhao-adaptive]", "title")
     assert live.eval_on_selector(".add-form > select", "(menu) => !menu.selectedOptions[0].disabled")
 
@@ -214,7 +214,7 @@ def test_a_click_in_the_log_shows_that_moment(page):
 def test_the_longest_sentence_covers_nothing(page):
     """With a summary of three lines the findings are below it, and no line overlaps another."""
     live = opened(page)
-    until(live, "/found in/.test(document.querySelector('.verdict').textContent)", 40)
+    until(live, "/found in/.test(document.querySelector('.verdict').textContent)")
     live.evaluate("thetascope.act.pause()")
     live.evaluate("thetascope.send({type: 'inject', fault: {output: 'y', shape: 'stuck', onset: 0, value: 0.1}})")
     until(live, "/y is disturbed/.test(document.querySelector('.verdict').textContent)")
@@ -269,9 +269,9 @@ def test_a_second_fault_does_not_inherit_the_duration_of_the_first(page):
 
 
 @pytest.mark.parametrize(("width", "height"), [(1366, 768), (1280, 720), (1440, 900)])
-def test_the_form_for_an_observer_can_be_reached_with_a_mouse(page, width, height):
-    """With three observers on a usual screen the Add button can be clicked, and Escape closes the form."""
-    live = opened(page, "/?experiment=dc-motor&t=2", width=width, height=height)
+def test_the_form_for_an_observer_can_be_reached_with_a_mouse(kept_page, width, height):
+    """With three observers at a usual size of screen: the Add button lies where a click reaches it, and Escape closes the form."""
+    live = opened(kept_page, "/?experiment=dc-motor&t=2", width=width, height=height)
     live.click("#panel-observers .heading .link")
     hit = live.evaluate("""(() => {
       const button = document.querySelector('.add-form button[type=submit]');

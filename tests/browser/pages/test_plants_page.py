@@ -26,7 +26,7 @@ def test_an_edited_plant_is_checked(page):
     plant = library.plant("shen-hu-2015").model_dump(mode="json")
     opened.fill("#own", json.dumps(plant))
     opened.click(".own button")
-    until(opened, "document.querySelectorAll('.possible li').length >= 12", 60)
+    until(opened, "document.querySelectorAll('.possible li').length >= 12")
     assert opened.locator(".possible .ok").count() >= 4 and opened.locator(".result math").count() == 3
     plant["dynamics"]["x1"] = "x2 + sin(x3)"
     opened.fill("#own", json.dumps(plant))

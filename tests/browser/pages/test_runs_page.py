@@ -2,24 +2,33 @@
 
 import json
 import re
-import time
 
 import pytest
 
+from tests.browser.live_helpers import until
+
 DRAWN = "figure[data-drawn] .plot .scatterlayer path.js-line"
-
-
-def until(page, expression: str, seconds: float = 20.0) -> None:
-    """Wait until an expression is true on the page, whose content policy forbids Playwright's own waiting by eval."""
-    end = time.monotonic() + seconds
-    while not page.evaluate(expression):
-        assert time.monotonic() < end, f"it never came true: {expression}"
-        page.wait_for_timeout(50)
 
 
 def run(page) -> None:
     page.click("button.run")
     page.wait_for_selector(DRAWN, state="attached")
+
+
+def drawn(kept_page, **more):
+    """Return the page of an experiment that was run, at a size: the run and its figures are made once."""
+    shown = kept_page("/runs/?experiment=shen-hu-2015", **more)
+    shown.wait_for_selector("h1")
+    if not shown.locator(DRAWN).count():
+        run(shown)
+    return shown
+
+
+def chosen(kept_page):
+    """Return the page of an experiment that was not run."""
+    shown = kept_page("/runs/?experiment=zhao-2012")
+    shown.wait_for_selector("h1")
+    return shown
 
 
 def test_zhao_2012_runs_and_shows_its_figures(page):
@@ -70,9 +79,9 @@ def test_a_link_reopens_choice_changes_and_result(page, server):
     assert spec["seed"] == 5 and spec["noise"]["y"]["std"] == 0.002
 
 
-def test_a_refused_value_is_explained_at_its_field(page):
-    """Problem and remedy are below the field, which is marked and focused; a correction clears them."""
-    opened = page("/runs/?experiment=zhao-2012")
+def test_a_refused_value_is_explained_at_its_field(kept_page):
+    """The server's problem and remedy stand under the field, which is marked and has the focus; mending it clears them."""
+    opened = chosen(kept_page)
     opened.fill("#field-noise-y-std", "-1")
     opened.click("button.run")
     opened.wait_for_selector("#field-noise-y-std[aria-invalid=true]")
@@ -139,11 +148,10 @@ def test_everything_is_reached_by_keyboard(page):
 
 
 @pytest.mark.parametrize("width", [390, 820, 1180, 1920])
-def test_nothing_is_wider_than_the_screen(page, width):
-    """At every width the page scrolls vertically only, and the run button is visible."""
-    opened = page("/runs/?experiment=shen-hu-2015", width=width, height=844)
-    opened.wait_for_selector("h1")
-    run(opened)
+def test_nothing_is_wider_than_the_screen(kept_page, width):
+    """At every width the page scrolls down only, and the run button is on it."""
+    opened = drawn(kept_page, width=width, height=844)
+    opened.wait_for_timeout(300)
     assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert opened.locator("button.run").is_visible()
 
@@ -183,11 +191,9 @@ def test_markup_in_texts_is_shown_as_text(page, server):
     assert opened.evaluate("window.pwned") is None and opened.locator("img").count() == 0
 
 
-def test_no_button_uploads_a_figure(page):
-    """Plotly's button for uploading a figure is absent."""
-    opened = page("/runs/?experiment=shen-hu-2015")
-    opened.wait_for_selector("h1")
-    run(opened)
+def test_no_button_sends_a_figure_away(kept_page):
+    """Plotly's offer to upload a figure is not there, in the page."""
+    opened = drawn(kept_page)
     opened.hover("figure .plot")
     titles = opened.evaluate("[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
     sent = re.compile("share|cloud|studio|send", re.IGNORECASE)
