@@ -10,3 +10,11 @@ settings.register_profile(
 settings.load_profile("project")
 
 os.environ.setdefault("THETASCOPE_PREPARE", "0")  # services that tests start compile what they are asked for
+
+#: The longest tests. Started first, they do not keep one worker busy after the others have ended.
+FIRST = ("tests/test_types.py", "tests/test_docs.py", "tests/browser/")
+
+
+def pytest_collection_modifyitems(items: list) -> None:
+    """Put the longest tests first; the others keep their order."""
+    items.sort(key=lambda item: next((i for i, path in enumerate(FIRST) if item.nodeid.startswith(path)), len(FIRST)))

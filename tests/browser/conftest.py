@@ -31,7 +31,7 @@ REMEDY = "install Chromium or Chrome (Debian: apt-get install chromium), or run:
 
 @pytest.fixture(scope="session")
 def browser() -> Iterator:
-    """Start an installed Chromium, or one that can be fetched; fail with the remedy if there is none."""
+    """Yield an installed Chromium, else Playwright's own, else one from apt; without one fail with the remedy."""
     try:
         from playwright.sync_api import sync_playwright
     except ImportError:
@@ -117,7 +117,7 @@ def opener(browser, server: str, contexts: list):
 
 @pytest.fixture
 def page(browser, server) -> Iterator:
-    """Opens pages: page("/?experiment=…", width=390, theme="dark") → the page, with .watch of what went wrong on it."""
+    """Yield a function that opens pages: page("/?experiment=…", width=390, theme="dark"); .watch has their faults."""
     contexts: list = []
     yield opener(browser, server, contexts)
     for context in contexts:
@@ -126,9 +126,9 @@ def page(browser, server) -> Iterator:
 
 @pytest.fixture(scope="module")
 def kept_page(browser, server) -> Iterator:
-    """Opens a page as `page` does, or returns the one that an earlier test of the module opened at that path, at the size asked for.
+    """Yield a function that opens a page as `page` does, or returns the one that the module has open at that path.
 
-    For tests that only look: they leave the session and the view as they found them.
+    For tests that only look: they leave the session and the view as they were. The window gets the size asked for.
     """
     contexts: list = []
     open_page = opener(browser, server, contexts)

@@ -13,16 +13,16 @@ SET_FONT = """(font) => {
 #: The part of a page that explains why a wait failed.
 SITUATION = """(() => {
   const live = window.thetascope?.state;
-  return live ? {t: live.t, state: live.status, connection: live.connection, verdict: document.querySelector('.verdict')?.textContent,
-    problem: live.notice} : document.body.innerText.slice(0, 400);
+  return live ? {t: live.t, connection: live.connection, playing: live.playing, notice: live.notice,
+    verdict: document.querySelector('.verdict')?.textContent} : document.body.innerText.slice(0, 400);
 })()"""
 
 
 def until(page, expression: str, seconds: float = 60.0):
     """Return the value of an expression on the page as soon as it is true.
 
-    Playwright's own `wait_for_function` evaluates text, which the page's content policy forbids. The limit is for a page that hangs:
-    it is long because a busy machine is slow.
+    Playwright's own `wait_for_function` evaluates text, which the page's content policy forbids. The limit is for a
+    page that hangs; it is long because a busy machine is slow.
     """
     end = time.monotonic() + seconds
     while not (value := page.evaluate(expression)):
@@ -58,9 +58,8 @@ def state(page, field: str):
 
 def last_row(page) -> dict:
     """Return the newest value of every column, and its time as "now"."""
-    return page.evaluate(
-        f"Object.fromEntries([['now', {APP}.samples.now], ...{APP}.state.columns.map((name) => [name, {APP}.latest(name)])])"
-    )
+    values = f"{APP}.state.columns.map((name) => [name, {APP}.latest(name)])"
+    return page.evaluate(f"Object.fromEntries([['now', {APP}.samples.now], ...{values}])")
 
 
 def send(page, command: str) -> dict:

@@ -73,8 +73,8 @@ def with_faults(page, path: str, **more):
         ("/?experiment=zhou-tan-2012", 1440, "dark", "zh"),
     ],
 )
-def test_nothing_serious_in_any_state(page, path, width, theme, language):
-    """Lists unfolded, menus and dialogs open, looking back, zoomed: axe finds nothing serious."""
+def test_axe_finds_nothing_serious_in_any_state(page, path, width, theme, language):
+    """Unfolded lists, menus and dialogs, looking back, zoom and presentation."""
     live = with_faults(page, path, width=width, height=900, theme=theme)
     live.evaluate(f"thetascope.act.language('{language}')")
     found = {}

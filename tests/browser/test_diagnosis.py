@@ -11,7 +11,7 @@ PAUSED = "/?experiment=zhao-2012&t=8"
 
 
 def started(page, path: str = PAUSED, **more):
-    """Return the live page at the time of its link, with the detector's state. Tests step it: real time depends on the machine."""
+    """Return the live page at the time of its link, with the detector's state; tests step it, and never play."""
     live = opened(page, path, **more)
     until(live, "thetascope.state.diagnosis?.calibration")
     return live
@@ -37,7 +37,7 @@ def test_a_sensor_fault_is_summarised(page):
     live = started(page)
     inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
     live.evaluate("thetascope.act.step(1000)")
-    said = until(live, f"/found in/.test({VERDICT}) && {VERDICT}")
+    summary = until(live, f"/found in/.test({VERDICT}) && {VERDICT}")
     size, half, since, delay = map(
         float, re.search(r"\+([\d.]+) ± ([\d.]+) since ([\d.]+).s, found in ([\d.]+).s", summary).groups()
     )

@@ -26,7 +26,7 @@ def beside(opened, strip: str) -> list[str]:
 
 
 def test_looking_back_shows_that_time(kept_page):
-    """Values and the line are those of the time that is looked at, and the clock stays at now, also while the pointer is on the curves."""
+    """Values and line are those of that time; the clock shows the present, also while the pointer is on the curves."""
     opened = settled(kept_page, "/?experiment=zhao-2012&t=40")
     opened.evaluate(f"{APP}.act.look(12)")
     until(opened, "document.querySelector('[data-strip=\"theta.theta3\"] .truth').textContent.startsWith('0.0000')")
@@ -42,8 +42,8 @@ def test_looking_back_shows_that_time(kept_page):
     assert opened.inner_text(".clock .digits") == "40.0"
 
 
-def test_noise_is_never_cut_and_what_leaves_is_marked(kept_page):
-    """Past the start every sample of x̂₂ lies within its axis but for throws; those have an arrow each, at their time; one press shows all."""
+def test_noise_is_never_cut_and_outliers_are_marked(kept_page):
+    """After the start only outliers of x̂₂ leave its axis, each with an arrow at its time; one press shows all."""
     opened = settled(kept_page, "/?experiment=zhao-2012&t=60")
     low, high = opened.evaluate(f"{APP}.scope.rows.get('x.x2').range.target")
     seen = opened.evaluate(f"{APP}.range('adaptive.x.x2', 42, 60)")
@@ -65,8 +65,9 @@ def test_noise_is_never_cut_and_what_leaves_is_marked(kept_page):
     assert show.get_attribute("aria-pressed") == "false" and state(opened, "selection") == [5, 35]
 
 
-def test_every_band_is_drawn_and_a_name_leaves_its_own(kept_page):
-    """With four observers all bands are there, on every θ strip; a click on a name, by keyboard too, leaves its own, and the legend says whose."""
+def test_every_band_is_drawn_and_a_name_selects_one(kept_page):
+    """With four observers all bands are drawn on every θ strip; a click or key on a name keeps one, and the legend says
+    which."""
     opened = settled(kept_page, FOUR)
     labels = opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")
     assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
@@ -89,8 +90,8 @@ def test_every_band_is_drawn_and_a_name_leaves_its_own(kept_page):
     ("path", "width", "height"),
     [("/", 1280, 800), ("/?experiment=dc-motor", 1440, 900), ("/?experiment=dts200", 1280, 720), (FOUR, 1440, 900)],
 )
-def test_the_legend_keeps_its_words(kept_page, path, width, height):
-    """With many observers, too, and on at most two lines."""
+def test_the_legend_is_complete(kept_page, path, width, height):
+    """With many observers, too, on at most two lines."""
     opened = settled(kept_page, path, width=width, height=height)
     marks = opened.evaluate(
         "[...document.querySelectorAll('.legend li')].map((one) => [one.innerText.trim(), one.offsetTop])"
@@ -101,8 +102,8 @@ def test_the_legend_keeps_its_words(kept_page, path, width, height):
     assert set(opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")) <= set(words)
 
 
-def test_all_strips_of_the_tanks_are_in_sight_on_a_small_screen(kept_page):
-    """At 1280×720 eleven strips fit: none is cut, none touches its neighbour, nothing is scrolled away."""
+def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(kept_page):
+    """At 1280×720 eleven strips fit: none is cut, none overlaps, nothing needs scrolling."""
     opened = settled(kept_page, "/?experiment=dts200&t=700", width=1280, height=720)
     boxes = opened.evaluate(
         "[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = "
@@ -119,8 +120,8 @@ def test_all_strips_of_the_tanks_are_in_sight_on_a_small_screen(kept_page):
     assert max(labels) <= 1
 
 
-def test_a_strip_that_cannot_tell_says_why(kept_page):
-    """Where no observer has an excitation yet, its strip says what is missing."""
+def test_a_strip_without_values_gives_the_reason(kept_page):
+    """If no observer has an excitation yet, its strip says why."""
     opened = settled(kept_page, "/?experiment=friction-motor&t=10")
     until(
         opened,
@@ -130,7 +131,7 @@ def test_a_strip_that_cannot_tell_says_why(kept_page):
 
 
 def test_marks_are_explained(kept_page):
-    """Under the pointer an alarm says what it is, the timeline what happened; the help lists every mark, in both languages."""
+    """The pointer on an alarm or the timeline shows an explanation; the help lists every mark in both languages."""
     opened = settled(kept_page, PAUSED)
     t = opened.evaluate(f"{APP}.state.alarms[0].t")
     canvas = opened.locator('[data-strip="theta.theta3"] canvas')
@@ -152,7 +153,7 @@ def test_marks_are_explained(kept_page):
 
 
 def test_a_figure_has_its_marks_and_their_legend(kept_page):
-    """The exported scope carries alarms, threshold, tint and bands, each with its words."""
+    """The exported scope contains alarms, threshold, tint and bands, each with its legend."""
     opened = settled(kept_page, PAUSED)
     svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
     for words in ("alarm", "fault active", "±2σ of adaptive", "required excitation"):

@@ -57,8 +57,9 @@ def with_six_observers(live) -> None:
 
 
 @pytest.mark.parametrize(("width", "height", "whole"), [(1440, 900, 3), (1920, 1080, 3), (1280, 720, 2)])
-def test_the_findings_are_seen(kept_page, width, height, whole):
-    """Three faults found: all three in sight where the screen is a laptop's or larger; no list ends with half a line, and each says how many follow."""
+def test_the_findings_are_visible(kept_page, width, height, whole):
+    """Three findings are visible from a laptop's screen on; no list ends with half a line, and each states how many
+    follow."""
     live = still(kept_page, "/?experiment=zhao-2012&t=80", width=width, height=height)
     until(live, "document.querySelectorAll('.finding').length === 3")
     live.wait_for_timeout(300)
@@ -72,8 +73,8 @@ def test_the_findings_are_seen(kept_page, width, height, whole):
 
 
 @pytest.mark.parametrize(("width", "height", "least"), [(1440, 900, 5), (1920, 1080, 6), (1280, 720, 3)])
-def test_six_observers_are_a_line_each(kept_page, width, height, least):
-    """Name and lights of each in sight, the rest announced; a click on a name opens its gains; two lines of the log remain."""
+def test_six_observers_take_a_line_each(kept_page, width, height, least):
+    """Names and lights are visible or counted; a click on a name opens its gains; two lines of the log remain."""
     live = still(kept_page, "/?experiment=zhao-2012&t=20", width=width, height=height)
     with_six_observers(live)
     seen, cut, count, more = live.evaluate(LINES, LISTS["observers"])
@@ -133,7 +134,8 @@ OVERLAPS = """() => {
 
 @pytest.mark.parametrize(("width", "language"), [(1440, "en"), (1280, "en"), (1280, "zh"), (1920, "zh")])
 def test_notices_cover_nothing(kept_page, width, language):
-    """In narrow and wide fonts: no notice covers the navigation, the connection, the actions, the curves or another notice."""
+    """In narrow and wide fonts no notice covers the navigation, the connection, the actions, the curves or another
+    notice."""
     live = still(kept_page, "/?experiment=zhao-2012&t=30", width=width, height=800)
     live.evaluate(f"thetascope.act.language('{language}')")
     for font in FONTS:

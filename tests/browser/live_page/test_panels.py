@@ -270,7 +270,7 @@ def test_a_second_fault_does_not_inherit_the_duration_of_the_first(page):
 
 @pytest.mark.parametrize(("width", "height"), [(1366, 768), (1280, 720), (1440, 900)])
 def test_the_form_for_an_observer_can_be_reached_with_a_mouse(kept_page, width, height):
-    """With three observers at a usual size of screen: the Add button lies where a click reaches it, and Escape closes the form."""
+    """With three observers on a usual screen the Add button can be clicked, and Escape closes the form."""
     live = opened(kept_page, "/?experiment=dc-motor&t=2", width=width, height=height)
     live.click("#panel-observers .heading .link")
     hit = live.evaluate("""(() => {

@@ -107,7 +107,8 @@ def test_the_panels_work_while_presenting(page):
     live.click(".add-form button[type=submit]")
     until(
         live,
-        "thetascope.state.observers.length === 2 && document.querySelectorAll('#panel-observers .observer').length === 2",
+        "thetascope.state.observers.length === 2 && document.querySelectorAll('#panel-observers .observer').length "
+        "=== 2",
     )
     live.wait_for_timeout(300)
     assert live.evaluate(WRONG) == []
@@ -235,8 +236,8 @@ def test_the_bar_shows_view_only_and_a_lost_connection(page, server):
     list(enumerate(["zhao-2012", "zhou-tan-2012", "dts200", "quadruple-tank", "zhao-2012-observers"])),
 )
 def test_nothing_overlaps_or_is_cut(page, number, experiment):
-    """Controls and cards are apart and whole on every tab, at four sizes, in either language; from 900 px of height on, two injections
-    and two observers are in sight.
+    """On every tab, at four sizes, in either language: controls and cards are complete; from 900 px two rows each are
+    visible.
 
     The language alternates along sizes and experiments, so every pair of size, language and tab occurs.
     """

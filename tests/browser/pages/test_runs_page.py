@@ -80,7 +80,7 @@ def test_a_link_reopens_choice_changes_and_result(page, server):
 
 
 def test_a_refused_value_is_explained_at_its_field(kept_page):
-    """The server's problem and remedy stand under the field, which is marked and has the focus; mending it clears them."""
+    """Problem and remedy are below the field, which is marked and focused; a correction clears them."""
     opened = chosen(kept_page)
     opened.fill("#field-noise-y-std", "-1")
     opened.click("button.run")
@@ -149,7 +149,7 @@ def test_everything_is_reached_by_keyboard(page):
 
 @pytest.mark.parametrize("width", [390, 820, 1180, 1920])
 def test_nothing_is_wider_than_the_screen(kept_page, width):
-    """At every width the page scrolls down only, and the run button is on it."""
+    """At every width the page scrolls vertically only, and the run button is visible."""
     opened = drawn(kept_page, width=width, height=844)
     opened.wait_for_timeout(300)
     assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
@@ -191,8 +191,8 @@ def test_markup_in_texts_is_shown_as_text(page, server):
     assert opened.evaluate("window.pwned") is None and opened.locator("img").count() == 0
 
 
-def test_no_button_sends_a_figure_away(kept_page):
-    """Plotly's offer to upload a figure is not there, in the page."""
+def test_no_button_uploads_a_figure(kept_page):
+    """Plotly's button for uploading a figure is absent."""
     opened = drawn(kept_page)
     opened.hover("figure .plot")
     titles = opened.evaluate("[...document.querySelectorAll('.modebar-btn')].map((button) => button.dataset.title)")
