@@ -25,6 +25,7 @@ ARGUMENTS = [
     "--disable-component-update",
     "--disable-features=PreloadTopChromeWebUI",  # Chromium's own menus, a process for every context
     "--disable-sync",
+    "--process-per-site",  # tabs of a context share a process and the scripts that it has compiled
 ]
 REMEDY = "install Chromium or Chrome (Debian: apt-get install chromium), or run: python -m playwright install chromium"
 
@@ -100,47 +101,70 @@ class Watch:
         page.on("request", lambda request: None if allowed.match(request.url) else self.foreign.append(request.url))
 
 
-def opener(browser, server: str, contexts: list):
-    """Return a function that opens a page in a context of its own and adds the context to a list."""
+@pytest.fixture(scope="session")
+def context(browser) -> Iterator:
+    """Yield the context that tests share: the second page to open finds scripts and fonts in its cache."""
+    shared = browser.new_context()
+    yield shared
+    shared.close()
 
-    def open_page(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
-        context = browser.new_context(viewport={"width": width, "height": height}, color_scheme=theme)
-        contexts.append(context)
-        opened = context.new_page()
-        opened.set_default_timeout(60_000)
-        opened.watch = Watch(opened, server)
-        opened.goto(server + path)
-        return opened
 
-    return open_page
+def visit(context, server: str, path: str, width: int, height: int, theme: str):
+    """Return a new page of a context at a path of the server, with .watch of the errors on it."""
+    opened = context.new_page()
+    opened.set_default_timeout(60_000)
+    opened.set_viewport_size({"width": width, "height": height})
+    opened.emulate_media(color_scheme=theme)
+    opened.watch = Watch(opened, server)
+    opened.goto(server + path)
+    return opened
+
+
+def forget(page, server: str) -> None:
+    """Delete everything that pages of the server have stored in the page's context."""
+    kinds = {"origin": server, "storageTypes": "cookies,local_storage,indexeddb,service_workers"}
+    page.context.new_cdp_session(page).send("Storage.clearDataForOrigin", kinds)
 
 
 @pytest.fixture
-def page(browser, server) -> Iterator:
-    """Yield a function that opens pages: page("/?experiment=…", width=390, theme="dark"); .watch has their faults."""
-    contexts: list = []
-    yield opener(browser, server, contexts)
-    for context in contexts:
-        context.close()
+def page(browser, context, server) -> Iterator:
+    """Yield a function that opens pages: page("/?experiment=…", width=390, theme="dark").
+
+    The first page of a test is a new tab with empty storage; each further one is another person's browser.
+    """
+    tabs, others = [], []
+
+    def open_page(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
+        if tabs:
+            others.append(browser.new_context())
+        opened = visit(others[-1] if others else context, server, path, width, height, theme)
+        tabs.append(opened)
+        return opened
+
+    yield open_page
+    if tabs:
+        forget(tabs[0], server)
+        tabs[0].close()
+    for other in others:
+        other.close()
 
 
 @pytest.fixture(scope="module")
-def kept_page(browser, server) -> Iterator:
+def kept_page(context, server) -> Iterator:
     """Yield a function that opens a page as `page` does, or returns the one that the module has open at that path.
 
     For tests that only look: they leave the session and the view as they were. The window gets the size asked for.
     """
-    contexts: list = []
-    open_page = opener(browser, server, contexts)
-    pages: dict[tuple[str, str], Any] = {}
+    kept: dict[tuple[str, str], Any] = {}
 
     def open_or_keep(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
-        kept = pages.get((path, theme))
-        if kept is None:
-            kept = pages[path, theme] = open_page(path, width, height, theme)
-        kept.set_viewport_size({"width": width, "height": height})
-        return kept
+        if (path, theme) not in kept:
+            kept[path, theme] = visit(context, server, path, width, height, theme)
+        kept[path, theme].set_viewport_size({"width": width, "height": height})
+        kept[path, theme].bring_to_front()
+        return kept[path, theme]
 
     yield open_or_keep
-    for context in contexts:
-        context.close()
+    for opened in kept.values():
+        forget(opened, server)
+        opened.close()

@@ -77,14 +77,14 @@ def test_faults_that_the_input_does_not_distinguish_are_both_named(page):
         )
     inject(live, "channel: 'theta2', shape: 'step', size: 0.015")
     live.evaluate("thetascope.act.step(1500)")
-    said = until(live, f"/does not tell them apart/.test({VERDICT}) && {VERDICT}")
+    said = until(live, f"/does not distinguish them/.test({VERDICT}) && {VERDICT}")
     assert "θ₁ or θ₂" in said
     assert (
         live.locator(".finding.either .badge").count() == 2 and live.locator(".finding.either .badge.lit").count() == 1
     )
     assert "perhaps" in site(live, "theta1") and "perhaps" in site(live, "theta2")
     assert "found in" in live.locator(".finding.either").inner_text()  # named as one of two is found
-    until(live, "document.querySelectorAll('.untold:not([hidden])').length >= 2")
+    until(live, "document.querySelectorAll('.unresolved:not([hidden])').length >= 2")
     assert "θ₁ or θ₂, not distinguishable" in live.locator("#panel-log").inner_text()
 
 

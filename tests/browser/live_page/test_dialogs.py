@@ -33,6 +33,18 @@ def test_space_plays_after_escape_has_closed_a_dialog(page, way):
     until(live, OPENED)
 
 
+def test_focus_that_returns_late_leaves_space_to_the_page(page):
+    """The browser may give the focus back a frame after Escape: Space pauses then, too."""
+    live = opened(page)
+    until(live, "thetascope.state.playing")
+    live.keyboard.press("Escape")
+    live.wait_for_timeout(100)
+    live.focus(EXPORT)
+    live.keyboard.press(" ")
+    until(live, "!thetascope.state.playing")
+    assert not live.evaluate(OPENED)
+
+
 def test_space_presses_a_button_that_was_reached_by_tab(page):
     """With keyboard navigation Space keeps its meaning in the browser."""
     live = opened(page)

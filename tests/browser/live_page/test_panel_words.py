@@ -9,6 +9,8 @@ import pytest
 
 from tests.browser.live_helpers import opened, until
 
+#: With more than a thousand rows.
+PAUSED = "/?experiment=zhao-2012&t=12"
 #: Labels and names that no language changes.
 NAMES = ("adaptive", "Thetascope", "RMSE", "Zhao, Li & Li", "min", "CSV", "MATLAB")
 SPOKEN = """() => {
@@ -29,7 +31,7 @@ SPOKEN = """() => {
 
 def test_the_equations_are_mathematics_without_script(page):
     """Plant and observer are MathML; terms of faults are marked, and equations of the paper are numbered."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.click("#panel-plant .heading .link")
     live.wait_for_selector("dialog math")
     found = live.evaluate("document.querySelectorAll('dialog math').length")
@@ -41,7 +43,7 @@ def test_the_equations_are_mathematics_without_script(page):
 
 def test_in_chinese_no_english_word_of_the_page_is_left(page):
     """After L no English word of the page is visible, and a reload keeps the language."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.wait_for_timeout(1000)
     english = {word for word in live.evaluate(SPOKEN) if re.search("[a-z]{3}", word)}
     live.keyboard.press("l")
@@ -81,7 +83,7 @@ def test_every_listed_key_works(page):
 
 def test_links_are_offered_to_copy(page, server):
     """Share offers a link that opens a copy and a read-only one, which cannot change the session."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.click(".actions button:nth-child(1)")
     fields = live.locator("dialog .copy-row input")
     fields.first.wait_for()
@@ -97,7 +99,7 @@ def test_links_are_offered_to_copy(page, server):
 
 def test_the_session_is_downloaded(page):
     """CSV contains every column up to the present; report and specification are files, too."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.click(".actions button:nth-child(2)")
     with live.expect_download() as waiting:
         live.click("dialog button:text-is('CSV')")

@@ -10,13 +10,16 @@ SHAPES = ["step", "ramp", "drift", "exponential", "sine", "pulse-train", "random
 DISTURBANCES = ["stuck", "freeze", "dropout", "outliers", "noise-burst", "quantisation", "delay"]
 
 
+PAUSED = "/?experiment=zhao-2012&t=8"
+
+
 def press(page, name: str) -> None:
     row(page, name).locator("button.press:not(.quiet-press)").click()
 
 
 def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
     """There is a button per channel and output; choosing one focuses its slider, by mouse and by keyboard."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     sites = live.locator("svg.plant .site")
     assert sites.count() == live.evaluate(
         "thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length"
@@ -47,8 +50,7 @@ def test_an_injected_fault_is_shown_everywhere_and_identified(page):
 @pytest.mark.parametrize(("subject", "shapes"), [("theta1", SHAPES), ("y", DISTURBANCES)])
 def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes):
     """The menu has every shape of the contract; each is accepted with its initial values, and cleared again."""
-    live = opened(page)
-    live.evaluate("thetascope.act.pause()")
+    live = opened(page, PAUSED)
     live.click("#panel-inject .heading .link")
     menu = row(live, subject).locator("select.shape")
     assert menu.locator("option").evaluate_all("(all) => all.map((one) => one.value)") == shapes
@@ -68,8 +70,7 @@ def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes
 
 def test_an_active_fault_is_changed_in_place(page):
     """Moving the slider of an active fault offers Change; afterwards only the new size is active."""
-    live = opened(page)
-    live.evaluate("thetascope.act.pause()")
+    live = opened(page, PAUSED)
     press(live, "theta2")
     row(live, "theta2").locator(".press.clear").wait_for()
     field = row(live, "theta2").locator("input.number")
@@ -103,7 +104,7 @@ def test_a_fault_is_changed_by_one_message_while_time_runs(page):
 
 def test_the_noise_slider_changes_the_noise(page):
     """The slider changes the noise of the spec and adds a line to the log."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.locator(".fault.noise input[type=range]").focus()
     live.keyboard.press("End")
     until(live, "thetascope.state.spec.commands.some((one) => one.command === 'set-noise' && one.std > 0.01)")
@@ -130,7 +131,7 @@ def test_a_gain_follows_its_slider_while_time_runs(page):
 
 def test_an_observer_is_added_coloured_and_removed(page):
     """A joint EKF from the menu gets a card and curves in its own colour; the cross removes it."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.click("#panel-observers .heading .link")
     live.select_option(".add-form > select", "joint-ekf")
     live.click(".add-form button[type=submit]")
@@ -146,7 +147,7 @@ def test_an_observer_is_added_coloured_and_removed(page):
 
 def test_a_refusal_is_shown_in_the_form(page):
     """A label that is taken is refused in the form, with the remedy, and nothing is added."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.click("#panel-observers .heading .link")
     live.fill(".add-form input[type=text]", "adaptive")
     live.click(".add-form button[type=submit]")
@@ -166,7 +167,7 @@ def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(page):
 
 def test_the_lights_show_the_checks(page):
     """There is one light per check in the colour of its verdict; a click lists the checks with numbers and sources."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     checks = until(live, "thetascope.state.checks.adaptive?.length")
     lights = live.locator("#panel-observers .lights .light")
     assert lights.count() == checks
@@ -179,7 +180,7 @@ def test_the_lights_show_the_checks(page):
 
 def test_a_question_is_carried_out_with_one_click(page):
     """The first question lowers λ, and the card shows it."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     live.locator("#panel-try .go").first.click()
     until(live, "thetascope.state.observers[0].gains.lambda === 0.6")
     until(live, "[...document.querySelectorAll('#panel-observers input.number')].some((one) => one.value === '0.6')")
@@ -187,8 +188,7 @@ def test_a_question_is_carried_out_with_one_click(page):
 
 def test_the_comparison_is_computed_over_the_window(page):
     """The RMSE in the table equals that of the columns."""
-    live = opened(page)
-    live.evaluate("thetascope.act.pause()")
+    live = opened(page, PAUSED)
     until(
         live,
         """(() => {
@@ -203,7 +203,7 @@ def test_the_comparison_is_computed_over_the_window(page):
 
 def test_a_click_in_the_log_shows_that_moment(page):
     """The scope shows the time of the event; the session does not go back."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     press(live, "theta3")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₃')")
     rows = live.evaluate("thetascope.state.row")
@@ -285,7 +285,7 @@ def test_the_form_for_an_observer_can_be_reached_with_a_mouse(kept_page, width, 
 
 def test_the_title_counts_the_running_observers(page):
     """An added observer counts until it is removed."""
-    live = opened(page)
+    live = opened(page, PAUSED)
     assert "1 observer" in live.inner_text("#panel-title")
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "/0 observers/.test(document.querySelector('#panel-title').textContent)")

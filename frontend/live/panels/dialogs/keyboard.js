@@ -108,15 +108,20 @@ function own(element, key) {
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   let taken = false; // Space was handled when it was pressed: a button must not act on its release (Firefox)
+  let escaped = false; // the last key was Escape: the browser may give the focus back a frame later
   element.addEventListener('pointerdown', (event) => rest(event.target), true);
   element.addEventListener(
     'keydown',
     (event) => {
+      escaped = event.key === 'Escape';
       if (event.key === 'Tab') resting = new WeakSet();
-      if (event.key === 'Escape') setTimeout(() => rest(document.activeElement));
+      if (escaped) setTimeout(() => rest(document.activeElement));
     },
     true,
   );
+  element.addEventListener('focusin', (event) => {
+    if (escaped) rest(event.target);
+  });
   element.addEventListener('keyup', (event) => {
     if (event.key === ' ' && taken) event.preventDefault();
     taken = false;
