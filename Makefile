@@ -7,8 +7,8 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 BIN := .venv/bin
 HERE = $(if $(PYTHON),,$(error Python 3.11 or newer is needed, and no python3 here is. Install one, or name it: make run PYTHON=/path/to/python3.11))
 
-# One worker a core: more only wait for each other's browsers.
-WORKERS ?= auto
+# Three workers on two cores: a browser test waits for half of its time.
+WORKERS ?= $(shell "$(PYTHON)" -c 'import os; print(((os.cpu_count() or 1) * 3 + 1) // 2)')
 
 # A browser is opened where there is a screen; elsewhere a text browser would take the terminal.
 OPEN := $(if $(DISPLAY)$(WAYLAND_DISPLAY)$(filter Darwin,$(shell uname -s)),$(if $(CI)$(SSH_CONNECTION),,--open))
