@@ -120,7 +120,16 @@ def gain(g: Gain) -> str:
     """Return a row of the table of gains."""
     symbol = f" ({g.symbol})" if g.symbol else ""
     default = "from the plant" if callable(g.default) else f"{g.default:g}"
-    return f"| `{g.name}`{symbol} | {cell(str(g.meaning))}{size(g)} | {default} | {g.low:g} … {g.high:g} | {g.unit} |"
+    return f"| `{g.name}`{symbol} | {cell(str(g.meaning))}{size(g)} | {default} | {bounds(g)} | {g.unit} |"
+
+
+def bounds(g: Gain) -> str:
+    """Return the bounds of a gain."""
+    if g.positive:
+        return "> 0"
+    if g.low is None:
+        return "none"
+    return f"≥ {g.low:g}" if g.high is None else f"{g.low:g} … {g.high:g}"
 
 
 def size(g: Gain) -> str:

@@ -102,9 +102,9 @@ const typed = (value) =>
 /**
  * A slider and a field for the same number.
  * @param {{name: string, scale: Scale, value: number, change: (value: number, done: boolean) => void,
- *   low?: number, high?: number}} options
+ *   low?: number, high?: number, positive?: boolean}} options
  */
-export function slider({name, scale, value, change, low = -Infinity, high = Infinity}) {
+export function slider({name, scale, value, change, low = -Infinity, high = Infinity, positive = false}) {
   const range = h('input', {type: 'range', min: 0, max: ENDS, step: 5, 'aria-label': name});
   const field = h('input', {
     type: 'text',
@@ -141,7 +141,7 @@ export function slider({name, scale, value, change, low = -Infinity, high = Infi
   });
   field.addEventListener('change', () => {
     const read = Number(field.value.trim().replace(',', '.').replace('−', '-'));
-    if (field.value.trim() === '' || !Number.isFinite(read) || read < low || read > high)
+    if (field.value.trim() === '' || !Number.isFinite(read) || read < low || read > high || (positive && read <= 0))
       return field.setAttribute('aria-invalid', 'true');
     show(read);
     return change(present, true);

@@ -54,14 +54,15 @@ export function value(scale, place) {
 
 /**
  * The scale of a gain around the value it begins with, within its bounds.
- * @param {{low: number, high: number}} bounds
+ * @param {{low: number | null, high: number | null, positive?: boolean}} bounds   null: no bound
  * @param {number} begin
  */
-export function gainScale({low, high}, begin) {
+export function gainScale({low: least, high: most, positive = false}, begin) {
+  const [low, high] = [least ?? -Infinity, most ?? Infinity];
   const size = Math.abs(begin) || 1;
   if (high - low <= 10) return linear(low, high);
   if (low < 0) return linear(Math.max(low, -4 * size), Math.min(high, 4 * size));
-  const zero = low === 0;
+  const zero = low === 0 && !positive;
   return logarithmic(Math.max(low, size / 30), Math.min(high, size * 30), zero);
 }
 

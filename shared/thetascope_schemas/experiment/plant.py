@@ -56,6 +56,10 @@ class State(Strict):
     domain: Bounds = Field(
         default=UNBOUNDED, description="Physical range [low, high]; observers saturate their model to it."
     )
+    scale: Positive | None = Field(
+        default=None,
+        description="Size of a typical change, in the state's unit; null: found in a simulation without faults.",
+    )
     description: Prose = ""
 
 
@@ -79,6 +83,10 @@ class Output(Strict):
     name: Name = Field(description="Name of the output.")
     unit: Unit = ""
     expression: ExpressionText = Field(description="Right-hand side of the output equation, without faults.")
+    scale: Positive | None = Field(
+        default=None,
+        description="Size of a typical change, in the output's unit; null: found in a simulation without faults.",
+    )
     description: Prose = ""
 
 

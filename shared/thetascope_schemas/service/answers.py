@@ -65,8 +65,9 @@ class GainForm(Strict):
     default: Number | tuple[Number, ...] | None = Field(
         description="Default; null: it depends on the plant and its noise."
     )
-    low: Number
-    high: Number
+    low: Number | None = Field(description="Smallest permitted value; null: no bound.")
+    high: Number | None = Field(description="Largest permitted value; null: no bound.")
+    positive: bool = Field(description="Whether every value must be greater than 0.")
     size: str | None = Field(
         description="Length of a column, or number of rows of a matrix (n, m, p, …); null for a number."
     )

@@ -54,6 +54,7 @@ def _observability(found: Structure, language: str) -> dict:
 
 
 def _possible(kind: str, plant: Plant, language: str) -> dict:
+    from thetascope.assembly.build.healthy import healthy_run_of
     from thetascope.assembly.build.observer_builder import estimator
     from thetascope_schemas import ObserverConfig, ResolvedExperiment
 
@@ -61,8 +62,9 @@ def _possible(kind: str, plant: Plant, language: str) -> dict:
     config = ObserverConfig(label="observer", kind=kind)
     step = plant.time.period if plant.time.kind == "discrete" else 0.001
     spec = ResolvedExperiment(plant=plant, horizon=1000 * step, step=step, observers=(config,))
+    data = plant.model_dump(mode="json")
     try:
-        estimator(0, config, spec, plant.model_dump(mode="json"), step)
+        estimator(0, config, spec, data, step, healthy_run_of(spec, data))
     except SpecError as error:
         why = Message("refusal.sentence", problem=error.problem, remedy=error.remedy).text(language)
         return {"kind": kind, "title": title, "possible": False, "why": why}

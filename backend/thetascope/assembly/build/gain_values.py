@@ -30,9 +30,7 @@ def gain_values(gain: Gain, given: Any, context: Context) -> Values:
         gain.default(context)  # raises the reason if the plant does not suit the observer
     values = _shaped(gain, value, shape, context, given is None)
     for number in _flat(values):
-        if not gain.low <= number <= gain.high:
-            limits = {"low": gain.low, "high": gain.high}
-            problem = Message("observer.gain.outside-bounds", meaning=gain.meaning, **limits)
+        if (problem := gain.bounds_problem(number)) is not None:
             raise SpecError(f"gains.{gain.name}", number, problem)
     return values
 

@@ -7,8 +7,9 @@ objects, so that comparing two experiments finds the differences quickly.
 from collections.abc import Iterator
 from dataclasses import replace
 
-from thetascope.assembly.build.experiment_builder import engine, measurement, signals_of
+from thetascope.assembly.build.experiment_builder import engine, measurement
 from thetascope.assembly.build.observer_builder import estimator, with_gains
+from thetascope.assembly.build.signal_builder import signals_of
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.simulation.experiment import Estimator
 from thetascope.engine.simulation.experiment import Experiment as Engine
@@ -18,9 +19,10 @@ _FIXED = ("parameters", "initial", "seed", "step", "horizon", "record", "measure
 
 
 def adapted(spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, built: Engine) -> Engine:
-    """Return ``engine(spec, since)``, given the engine's experiment for ``before``. Raises SpecError."""
+    """Return ``engine(spec, since, healthy)``, given the engine's experiment for ``before``, from which the healthy run
+    is taken: scales and defaults do not change while an experiment runs. Raises SpecError."""
     if spec.plant is not before.plant or any(getattr(spec, name) != getattr(before, name) for name in _FIXED):
-        return engine(spec, since)
+        return engine(spec, since, built.context.healthy)
     same_faults = _faults(spec, "output", None) == _faults(before, "output", None)
     return replace(
         built,
@@ -61,6 +63,7 @@ def _estimators(
                 present = with_gains(index, config, old_config, present) if only_gains else None
         if present is None:
             data = data or spec.plant.model_dump(mode="json")
-            present = estimator(index, config, spec, data, built.step)
+            assert built.context.healthy is not None, "an experiment has a healthy run"
+            present = estimator(index, config, spec, data, built.step, built.context.healthy)
         begun = since.get(config.label, 0)
         yield present if present.since == begun else replace(present, since=begun)

@@ -9,6 +9,7 @@ from thetascope.assembly.build.step_counts import multiple
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observers.registry import observer
 from thetascope.engine.observers.support.declaration import Context, Observer, Option
+from thetascope.engine.observers.support.scales import HealthyRun
 from thetascope.engine.programs.program_store import observer_program
 from thetascope.engine.simulation.experiment import Estimator
 from thetascope.messages import Message
@@ -16,10 +17,12 @@ from thetascope_schemas import ObserverConfig, Plant, ResolvedExperiment
 from thetascope_schemas.texts.refusal import suggestion
 
 
-def estimator(index: int, config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float) -> Estimator:
+def estimator(
+    index: int, config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float, healthy: HealthyRun
+) -> Estimator:
     """Return one observer of an experiment, ready to run. Raises SpecError for a field below ``observers.<index>``."""
     with _located(index):
-        return _estimator(config, spec, data, step)
+        return _estimator(config, spec, data, step, healthy)
 
 
 def with_gains(index: int, config: ObserverConfig, before: ObserverConfig, built: Estimator) -> Estimator | None:
@@ -48,12 +51,14 @@ def _located(index: int) -> Iterator[None]:
         raise
 
 
-def _estimator(config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float) -> Estimator:
+def _estimator(
+    config: ObserverConfig, spec: ResolvedExperiment, data: dict, step: float, healthy: HealthyRun
+) -> Estimator:
     kind, plant = observer(config.kind), spec.plant
     _suits(kind, plant)
     channels = _channels(kind, config, plant)
     every = _sample_every(kind, config, spec, step)
-    context = _context(spec, data, channels, step, every)
+    context = _context(spec, data, channels, step, every, healthy)
     gains = {g.name: gain_values(g, config.gains.get(g.name), context) for g in kind.gains}
     refuse_unknown("gains", config.gains, gains, Message("observer.gain.unknown", kind=kind.id))
     options = _options(kind, config, context)
@@ -114,7 +119,12 @@ def _sample_every(kind: Observer, config: ObserverConfig, spec: ResolvedExperime
 
 
 def _context(
-    spec: ResolvedExperiment, data: dict, channels: tuple[str, ...], step: float, every: int | None
+    spec: ResolvedExperiment,
+    data: dict,
+    channels: tuple[str, ...],
+    step: float,
+    every: int | None,
+    healthy: HealthyRun,
 ) -> Context:
     plant = spec.plant
     noise = [spec.noise.get(o.name) for o in plant.outputs]
@@ -128,12 +138,13 @@ def _context(
         model=data,
         channels=channels,
         noise_hold=tuple(n.sample_time if n else 0.0 for n in noise),
+        healthy=healthy,
     )
 
 
-def plant_context(spec: ResolvedExperiment, data: dict, step: float) -> Context:
+def plant_context(spec: ResolvedExperiment, data: dict, step: float, healthy: HealthyRun) -> Context:
     """Return the facts about the plant for a filter of all its fault channels; ``data`` is the plant as JSON."""
-    return _context(spec, data, spec.plant.names("channels"), step, None)
+    return _context(spec, data, spec.plant.names("channels"), step, None, healthy)
 
 
 def _options(kind: Observer, config: ObserverConfig, context: Context) -> dict:

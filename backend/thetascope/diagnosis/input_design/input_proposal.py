@@ -16,8 +16,7 @@ from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.diagnosis.sentences import joined
 from thetascope.engine.inputs.signals import constant, signal
 from thetascope.engine.observability.identifiability import Structure, structure
-from thetascope.engine.observers.support.kalman_defaults import state_scales
-from thetascope.engine.observers.support.time_constant import pace
+from thetascope.engine.observers.support.kalman_defaults import pace, state_scales
 from thetascope.engine.simulation.experiment import Experiment, State
 from thetascope.engine.simulation.simulation import Simulation, row_values
 from thetascope.messages import Message
@@ -234,7 +233,7 @@ class _Trial:
 
     def _periods(self) -> list[float]:
         least, most = _LEAST_ROWS * self.filter.interval, self.half * self.filter.interval
-        constant_ = 1 / pace(self.filter.context.model)
+        constant_ = 1 / pace(self.filter.context)
         return sorted({_short(float(np.clip(p * constant_, least, max(least, most)))) for p in PERIODS})
 
     # ---- sentences ---------------------------------------------------------------------------------------------------

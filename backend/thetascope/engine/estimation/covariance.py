@@ -14,8 +14,7 @@ from thetascope.engine.estimation.covariance_equations import Shape, companion, 
 from thetascope.engine.estimation.discretisation import propagate, transitions
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.observers.support.declaration import Context
-from thetascope.engine.observers.support.kalman_defaults import output_scales, state_scales, typical_sizes
-from thetascope.engine.observers.support.time_constant import pace
+from thetascope.engine.observers.support.kalman_defaults import output_scales, pace, state_scales, typical_sizes
 from thetascope.engine.programs.evaluate_rows import probe
 from thetascope.engine.simulation.experiment import Estimator, Experiment, Rows
 
@@ -176,7 +175,7 @@ def _scales(estimator: Estimator) -> tuple[np.ndarray, np.ndarray, float]:
             _known.clear()
         cached = _known[id(context)] = (
             context,
-            (np.concatenate([state_scales(context), typical]), typical, pace(context.model)),
+            (np.concatenate([state_scales(context), typical]), typical, pace(context)),
         )
     return cached[1]
 

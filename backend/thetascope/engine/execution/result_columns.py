@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from thetascope.engine.estimation.covariance import Spreads, latest, sigma_columns
+from thetascope.engine.execution.divergence import finite_observer_rows, finite_plant_rows
 from thetascope.engine.execution.stages import Life, final_estimator, lives, parameters_over
 from thetascope.engine.model.result import CANNOT_TELL, Check, Diverged, ObserverReport, Result
 from thetascope.engine.observers.support.declaration import Observed
@@ -19,16 +20,6 @@ from thetascope.messages import Message
 
 PLANT_ESCAPES = Message("diverged.plant")
 
-EXPLODED = 1e12  # a state beyond this has diverged: no physical quantity is that large in the user's units
-
-
-def finite_rows(states: np.ndarray) -> int:
-    """Return the number of leading rows that are finite and have not exploded."""
-    if not states.shape[1]:
-        return len(states)
-    bad = ~(np.abs(states) < EXPLODED).all(axis=1)
-    return int(np.argmax(bad)) if bad.any() else len(states)
-
 
 def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dict[str, float]) -> Result:
     """Return the result of a run from its spans, in order."""
@@ -37,7 +28,7 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
     plant = np.concatenate([rows.plant for _, rows in parts])
     y = np.concatenate([rows.y for _, rows in parts])
     observer_lives = lives(parts)
-    ended = finite_rows(plant)
+    ended = finite_plant_rows(first, plant)
     diverged = None
     if ended < len(plant):
         diverged = Diverged(float(index[ended] * first.step), PLANT_ESCAPES)
@@ -130,7 +121,7 @@ def observer_columns(
     estimator, where = final_estimator(life), life.where
     states = np.concatenate(life.states)
     inside = max(0, ended - where.start)
-    diverged, finite = None, finite_rows(states)
+    diverged, finite = None, finite_observer_rows(estimator, states)
     if finite < min(inside, len(states)):
         diverged = Diverged(float(values["t"][where.start + finite]), _cause(estimator.program.states, states, finite))
         states[finite:] = np.nan

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 
 from thetascope.engine.compiler.system import CONTINUOUS
 from thetascope.engine.errors import Cancelled, SpecError
-from thetascope.engine.execution.result_columns import EXPLODED, finite_rows, gather
+from thetascope.engine.execution.divergence import EXPLODED, finite_observer_rows, finite_plant_rows
+from thetascope.engine.execution.result_columns import gather
 from thetascope.engine.execution.stages import Stage, spans
 from thetascope.engine.model.result import Result
 from thetascope.engine.simulation.experiment import Experiment, Rows
@@ -126,13 +127,13 @@ def needed_substeps(experiment: Experiment, rows: Rows) -> int:
         return 1
     opening = rows.index[0] == 0
     values = row_values(experiment, rows.index, rows.plant)
-    picked = sample_rows(finite_rows(rows.plant), len(experiment.plant.states), opening)
+    picked = sample_rows(finite_plant_rows(experiment, rows.plant), len(experiment.plant.states), opening)
     rates = [fastest(experiment.plant, values, picked)]
     for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
         if estimator.every is None:
             observed = observed_values(experiment, estimator.parameters, values, rows.y)
             observed |= {s: states[:, j] for j, s in enumerate(estimator.program.states)}
-            picked = sample_rows(finite_rows(states), len(estimator.program.states), opening)
+            picked = sample_rows(finite_observer_rows(estimator, states), len(estimator.program.states), opening)
             rates.append(fastest(estimator.program, observed, picked))
     return max(substeps_needed(experiment.step, rate) for rate in rates)
 
@@ -151,9 +152,9 @@ def _escapes(parts: Parts) -> int:
     for experiment, rows in parts:
         if experiment.plant.time != CONTINUOUS or ended:
             break
-        end = finite_rows(rows.plant)
+        end = finite_plant_rows(experiment, rows.plant)
         ended = end < len(rows.plant)
         for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
-            if estimator.every is None and finite_rows(states) < end:
+            if estimator.every is None and finite_observer_rows(estimator, states) < end:
                 escaped.add((estimator.label, estimator.since))
     return len(escaped)

@@ -16,7 +16,7 @@ from thetascope.engine.compiler.system import CONTINUOUS, DISCRETE, Program, Sys
 from thetascope.engine.observers.support.declaration import Observer
 from thetascope.engine.observers.support.draft import Size
 
-_PROSE = ("title", "description", "source", "unit", "typical")
+_PROSE = ("title", "description", "source", "unit", "typical", "scale")
 _memory: OrderedDict[str, "Written"] = OrderedDict()
 _lock = threading.RLock()
 _KEPT = 256

@@ -109,7 +109,9 @@ def adopt(
     for command in newest:
         if isinstance(command, AddObserver) and round(command.at / step) == k:
             since[command.observer.label] = k
-    experiment = engine(here, since) if before is None else adapted(here, since, before, current)
+    experiment = (
+        engine(here, since, current.context.healthy) if before is None else adapted(here, since, before, current)
+    )
     stages = (*state.stages[: stage + 1], Stage(k, experiment))
     if newest and round(newest[0].at / step) > k:
         stages += tuple(later for later in prepare(complete).stages if later.k > k)

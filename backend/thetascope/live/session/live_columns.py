@@ -11,9 +11,9 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from thetascope.engine.estimation.covariance import Spreads, has_spread, latest, sigma_columns
+from thetascope.engine.execution.divergence import finite_plant_rows
 from thetascope.engine.execution.result_columns import (
     PLANT_ESCAPES,
-    finite_rows,
     observer_columns,
     plant_columns,
     plant_values,
@@ -104,7 +104,7 @@ class LiveColumns:
         parts = _with(self.parts, experiment, rows)
         plant = np.concatenate([r.plant for _, r in parts])
         y = np.concatenate([r.y for _, r in parts])
-        ended = 0 if self.plant_lost else finite_rows(plant)
+        ended = 0 if self.plant_lost else finite_plant_rows(experiment, plant)
         plant[ended:], y[ended:] = np.nan, np.nan
         values = plant_values(parts, plant)
         count = len(rows.index)
@@ -184,7 +184,7 @@ class LiveColumns:
         started = tuple(e for e in experiment.estimators if e.since // experiment.every < end)
         plant = np.concatenate([r.plant for _, r in self.parts])
         y = np.concatenate([r.y for _, r in self.parts])
-        values, ended = plant_values(self.parts, plant), finite_rows(plant)
+        values, ended = plant_values(self.parts, plant), finite_plant_rows(experiment, plant)
         reports = []
         for life in _present(self.parts, started):
             if life.label in self.lost:

@@ -267,8 +267,9 @@ function gainLine(label, {gain, place, value, name}, controls, whole, ask) {
     name: `${label}: ${gain.symbol || gain.name}${name && ` ${name}`}, ${named(gain.meaning)}`,
     scale: gainScale(gain, value),
     value,
-    low: gain.low,
-    high: gain.high,
+    low: gain.low ?? undefined,
+    high: gain.high ?? undefined,
+    positive: gain.positive,
     change: send,
   });
   controls.set(`${gain.name}.${place}`, control);

@@ -23,21 +23,21 @@ from thetascope.engine.observers.papers.reduced_order import (
 )
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix
+from thetascope.engine.observers.support.kalman_defaults import pace
 from thetascope.messages import Message
 
 
 def default_L(context: Context) -> list[float]:
-    """A − LC gets all its eigenvalues at −10: the coefficients of (s + 10)^ρ, block after block."""
+    """A − LC gets all its eigenvalues at −ω, ten times the plant's rate: the coefficients of (s + ω)^ρ, block after block."""
     blocks = normal_form(Model(context.model)).blocks
-    return [comb(rho, i) * 10.0**i for rho in blocks for i in range(1, rho + 1)]
+    return [comb(rho, i) * (10.0 * pace(context)) ** i for rho in blocks for i in range(1, rho + 1)]
 
 
 L = Gain(
     "L",
     Message("gain.injection-l"),
     default_L,
-    -1e6,
-    1e6,
+    None,
     size="n",
     rows=lambda context: normal_form(Model(context.model)).coordinate_names,
     symbol="L",

@@ -18,10 +18,13 @@ from thetascope.engine.observers.support.common_checks import gain_at_least, sta
 from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, ModelAt
 from thetascope.engine.observers.support.draft_linalg import solve
+from thetascope.engine.observers.support.kalman_defaults import pace
 from thetascope.engine.observers.support.matrices import Matrix, column, diag, matrix
 from thetascope.messages import Message
 
-RHO = Gain("rho", Message("gain.high-gain"), 4.0, 1e-3, 1e3, symbol="ρ")
+FAST = 50.0  # times the plant's slowest rate: ρ = 4 for the paper's plant, as in the paper
+
+RHO = Gain("rho", Message("gain.high-gain"), lambda c: FAST * pace(c), positive=True, symbol="ρ", unit="1/s")
 
 
 def k0(n: int) -> Matrix:

@@ -22,6 +22,7 @@ from thetascope.engine.observers.forms.matching_condition import closed, directi
 from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
+from thetascope.engine.observers.support.kalman_defaults import output_scales, pace, typical_sizes
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -31,12 +32,21 @@ SOURCE = "Shen & Hu 2015"
 
 
 def default_K(context: Context) -> list[float]:
-    """A − KC gets the eigenvalues −1, …, −n: K = (3, 2) for n = 2, as in the paper."""
-    return [float(k) for k in np.poly(-np.arange(1.0, context.n + 1))[1:]]
+    """A − KC gets the eigenvalues −ω, …, −nω, ω in proportion to the plant's rate: about the paper's (3, 2) for its plant."""
+    omega = _FAST * pace(context)
+    return [float(k) for k in np.poly(-omega * np.arange(1.0, context.n + 1))[1:]]
 
 
-K = Gain("K", Message("gain.injection-k"), default_K, -1e6, 1e6, size="n", symbol="K")
-LAMBDA = Gain("lambda", Message("gain.adaptation-rate"), 10.0, 0.0, 1e6, symbol="λ")
+def default_lambda(context: Context) -> float:
+    """Return λ in the units of fault²/output², 10 for the paper's plant. Faults of unlike size share it."""
+    sizes = typical_sizes(context) or [1.0]
+    return float(10 * np.exp(2 * np.mean(np.log(sizes))) / output_scales(context)[0] ** 2)
+
+
+_FAST = 14.0  # times the plant's slowest rate
+
+K = Gain("K", Message("gain.injection-k"), default_K, None, size="n", symbol="K")
+LAMBDA = Gain("lambda", Message("gain.adaptation-rate"), default_lambda, symbol="λ", unit="fault²/output²")
 
 
 def write(d: Draft) -> None:

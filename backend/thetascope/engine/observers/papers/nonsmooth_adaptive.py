@@ -22,8 +22,9 @@ from thetascope.engine.observers.forms.matching_condition import closed
 from thetascope.engine.observers.papers.linear_adaptive import LAMBDA, SOURCE, K, begin, g, matched, require
 from thetascope.engine.observers.papers.linear_adaptive import checks as shared_checks
 from thetascope.engine.observers.support.common_checks import verdict
-from thetascope.engine.observers.support.declaration import Gain, Observed, Observer, Option
+from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer, Option
 from thetascope.engine.observers.support.draft import Draft
+from thetascope.engine.observers.support.kalman_defaults import output_scales
 from thetascope.engine.observers.support.matrices import Matrix, column
 from thetascope.messages import Message
 
@@ -32,14 +33,25 @@ if TYPE_CHECKING:
 
 GENERAL, PAPER_EXAMPLE = "general", "paper-example"
 
+
+def default_alpha(context: Context) -> float:
+    """Return an exponent inside 1 − 1/n < α < 1."""
+    return 1 - 0.3 / context.n
+
+
+def default_rho(context: Context) -> float:
+    """Return ρ such that the nonsmooth part is 0.8 of the linear one at an error of the output's scale."""
+    return 0.8 * output_scales(context)[0] ** (1 - default_alpha(context))
+
+
 GAINS = (
     K,
     LAMBDA,
-    Gain("rho", Message("gain.nonsmooth-share"), 0.8, 0.0, 1e3, symbol="ρ"),
+    Gain("rho", Message("gain.nonsmooth-share"), default_rho, symbol="ρ", unit="output^(1−α)"),
     Gain(
         "alpha",
         Message("gain.nonsmooth-exponent"),
-        lambda context: 1 - 0.3 / context.n,
+        default_alpha,
         0.0,
         1.0,
         symbol="α",

@@ -22,6 +22,7 @@ from thetascope.engine.observers.forms.normal_form import PAPER, NormalForm, blo
 from thetascope.engine.observers.support.common_checks import NO_VALUE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
+from thetascope.engine.observers.support.kalman_defaults import pace
 from thetascope.engine.observers.support.matrices import column
 from thetascope.messages import Message
 
@@ -30,9 +31,9 @@ if TYPE_CHECKING:
 
 
 def default_H(context: Context) -> list[float]:
-    """Ã − HC̃ gets all its eigenvalues at −5: the coefficients of (s + 5)^(ρ − 1), block after block."""
+    """Ã − HC̃ gets all its eigenvalues at −ω, five times the plant's rate: the coefficients of (s + ω)^(ρ − 1)."""
     blocks = [rho - 1 for rho in normal_form(Model(context.model)).blocks]
-    return [comb(size, i) * 5.0**i for size in blocks for i in range(1, size + 1)]
+    return [comb(size, i) * (5.0 * pace(context)) ** i for size in blocks for i in range(1, size + 1)]
 
 
 def hidden_names(context: Context) -> list[str]:
@@ -45,8 +46,7 @@ H = Gain(
     "H",
     Message("gain.injection-h"),
     default_H,
-    -1e6,
-    1e6,
+    None,
     size="n-m",
     rows=hidden_names,
     symbol="H",

@@ -10,6 +10,7 @@ from thetascope.engine.observers.forms.sandwich_parts import Sandwich, blocks, m
 from thetascope.engine.observers.support.common_checks import stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
+from thetascope.engine.observers.support.kalman_defaults import output_scales, state_scales
 from thetascope.engine.observers.support.matrices import column
 from thetascope.messages import Message
 
@@ -28,17 +29,17 @@ def corrected_names(context: Context) -> list[str]:
 
 
 def default_K(context: Context) -> list[float]:
-    """0 on the states of L1, which Theorem 1 asks for, and 0.1 on those of L2, as in the paper."""
+    """0 on the states of L1, which Theorem 1 asks for, and 0.1 in scaled variables on those of L2, as in the paper."""
     parts = sandwich(Model(context.model))
-    return [0.0 if i in parts.front else 0.1 for i in parts.linear_states]
+    x, y = state_scales(context), output_scales(context)[0]
+    return [0.0 if i in parts.front else 0.1 * x[i] / y for i in parts.linear_states]
 
 
 K = Gain(
     "K",
     Message("gain.injection-sandwich"),
     default_K,
-    -1e3,
-    1e3,
+    None,
     size=corrected,
     rows=corrected_names,
     symbol="K",

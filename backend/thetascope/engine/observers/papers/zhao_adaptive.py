@@ -13,27 +13,67 @@ import numpy as np
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.forms.observable_form import canonical_form
 from thetascope.engine.observers.papers import high_gain
-from thetascope.engine.observers.papers.high_gain import A0, RHO, c0, describe, form_checks, k0, to_user
+from thetascope.engine.observers.papers.high_gain import A0, FAST, RHO, c0, describe, form_checks, k0, to_user
 from thetascope.engine.observers.support.common_checks import excitation, persistent_excitation, positive_definite
-from thetascope.engine.observers.support.declaration import Gain, Observed, Observer
+from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft
-from thetascope.engine.observers.support.matrices import eye
+from thetascope.engine.observers.support.kalman_defaults import output_scales, pace, typical_sizes
+from thetascope.engine.observers.support.matrices import diag
 from thetascope.messages import Message
+
+_WINDOW = 0.16  # time constants of the plant: 2 s for the paper's
+_GAMMA0 = 600.0
+_DELTA = 6e-5
+
+
+def default_gamma0(c: Context) -> list[float]:
+    """Return γ0 of each channel in the units of Γ, about the paper's 1 for its plant."""
+    y = output_scales(c)[0]
+    return [_GAMMA0 * pace(c) * size**2 / y**2 for size in typical_sizes(c)]
+
+
+def default_delta(c: Context) -> float:
+    """Return δ in the units of ∫ΩᵀΩ dt, about the paper's 0.002 for its plant."""
+    largest = max(typical_sizes(c), default=1.0)
+    return _DELTA * (_WINDOW / pace(c)) * output_scales(c)[0] ** 2 / largest**2
+
 
 GAINS = (
     RHO,
     Gain(
         "lambda",
         Message("gain.forgetting-factor"),
-        4.0,
-        0.0,
-        1e3,
+        lambda c: FAST * pace(c),
         symbol="λ",
         unit="1/s",
     ),
-    Gain("gamma0", Message("gain.initial-gamma-scale"), 1.0, 1e-9, 1e9, symbol="Γ(0)", live=False),
-    Gain("window", Message("gain.excitation-window-36"), 2.0, 1e-3, 1e4, symbol="T", unit="s", live=False),
-    Gain("delta", Message("gain.excitation-level-36"), 0.002, 0.0, 1e9, symbol="δ", live=False),
+    Gain(
+        "gamma0",
+        Message("gain.initial-gamma-scale"),
+        default_gamma0,
+        positive=True,
+        size="p",
+        symbol="Γ(0)",
+        unit="fault²/(output² s)",
+        live=False,
+    ),
+    Gain(
+        "window",
+        Message("gain.excitation-window-36"),
+        lambda c: _WINDOW / pace(c),
+        positive=True,
+        symbol="T",
+        unit="s",
+        live=False,
+    ),
+    Gain(
+        "delta",
+        Message("gain.excitation-level-36"),
+        default_delta,
+        symbol="δ",
+        unit="output² s/fault²",
+        live=False,
+    ),
 )
 
 
@@ -42,7 +82,7 @@ def write(d: Draft) -> None:
     form = canonical_form(d.model)
     n, p, rho, lam = d.n, d.p, d.gain("rho"), d.gain("lambda")
     Upsilon = d.states("Upsilon", n, p)
-    Gamma = d.symmetric("Gamma", p, initial=d.gain("gamma0") * eye(p))
+    Gamma = d.symmetric("Gamma", p, initial=diag(d.gain("gamma0")))
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     at = d.at(x, theta)
     Psi, Delta = at.Psi, high_gain.Delta(d)

@@ -1,5 +1,6 @@
 """What an observer's file offers: its gains, options, equations and the assumptions it checks."""
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -9,6 +10,7 @@ from thetascope.engine.compiler.system import Program
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.support.draft import Draft, Size
+from thetascope.engine.observers.support.scales import HealthyRun, Scales
 from thetascope.messages import Message
 
 
@@ -25,6 +27,13 @@ class Context:
     model: Mapping = field(default_factory=dict)  # the plant's data
     channels: tuple[str, ...] = ()  # the fault channels to estimate
     noise_hold: tuple[float, ...] = ()  # per output: the sample time of the declared noise, s
+    healthy: HealthyRun | None = None  # the source of all scales
+
+    @property
+    def scales(self) -> Scales:
+        """Return the scales of states, outputs and time; the first use simulates the plant without faults."""
+        assert self.healthy is not None, "a context that is asked for scales has a healthy run"
+        return self.healthy.scales
 
 
 Count = str | Callable[[Context], int]
@@ -39,7 +48,9 @@ class Gain:
         name: unique among the observer's gains.
         meaning: for the user, an entry of the catalogues.
         default: a number, a list, a list of rows, or a function of the Context that returns one of these.
-        low, high: bounds of every entry, inclusive.
+        low, high: bounds of every entry, inclusive; None: no bound. A gain with a unit has no bound but its sign, because
+            any other number would depend on the unit.
+        positive: whether every entry must be greater than 0.
         size: the number of entries of a column, or of rows of a matrix; None for a single number.
         columns: the number of columns of a matrix; None for a column.
         rows: labels of the rows; by default the names of the states, outputs or channels that ``size`` counts.
@@ -51,14 +62,15 @@ class Gain:
     name: str
     meaning: Message
     default: float | tuple | Callable[[Context], object]
-    low: float = 0.0
-    high: float = 1e6
+    low: float | None = 0.0
+    high: float | None = None
     size: Count | None = None
     symbol: str = ""
     unit: str | Message = ""
     live: bool = True
     columns: Count | None = None
     rows: Callable[[Context], Sequence[str]] | None = None
+    positive: bool = False
 
     def shape(self, context: Context) -> Size:
         """Return None for a number, the length of a column, or (rows, columns)."""
@@ -66,6 +78,17 @@ class Gain:
             return None
         rows = count(self.size, context)
         return rows if self.columns is None else (rows, count(self.columns, context))
+
+    def bounds_problem(self, number: float) -> Message | None:
+        """Return why a number is out of bounds, or None."""
+        if not math.isfinite(number) or (self.positive and number <= 0):
+            return Message("observer.gain.not-positive", meaning=self.meaning)
+        if self.low is not None and self.high is not None and not self.low <= number <= self.high:
+            limits = {"low": self.low, "high": self.high}
+            return Message("observer.gain.outside-bounds", meaning=self.meaning, **limits)
+        if self.low is not None and number < self.low:
+            return Message("observer.gain.too-small", meaning=self.meaning, low=self.low)
+        return None
 
     def row_labels(self, context: Context) -> tuple[str, ...]:
         """Return the label of each row; nothing for a single number."""

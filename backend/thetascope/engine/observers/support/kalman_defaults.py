@@ -5,32 +5,33 @@ channel's typical size, the noise. Together with the plant's slowest eigenvalue 
 start, not a tuned filter.
 """
 
-import re
-
 from thetascope.engine.observers.support.declaration import Context, Gain
-from thetascope.engine.observers.support.time_constant import pace
 from thetascope.messages import Message
 
 DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
-HOLD = 0.01  # s, assumed hold time of noise whose sample time is not known
+_SPANS = 5.0
+_SAMPLES = 0.2
 
 
 def state_scales(c: Context) -> list[float]:
-    """Return the approximate size of each state: its initial value, else a quarter of its physical range, else 1."""
-    scales = []
-    for state in c.model.get("states", [{}] * c.n):
-        low, high = state.get("domain") or (None, None)
-        spread = (high - low) / 4 if low is not None and high is not None else 1.0
-        scales.append(abs(state.get("initial", 0.0)) or spread)
-    return scales
+    """Return the size of a change of each state, see `Scales`."""
+    return list(c.scales.states)
 
 
 def output_scales(c: Context) -> list[float]:
-    """Return the approximate size of each output: the largest scale of the states in its expression."""
-    scale = dict(zip((s["name"] for s in c.model.get("states", [])), state_scales(c), strict=True))
-    texts = [o["expression"] for o in c.model.get("outputs", [{"expression": ""}] * c.m)]
-    words = [re.findall(r"[A-Za-z_]\w*", text) for text in texts]
-    return [max((scale[w] for w in names if w in scale), default=max(scale.values(), default=1.0)) for names in words]
+    """Return the size of a change of each output, see `Scales`."""
+    return list(c.scales.outputs)
+
+
+def pace(c: Context) -> float:
+    """Return the slowest rate of the plant in 1/s, along its healthy run."""
+    return c.scales.rate
+
+
+def learning_rate(c: Context) -> float:
+    """Return the pace within what the run can show: at least _SPANS/span, at most _SAMPLES/(interval of the samples)."""
+    interval = max((c.period, *c.noise_hold))
+    return float(min(max(pace(c), _SPANS / c.scales.span), _SAMPLES / interval))
 
 
 def typical_sizes(c: Context) -> list[float]:
@@ -47,12 +48,12 @@ def noise_std(c: Context) -> list[float]:
 
 def process_noise(c: Context) -> list[float]:
     """Return the default intensity of process noise of every state, from its scale and the plant's time constant."""
-    return [pace(c.model) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
+    return [pace(c) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
 
 
 def _noise_intensity(c: Context) -> list[float]:
-    holds = c.noise_hold or (HOLD,) * c.m
-    return [std * std * (hold or HOLD) for std, hold in zip(noise_std(c), holds, strict=True)]
+    holds = c.noise_hold or (0.0,) * c.m
+    return [std * std * (hold or c.period) for std, hold in zip(noise_std(c), holds, strict=True)]
 
 
 def _quiet_start(c: Context) -> list[float]:
@@ -62,15 +63,13 @@ def _quiet_start(c: Context) -> list[float]:
 
 
 def _walk(c: Context) -> list[float]:
-    return [0.2 * pace(c.model) ** 0.5 * s for s in typical_sizes(c)]
+    return [0.2 * learning_rate(c) ** 0.5 * s for s in typical_sizes(c)]
 
 
 Q = Gain(
     "q",
     Message("gain.process-noise"),
     process_noise,
-    0.0,
-    1e15,
     size="n",
     symbol="Q",
     unit=Message("unit.state-squared-per-second"),
@@ -79,8 +78,7 @@ R_INTENSITY = Gain(
     "r",
     Message("gain.noise-intensity"),
     _noise_intensity,
-    1e-30,
-    1e15,
+    positive=True,
     size="m",
     symbol="R",
     unit=Message("unit.output-squared-seconds"),
@@ -89,8 +87,7 @@ R_VARIANCE = Gain(
     "r",
     Message("gain.noise-variance"),
     lambda c: [s * s for s in noise_std(c)],
-    1e-30,
-    1e15,
+    positive=True,
     size="m",
     symbol="R",
     unit=Message("unit.output-squared"),
@@ -99,8 +96,6 @@ P0_QUIET = Gain(
     "p0",
     Message("gain.initial-p-stiff"),
     _quiet_start,
-    0.0,
-    1e15,
     size="n",
     symbol="P(0)",
     unit=Message("unit.state-squared"),
@@ -110,8 +105,6 @@ P0 = Gain(
     "p0",
     Message("gain.initial-p"),
     lambda c: [s * s for s in state_scales(c)],
-    0.0,
-    1e15,
     size="n",
     symbol="P(0)",
     unit=Message("unit.state-squared"),
@@ -120,9 +113,7 @@ P0 = Gain(
 LAMBDA = Gain(
     "lambda",
     Message("gain.forgetting-rate"),
-    lambda c: pace(c.model),
-    0.0,
-    1e3,
+    learning_rate,
     symbol="λ",
     unit="1/s",
 )
@@ -130,8 +121,7 @@ GAMMA0_QUIET = Gain(
     "gamma0",
     Message("gain.initial-gamma-stiff"),
     lambda c: [1e-4 * s * s for s in typical_sizes(c)],
-    1e-30,
-    1e15,
+    positive=True,
     size="p",
     symbol="Γ(0)",
     unit=Message("unit.fault-squared"),
@@ -141,8 +131,7 @@ GAMMA0 = Gain(
     "gamma0",
     Message("gain.initial-theta-covariance"),
     lambda c: [s * s for s in typical_sizes(c)],
-    1e-30,
-    1e15,
+    positive=True,
     size="p",
     symbol="Γ(0)",
     unit=Message("unit.fault-squared"),
@@ -152,8 +141,6 @@ Q_THETA = Gain(
     "q_theta",
     Message("gain.random-walk"),
     _walk,
-    0.0,
-    1e15,
     size="p",
     symbol="Qθ^½",
     unit=Message("unit.fault-per-root-second"),
@@ -161,9 +148,8 @@ Q_THETA = Gain(
 WINDOW = Gain(
     "window",
     Message("gain.excitation-window"),
-    lambda c: 3 / pace(c.model),
-    1e-3,
-    1e6,
+    lambda c: 3 / learning_rate(c),
+    positive=True,
     symbol="T",
     unit="s",
     live=False,
@@ -172,8 +158,6 @@ DELTA = Gain(
     "delta",
     Message("gain.excitation-level"),
     1.0,
-    0.0,
-    1e15,
     symbol="δ",
     live=False,
 )

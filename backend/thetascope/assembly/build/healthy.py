@@ -1,0 +1,47 @@
+"""The healthy run of an experiment: the source of all scales, see engine/simulation/healthy_run.py."""
+
+import numpy as np
+
+from thetascope.assembly.build.diagnosis_settings import span
+from thetascope.assembly.build.signal_builder import initial_state, plant_parameters, signals_of
+from thetascope.engine.observers.support.scales import HealthyRun, Scales
+from thetascope.engine.programs.program_store import plant_program
+from thetascope.engine.simulation.healthy_run import healthy_run
+from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
+from thetascope_schemas.experiment.measurement import ContinuousMeasurement
+
+
+def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
+    """Return the healthy run of an experiment as it begins; it simulates when its scales are needed.
+
+    It depends on the plant, its inputs, its noise and the time over which it is watched (`span`), not on the seed,
+    faults, observers, the spacing of rows or the present end of a session. ``data`` is the plant as JSON.
+    """
+
+    def simulate() -> Scales:
+        sound = spec.model_copy(update={"faults": ()})
+        noise = np.array([n.std if (n := spec.noise.get(o.name)) else 0.0 for o in spec.plant.outputs])
+        step = spec.plant.time.period if spec.plant.time.kind == "discrete" else spec.step
+        steps = max(1, round(span(spec) / step))
+        start, parameters = initial_state(spec), plant_parameters(spec)
+        return healthy_run(plant_program(data).program, data, parameters, start, signals_of(sound), noise, step, steps)
+
+    return HealthyRun(_key(spec), simulate)
+
+
+def _key(spec: ResolvedExperiment) -> str:
+    """Return the hash of everything that the healthy run depends on."""
+    changes = {
+        "seed": 0,
+        "horizon": span(spec),
+        "record": spec.step,
+        "substeps": None,
+        "measurement": ContinuousMeasurement(),
+        "observers": (),
+        "commands": (),
+        "faults": (),
+        "diagnosis": DiagnosisSettings(),
+        "figures": (),
+    }
+    return spec.model_copy(update=changes).spec_hash()

@@ -1,0 +1,50 @@
+"""Build the signals, parameters and initial state of a plant from a resolved experiment."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+import numpy as np
+
+from thetascope.engine.errors import SpecError
+from thetascope.engine.inputs import fault_signals, signals
+from thetascope_schemas import ResolvedExperiment
+
+
+def plant_parameters(spec: ResolvedExperiment) -> dict[str, float]:
+    """Return the plant's parameters, ``p.*``."""
+    return {f"p.{p.name}": spec.parameters.get(p.name, p.value) for p in spec.plant.parameters}
+
+
+def initial_state(spec: ResolvedExperiment) -> np.ndarray:
+    """Return the plant's state at t = 0 (n,)."""
+    return np.array([spec.initial.get(s.name, s.initial) for s in spec.plant.states], dtype=float)
+
+
+def signals_of(
+    spec: ResolvedExperiment, known: Mapping[str, signals.Signal] = MappingProxyType({})
+) -> dict[str, signals.Signal]:
+    """Return u.*, signal.* and theta.*, in this order; those in ``known`` are reused."""
+    built, plant = {}, spec.plant
+    for u in plant.inputs:
+        name, given = f"u.{u.name}", spec.inputs.get(u.name)
+        fresh = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
+        built[name] = known.get(name, fresh)
+    for s in plant.signals:
+        name = f"signal.{s.name}"
+        built[name] = known.get(name) or _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
+    for c in plant.channels:
+        name = f"theta.{c.name}"
+        built[name] = known.get(name) or fault_signals.theta(c.name, _plain(spec, c.name), spec.seed)
+    return built
+
+
+def _plain(spec: ResolvedExperiment, channel: str) -> list[dict]:
+    return [f.model_dump(mode="json") for f in spec.faults if f.site == ("channel", channel)]
+
+
+def _signal(given, field: str) -> signals.Signal:
+    try:
+        return signals.signal(given.model_dump(mode="json"))
+    except SpecError as error:
+        error.field = f"{field}.{error.field}"
+        raise

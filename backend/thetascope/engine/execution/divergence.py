@@ -1,0 +1,80 @@
+"""The bound beyond which a state has diverged, in multiples of the plant's scales.
+
+States and estimates diverge at EXPLODED times their size, covariances at EXPLODED times their size or their initial
+value. Other states of observers have no scale of their own: they diverge where their squares are no longer finite.
+"""
+
+from functools import lru_cache
+
+import numpy as np
+
+from thetascope.engine.observers.support.kalman_defaults import typical_sizes
+from thetascope.engine.observers.support.scales import HealthyRun
+from thetascope.engine.simulation.experiment import Estimator, Experiment
+
+EXPLODED = 1e12  # times the scale
+_INFINITE = 1e150  # the square of a larger number is not finite
+_COVARIANCES = {"P": "p0", "Gamma": "gamma0", "S": "gamma0"}  # matrix → the gain with its initial diagonal
+
+
+def finite_plant_rows(experiment: Experiment, states: np.ndarray) -> int:
+    """Return the number of leading rows (rows, n) of the plant that are finite and have not diverged."""
+    return _leading(states, EXPLODED * np.array(experiment.context.scales.extents))
+
+
+def finite_observer_rows(estimator: Estimator, states: np.ndarray) -> int:
+    """Return the number of leading rows (rows, observer states) that are finite and have not diverged."""
+    context = estimator.context
+    assert context.healthy is not None, "an observer of an experiment has scales"
+    initial = tuple((n, v) for n, v in estimator.parameters.items() if n.startswith(("g.p0", "g.gamma0")))
+    names = tuple(s["name"] for s in context.model["states"])
+    sizes = dict(zip((f"theta.{c}" for c in estimator.channels), typical_sizes(context), strict=False))
+    return _leading(states, _limits(estimator.program.states, context.healthy, names, tuple(sizes.items()), initial))
+
+
+def _leading(states: np.ndarray, limits: np.ndarray) -> int:
+    if not states.shape[1]:
+        return len(states)
+    bad = ~(np.abs(states) < limits).all(axis=1)
+    return int(np.argmax(bad)) if bad.any() else len(states)
+
+
+@lru_cache(maxsize=256)
+def _limits(
+    states: tuple[str, ...],
+    healthy: HealthyRun,
+    plant_states: tuple[str, ...],
+    typical: tuple[tuple[str, float], ...],
+    initial: tuple[tuple[str, float], ...],
+) -> np.ndarray:
+    """Return the bound (observer states,) of each state of an observer."""
+    scales = healthy.scales
+    sizes = {f"xh.{n}": extent for n, extent in zip(plant_states, scales.extents, strict=True)}
+    sizes |= {f"thetah.{n.partition('.')[2]}": size for n, size in typical}
+    x, y, theta = scales.states, scales.outputs, [size for _, size in typical]
+    gains = dict(initial)
+
+    def limit(name: str) -> float:
+        if name in sizes:
+            return EXPLODED * sizes[name]
+        matrix, *place = name.split(".")
+        i, j = (int(k) for k in place) if len(place) == 2 else (0, 0)
+        if matrix in _COVARIANCES:
+            return EXPLODED * _covariance(matrix, i, j, [*x, *theta] if matrix == "P" else theta, gains, len(x))
+        if matrix in ("Upsilon", "Omega"):
+            return EXPLODED * (x if matrix == "Upsilon" else y)[i] / theta[j]
+        return _INFINITE
+
+    return np.array([min(limit(name), _INFINITE) for name in states])
+
+
+def _covariance(matrix: str, i: int, j: int, scale: list[float], gains: dict[str, float], n: int) -> float:
+    """Return the size of an entry of a covariance: its scale, at least its initial size; without a scale the latter."""
+
+    def size(k: int) -> float:
+        gain, place = ("gamma0", k - n) if matrix == "P" and k >= n else (_COVARIANCES[matrix], k)
+        if f"g.{gain}" in gains:  # one number for a matrix whose unit is not that of a fault
+            return gains[f"g.{gain}"]
+        return max(scale[k] ** 2, gains.get(f"g.{gain}.{place}", 0.0))
+
+    return float((size(i) * size(j)) ** 0.5)

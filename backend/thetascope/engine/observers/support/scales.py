@@ -1,0 +1,54 @@
+"""The scales of a plant: sizes of states and outputs, and rates, in the plant's own units.
+
+Every number that is not given by the user (default gains, process noise, tolerances, the bound of a divergence) is a
+multiple of these scales, so that units of states, outputs, faults and time never change an answer. They come from the
+healthy run, engine/simulation/healthy_run.py.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+
+
+@dataclass(frozen=True)
+class Scales:
+    """Scales of one plant under the inputs of one experiment.
+
+    Attributes:
+        states, outputs: the size of a change of each state and output, without any offset.
+        extents: the largest absolute value of each state that a healthy plant reaches, at least its scale.
+        rate: the slowest rate of the plant in 1/s that matters, see `healthy_run`.
+        span: the time in s over which the plant was simulated or is to be watched.
+    """
+
+    states: tuple[float, ...]
+    outputs: tuple[float, ...]
+    extents: tuple[float, ...]
+    rate: float
+    span: float
+
+
+@dataclass(frozen=True)
+class HealthyRun:
+    """A simulation without faults that is done when its scales are needed, once for each key.
+
+    ``key`` is a hash of everything that the scales depend on.
+    """
+
+    key: str
+    simulate: Callable[[], Scales] = field(compare=False, repr=False)
+
+    @property
+    def scales(self) -> Scales:
+        """Return the scales; the first call simulates."""
+        return _scales(self)
+
+
+@lru_cache(maxsize=512)
+def _scales(run: HealthyRun) -> Scales:
+    return run.simulate()
+
+
+def fixed(scales: Scales) -> HealthyRun:
+    """Return a healthy run whose scales are known."""
+    return HealthyRun(repr(scales), lambda: scales)

@@ -1,0 +1,258 @@
+"""The healthy run of a plant: a simulation with the experiment's inputs and without faults, and the scales found in it.
+
+A state or output has its declared scale, where the plant gives one. Otherwise the scale is the range that it covers in
+the healthy run or, if that is larger, the change that a typical fault causes within a few time constants. Offsets do not
+count, so that °C and K give the same scales. The rate is the median, along the run, of the slowest eigenvalue of ∂f/∂x.
+All scales are homogeneous: a plant in other units, or at another speed, has the same scales in its own units.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from thetascope.engine.compiler.autodiff import derivatives
+from thetascope.engine.compiler.graph import Graph, evaluate
+from thetascope.engine.compiler.system import DISCRETE, Program
+from thetascope.engine.inputs.sensors import Measurement
+from thetascope.engine.inputs.signals import Signal, constant
+from thetascope.engine.observers.support.declaration import Context
+from thetascope.engine.observers.support.scales import Scales
+from thetascope.engine.simulation.experiment import Experiment, State
+from thetascope.engine.simulation.simulation import Simulation, row_values
+from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
+
+_ROWS = 2000  # recorded rows of the healthy run, about
+_LONGEST = 200_000  # base steps of the healthy run, at most
+_FAULT_STEPS = 400_000  # base steps of all runs with a typical fault together, at most
+_SMALL = (
+    1e-3  # of a typical fault: its effect is simulated so small and multiplied, since large faults may be out of range
+)
+_POINTS = 24  # of the run at which eigenvalues are computed
+_INTEGRATOR = 1e-3  # eigenvalues below this fraction of the largest at a point count as integrators
+_ROUNDING = 1e-9  # changes below this fraction of the size of a quantity count as none
+_ESCAPES = 1e8  # a state that grows to this multiple of its early size belongs to an unstable plant
+_NOISES = 100.0  # standard deviations of the noise that make the scale of an output that does not move
+
+
+def healthy_run(
+    program: Program,
+    data: Mapping,
+    parameters: Mapping[str, float],
+    x0: np.ndarray,
+    signals: Mapping[str, Signal],
+    noise: np.ndarray,
+    step: float,
+    steps: int,
+) -> Scales:
+    """Simulate a plant without faults and return its scales.
+
+    Args:
+        program, data: the plant's program, and the plant as JSON.
+        parameters, x0, signals: of the experiment (`Experiment`); faults among the signals are not used.
+        noise: standard deviation (m,) of the noise of each output, 0 where none is declared.
+        step, steps: base step in s, and the number of base steps that the run has.
+    """
+    return _Healthy(program, data, dict(parameters), x0, dict(signals), step, steps).scales(noise)
+
+
+class _Healthy:
+    def __init__(
+        self,
+        program: Program,
+        data: Mapping,
+        parameters: dict[str, float],
+        x0: np.ndarray,
+        signals: dict[str, Signal],
+        step: float,
+        steps: int,
+    ):
+        self.data, self.span = data, step * steps
+        steps = min(steps, _LONGEST)
+        outputs = tuple(program.outputs)
+        sound = {n: constant(0.0) if n.startswith("theta.") else s for n, s in signals.items()}
+        quiet = Measurement(outputs, (0.0,) * len(outputs), (step,) * len(outputs), 0)
+        size = Context(len(program.states), len(outputs), 0, (0.0,) * len(outputs), step, step, data)
+        every = max(1, steps // _ROWS)
+        self.experiment = Experiment(program, parameters, x0, sound, quiet, (), step, steps, every, size)
+        self.substeps = 1
+        self.index, self.x, self.y = self._sufficient()
+        self.early = _finite(self.x)
+        self.first_rate = self._rate(np.arange(min(1, self.early)))
+        self.base, self.stable = self._base()
+
+    # ---- simulations -------------------------------------------------------------------------------------------------
+
+    def _simulate(self, experiment: Experiment) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return base steps (rows,), plant states (rows, n) and outputs (rows, m), up to the first that is not finite."""
+        simulation = Simulation(experiment, self.substeps)
+        state = State(0, experiment.x0.astype(float).copy(), (), experiment.measurement.start())
+        parts = []
+        for _, rows in simulation.spans(experiment.steps + 1, state):
+            parts.append(rows)
+            if _finite(rows.plant) < len(rows.plant):
+                break
+        index, x, y = (np.concatenate([getattr(r, n) for r in parts]) for n in ("index", "plant", "y"))
+        rows = _finite(x)
+        return index[:rows], x[:rows], y[:rows]
+
+    def _sufficient(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Return the run with as many substeps as its step needs to be stable."""
+        e = self.experiment
+        while True:
+            index, x, y = self._simulate(e)
+            if e.plant.time == DISCRETE:
+                return index, x, y
+            values, picked = row_values(e, index, x), sample_rows(len(index), len(e.plant.states), True)
+            needed = min(MOST_SUBSTEPS, substeps_needed(e.step, fastest(e.plant, values, picked)))
+            if needed <= self.substeps:
+                return index, x, y
+            self.substeps = needed
+
+    # ---- rates -------------------------------------------------------------------------------------------------------
+
+    def _rate(self, rows: np.ndarray) -> float:
+        """Return the median over rows of the slowest rate without integrators, in 1/s; 0 if there is none."""
+        e, n = self.experiment, len(self.experiment.plant.states)
+        if not len(rows) or not n:
+            return 0.0
+        values = row_values(e, self.index[rows], self.x[rows])
+        A = _jacobians(e.plant, values, len(rows))
+        A = A[np.isfinite(A).all(axis=(1, 2))]
+        if not len(A):
+            return 0.0
+        with np.errstate(all="ignore"):
+            rates = np.abs(np.linalg.eigvals(_balanced(A)))
+            if e.plant.time == DISCRETE:
+                rates = np.abs(np.log(np.linalg.eigvals(_balanced(A)).astype(complex))) / e.step
+        rates = np.where(np.isfinite(rates), rates, 0.0)
+        fast = rates.max(axis=1, keepdims=True)
+        slowest = np.where((rates > _INTEGRATOR * fast) & (rates > 0), rates, np.inf).min(axis=1)
+        slowest = slowest[np.isfinite(slowest)]
+        return float(np.median(slowest)) if len(slowest) else 0.0
+
+    def _pace(self, rows: int) -> float:
+        """Return the rate of the plant; without eigenvalues that of its motion, without motion ten times 1/span."""
+        rate = self._rate(np.unique(np.linspace(0, rows - 1, _POINTS).astype(int))) if rows else 0.0
+        if rate > 0:
+            return rate
+        x, t = self.x[:rows], self.index[:rows] * self.experiment.step
+        spread = np.std(x, axis=0) if rows else np.zeros(0)
+        moving = spread > _ROUNDING * np.abs(x).max(axis=0, initial=0.0)
+        if rows > 2 and moving.any():
+            speeds = np.sqrt(np.mean((np.diff(x[:, moving], axis=0) / np.diff(t)[:, None]) ** 2, axis=0))
+            return float(np.median(speeds / spread[moving]))
+        return 10.0 / self.span
+
+    # ---- scales ------------------------------------------------------------------------------------------------------
+
+    def _base(self) -> tuple[np.ndarray, bool]:
+        """Return the early size (n,) of each state, and whether no state grows far beyond it."""
+        row_time = self.experiment.every * self.experiment.step
+        early = self.x[: 2 + (int(1 / (self.first_rate * row_time)) if self.first_rate * row_time > 0 else 0)]
+        if not len(early):
+            early = self.experiment.x0[None]
+        first = np.abs(early).max(axis=0)
+        width = np.array([_width(s.get("domain")) for s in self.data["states"]])
+        base = np.maximum(first, width)
+        whole = len(self.x) == self.experiment.steps // self.experiment.every + 1
+        grown = (np.abs(self.x) > _ESCAPES * base) & (base > 0)
+        if grown.any() or not whole:
+            rows = int(np.argmax(grown.any(axis=1))) if grown.any() else len(self.x)
+            self.index, self.x, self.y = self.index[:rows], self.x[:rows], self.y[:rows]
+            return base, False
+        return base, True
+
+    def scales(self, noise: np.ndarray) -> Scales:
+        """Return the scales; ``noise``: standard deviations (m,) of the outputs, 0 where none is declared."""
+        states, outputs = ([item.get("scale") for item in self.data[part]] for part in ("states", "outputs"))
+        rate = self._pace(len(self.x))
+        dx, dy = np.zeros(len(states)), np.zeros(len(outputs))
+        if None in states or None in outputs:
+            dx, dy = self._effects(rate)
+            if self.stable:
+                dx, dy = np.maximum(dx, np.ptp(self.x, axis=0)), np.maximum(dy, np.ptp(self.y, axis=0))
+        x = self._of_states(states, dx)
+        y = self._of_outputs(outputs, dy, noise, x)
+        largest = np.abs(self.x).max(axis=0, initial=0.0) if self.stable else self.base
+        extents = np.maximum(np.maximum(x, largest), self.base)
+        return Scales(tuple(map(float, x)), tuple(map(float, y)), tuple(map(float, extents)), rate, self.span)
+
+    def _effects(self, rate: float) -> tuple[np.ndarray, np.ndarray]:
+        """Return the largest change of states (n,) and outputs (m,) that any fault of typical size causes."""
+        e, channels = self.experiment, self.data["channels"]
+        dx, dy = np.zeros(len(e.plant.states)), np.zeros(len(e.plant.outputs))
+        if not channels:
+            return dx, dy
+        most = max(1, _FAULT_STEPS // len(channels))
+        steps = int(min(e.steps, most, max(10.0, np.ceil(1 / (rate * e.step)))))
+        for channel in channels:
+            name, size = f"theta.{channel['name']}", _SMALL * float(channel.get("typical", 1.0))
+            faulty = replace(e, signals={**e.signals, name: constant(size)}, steps=steps)
+            _, x, y = self._simulate(faulty)
+            rows = min(len(x), len(self.x))
+            for change, with_fault, without in ((dx, x, self.x), (dy, y, self.y)):
+                apart = np.abs(with_fault[:rows] - without[:rows]) / _SMALL
+                np.maximum(change, apart[np.isfinite(apart).all(axis=1)].max(axis=0, initial=0.0), out=change)
+        return dx, dy
+
+    def _of_states(self, declared: list[float | None], moved: np.ndarray) -> np.ndarray:
+        size = np.maximum(np.abs(self.x).max(axis=0, initial=0.0), np.abs(self.experiment.x0))
+        moved = np.where(moved > _ROUNDING * size, moved, 0.0)
+        width = np.array([_width(s.get("domain")) / 4 for s in self.data["states"]])
+        start = np.abs(self.experiment.x0)
+        still = np.where(width > 0, width, np.where(start > 0, start, 1.0))  # neither an input nor a fault moves it
+        found = np.where(moved > 0, moved, still)
+        return np.array([f if d is None else float(d) for d, f in zip(declared, found, strict=True)], dtype=float)
+
+    def _of_outputs(
+        self, declared: list[float | None], moved: np.ndarray, noise: np.ndarray, x: np.ndarray
+    ) -> np.ndarray:
+        moved = np.where(moved > _ROUNDING * np.abs(self.y).max(axis=0, initial=0.0), moved, 0.0)
+        still = np.where(noise > 0, _NOISES * noise, self._through_states(x))
+        found = np.where(moved > 0, moved, np.where(still > 0, still, 1.0))
+        return np.array([f if d is None else float(d) for d, f in zip(declared, found, strict=True)], dtype=float)
+
+    def _through_states(self, x: np.ndarray) -> np.ndarray:
+        """Return the change (m,) of each output when all states change by their scales, at the beginning."""
+        e = self.experiment
+        values = row_values(e, np.zeros(1, dtype=np.int64), e.x0[None])
+        C = _slopes(e.plant, tuple(e.plant.outputs.values()), values, 1)[0]
+        return np.where(np.isfinite(C), np.abs(C), 0.0) @ x
+
+
+def _finite(x: np.ndarray) -> int:
+    """Return the number of leading rows that are finite, with squares that are finite."""
+    bad = ~(np.abs(x) < 1e150).all(axis=1)
+    return int(np.argmax(bad)) if bad.any() else len(x)
+
+
+def _width(domain: tuple[float | None, float | None] | None) -> float:
+    """Return the width of a domain; 0 where it has no two ends."""
+    low, high = domain or (None, None)
+    return 0.0 if low is None or high is None else float(high - low)
+
+
+def _jacobians(plant: Program, values: dict, count: int) -> np.ndarray:
+    """Return ∂(update)/∂(states) at ``count`` rows (count, n, n), exactly."""
+    return _slopes(plant, plant.update, values, count)
+
+
+def _slopes(plant: Program, roots: tuple[int, ...], values: dict, count: int) -> np.ndarray:
+    graph = Graph(plant.graph.nodes)
+    rows = derivatives(graph, list(roots), plant.states)
+    nodes = [row[s] for row in rows for s in plant.states if s in row]
+    numbers = iter(evaluate(graph, nodes, values))
+    slopes = np.zeros((count, len(rows), len(plant.states)))
+    for i, row in enumerate(rows):
+        for j, s in enumerate(plant.states):
+            if s in row:
+                slopes[:, i, j] = next(numbers)
+    return slopes
+
+
+def _balanced(A: np.ndarray) -> np.ndarray:
+    """Return similar matrices D⁻¹AD whose rows and columns have alike sizes, so that rounding does not depend on units."""
+    from scipy.linalg import matrix_balance
+
+    return np.stack([np.asarray(matrix_balance(a, permute=False)[0]) for a in A])

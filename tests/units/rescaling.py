@@ -1,0 +1,156 @@
+"""Rewrite an experiment in other units: every state, input, output, parameter, signal, fault and time by its own factor."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from random import Random
+
+from thetascope_schemas import ResolvedExperiment
+
+_NAME = re.compile(r"(?<![\w.])[A-Za-z_]\w*")
+
+
+@dataclass(frozen=True)
+class Units:
+    """Factors by name: a quantity in new units is its factor times the old one. ``offsets`` are added to outputs."""
+
+    factors: Mapping[str, float] = field(default_factory=dict)
+    time: float = 1.0
+    offsets: Mapping[str, float] = field(default_factory=dict)
+
+    def of(self, name: str) -> float:
+        """Return the factor of a quantity."""
+        return self.factors.get(name, 1.0)
+
+
+def random_units(spec: ResolvedExperiment, seed: int, decades: float = 12.0, offsets: bool = True) -> Units:
+    """Return random units: factors of up to 10^±decades for every quantity of the plant and for time."""
+    draw, plant = Random(seed), spec.plant
+    names = plant.names("states", "inputs", "outputs", "parameters", "signals", "channels", "definitions")
+    factors = {name: 10 ** draw.uniform(-decades, decades) for name in names}
+    for definition in plant.definitions:  # a limit that is a parameter has the definition's unit
+        for limit in definition.domain:
+            if isinstance(limit, str):
+                factors[definition.name] = factors[limit]
+    time = 10 ** draw.uniform(-decades, decades)
+    shifts = {y.name: factors[y.name] * draw.uniform(-300, 300) for y in plant.outputs} if offsets else {}
+    return Units(factors, time, shifts)
+
+
+def rescaled(spec: ResolvedExperiment, units: Units) -> ResolvedExperiment:
+    """Return the experiment in other units. It is the same experiment: its numbers differ by the factors only."""
+    data = spec.model_dump(mode="json")
+    data["plant"] = _plant(data["plant"], units)
+    for group in ("parameters", "initial"):
+        data[group] = {n: units.of(n) * v for n, v in data[group].items()}
+    for group in ("inputs", "signals"):
+        data[group] = {n: _signal(v, units.of(n), units) for n, v in data[group].items()}
+    data["noise"] = {
+        n: {"std": units.of(n) * v["std"], "sample_time": units.time * v["sample_time"]}
+        for n, v in data["noise"].items()
+    }
+    data["faults"] = [_fault(fault, units) for fault in data["faults"]]
+    for name in ("horizon", "step", "record"):
+        data[name] = None if data[name] is None else units.time * data[name]
+    if data["measurement"]["mode"] == "sampled":
+        data["measurement"]["period"] *= units.time
+    for observer in data["observers"]:
+        assert not observer["gains"], "gains have units of their own"
+        observer["initial"] = {n: units.of(n) * v for n, v in observer["initial"].items()}
+        if "period" in observer["options"]:
+            observer["options"]["period"] *= units.time
+    data["diagnosis"]["false_alarms"] /= units.time
+    if data["diagnosis"]["span"] is not None:
+        data["diagnosis"]["span"] *= units.time
+    return ResolvedExperiment.model_validate(data)
+
+
+def _plant(plant: dict, units: Units) -> dict:
+    def text(expression: str, factor: float) -> str:
+        def old(match: re.Match) -> str:
+            name = match.group()
+            factor = units.time if name == "t" else units.factors.get(name)
+            return name if factor is None else f"({name}/{factor!r})"
+
+        return f"{factor!r}*({_NAME.sub(old, expression)})"
+
+    discrete = plant["time"]["kind"] == "discrete"
+    rate = 1.0 if discrete else 1 / units.time
+    if discrete:
+        plant["time"]["period"] *= units.time
+    for group in ("states", "inputs", "outputs", "parameters", "signals", "channels", "definitions"):
+        for item in plant[group]:
+            factor = units.of(item["name"])
+            for name in ("initial", "default", "value", "typical", "scale"):
+                if isinstance(item.get(name), int | float):
+                    item[name] *= factor
+            for name in ("domain", "bounds"):
+                if name in item:
+                    item[name] = [factor * v if isinstance(v, int | float) else v for v in item[name]]
+    for item in plant["definitions"]:
+        item["expression"] = text(item["expression"], units.of(item["name"]))
+    for item in plant["outputs"]:
+        expression = text(item["expression"], units.of(item["name"]))
+        offset = units.offsets.get(item["name"], 0.0)
+        item["expression"] = f"{expression} + {offset!r}" if offset > 0 else f"{expression} - {-offset!r}"
+    for item in plant["signals"]:
+        item["default"] = _signal(item["default"], units.of(item["name"]), units)
+    plant["dynamics"] = {n: text(e, units.of(n) * rate) for n, e in plant["dynamics"].items()}
+    outputs = {y["name"] for y in plant["outputs"]}
+    for channel in plant["channels"]:
+        size = units.of(channel["name"])
+        channel["enters"] = {
+            n: text(e, units.of(n) * (1.0 if n in outputs else rate) / size) for n, e in channel["enters"].items()
+        }
+    return plant
+
+
+_BY_SIZE = ("value", "low", "high", "amplitude", "offset", "initial")
+_BY_TIME = ("start", "period", "width", "hold", "duration")
+_PER_TIME = ("frequency", "f0", "f1")
+
+
+def _signal(signal: dict, factor: float, units: Units) -> dict:
+    signal = dict(signal)
+    if signal["kind"] == "expression":
+        inner = re.sub(r"(?<![\w.])t\b", f"(t/{units.time!r})", signal["text"])
+        return signal | {"text": f"{factor!r}*({inner})"}
+    for name in _BY_SIZE:
+        if name in signal:
+            signal[name] *= factor
+    for name in _BY_TIME:
+        if name in signal:
+            signal[name] *= units.time
+    for name in _PER_TIME:
+        if name in signal:
+            signal[name] /= units.time
+    if "slope" in signal:
+        signal["slope"] *= factor / units.time
+    if "times" in signal:
+        signal["times"] = [units.time * v for v in signal["times"]]
+        signal["values"] = [factor * v for v in signal["values"]]
+    return signal
+
+
+def _fault(fault: dict, units: Units) -> dict:
+    fault = dict(fault)
+    site = fault.get("channel") or fault["output"]
+    factor = units.of(site)
+    for name in ("onset", "end", "duration", "time_constant", "period", "width", "sample_time", "delay"):
+        if fault.get(name) is not None:
+            fault[name] *= units.time
+    for name in ("size", "std", "resolution"):
+        if name in fault:
+            fault[name] *= factor
+    if "value" in fault:
+        fault["value"] = factor * fault["value"] + units.offsets.get(site, 0.0)
+    if "rate" in fault:
+        fault["rate"] *= factor / units.time
+    if "intensity" in fault:
+        fault["intensity"] *= factor / units.time**0.5
+    if "frequency" in fault:
+        fault["frequency"] /= units.time
+    if "times" in fault:
+        fault["times"] = [units.time * v for v in fault["times"]]
+        fault["values"] = [factor * v for v in fault["values"]]
+    return fault
