@@ -868,8 +868,12 @@ export interface GainForm {
   meaning: string;
   /** Default; null: it depends on the plant and its noise. */
   default: number | (number)[] | null;
-  low: number;
-  high: number;
+  /** Smallest permitted value; null: no bound. */
+  low: number | null;
+  /** Largest permitted value; null: no bound. */
+  high: number | null;
+  /** Whether every value must be greater than 0. */
+  positive: boolean;
   /** Length of a column, or number of rows of a matrix (n, m, p, …); null for a number. */
   size: string | null;
   /** Number of columns of a matrix (n, m, p, …); null for a number or a column. */
@@ -1270,6 +1274,8 @@ export interface Output {
   unit: string;
   /** Right-hand side of the output equation, without faults. */
   expression: string;
+  /** Size of a typical change, in the output's unit; null: found in a simulation without faults. */
+  scale: number | null;
   description: string;
 }
 
@@ -1281,6 +1287,8 @@ export interface OutputInput {
   unit?: string;
   /** Right-hand side of the output equation, without faults. */
   expression: string;
+  /** Size of a typical change, in the output's unit; null: found in a simulation without faults. */
+  scale?: number | null;
   description?: string | {[name: string]: string};
 }
 
@@ -2150,6 +2158,8 @@ export interface State {
   initial: number;
   /** Physical range [low, high]; observers saturate their model to it. */
   domain: [number | null, number | null];
+  /** Size of a typical change, in the state's unit; null: found in a simulation without faults. */
+  scale: number | null;
   description: string;
 }
 
@@ -2163,6 +2173,8 @@ export interface StateInput {
   initial?: number;
   /** Physical range [low, high]; observers saturate their model to it. */
   domain?: [number | null, number | null];
+  /** Size of a typical change, in the state's unit; null: found in a simulation without faults. */
+  scale?: number | null;
   description?: string | {[name: string]: string};
 }
 

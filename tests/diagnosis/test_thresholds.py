@@ -6,7 +6,7 @@ import pytest
 from thetascope.diagnosis.detection.thresholds import calibrate, level
 from thetascope.diagnosis.detection.window_tests import ThetaBounds, WindowSums, scan
 
-NO_BOUNDS = ThetaBounds(np.array([-np.inf]), np.array([np.inf]))
+NO_BOUNDS = ThetaBounds(np.array([-np.inf]), np.array([np.inf]), np.ones(1))
 
 
 @pytest.mark.parametrize("rate", [20.0, 4.0, 1.0])

@@ -86,9 +86,7 @@ class DiagnosisSettings(Strict):
     model_config = example(enabled=True, false_alarms=0.01, test="glr", confidence=0.95, accuracy=0.1, doubt=0.01)
 
     enabled: bool = Field(default=True, description="Whether the run is diagnosed.")
-    false_alarms: Annotated[Number, Field(ge=1e-4, le=100)] = Field(
-        default=0.01, description="Accepted false alarms per hour, for each observer."
-    )
+    false_alarms: Positive = Field(default=0.01, description="Accepted false alarms per hour, for each observer.")
     test: Test = Field(default="glr", description="Test that raises alarms.")
     confidence: Annotated[Number, Field(ge=0.5, le=0.9999)] = Field(
         default=0.95, description="Confidence level of bands and intervals."

@@ -2,8 +2,9 @@
 
 from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.assembly.build.healthy import healthy_run_of
 from thetascope.engine.model.result import Result
-from thetascope_schemas import Experiment
+from thetascope_schemas import Experiment, ResolvedExperiment
 
 CARTS = {
     "id": "carts",
@@ -30,24 +31,23 @@ STATES = ("x1", "x2", "x3", "x4", "x5")
 START = (0.0, 0.3, -0.5, 0.1, 0.4)  # x̂(0)
 
 
-def carts(kind: str, gains: dict, horizon: float = 8.0, **spec) -> Result:
+def carts_spec(kind: str, gains: dict, horizon: float = 8.0, **spec) -> ResolvedExperiment:
     """One observer, labelled ``o``, on CARTS with the reference's inputs."""
-    return prepare(
-        library.resolve(
-            Experiment.model_validate(
-                {
-                    "plant": CARTS,
-                    "inputs": {
-                        "u1": {"kind": "expression", "text": "sin(1.3*t)"},
-                        "u2": {"kind": "expression", "text": "0.5*cos(0.7*t)"},
-                    },
-                    "horizon": horizon,
-                    "record": 0.01,
-                    "observers": [
-                        {"label": "o", "kind": kind, "gains": gains, "initial": dict(zip(STATES, START, strict=True))}
-                    ],
-                }
-                | spec
-            )
-        )
-    ).run()
+    observer = {"label": "o", "kind": kind, "gains": gains, "initial": dict(zip(STATES, START, strict=True))}
+    inputs = {
+        "u1": {"kind": "expression", "text": "sin(1.3*t)"},
+        "u2": {"kind": "expression", "text": "0.5*cos(0.7*t)"},
+    }
+    given = {"plant": CARTS, "inputs": inputs, "horizon": horizon, "record": 0.01, "observers": [observer]} | spec
+    return library.resolve(Experiment.model_validate(given))
+
+
+def carts(kind: str, gains: dict, horizon: float = 8.0, **spec) -> Result:
+    """The run of `carts_spec`."""
+    return prepare(carts_spec(kind, gains, horizon, **spec)).run()
+
+
+def carts_pace(kind: str, horizon: float) -> float:
+    """The rate of CARTS in its healthy run, in 1/s."""
+    spec = carts_spec(kind, {}, horizon)
+    return healthy_run_of(spec, spec.plant.model_dump(mode="json")).scales.rate

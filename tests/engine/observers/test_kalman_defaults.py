@@ -6,6 +6,7 @@ import pytest
 from thetascope import library
 from thetascope.engine.observers.registry import observer
 from thetascope.engine.observers.support.declaration import Context
+from thetascope.engine.observers.support.scales import Scales, fixed
 from thetascope.engine.observers.support.time_constant import pace
 from thetascope_schemas import Plant
 
@@ -47,8 +48,10 @@ def test_defaults_scale_with_the_units(kind):
 
     def defaults(scale: float) -> dict:
         data = plant(h="-0.1*h") | {"channels": [{"name": "leak", "typical": 0.5 * scale}]}
-        data["states"][0]["initial"] = 40 * scale
-        context = Context(n=1, m=1, p=1, noise_std=(0.0,), step=0.1, period=1.0, model=data, channels=("leak",))
+        healthy = fixed(Scales((3 * scale,), (2 * scale,), (40 * scale,), 0.1, 100.0))
+        context = Context(
+            n=1, m=1, p=1, noise_std=(0.0,), step=0.1, period=1.0, model=data, channels=("leak",), healthy=healthy
+        )
         return {g.name: g.default(context) for g in observer(kind).gains if callable(g.default)}
 
     centimetres, metres = defaults(1.0), defaults(0.01)

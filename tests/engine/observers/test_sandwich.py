@@ -20,7 +20,7 @@ OTHER = {
     "id": "other",
     "time": {"kind": "discrete", "period": 0.01},
     # memory first and L2 before L1: the parts are found by what feeds what, not by their order
-    "states": [{"name": n} for n in ("before", "q1", "q2", "q3", "x21", "x22", "x11", "x12")],
+    "states": [{"name": n, "scale": 1} for n in ("before", "q1", "q2", "q3", "x21", "x22", "x11", "x12")],
     "inputs": [{"name": "u"}],
     "parameters": [{"name": "gap", "value": 0.03}, {"name": "b", "value": 0.4}],
     "definitions": [
@@ -28,7 +28,7 @@ OTHER = {
         {"name": "r1", "expression": "backlash(x12, rate, q1, 1.2, 1.0, gap, 0.02)"},
         {"name": "r2", "expression": "backlash(x12, rate, q2, 1.0, 1.1, 0.02, 0.025)"},
     ],
-    "outputs": [{"name": "y", "expression": "x22"}],
+    "outputs": [{"name": "y", "expression": "x22", "scale": 1}],
     "dynamics": {
         "before": "x12",
         "q1": "r1",

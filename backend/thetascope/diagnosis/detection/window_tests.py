@@ -19,6 +19,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 LONGEST = 600  # decisions in the longest window
+_VISIBLE = 1e-12  # share of the largest information on any typical fault that counts as information
 GROWTH = 1.35  # ratio of successive lengths of windows
 
 
@@ -158,20 +159,22 @@ class WindowNoise:
 
 @dataclass(frozen=True)
 class ThetaBounds:
-    """Lower and upper bounds of θ (p,) each, ±∞ where a θ has no bound."""
+    """Lower and upper bounds of θ (p,) each, ±∞ where a θ has no bound, and the typical size of each fault (p,)."""
 
     low: np.ndarray
     high: np.ndarray
+    typical: np.ndarray
 
     def relative_to(self, known: np.ndarray) -> "ThetaBounds":
         """Return the bounds of a change from θ₀ = `known` (p,); zero is always inside."""
-        return ThetaBounds(np.minimum(self.low - known, 0.0), np.maximum(self.high - known, 0.0))
+        return ThetaBounds(np.minimum(self.low - known, 0.0), np.maximum(self.high - known, 0.0), self.typical)
 
 
 def sizes(D: np.ndarray, s: np.ndarray, bounds: ThetaBounds) -> np.ndarray:
-    """Return the most likely θ_j of each channel alone (…, p): s_j/J_jj within bounds, 0 where J_jj vanishes; `D`: the
-    diagonal of J."""
-    visible = 1e-12 * np.max(D, axis=-1, keepdims=True, initial=1e-300) < D
+    """Return the most likely θ_j of each channel alone (…, p): s_j/J_jj within bounds, 0 where J_jj vanishes against that
+    of other channels in typical faults; `D`: the diagonal of J."""
+    scaled = D * bounds.typical**2
+    visible = _VISIBLE * np.max(scaled, axis=-1, keepdims=True, initial=1e-300) < scaled
     return np.clip(np.where(visible, s / np.where(visible, D, 1.0), 0.0), bounds.low, bounds.high)
 
 

@@ -10,6 +10,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from thetascope.diagnosis.evaluation.instants import slack
 from thetascope.engine.model.result import ObserverReport
 
 LAST = 0.1
@@ -18,7 +19,6 @@ SETTLE = 0.1
 """An estimate has settled when it stays within this fraction of the step it follows."""
 REACH = 4.0
 """Standard deviations that noise may move an estimate."""
-_SAME_INSTANT = 1e-9
 _LATEST = 0.9  # share of the rows by which an estimate must have settled
 
 
@@ -149,7 +149,7 @@ def reaching_time(t: np.ndarray, error: np.ndarray, start: float, until: float, 
 
 def _between(t: np.ndarray, start: float, until: float) -> np.ndarray:
     """Return the rows at `start` or later, before `until`."""
-    return np.arange(*np.searchsorted(t, (start - _SAME_INSTANT, until - _SAME_INSTANT)))
+    return np.arange(*np.searchsorted(t, (start - slack(t), until - slack(t))))
 
 
 def straight_line_noise(t: np.ndarray, values: np.ndarray) -> float | None:
@@ -213,11 +213,11 @@ def settling(
         if estimate not in result.names:
             continue
         truth = result.column(f"theta.{channel}")
-        row = int(np.searchsorted(t, at - _SAME_INSTANT))
+        row = int(np.searchsorted(t, at - slack(t)))
         if row == 0 or row >= t.size:
             continue
         size = float(truth[row] - truth[row - 1])
-        until = min((e for e in events if e > at + _SAME_INSTANT), default=np.inf)
+        until = min((e for e in events if e > at + slack(t)), default=np.inf)
         end = float(t[-1])
         error = result.column(estimate) - truth
         window = (at, until if until < end else np.inf, fraction * abs(size))

@@ -13,6 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
+from thetascope.diagnosis.evaluation.instants import slack
 from thetascope.diagnosis.evaluation.metrics import (
     Columns,
     FaultOverTime,
@@ -46,7 +47,6 @@ GRACE = 0.05
 then it is not known how long an observer takes to settle."""
 BANDS = (0.1, 0.05)
 """Shares of a step's size within which an estimate counts as settled."""
-_SAME_INSTANT = 1e-9
 _AS_GOOD = 0.01
 
 
@@ -189,7 +189,7 @@ def presences_in(result: Columns, faults: Sequence[FaultOverTime]) -> tuple[Pres
     t = result.column("t")
 
     def nonzero(channel: str, start: float, end: float) -> bool:
-        rows = slice(*np.searchsorted(t, [start - _SAME_INSTANT, end - _SAME_INSTANT]))
+        rows = slice(*np.searchsorted(t, [start - slack(t), end - slack(t)]))
         theta = result.column(f"theta.{channel}")[rows if end < t[-1] else slice(rows.start, None)]
         return bool(theta.any()) or not theta.size
 
@@ -201,7 +201,7 @@ def presences_in(result: Columns, faults: Sequence[FaultOverTime]) -> tuple[Pres
 
 def windows(faults: Sequence[FaultOverTime], t: np.ndarray) -> tuple[Window, ...]:
     """Return the windows of a run with times t (s, shape (rows,)); beyond MOST_WINDOWS the shortest are merged."""
-    inside = [at for at in event_times(faults) if t[0] + _SAME_INSTANT < at < t[-1] - _SAME_INSTANT]
+    inside = [at for at in event_times(faults) if t[0] + slack(t) < at < t[-1] - slack(t)]
     edges = [float(t[0]), *map(float, inside), float(t[-1])]
     while len(edges) - 1 > MOST_WINDOWS:
         del edges[1 + int(np.argmin(np.diff(edges)[:-1]))]
@@ -216,7 +216,7 @@ def errors(
     Both map a column name ("x.x1") to one number for each window, None where the observer has no value in some row.
     """
     t = result.column("t")
-    cuts = np.searchsorted(t, [w.start - _SAME_INSTANT for w in spans])
+    cuts = np.searchsorted(t, [w.start - slack(t) for w in spans])
     cuts = [*map(int, cuts), t.size]
     rmse, peak = {}, {}
     for name in result.names:

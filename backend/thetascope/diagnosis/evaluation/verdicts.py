@@ -42,6 +42,7 @@ from typing import Literal, Protocol
 
 import numpy as np
 
+from thetascope.diagnosis.evaluation.instants import earlier
 from thetascope.diagnosis.evaluation.metrics import FaultOverTime, event_times
 
 Outcome = Literal["found", "covered", "missed"]
@@ -49,7 +50,6 @@ FOUND, COVERED, MISSED = "found", "covered", "missed"
 Verdict = Literal["correct", "isolation-error", "false"]
 CORRECT, ISOLATION_ERROR, FALSE = "correct", "isolation-error", "false"
 State = Literal["acting", "covering", "other-fault", "no-fault", "fault-over", "cleared"]
-_EPS = 1e-9
 """Seconds by which times of the same row may differ."""
 
 Nonzero = Callable[[str, float, float], bool]
@@ -293,10 +293,10 @@ def fault_verdict(alarms: Sequence[AlarmLike], fault: Presence, own: set[str]) -
     covering = ""
     for alarm in alarms:
         how = naming(alarm, fault, own)
-        if alarm.t < fault.onset - _EPS:
-            if how == "first" and (alarm.cleared is None or alarm.cleared > fault.onset + _EPS):
+        if earlier(alarm.t, fault.onset):
+            if how == "first" and (alarm.cleared is None or earlier(fault.onset, alarm.cleared)):
                 covering = alarm.id
-        elif how and min(alarm.t, alarm.onset_from) < fault.until - _EPS:
+        elif how and earlier(min(alarm.t, alarm.onset_from), fault.until):
             delay = max(0.0, float(alarm.t - fault.onset))
             return FaultVerdict(*about, FOUND, delay, how == "alternative", alarm.id)
     return FaultVerdict(*about, COVERED if covering else MISSED, alarm=covering)
@@ -313,7 +313,7 @@ def alarm_verdict(alarm: AlarmLike, present: Sequence[Presence], own: set[str], 
 def related_faults(alarm: AlarmLike, present: Sequence[Presence], grace: float) -> list[Presence]:
     """Return the faults that were present in the time to which an alarm refers, or within the grace (s) before it."""
     begin = min(alarm.t - grace, alarm.onset_from)
-    return [p for p in present if p.onset - _EPS <= alarm.t and p.until + _EPS >= begin]
+    return [p for p in present if not earlier(alarm.t, p.onset) and not earlier(p.until, begin)]
 
 
 def judge(
@@ -346,7 +346,7 @@ def _seen(fault: Presence, alarm: AlarmLike, present: Sequence[Presence], own: s
     """Return whether an alarm that is on names a fault that acts, or covers it."""
     if alarm.cleared is not None or not (how := naming(alarm, fault, own)):
         return False
-    if alarm.t < fault.onset - _EPS and how == "first":
+    if earlier(alarm.t, fault.onset) and how == "first":
         return True
     return any(not set(fault.ids).isdisjoint(p.ids) for p in related_faults(alarm, present, grace))
 

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 
+from thetascope.diagnosis.evaluation.instants import slack
 from thetascope.diagnosis.evaluation.metrics import (
     Columns,
     FaultOverTime,
@@ -19,7 +20,6 @@ from thetascope.diagnosis.evaluation.observer_comparison import error
 NOISE_SHARE = 0.25
 """The share of the window, at its end, over which noise is measured."""
 FEWEST = 3  # rows from which on settling is judged
-_SAME_INSTANT = 1e-9
 
 Settled = Literal["settled", "not-yet", "too-noisy", "unknown"]
 
@@ -62,7 +62,7 @@ def window_figures(window: Columns, label: str, state: str, channel: str | None)
         rmse = error(window.column(f"x.{state}"), window.column(f"{label}.x.{state}"))[0]
     noise = None
     if channel is not None and f"{label}.theta.{channel}" in window.names and t.size:
-        late = t >= t[-1] - NOISE_SHARE * (t[-1] - t[0]) - _SAME_INSTANT
+        late = t >= t[-1] - NOISE_SHARE * (t[-1] - t[0]) - slack(t)
         noise = straight_line_noise(t[late], window.column(f"{label}.theta.{channel}")[late])
     return ObserverWindow(label, rmse, noise)
 
@@ -79,7 +79,7 @@ def settling_of_step(
         return None, "unknown"
     steps = settling(rows, label, [(channel, fault.onset)], event_times(faults))
     t = rows.column("t")
-    after = t >= fault.onset - _SAME_INSTANT
+    after = t >= fault.onset - slack(t)
     distance = (rows.column(name) - rows.column(f"theta.{channel}"))[after]
     if not steps or after.sum() < FEWEST or not np.isfinite(distance).any():
         return None, "unknown"

@@ -121,6 +121,7 @@ def _theta_bounds(context: Context) -> ThetaBounds:
     return ThetaBounds(
         np.array([-np.inf if low is None else low for low, _ in limits]),
         np.array([np.inf if high is None else high for _, high in limits]),
+        np.array([float(c.get("typical", 1.0)) for c in context.model["channels"]]),
     )
 
 
@@ -233,6 +234,7 @@ def _packed(c: Thresholds) -> bytes:
         energy_std=c.noise.energy_std,
         low=c.bounds.low,
         high=c.bounds.high,
+        typical=c.bounds.typical,
         numbers=[c.glr, c.residual, c.hours, c.rate],
         counts=[c.begin, c.settle, c.seeds, c.noise.ready],
     )
@@ -248,4 +250,6 @@ def _stored(key: str) -> Thresholds | None:
         glr, residual, hours, rate = (float(v) for v in a["numbers"])
         begin, settle, seeds, ready = (int(v) for v in a["counts"])
         noise = WindowNoise(a["lengths"], a["v"], a["largest_v"], a["early_v"], ready, a["energy"], a["energy_std"])
-        return Thresholds(noise, ThetaBounds(a["low"], a["high"]), glr, residual, begin, settle, seeds, hours, rate)
+        return Thresholds(
+            noise, ThetaBounds(a["low"], a["high"], a["typical"]), glr, residual, begin, settle, seeds, hours, rate
+        )

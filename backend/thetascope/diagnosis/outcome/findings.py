@@ -89,7 +89,7 @@ def _alarm_text(alarm: dict) -> Message:
 def _period_text(alarm: dict) -> Message:
     """Return since when, and until when, an alarm's fault was on."""
     times = {"onset": alarm["onset"]}
-    uncertain = alarm["onset_to"] - alarm["onset_from"] > _CERTAIN_ONSET * max(alarm["onset"], 1e-9)
+    uncertain = alarm["onset_to"] - alarm["onset_from"] > _CERTAIN_ONSET * alarm["onset"]
     if uncertain:
         times |= {"earliest": alarm["onset_from"], "latest": alarm["onset_to"]}
     since = Message("diagnosis.since.between" if uncertain else "diagnosis.since.time", **times)

@@ -177,7 +177,7 @@ def _in_numpy(
             S = F @ S @ F.T + Q
             after = S[theta, theta]
             eta = W * ((1 - end) / np.maximum(before, 1e-300) + end / np.maximum(after, 1e-300))
-            rate = np.minimum(FADING * recent, memory) + 1e-12
+            rate = np.minimum(FADING * recent, memory) + 1e-12 * memory
             S[theta, theta] += rate / (1 + (eta / rate) ** 4) * (before + end * (after - before)) * interval
             recent = recent + follow * (eta - recent)
             share = np.sqrt(MOST**2 / np.maximum(np.diag(S), MOST**2))

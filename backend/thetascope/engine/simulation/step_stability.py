@@ -23,7 +23,8 @@ def fastest(program: Program, values: dict[str, np.ndarray | float], rows: np.nd
         return 0.0
     picked = {k: (v if np.ndim(v) == 0 else np.asarray(v)[rows]) for k, v in values.items()}
     states = np.stack([picked[s] for s in program.states], axis=1)  # (points, n)
-    width = 1e-6 * np.maximum(np.abs(states), 1e-3)
+    sizes = np.abs(states).max(axis=0)  # of each state over the rows, so that one near 0 is moved by its own measure
+    width = 1e-6 * np.maximum(np.abs(states), np.where(sizes > 0, 1e-3 * sizes, 1e-3))
     moved = {k: (v if np.ndim(v) == 0 else np.repeat(v, 2 * n)) for k, v in picked.items()}
     table = np.repeat(states, 2 * n, axis=0).reshape(len(rows), 2, n, n)
     for sign, half in ((1, 0), (-1, 1)):

@@ -25,6 +25,7 @@ from thetascope_schemas.service.session import DiagnosisNow, Event, EventKind
 
 _BATCHES_INSIDE = 8  # small batches of rows that wait until a larger one comes
 _BATCHES_OUTSIDE, _ROWS_OUTSIDE = 256, 20_000  # that may wait for somebody else to test them
+_ROUNDING = 1e-6  # of a decision
 _SHARED = 16  # detectors kept for sessions on the same experiment
 _detectors: OrderedDict[str, Detector] = OrderedDict()
 _lock = Lock()
@@ -171,7 +172,7 @@ class LiveDetector:
         """
         if progress is None or self.detector is None:
             return ()
-        last = (until + 1e-9) / self.detector.interval
+        last = until / self.detector.interval + _ROUNDING
         alarms = []
         for place, finding in enumerate(progress.monitor.decisions.findings):
             if finding.raised_at > last:

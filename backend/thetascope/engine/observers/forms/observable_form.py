@@ -23,6 +23,9 @@ from thetascope.messages import Message
 if TYPE_CHECKING:
     from sympy import ImmutableMatrix, Matrix
 
+_BALANCINGS = 20  # of rows and columns, before the rank of a matrix is taken
+_RANK = 1e-9  # singular values below it count as zero, with entries of size one
+
 
 @dataclass(frozen=True)
 class CanonicalForm:
@@ -89,22 +92,31 @@ def sample(model: Model, seed: int) -> dict[str, float]:
     point = {p["name"]: p["value"] for p in model.data["parameters"]}
     for s in model.data["states"]:
         low, high = s.get("domain") or (None, None)
-        value = s["initial"] + (0.2 + 0.5 * abs(s["initial"])) * draw.uniform(-1, 1) * (seed > 0)
-        low, high = (-1e9 if low is None else low), (1e9 if high is None else high)
-        point[s["name"]] = min(max(value, low), high)
+        width = (high - low) / 4 if low is not None and high is not None else 1.0
+        reach = 0.7 * abs(s["initial"]) or 0.2 * width
+        value = s["initial"] + reach * draw.uniform(-1, 1) * (seed > 0)
+        value = value if low is None else max(value, low)
+        point[s["name"]] = value if high is None else min(value, high)
     for name in (*model.inputs, *model.signal_names):
         point[name] = draw.uniform(-1, 1)
     return point | {"t": draw.uniform(0, 10)}
 
 
 def rank_at(M: Matrix, point: dict[str, float]) -> int:
-    """Return the numerical rank of a matrix at a point; 0 where it is not finite."""
+    """Return the numerical rank of a matrix at a point; 0 where it is not finite. Units of rows and columns cancel."""
     values = numbers(M, point).reshape(M.shape)
-    return (
-        int(np.linalg.matrix_rank(values, tol=1e-9 * max(1.0, np.abs(values).max())))
-        if np.isfinite(values).all()
-        else 0
-    )
+    return scaled_rank(values) if np.isfinite(values).all() else 0
+
+
+def scaled_rank(values: np.ndarray) -> int:
+    """Return the rank of a matrix after dividing its rows and columns by their largest entries, several times."""
+    rows, columns = np.ones((values.shape[0], 1)), np.ones((1, values.shape[1]))
+    for _ in range(_BALANCINGS):
+        largest = np.abs(values * rows * columns).max(axis=1, keepdims=True, initial=0.0) ** 0.5
+        rows = rows / np.where(largest > 0, largest, 1.0)
+        largest = np.abs(values * rows * columns).max(axis=0, keepdims=True, initial=0.0) ** 0.5
+        columns = columns / np.where(largest > 0, largest, 1.0)
+    return int(np.linalg.matrix_rank(values * rows * columns, tol=_RANK))
 
 
 def _triangular(model: Model, f: Matrix, J: Matrix, lie: list, points: list[dict[str, float]]) -> bool | None:

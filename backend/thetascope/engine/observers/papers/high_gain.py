@@ -101,7 +101,7 @@ def form_checks(run: Observed) -> list[Check]:
         ),
         stable("A0 − k0 c0", matrix, f"{source}, eq. (8)"),
         Check(Message("check.f-lipschitz"), affine, Message(lipschitz), source=f"{source}, Theorem 1"),
-        gain_at_least(run, "rho", "ρ", 1.0, f"{source}, Lemma 1", Message("check.gain.rho")),
+        gain_at_least(run, "rho", "ρ", pace(run.context), f"{source}, Lemma 1", Message("check.gain.rho")),
     ]
 
 

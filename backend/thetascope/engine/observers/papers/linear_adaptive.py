@@ -149,7 +149,7 @@ def matching_check(run: Observed, P: np.ndarray | None) -> Check:
     residual = P @ Phi
     residual[:, 0, :] -= Phi[:, 0, :]
     value = float(np.abs(residual).max(initial=0.0))
-    scale = max(1.0, float(np.abs(Phi).max(initial=0.0))) * float(np.abs(P).max())
+    scale = float(np.abs(Phi).max(initial=0.0)) * float(np.abs(P).max())
     text = Message("check.matching.residual", P=str([[float(f"{e:.4g}") for e in row] for row in P]), value=value)
     return Check(name, verdict(value <= 1e-9 * scale), text, value, 1e-9 * scale, source)
 

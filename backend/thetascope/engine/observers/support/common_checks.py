@@ -127,15 +127,25 @@ def excitation_above(run: Observed, level: np.ndarray, source: str, found: str) 
 
 
 def positive_definite(run: Observed, name: str, size: int, source: str) -> Check:
-    """Check that a recorded symmetric matrix (size × size) stays positive definite."""
+    """Check that a recorded symmetric matrix (size × size) stays positive definite.
+
+    Rows and columns are divided by the roots of the diagonal, so that the units of states and faults cancel.
+    """
     title = Message("check.definite", matrix=_GREEK.get(name, name))
     matrices = run.matrix(name, size, size, symmetric=True)
     finite = matrices[np.isfinite(matrices).all(axis=(1, 2))]
     if not len(finite) or not size:
         return Check(title, CANNOT_TELL, NO_VALUE if size else Message("check.nothing"), None, 0.0, source)
     picked = finite[np.unique(np.linspace(0, len(finite) - 1, 200).astype(int))]
-    value = float(np.linalg.eigvalsh(picked).min())
+    value = float(np.linalg.eigvalsh(_unit_diagonal(picked)).min())
     return Check(title, verdict(value > 0), Message("check.definite.smallest", value=value), value, 0.0, source)
+
+
+def _unit_diagonal(matrices: np.ndarray) -> np.ndarray:
+    """Return symmetric matrices (…, n, n) with rows and columns divided by the roots of their diagonals' sizes."""
+    roots = np.sqrt(np.abs(np.einsum("...ii->...i", matrices)))
+    roots = np.where(roots > 0, roots, 1.0)
+    return matrices / roots[..., :, None] / roots[..., None, :]
 
 
 def gain_at_least(run: Observed, name: str, symbol: str, least: float, source: str, why: Message) -> Check:
