@@ -48,7 +48,7 @@ def adaptive(label: str = "adaptive", channels: str = "force", **gains: float) -
         "label": label,
         "kind": "zhao-adaptive",
         "options": {"channels": channels},
-        "gains": {"rho": 3.0, "lambda": 1.0} | gains,
+        "gains": {"rho": 3.0, "lambda": 1.0, "gamma0": 1.0, "window": 2.0} | gains,
         "initial": {"x1": 0.5, "x2": 0.0},
     }
 

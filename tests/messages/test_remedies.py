@@ -22,6 +22,7 @@ REFUSALS |= {"DocumentError": 3, "StoreError": 0}
 """Exceptions and functions that take a problem, and how many arguments after it the remedy is; 0: they take none."""
 
 COMPUTED = {
+    "gain_values": ("observer.gain.not-positive", "observer.gain.outside-bounds", "observer.gain.too-small"),
     "Database._explained": ("store.locked", "store.read-only", "store.disk-full", "store.damaged"),
     "Experiment._check_times": ("experiment.interval.too-short",),
     "RunManager.finished": ("run.cancelled", "run.failed"),

@@ -60,18 +60,26 @@ test('a scale with a zero gives exactly zero at its left end', () => {
 });
 
 test('the scale of a gain lies within its bounds and holds its default', () => {
-  for (const [low, high, begin] of [
+  /** @type {[number | null, number | null, number][]} */
+  const cases = [
     [0, 1, 0.5],
     [0, 1e15, 2],
     [1e-9, 1e9, 4],
     [-1e6, 1e6, -3],
     [0.001, 1000, 999],
-  ]) {
+    [0, null, 3e-14],
+    [null, null, -3.5e7],
+  ];
+  for (const [low, high, begin] of cases) {
     const scale = gainScale({low, high}, begin);
-    assert.ok(scale.min >= low && scale.max <= high && scale.min < scale.max);
+    assert.ok(scale.min >= (low ?? -Infinity) && scale.max <= (high ?? Infinity) && scale.min < scale.max);
     assert.ok(begin >= scale.min && begin <= scale.max, `${begin} in ${scale.min} … ${scale.max}`);
-    assert.ok(low < 0 || scale.kind === 'linear' || scale.zero === (low === 0));
+    assert.ok(low === null || low < 0 || scale.kind === 'linear' || scale.zero === (low === 0));
   }
+});
+
+test('a gain that must be positive has no zero on its scale', () => {
+  assert.equal(gainScale({low: 0, high: null, positive: true}, 2).zero, false);
 });
 
 test('a nice number is 1, 2 or 5 times a power of ten, within a factor of 2.5', () => {

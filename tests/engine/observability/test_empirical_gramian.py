@@ -26,7 +26,7 @@ def constant(value: float) -> dict:
 def test_the_gramian_of_a_linear_plant_is_the_analytic_one():
     """Σ Aₖᵀ Cᵀ C Aₖ / σ² over the rows of a window, with the fault as a further, constant state."""
     plant = oscillator(
-        states=[{"name": "x1", "initial": 1.0}, {"name": "x2", "initial": 0.5}],
+        states=[{"name": "x1", "initial": 1.0, "scale": 1.0}, {"name": "x2", "initial": 0.5, "scale": 0.5}],
         dynamics={"x1": "x2", "x2": "-k*x1 - d*x2 + u"},
         channels=[{"name": "force", "kind": "actuator", "enters": {"x2": "1"}, "typical": 0.3}],
     )

@@ -109,7 +109,7 @@ def test_an_adapted_experiment_equals_a_new_one(seed):
         following = draw.choice(CHANGES)(spec, draw)
         since = {o.label: since.get(o.label, draw.randrange(5)) for o in following.observers}
         adapted_now = adapted(following, since, spec, made)
-        assert_same(adapted_now, engine(following, since))
+        assert_same(adapted_now, engine(following, since, made.context.healthy))
         spec, made = following, adapted_now
 
 
@@ -131,12 +131,12 @@ def test_an_invalid_gain_is_refused_as_in_a_new_experiment():
     """The same field, value and remedy."""
     spec = complete("zhao-2012")
     made = engine(spec)
-    for gain, value in (("rh", 1.0), ("rho", 1e9), ("rho", (1.0, 2.0))):
+    for gain, value in (("rh", 1.0), ("rho", -1.0), ("rho", (1.0, 2.0))):
         other = changed(spec, SetGain(at=0, observer="adaptive", gain=gain, value=value))
         with pytest.raises(SpecError) as quick:
             adapted(other, {}, spec, made)
         with pytest.raises(SpecError) as anew:
-            engine(other)
+            engine(other, None, made.context.healthy)
         assert vars(quick.value) == vars(anew.value)
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from thetascope.assembly.build.diagnosis_settings import span
-from thetascope.assembly.build.signal_builder import initial_state, plant_parameters, signals_of
+from thetascope.assembly.build.signal_builder import nominal_state, plant_parameters, signals_of
 from thetascope.engine.observers.support.scales import HealthyRun, Scales
 from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.healthy_run import healthy_run
@@ -15,8 +15,9 @@ from thetascope_schemas.experiment.measurement import ContinuousMeasurement
 def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
     """Return the healthy run of an experiment as it begins; it simulates when its scales are needed.
 
-    It depends on the plant, its inputs, its noise and the time over which it is watched (`span`), not on the seed,
-    faults, observers, the spacing of rows or the present end of a session. ``data`` is the plant as JSON.
+    It depends on what an observer may know: the plant with its nominal initial state, its parameters, inputs and noise,
+    and the time over which it is watched (`span`); not on the true initial state, the seed, faults, observers, the
+    spacing of rows or the present end of a session. ``data`` is the plant as JSON.
     """
 
     def simulate() -> Scales:
@@ -24,7 +25,7 @@ def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
         noise = np.array([n.std if (n := spec.noise.get(o.name)) else 0.0 for o in spec.plant.outputs])
         step = spec.plant.time.period if spec.plant.time.kind == "discrete" else spec.step
         steps = max(1, round(span(spec) / step))
-        start, parameters = initial_state(spec), plant_parameters(spec)
+        start, parameters = nominal_state(spec.plant), plant_parameters(spec)
         return healthy_run(plant_program(data).program, data, parameters, start, signals_of(sound), noise, step, steps)
 
     return HealthyRun(_key(spec), simulate)
@@ -34,6 +35,7 @@ def _key(spec: ResolvedExperiment) -> str:
     """Return the hash of everything that the healthy run depends on."""
     changes = {
         "seed": 0,
+        "initial": {},
         "horizon": span(spec),
         "record": spec.step,
         "substeps": None,

@@ -7,7 +7,7 @@ import numpy as np
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.inputs import fault_signals, signals
-from thetascope_schemas import ResolvedExperiment
+from thetascope_schemas import Plant, ResolvedExperiment
 
 
 def plant_parameters(spec: ResolvedExperiment) -> dict[str, float]:
@@ -18,6 +18,11 @@ def plant_parameters(spec: ResolvedExperiment) -> dict[str, float]:
 def initial_state(spec: ResolvedExperiment) -> np.ndarray:
     """Return the plant's state at t = 0 (n,)."""
     return np.array([spec.initial.get(s.name, s.initial) for s in spec.plant.states], dtype=float)
+
+
+def nominal_state(plant: Plant) -> np.ndarray:
+    """Return the initial state that the plant declares (n,)."""
+    return np.array([s.initial for s in plant.states], dtype=float)
 
 
 def signals_of(

@@ -1,13 +1,16 @@
 """The bound beyond which a state has diverged, in multiples of the plant's scales.
 
 States and estimates diverge at EXPLODED times their size, covariances at EXPLODED times their size or their initial
-value. Other states of observers have no scale of their own: they diverge where their squares are no longer finite.
+value, coordinates that start from the estimates at EXPLODED times the change that the states' scales cause in them.
+Any other state of an observer has no scale: it diverges where its square is no longer finite.
 """
 
 from functools import lru_cache
 
 import numpy as np
 
+from thetascope.engine.compiler.graph import evaluate
+from thetascope.engine.compiler.system import Program
 from thetascope.engine.observers.support.kalman_defaults import typical_sizes
 from thetascope.engine.observers.support.scales import HealthyRun
 from thetascope.engine.simulation.experiment import Estimator, Experiment
@@ -26,10 +29,10 @@ def finite_observer_rows(estimator: Estimator, states: np.ndarray) -> int:
     """Return the number of leading rows (rows, observer states) that are finite and have not diverged."""
     context = estimator.context
     assert context.healthy is not None, "an observer of an experiment has scales"
-    initial = tuple((n, v) for n, v in estimator.parameters.items() if n.startswith(("g.p0", "g.gamma0")))
     names = tuple(s["name"] for s in context.model["states"])
-    sizes = dict(zip((f"theta.{c}" for c in estimator.channels), typical_sizes(context), strict=False))
-    return _leading(states, _limits(estimator.program.states, context.healthy, names, tuple(sizes.items()), initial))
+    typical = tuple(zip(estimator.channels, typical_sizes(context), strict=True)) if estimator.channels else ()
+    gains = tuple(estimator.parameters.items())
+    return _leading(states, _limits(estimator.program, context.healthy, names, typical, gains))
 
 
 def _leading(states: np.ndarray, limits: np.ndarray) -> int:
@@ -41,18 +44,18 @@ def _leading(states: np.ndarray, limits: np.ndarray) -> int:
 
 @lru_cache(maxsize=256)
 def _limits(
-    states: tuple[str, ...],
+    program: Program,
     healthy: HealthyRun,
     plant_states: tuple[str, ...],
     typical: tuple[tuple[str, float], ...],
-    initial: tuple[tuple[str, float], ...],
+    parameters: tuple[tuple[str, float], ...],
 ) -> np.ndarray:
     """Return the bound (observer states,) of each state of an observer."""
-    scales = healthy.scales
-    sizes = {f"xh.{n}": extent for n, extent in zip(plant_states, scales.extents, strict=True)}
-    sizes |= {f"thetah.{n.partition('.')[2]}": size for n, size in typical}
+    scales, gains = healthy.scales, dict(parameters)
     x, y, theta = scales.states, scales.outputs, [size for _, size in typical]
-    gains = dict(initial)
+    sizes = _coordinates(program, dict(zip(plant_states, x, strict=True)), gains)
+    sizes |= {f"xh.{n}": extent for n, extent in zip(plant_states, scales.extents, strict=True)}
+    sizes |= {f"thetah.{n}": size for n, size in typical}
 
     def limit(name: str) -> float:
         if name in sizes:
@@ -65,7 +68,18 @@ def _limits(
             return EXPLODED * (x if matrix == "Upsilon" else y)[i] / theta[j]
         return _INFINITE
 
-    return np.array([min(limit(name), _INFINITE) for name in states])
+    return np.array([min(limit(name), _INFINITE) for name in program.states])
+
+
+def _coordinates(program: Program, x: dict[str, float], parameters: dict[str, float]) -> dict[str, float]:
+    """Return the change of each initial state of an observer when the initial estimates change by their scales; only of
+    those that change."""
+    roots = [program.outputs[f"init.{s}"] for s in program.states]
+    given = dict.fromkeys(program.inputs, 0.0) | {"t": 0.0} | parameters
+    moved = [given | {f"x0.{n}": given.get(f"x0.{n}", 0.0) + scale} for n, scale in x.items()]
+    first, *others = (np.array([float(v) for v in evaluate(program.graph, roots, g)]) for g in (given, *moved))
+    change = np.sum([np.abs(other - first) for other in others], axis=0)
+    return {s: float(c) for s, c in zip(program.states, change, strict=True) if np.isfinite(c) and c > 0}
 
 
 def _covariance(matrix: str, i: int, j: int, scale: list[float], gains: dict[str, float], n: int) -> float:

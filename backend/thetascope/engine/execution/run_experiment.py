@@ -127,13 +127,15 @@ def needed_substeps(experiment: Experiment, rows: Rows) -> int:
         return 1
     opening = rows.index[0] == 0
     values = row_values(experiment, rows.index, rows.plant)
-    picked = sample_rows(finite_plant_rows(experiment, rows.plant), len(experiment.plant.states), opening)
+    ended = finite_plant_rows(experiment, rows.plant)
+    picked = sample_rows(ended, len(experiment.plant.states), opening)
     rates = [fastest(experiment.plant, values, picked)]
     for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
         if estimator.every is None:
             observed = observed_values(experiment, estimator.parameters, values, rows.y)
             observed |= {s: states[:, j] for j, s in enumerate(estimator.program.states)}
-            picked = sample_rows(finite_observer_rows(estimator, states), len(estimator.program.states), opening)
+            count = min(ended, finite_observer_rows(estimator, states))
+            picked = sample_rows(count, len(estimator.program.states), opening)
             rates.append(fastest(estimator.program, observed, picked))
     return max(substeps_needed(experiment.step, rate) for rate in rates)
 
