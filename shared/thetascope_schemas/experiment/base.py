@@ -142,8 +142,8 @@ Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 """A finite number; neither a text nor a boolean is converted to one."""
 Positive = Annotated[float, Field(strict=True, gt=0, allow_inf_nan=False)]
 NonNegative = Annotated[float, Field(strict=True, ge=0, allow_inf_nan=False)]
-MAX_TIME = 1e9
-"""The latest time in s; beyond it, rounding hides steps of a microsecond."""
+MAX_TIME = 1e30
+"""The latest time in s. It only keeps powers of times finite: a run may take 1e-12 s or 1e12 s, see MAX_STEPS."""
 Instant = Annotated[float, Field(strict=True, ge=0, le=MAX_TIME, allow_inf_nan=False)]
 """A time in s."""
 Seed = Annotated[int, Field(strict=True, ge=0, le=2**53 - 1)]

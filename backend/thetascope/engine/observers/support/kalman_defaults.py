@@ -9,6 +9,9 @@ from thetascope.engine.observers.support.declaration import Context, Gain
 from thetascope.messages import Message
 
 DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
+MISFIT = 0.003
+WANDER = 0.3
+FORGETTING = 2.0
 _SPANS = 5.0
 _SAMPLES = 0.2
 
@@ -53,6 +56,10 @@ def process_noise(c: Context) -> list[float]:
     return [pace(c) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
 
 
+def _state_noise(c: Context) -> list[float]:
+    return [pace(c) * (MISFIT * s) ** 2 for s in state_scales(c)]
+
+
 def _noise_intensity(c: Context) -> list[float]:
     holds = c.noise_hold or (0.0,) * c.m
     return [std * std * (hold or c.period) for std, hold in zip(noise_std(c), holds, strict=True)]
@@ -65,13 +72,13 @@ def _quiet_start(c: Context) -> list[float]:
 
 
 def _walk(c: Context) -> list[float]:
-    return [0.2 * learning_rate(c) ** 0.5 * s for s in typical_sizes(c)]
+    return [WANDER * learning_rate(c) ** 0.5 * s for s in typical_sizes(c)]
 
 
 Q = Gain(
     "q",
     Message("gain.process-noise"),
-    process_noise,
+    _state_noise,
     size="n",
     symbol="Q",
     unit=Message("unit.state-squared-per-second"),
@@ -115,7 +122,7 @@ P0 = Gain(
 LAMBDA = Gain(
     "lambda",
     Message("gain.forgetting-rate"),
-    learning_rate,
+    lambda c: FORGETTING * learning_rate(c),
     symbol="λ",
     unit="1/s",
 )
