@@ -91,9 +91,11 @@ def compared(spec: ResolvedExperiment, units: Units, old: Result, new: Result) -
     )
     for before, after in pairs:
         one, other = findings(before, Units()), findings(after, units)
-        if [f[:3] for f in one] != [f[:3] for f in other]:
-            yield before["observer"], one, other
-        elif one and not np.allclose(*([f[3:] for f in o] for o in (one, other)), rtol=TOLERANCE, atol=0):
+        if (
+            [f[:3] for f in one] != [f[:3] for f in other]
+            or one
+            and not np.allclose(*([f[3:] for f in o] for o in (one, other)), rtol=TOLERANCE, atol=0)
+        ):
             yield before["observer"], one, other
 
 

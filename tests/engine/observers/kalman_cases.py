@@ -56,9 +56,14 @@ def run(
         "kind": kind,
         "gains": gains,
         "initial": initial or {},
-        "options": {"channels": ",".join(channels), **(options or {})},
+        "options": {"channels": ",".join(channels), **_as_printed(kind), **(options or {})},
     }
     return prepare(library.resolve(Experiment.model_validate({"plant": plant, "observers": [observer], **spec}))).run()
+
+
+def _as_printed(kind: str) -> dict:
+    """The options that write the equations of the papers, which the references integrate."""
+    return {"forgetting": "plain"} if kind.startswith("adaptive-kalman") else {}
 
 
 def columns(result: Result, prefix: str, names: Sequence[str]) -> np.ndarray:

@@ -165,3 +165,25 @@ def test_library_tanks_are_diagnosed(experiment):
             error = result.column(f"sampled.theta.{channel}")[late] - result.column(f"theta.{channel}")[late]
             assert abs(error.mean()) < 3 * result.column(f"sampled.sigma.{channel}")[late].mean(), (channel, end)
     assert {str(c.name): c.verdict for c in result.observers[0].checks if c.verdict != "holds"} == {}
+
+
+@pytest.mark.parametrize(
+    ("kind", "share"), [("adaptive-kalman", 0.5), ("adaptive-kalman-discrete", 1 / (1 + np.exp(-0.05)))]
+)
+def test_without_excitation_the_covariance_tends_to_its_bound(kind, share):
+    """A fault that the input never shows: 60 forgetting times let a plain Γ grow by e^60, the bounded one end at Γ̄."""
+    plant = {
+        "id": "hidden",
+        "states": [{"name": "x", "scale": 1}],
+        "inputs": [{"name": "u"}],
+        "outputs": [{"name": "y", "expression": "x"}],
+        "dynamics": {"x": "-x"},
+        "channels": [{"name": "loss", "kind": "actuator", "enters": {"x": "u"}, "typical": 0.3}],
+    }
+    given = {"horizon": 60.0, "step": 0.05, "record": 1.0, "noise": {"y": {"std": 0.01, "sample_time": 0.05}}}
+    gains = {"lambda": 1.0, "bound": 0.04, "gamma0": 0.001}
+    result = run(plant, kind, ("loss",), gains, options={"forgetting": "bounded"}, **given)
+    assert result.observers[0].diverged is None
+    assert result.column("o.claimed.loss")[-1] == pytest.approx((0.04 * share) ** 0.5, rel=1e-6)
+    plain = run(plant, kind, ("loss",), gains, **given)
+    assert plain.observers[0].diverged is not None or plain.column("o.claimed.loss")[-1] > 1e6

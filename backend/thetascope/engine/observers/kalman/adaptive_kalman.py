@@ -6,6 +6,9 @@ The state gain K comes from a Riccati equation instead of a high gain, so no can
 effect of θ on x̂, Ω its effect on the output; Ψ is for sensor faults (Zhao, Li & Li 2012 do the same with a high gain).
 R weighs the outputs of a plant that has several.
 
+Forgetting is bounded by default: −λΓΓ̄⁻¹Γ keeps Γ below Γ̄ where the input excites a fault too little (Γ̄⁻¹ is the
+information that one has without any data). With the option forgetting = plain, the term is left out as in the paper.
+
 About Γ: were the innovation white with intensity R, the estimate of a constant θ would have the covariance Γ Ξ Γ with
 Ξ' = −2λΞ + ΩᵀR⁻¹Ω. Where Ω changes slowly against 1/λ that is Γ/2, and ``claimed.<channel>`` is the square root of its
 diagonal. It counts measurement noise only: not the lag behind a θ that moves, nor an error of the model.
@@ -27,10 +30,13 @@ from thetascope.engine.observers.support.excitation_checks import (
     offer_linearisation,
 )
 from thetascope.engine.observers.support.kalman_defaults import (
+    BOUND,
     DELTA,
+    FORGETTING_OPTION,
     GAMMA0_QUIET,
     LAMBDA,
     P0_QUIET,
+    PLAIN,
     R_INTENSITY,
     WINDOW,
     Q,
@@ -63,7 +69,10 @@ def write(d: Draft) -> None:
 
     d.set(P, A @ P + P @ A.T + Q - K @ C @ P)
     d.set(Upsilon, A @ Upsilon + Phi - K @ Omega)  # (A − KC) Υ + Φ − KΨ
-    d.set(Gamma, lam * Gamma - L @ Omega @ Gamma)  # λΓ − Γ Ωᵀ R⁻¹ Ω Γ
+    forgotten = Gamma
+    if d.options.get("forgetting") != PLAIN:
+        forgotten = Gamma - Gamma @ diag([1 / most for most in d.gain("bound")]) @ Gamma
+    d.set(Gamma, lam * forgotten - L @ Omega @ Gamma)  # λ(Γ − Γ Γ̄⁻¹ Γ) − Γ Ωᵀ R⁻¹ Ω Γ
     d.set(theta, dtheta)  # Γ Ωᵀ R⁻¹ (y − ŷ)
     d.set(x, at.f + Phi @ theta + K @ r + Upsilon @ dtheta)
     d.estimates(x, theta, y_hat)
@@ -91,7 +100,8 @@ def diagnostics(run: Observed) -> dict[str, np.ndarray]:
 OBSERVER = Observer(
     id="adaptive-kalman",
     source="Zhang 2002, IEEE TAC 47(3), 525–529; Zhang & Clavel 2001, CDC; Kalman & Bucy 1961",
-    gains=(Q, R_INTENSITY, P0_QUIET, LAMBDA, GAMMA0_QUIET, WINDOW, DELTA),
+    gains=(Q, R_INTENSITY, P0_QUIET, LAMBDA, GAMMA0_QUIET, BOUND, WINDOW, DELTA),
+    options=(FORGETTING_OPTION,),
     write=write,
     checks=checks,
     diagnostics=diagnostics,
@@ -101,12 +111,13 @@ OBSERVER = Observer(
         ("", "Ṗ = AP + PAᵀ + Q − PCᵀR⁻¹CP"),
         ("", "K = PCᵀR⁻¹"),
         ("", "Υ̇ = (A − KC)Υ + Φ − KΨ"),
-        ("", "Γ̇ = λΓ − ΓΩᵀR⁻¹ΩΓ"),
+        ("", "Γ̇ = λ(Γ − ΓΓ̄⁻¹Γ) − ΓΩᵀR⁻¹ΩΓ"),
         ("", "Ω = CΥ + Ψ"),
     ),
     where=(
         ("P", Message("symbol.riccati")),
         ("Υ", Message("symbol.upsilon")),
         ("Γ", Message("symbol.gamma-covariance")),
+        ("Γ̄", Message("symbol.bound")),
     ),
 )

@@ -6,12 +6,18 @@ For nonlinear plants F and Φ are the derivatives of the flow over one sample in
 output at the predicted state: the extended filter. All covariances are updated in Joseph's form, a sum of squares, so
 that they stay positive definite at any sample period.
 
+Forgetting is bounded by default: the share 1 − μ of the information that each sample forgets is replaced by the
+information Γ̄⁻¹ that one has without any data, so that S stays below Γ̄ where the input excites a fault too little. With
+the option forgetting = plain, S follows the paper and grows without bound there.
+
 λ is given as a rate, in 1/s; a sample forgets by μ = exp(−λ·period), so that its meaning does not depend on the period.
 About S: its inverse sums Ωᵀ Σ⁻¹ Ω with weights μ^age, while the covariance of the estimate of a constant θ sums it with
 weights μ^(2·age); where Ω changes slowly that is S/(1 + μ), of which ``claimed.<channel>`` is the root of the diagonal.
 """
 
 from __future__ import annotations
+
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
 
@@ -29,9 +35,23 @@ from thetascope.engine.observers.support.excitation_checks import (
     observability,
     offer_linearisation,
 )
-from thetascope.engine.observers.support.kalman_defaults import DELTA, GAMMA0, LAMBDA, P0, R_VARIANCE, WINDOW, Q
-from thetascope.engine.observers.support.matrices import diag
+from thetascope.engine.observers.support.kalman_defaults import (
+    BOUND,
+    DELTA,
+    FORGETTING_OPTION,
+    GAMMA0,
+    LAMBDA,
+    P0,
+    PLAIN,
+    R_VARIANCE,
+    WINDOW,
+    Q,
+)
+from thetascope.engine.observers.support.matrices import Matrix, diag
 from thetascope.messages import Message
+
+if TYPE_CHECKING:
+    from sympy import Expr
 
 SOURCE = "Zhang 2018, Automatica 93"
 
@@ -40,7 +60,7 @@ def write(d: Draft) -> None:
     """Write the equations of the observer."""
     n, m, p = d.n, d.m, d.p
     Q, R = diag(d.gain("q")) * d.period, diag(d.gain("r"))
-    mu = d.let("mu", sympy.exp(-d.gain("lambda") * d.period))
+    mu = cast("Expr", d.let("mu", sympy.exp(-d.gain("lambda") * d.period)))
     x, theta = d.estimate_of_state(), d.estimate_of_theta()
     P = d.symmetric("P", n, initial=diag(d.gain("p0")))
     Upsilon = d.states("Upsilon", n, p)
@@ -66,11 +86,24 @@ def write(d: Draft) -> None:
     d.set(Upsilon, Upsilon_plus)
     d.set(last_Omega, Omega)
     d.set(P, joseph(d, "P+", P_minus, K, C, R))  # (I − KC) P⁻ (I − KC)ᵀ + K R Kᵀ
-    d.set(S, joseph(d, "S+", S, G, Omega, mu * Sigma) / mu)  # S − GΩS, over μ
+    S_plus = joseph(d, "S+", S, G, Omega, mu * Sigma) / mu  # S − GΩS, over μ
+    d.set(S, S_plus if d.options.get("forgetting") == PLAIN else bounded(d, S_plus, mu))
 
     updated = d.at(x, theta)
     d.estimates(x, theta, updated.h + updated.Psi @ theta)
     offer_linearisation(d, updated.A, updated.C, updated.Phi, updated.Psi)
+
+
+def bounded(d: Draft, S: Matrix, mu: Expr) -> Matrix:
+    """Return (S⁻¹ + (1 − μ) Γ̄⁻¹)⁻¹ (p×p): the share of the information that is forgotten is replaced by that of Γ̄.
+
+    Without excitation S then tends to Γ̄ instead of growing like μ^(−k). One channel after the other, a rank-one update.
+    """
+    for j, most in enumerate(d.gain("bound")):
+        S = d.let(f"S+{j}", S, symmetric=True)
+        column = S[:, j]
+        S = S - column @ column.T * ((1 - mu) / (S[j, j] * (1 - mu) + most))
+    return S
 
 
 def checks(run: Observed) -> list[Check]:
@@ -94,8 +127,8 @@ def diagnostics(run: Observed) -> dict[str, np.ndarray]:
 OBSERVER = Observer(
     id="adaptive-kalman-discrete",
     source="Zhang 2018, Automatica 93, 333–342; Joseph's form: Bucy & Joseph 1968",
-    gains=(Q, R_VARIANCE, P0, LAMBDA, GAMMA0, WINDOW, DELTA),
-    options=(SUBSTEPS,),
+    gains=(Q, R_VARIANCE, P0, LAMBDA, GAMMA0, BOUND, WINDOW, DELTA),
+    options=(SUBSTEPS, FORGETTING_OPTION),
     write=write,
     checks=checks,
     diagnostics=diagnostics,
@@ -110,11 +143,12 @@ OBSERVER = Observer(
         ("", "θ̂⁺ = θ̂ + Gỹ"),
         ("", "x̂⁺ = x̂⁻ + Kỹ + Υ⁺(θ̂⁺ − θ̂)"),
         ("", "Υ⁺ = FΥ + Φ − KΩ"),
-        ("", "S⁺ = {1 / μ}(S − GΩS)"),
+        ("", "S⁺ = ([{1 / μ}(S − GΩS)]⁻¹ + (1 − μ)Γ̄⁻¹)⁻¹"),
     ),
     where=(
         ("ỹ", Message("symbol.innovation")),
         ("F", Message("symbol.flow-jacobian")),
         ("μ", Message("symbol.forgetting-sample")),
+        ("Γ̄", Message("symbol.bound")),
     ),
 )

@@ -5,7 +5,7 @@ channel's typical size, the noise. Together with the plant's slowest eigenvalue 
 start, not a tuned filter.
 """
 
-from thetascope.engine.observers.support.declaration import Context, Gain
+from thetascope.engine.observers.support.declaration import Context, Gain, Option
 from thetascope.messages import Message
 
 DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
@@ -146,6 +146,17 @@ GAMMA0 = Gain(
     unit=Message("unit.fault-squared"),
     live=False,
 )
+BOUND = Gain(
+    "bound",
+    Message("gain.gamma-bound"),
+    lambda c: [s * s for s in typical_sizes(c)],
+    positive=True,
+    size="p",
+    symbol="Γ̄",
+    unit="fault²",
+)
+BOUNDED, PLAIN = "bounded", "plain"
+FORGETTING_OPTION = Option("forgetting", Message("option.forgetting"), "choice", BOUNDED, (BOUNDED, PLAIN))
 Q_THETA = Gain(
     "q_theta",
     Message("gain.random-walk"),
