@@ -1,4 +1,4 @@
-"""Rewrite an experiment in other units: every state, input, output, parameter, signal, fault and time by its own factor."""
+"""Rewrite an experiment in other units: every quantity of the plant, and time, by a factor of its own."""
 
 import re
 from collections.abc import Mapping

@@ -171,8 +171,8 @@ class ThetaBounds:
 
 
 def sizes(D: np.ndarray, s: np.ndarray, bounds: ThetaBounds) -> np.ndarray:
-    """Return the most likely θ_j of each channel alone (…, p): s_j/J_jj within bounds, 0 where J_jj vanishes against that
-    of other channels in typical faults; `D`: the diagonal of J."""
+    """Return the most likely θ_j of each channel alone (…, p): s_j/J_jj within bounds, 0 where J_jj vanishes
+    against that of other channels in typical faults; `D`: the diagonal of J."""
     scaled = D * bounds.typical**2
     visible = _VISIBLE * np.max(scaled, axis=-1, keepdims=True, initial=1e-300) < scaled
     return np.clip(np.where(visible, s / np.where(visible, D, 1.0), 0.0), bounds.low, bounds.high)

@@ -1,7 +1,7 @@
 """The healthy run of a plant: a simulation with the experiment's inputs and without faults, and the scales found in it.
 
 A state or output has its declared scale, where the plant gives one. Otherwise the scale is the range that it covers in
-the healthy run or, if that is larger, the change that a typical fault causes within a few time constants. Offsets do not
+the healthy run or, if that is larger, the change that a typical fault causes within one time constant. Offsets do not
 count, so that °C and K give the same scales. The rate is the median, along the run, of the slowest eigenvalue of ∂f/∂x.
 All scales are homogeneous: a plant in other units, or at another speed, has the same scales in its own units.
 """
@@ -84,7 +84,7 @@ class _Healthy:
     # ---- simulations -------------------------------------------------------------------------------------------------
 
     def _simulate(self, experiment: Experiment) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return base steps (rows,), plant states (rows, n) and outputs (rows, m), up to the first that is not finite."""
+        """Return base steps (rows,), states (rows, n) and outputs (rows, m), up to the first that is not finite."""
         simulation = Simulation(experiment, self.substeps)
         state = State(0, experiment.x0.astype(float).copy(), (), experiment.measurement.start())
         parts = []
@@ -252,7 +252,7 @@ def _slopes(plant: Program, roots: tuple[int, ...], values: dict, count: int) ->
 
 
 def _balanced(A: np.ndarray) -> np.ndarray:
-    """Return similar matrices D⁻¹AD whose rows and columns have alike sizes, so that rounding does not depend on units."""
+    """Return similar matrices D⁻¹AD with rows and columns of like size, so that rounding does not depend on units."""
     from scipy.linalg import matrix_balance
 
     return np.stack([np.asarray(matrix_balance(a, permute=False)[0]) for a in A])

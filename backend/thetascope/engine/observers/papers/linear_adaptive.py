@@ -32,7 +32,10 @@ SOURCE = "Shen & Hu 2015"
 
 
 def default_K(context: Context) -> list[float]:
-    """A − KC gets the eigenvalues −ω, …, −nω, ω in proportion to the plant's rate: about the paper's (3, 2) for its plant."""
+    """Return K such that A − KC has the eigenvalues −ω, …, −nω, ω in proportion to the plant's rate.
+
+    For the paper's plant it is about the paper's (3, 2).
+    """
     omega = _FAST * pace(context)
     return [float(k) for k in np.poly(-omega * np.arange(1.0, context.n + 1))[1:]]
 

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 
 def default_H(context: Context) -> list[float]:
-    """Ã − HC̃ gets all its eigenvalues at −ω, five times the plant's rate: the coefficients of (s + ω)^(ρ − 1)."""
+    """Return the coefficients of (s + ω)^(ρ − 1): Ã − HC̃ has its eigenvalues at −ω, five times the plant's rate."""
     blocks = [rho - 1 for rho in normal_form(Model(context.model)).blocks]
     return [comb(size, i) * (5.0 * pace(context)) ** i for size in blocks for i in range(1, size + 1)]
 

@@ -48,8 +48,8 @@ class Gain:
         name: unique among the observer's gains.
         meaning: for the user, an entry of the catalogues.
         default: a number, a list, a list of rows, or a function of the Context that returns one of these.
-        low, high: bounds of every entry, inclusive; None: no bound. A gain with a unit has no bound but its sign, because
-            any other number would depend on the unit.
+        low, high: bounds of every entry, inclusive; None: no bound. A gain with a unit is bounded by its sign only,
+            because any other number would depend on the unit.
         positive: whether every entry must be greater than 0.
         size: the number of entries of a column, or of rows of a matrix; None for a single number.
         columns: the number of columns of a matrix; None for a column.

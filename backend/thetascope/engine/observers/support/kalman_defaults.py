@@ -1,19 +1,18 @@
 """Gains shared by the Kalman-type observers, with defaults in the plant's units and at its time scale.
 
-The defaults use declarations of the plant and the experiment: a state's initial value or physical range as its scale, a
-channel's typical size, the noise. Together with the plant's slowest eigenvalue (time_constant.py) they give a working
-start, not a tuned filter.
+The defaults are multiples of the scales and the rate of the plant's healthy run (scales.py), of a channel's typical size
+and of the declared noise. They are admissible for every plant and give a working start, not a tuned filter.
 """
 
 from thetascope.engine.observers.support.declaration import Context, Gain, Option
 from thetascope.messages import Message
 
 DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
-MISFIT = 0.003
-WANDER = 0.3
-FORGETTING = 2.0
-_SPANS = 5.0
-_SAMPLES = 0.2
+MISFIT = 0.003  # the same for the observers, which estimate faults that would otherwise pass as process noise
+WANDER = 0.3  # random walk of θ: its standard deviation over one time constant, in typical faults
+FORGETTING = 2.0  # rate of forgetting, in paces
+_SPANS = 5.0  # time constants in a run, at least, that λ and the window assume
+_SAMPLES = 0.2  # of a time constant: the shortest that λ and the window assume, per sample
 
 
 def state_scales(c: Context) -> list[float]:
@@ -32,7 +31,10 @@ def pace(c: Context) -> float:
 
 
 def learning_rate(c: Context) -> float:
-    """Return the pace within what the run can show: at least _SPANS/span, at most _SAMPLES/(interval of the samples)."""
+    """Return the pace in 1/s within the limits of a run.
+
+    It is at least _SPANS per span of the run, at most _SAMPLES per sample of the noise or of the observer.
+    """
     interval = max((c.period, *c.noise_hold))
     return float(min(max(pace(c), _SPANS / c.scales.span), _SAMPLES / interval))
 
