@@ -28,7 +28,7 @@ from thetascope.messages import Message
 
 
 def default_L(context: Context) -> list[float]:
-    """Return the coefficients of (s + ω)^ρ for each block: A − LC has its eigenvalues at −ω, ten times the plant's rate."""
+    """Return the coefficients of (s + ω)^ρ, block after block: A − LC has its eigenvalues at −ω, ten times the pace."""
     blocks = normal_form(Model(context.model)).blocks
     return [comb(rho, i) * (10.0 * pace(context)) ** i for rho in blocks for i in range(1, rho + 1)]
 

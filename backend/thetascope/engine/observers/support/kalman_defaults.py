@@ -1,7 +1,7 @@
 """Gains shared by the Kalman-type observers, with defaults in the plant's units and at its time scale.
 
-The defaults are multiples of the scales and the rate of the plant's healthy run (scales.py), of a channel's typical size
-and of the declared noise. They are admissible for every plant and give a working start, not a tuned filter.
+The defaults are multiples of the scales and the rate of the plant's healthy run (scales.py), of a channel's typical
+size and of the declared noise. They are admissible for every plant and give a working start, not a tuned filter.
 """
 
 from thetascope.engine.observers.support.declaration import Context, Gain, Option
