@@ -9,7 +9,7 @@ from thetascope.messages import Message
 
 DOUBT = 0.01  # process noise: one per cent of a state's scale over the plant's time constant
 MISFIT = 0.003  # the same for the observers, which estimate faults that would otherwise pass as process noise
-WANDER = 0.3  # random walk of θ: its standard deviation over one time constant, in typical faults
+WANDER = 0.1  # random walk of θ: its standard deviation over one time constant, in typical faults
 FORGETTING = 2.0  # rate of forgetting, in paces
 _SPANS = 5.0  # time constants in a run, at least, that λ and the window assume
 _SAMPLES = 0.2  # of a time constant: the shortest that λ and the window assume, per sample

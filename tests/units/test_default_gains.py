@@ -1,0 +1,59 @@
+"""Every observer that fits a plant runs with its default gains, at any speed and with any slope at rest."""
+
+import numpy as np
+import pytest
+
+from tests.units.test_units import GENERAL, MANY, with_observers
+from thetascope.assembly import prepare
+from thetascope.engine.observers.registry import kinds
+from thetascope_schemas import ResolvedExperiment
+
+MORE = pytest.mark.skipif(not MANY, reason="THETASCOPE_UNITS is not set")
+
+
+@pytest.mark.parametrize(
+    ("law", "size", "speed"),
+    [
+        ("u - x^3", 1.0, 1.0),  # no slope at x = 0
+        ("(u - x)/1e-5", 1.0, 1e5),
+        ("(u - x)/2e4", 3.5e7, 5e-5),
+        pytest.param("u - x*abs(x)", 1.0, 1.0, marks=MORE),
+        pytest.param("(u - x)/0.3", 3e-14, 3.0, marks=MORE),
+    ],
+)
+def test_defaults_are_admissible(law, size, speed):
+    """No default is refused, nothing diverges, and θ̂ of the general observers ends near the fault."""
+    plant = {
+        "id": "made",
+        "states": [{"name": "x", "domain": [-3 * size, 3 * size]}],
+        "inputs": [{"name": "u"}],
+        "outputs": [{"name": "y", "expression": "x"}],
+        "dynamics": {"x": law},
+        "channels": [{"name": "a", "kind": "actuator", "enters": {"x": repr(speed)}, "typical": 0.2 * size}],
+    }
+    given = {
+        "plant": plant,
+        "inputs": {"u": {"kind": "sine", "amplitude": size, "frequency": 0.3 * speed}},
+        "horizon": 30 / speed,
+        "step": 0.02 / speed,
+        "noise": {"y": {"std": 0.01 * size, "sample_time": 0.02 / speed}},
+        "faults": [{"channel": "a", "shape": "step", "onset": 10 / speed, "size": 0.2 * size}],
+        "diagnosis": {"enabled": False},
+    }
+    spec = with_observers(ResolvedExperiment.model_validate(given), kinds())
+    names = {o.kind for o in spec.observers}
+    assert names >= {"high-gain", "zhao-adaptive", "linear-adaptive", "nonsmooth-adaptive"}
+    assert names >= {
+        "adaptive-kalman",
+        "adaptive-kalman-discrete",
+        "joint-ekf",
+        "joint-ukf",
+        "reduced-order",
+        "full-order",
+    }
+    result = prepare(spec).run()
+    assert [o.kind for o in result.observers if o.diverged] == []
+    for report in result.observers:
+        if report.kind in (*GENERAL, "zhao-adaptive"):
+            late = result.column(f"{report.label}.theta.a")[-len(result.column("t")) // 5 :]
+            assert np.mean(late) == pytest.approx(0.2 * size, rel=0.5), report.kind
