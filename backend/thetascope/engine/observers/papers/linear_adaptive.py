@@ -49,7 +49,9 @@ def default_lambda(context: Context) -> float:
 _FAST = 14.0  # times the plant's slowest rate
 
 K = Gain("K", Message("gain.injection-k"), default_K, None, size="n", symbol="K")
-LAMBDA = Gain("lambda", Message("gain.adaptation-rate"), default_lambda, symbol="λ", unit="fault²/output²")
+LAMBDA = Gain(
+    "lambda", Message("gain.adaptation-rate"), default_lambda, symbol="λ", unit=Message("unit.fault-per-output-squared")
+)
 
 
 def write(d: Draft) -> None:

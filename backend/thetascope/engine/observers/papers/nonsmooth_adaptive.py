@@ -47,7 +47,7 @@ def default_rho(context: Context) -> float:
 GAINS = (
     K,
     LAMBDA,
-    Gain("rho", Message("gain.nonsmooth-share"), default_rho, symbol="ρ", unit="output^(1−α)"),
+    Gain("rho", Message("gain.nonsmooth-share"), default_rho, symbol="ρ", unit=Message("unit.output-to-power")),
     Gain(
         "alpha",
         Message("gain.nonsmooth-exponent"),

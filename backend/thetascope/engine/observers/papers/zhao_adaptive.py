@@ -54,7 +54,7 @@ GAINS = (
         positive=True,
         size="p",
         symbol="Γ(0)",
-        unit="fault²/(output² s)",
+        unit=Message("unit.fault-per-output-squared-second"),
         live=False,
     ),
     Gain(
@@ -71,7 +71,7 @@ GAINS = (
         Message("gain.excitation-level-36"),
         default_delta,
         symbol="δ",
-        unit="output² s/fault²",
+        unit=Message("unit.output-per-fault-squared-seconds"),
         live=False,
     ),
 )

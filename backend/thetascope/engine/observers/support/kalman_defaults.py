@@ -155,7 +155,7 @@ BOUND = Gain(
     positive=True,
     size="p",
     symbol="Γ̄",
-    unit="fault²",
+    unit=Message("unit.fault-squared"),
 )
 BOUNDED, PLAIN = "bounded", "plain"
 FORGETTING_OPTION = Option("forgetting", Message("option.forgetting"), "choice", BOUNDED, (BOUNDED, PLAIN))
