@@ -133,7 +133,7 @@ def _fading(g: Graph, noise: int, before: int, after: int, recent: int) -> tuple
     inverse = [g.div(g.const(1.0), g.call("max", S, tiny)) for S in (before, after)]
     eta = g.mul(noise, g.add(inverse[0], g.mul(end, g.sub(inverse[1], inverse[0]))))
     rate = g.call("min", g.mul(g.const(FADING), recent), g.var("memory"))
-    rate = g.add(rate, g.const(1e-12))
+    rate = g.add(rate, g.mul(g.const(1e-12), g.var("memory")))  # never zero
     share = g.div(rate, g.add(g.const(1.0), g.power(g.div(eta, rate), 4)))
     variance = g.add(before, g.mul(end, g.sub(after, before)))
     growth = g.mul(g.mul(share, variance), g.var("interval"))
