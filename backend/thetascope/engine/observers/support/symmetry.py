@@ -52,7 +52,8 @@ def require_symmetric(
         tables.append(numbers(expressions, moved, definitions).reshape(-1, 2))
     for k, (name, _, _) in enumerate(pairs):
         upper, lower = np.array([table[k] for table in tables]).T
-        apart = upper - lower
+        with np.errstate(invalid="ignore"):
+            apart = upper - lower
         finite = np.isfinite(apart).all()
         if finite and (np.abs(apart) > TOLERANCE * np.maximum(np.abs(upper), np.abs(lower))).all() and _same(apart):
             values = f"({upper[0]:.6g}, {lower[0]:.6g})"
