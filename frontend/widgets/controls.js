@@ -82,7 +82,8 @@ export function steady(value, scale = value, digits = 4) {
  * @param {number} t
  * @param {number} [horizon]
  */
-export const seconds = (t, horizon = 100) => `${t.toFixed(horizon >= 1000 ? 0 : horizon >= 20 ? 1 : 2)}\u202fs`;
+export const seconds = (t, horizon = 100) =>
+  `${horizon < 0.1 ? number(t, 4) : t.toFixed(horizon >= 1000 ? 0 : horizon >= 20 ? 1 : horizon >= 1 ? 2 : 4)}\u202fs`;
 
 /**
  * How long something took: 0.4 s, 12 s.

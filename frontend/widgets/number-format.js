@@ -36,8 +36,11 @@ export const raised = (exponent) =>
  * @param {number} [step]
  */
 export function seconds(t, step = 0.1) {
-  const places = Math.max(0, Math.min(4, Math.ceil(-Math.log10(step) - 1e-9)));
-  return t.toFixed(places);
+  const places = Math.max(0, Math.ceil(-Math.log10(step) - 1e-9));
+  if (places <= 4 || t === 0 || !Number.isFinite(t)) return t.toFixed(Math.min(4, places));
+  const digits = Math.max(0, Math.min(8, Math.floor(Math.log10(Math.abs(t))) + places));
+  const [mantissa, exponent] = t.toExponential(digits).split('e');
+  return `${mantissa}·10${raised(Number(exponent))}`.replace('-', '−');
 }
 
 /** Speeds to choose from, by menu and by key; null: as fast as possible. */

@@ -109,3 +109,9 @@ test('all numbers of a column have one form: powers of ten or not, with as many 
     ['2.0·10⁶', '3.0·10⁰'],
   ]);
 });
+
+test('a clock of a fast plant shows powers of ten with the digits of its axis', () => {
+  assert.equal(seconds(78.43, 0.1), '78.4');
+  assert.equal(seconds(3.14159e-6, 1e-8), '3.14·10⁻⁶');
+  assert.equal(seconds(0, 1e-8), '0.0000');
+});

@@ -90,7 +90,7 @@ const clipped = (found, [low, high]) => found && [Math.max(low, found[0]), Math.
  */
 function opened(strip, low, high) {
   if (strip.kind === 'residual') [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
-  const least = Math.max(strip.least, 0.02 * Math.max(Math.abs(low), Math.abs(high)), 1e-12);
+  const least = Math.max(strip.least, 0.02 * Math.max(Math.abs(low), Math.abs(high))) || 1e-12;
   const middle = (low + high) / 2;
   return high - low < least ? [middle - least / 2, middle + least / 2] : [low, high];
 }
