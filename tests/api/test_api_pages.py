@@ -80,7 +80,7 @@ def test_the_catalogue_suffices_for_the_forms(client):
     assert [kind["id"] for kind in catalogue["observers"]] == list(kinds())
     zhao = next(kind for kind in catalogue["observers"] if kind["id"] == "zhao-adaptive")
     rho = next(gain for gain in zhao["gains"] if gain["name"] == "rho")
-    assert rho["meaning"] and rho["low"] <= 4 <= rho["high"]
+    assert rho["meaning"] and rho["positive"] and rho["high"] is None
     shapes = {fault["shape"]: fault for fault in catalogue["faults"]}
     assert len(shapes) == 15 and shapes["stuck"]["on"] == "output" and shapes["ramp"]["on"] == "channel"
     duration = next(field for field in shapes["ramp"]["fields"] if field["name"] == "duration")

@@ -113,7 +113,7 @@ def contois(plant: str, names: tuple[str, str], start: tuple[float, float]) -> "
                         {
                             "label": "o",
                             "kind": "zhao-adaptive",
-                            "gains": {"rho": 4, "lambda": 4},
+                            "gains": {"rho": 4, "lambda": 4, "gamma0": 1},
                             "initial": dict(zip(names, start, strict=True)),
                         }
                     ],
