@@ -36,7 +36,7 @@ def information(e: Engine, window: float) -> np.ndarray:
     made = InnovationFilter(e, e.context)
     rows = [r for _, r in Simulation(e).spans(e.steps + 1)]
     index, plant = np.concatenate([r.index for r in rows]), np.concatenate([r.plant for r in rows])
-    table = made.table(index, np.concatenate([r.y for r in rows]), row_values(e, index, plant))
+    table = made.table(index, np.concatenate([r.y for r in rows]), row_values(e, index, plant), e.signals)
     omega = made.run(made.start(), np.zeros(made.p), table, index * e.step).omega[-round(window / made.interval) :]
     return np.einsum("kmi,kmj->ij", omega, omega)
 

@@ -46,9 +46,12 @@ class Watching:
     def rows(self, seed: int = 1, faults: bool = True) -> tuple[np.ndarray, np.ndarray]:
         """Return the filter's inputs along a run, and the times."""
         experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
-        parts = [(rows, row_values(now, rows.index, rows.plant)) for now, rows in spans_of(experiment, 1)]
-        table = np.concatenate([self.made.filter.table(rows.index, rows.y, values) for rows, values in parts])
-        return table, np.concatenate([rows.index for rows, _ in parts]) * experiment.step
+        parts = list(spans_of(experiment, 1))
+        tables = [
+            self.made.filter.table(rows.index, rows.y, row_values(now, rows.index, rows.plant), now.signals)
+            for now, rows in parts
+        ]
+        return np.concatenate(tables), np.concatenate([rows.index for _, rows in parts]) * experiment.step
 
 
 @cache

@@ -3,7 +3,7 @@
 import argparse
 
 from thetascope import assembly
-from thetascope.assembly.analyses.seed_trial import Tally, Trial, trial
+from thetascope.assembly.analyses.seed_trial import Coverage, Tally, Trial, trial
 from thetascope.cli.run_command import experiment_of
 from thetascope.cli.terminal import Progress, number, table
 from thetascope.cli.words import Words
@@ -11,7 +11,7 @@ from thetascope.runs.specs.overrides import parse_assignment
 from thetascope.runs.specs.resolve_spec import resolved, with_changes
 from thetascope.settings import load
 
-_HEAD = ("way", "false", "before", "found", "wrong", "delay")
+_HEAD = ("way", "false", "before", "found", "wrong", "delay", "size-held", "onset-held")
 
 
 def trial_command(options: argparse.Namespace, say: Words) -> int:
@@ -30,7 +30,7 @@ def trial_command(options: argparse.Namespace, say: Words) -> int:
 def text(result: Trial, say: Words) -> str:
     """Return the table and the meaning of its columns."""
     rows = [_row(t, result, say) for t in result.tallies]
-    faults = [say("cli.trial.fault", channel=channel, onset=onset) for channel, onset in result.faults]
+    faults = [say("cli.trial.fault", channel=fault.channel, onset=fault.onset) for fault in result.faults]
     legend = say("cli.trial.legend", runs=result.seeds, all=result.seeds * len(result.faults), faults=faults)
     return f"{table(say.head(_HEAD), rows)}\n{legend}"
 
@@ -47,4 +47,11 @@ def _row(tally: Tally, result: Trial, say: Words) -> tuple[str, ...]:
         str(sum(tally.found.values())),
         str(tally.wrong),
         delay,
+        _held(tally.size),
+        _held(tally.onset),
     )
+
+
+def _held(coverage: Coverage) -> str:
+    """Return how many intervals held the truth, of how many."""
+    return f"{coverage.held}/{coverage.reported}" if coverage.reported else "–"

@@ -214,7 +214,7 @@ def _fresh(record: Recording) -> Recording:
 def _table(experiment: Engine, record: Recording, innovation_filter: InnovationFilter) -> tuple[np.ndarray, np.ndarray]:
     index = np.arange(len(record.t)) * experiment.every
     values = row_values(experiment, index, np.zeros((len(index), len(experiment.plant.states))))
-    return index, innovation_filter.table(index, record.y, values)
+    return index, innovation_filter.table(index, record.y, values, experiment.signals)
 
 
 def _monitor_record(detector: Detector, experiment: Engine, record: Recording, learn: float) -> MonitorState:

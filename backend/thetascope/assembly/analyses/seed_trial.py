@@ -14,7 +14,8 @@ from thetascope.engine.execution.stages import Stage
 from thetascope.engine.model.result import Result
 from thetascope.engine.simulation.batch import with_seed
 from thetascope.messages import Message
-from thetascope_schemas.experiment.diagnosis import Diagnosis
+from thetascope_schemas.experiment.diagnosis import Alarm, Diagnosis
+from thetascope_schemas.experiment.faults import ChannelFault, StepFault
 
 BAND = 3.0  # half width of a fixed band in standard deviations
 LATEST = 400  # number of values from which tutorials compute the band
@@ -22,10 +23,40 @@ LATEST = 400  # number of values from which tutorials compute the band
 
 @dataclass(frozen=True)
 class Raised:
-    """An alarm of a decision rule: its time, and the channels that it names (none: not explained)."""
+    """An alarm of a decision rule: its time, and the channels that it names (none: not explained).
+
+    ``onset`` and ``size`` are the intervals that it reports for its first channel, if any.
+    """
 
     t: float
     channels: tuple[str, ...]
+    onset: tuple[float, float] | None = None
+    size: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True)
+class TrueFault:
+    """A fault of the experiment; ``size`` is None unless it is a step that lasts to the end."""
+
+    channel: str
+    onset: float
+    size: float | None
+
+
+@dataclass
+class Coverage:
+    """How many reported intervals there were, and how many of them held the truth."""
+
+    reported: int = 0
+    held: int = 0
+
+    def count(self, interval: tuple[float, float] | None, truth: float | None) -> None:
+        """Add an interval, unless there is none or its truth is not a number."""
+        if interval is not None and truth is not None:
+            low, high = interval
+            slack = 1e-9 * max(abs(low), abs(high))  # rounding of a bound that is exactly the truth
+            self.reported += 1
+            self.held += low - slack <= truth <= high + slack
 
 
 @dataclass
@@ -39,18 +70,27 @@ class Tally:
     alternative: dict[str, int] = field(default_factory=dict)  # of these, named as an alternative
     wrong: int = 0
     delays: list[float] = field(default_factory=list)
+    onset: Coverage = field(default_factory=Coverage)
+    size: Coverage = field(default_factory=Coverage)
 
-    def count(self, alarms: list[Raised], faults: list[tuple[str, float]]) -> None:
-        """Add a run with faults (channel, onset)."""
-        first = min((at for _, at in faults), default=np.inf)
+    def count(self, alarms: list[Raised], faults: list[TrueFault]) -> None:
+        """Add a run with faults. Intervals are those of the last alarm that names the fault first."""
+        first = min((f.onset for f in faults), default=np.inf)
         self.before += any(a.t < first for a in alarms)
-        for channel, onset in faults:
+        for fault in faults:
+            channel, onset = fault.channel, fault.onset
+            last = next((a for a in reversed(alarms) if a.t >= onset and a.channels[:1] == (channel,)), None)
+            if last is not None:
+                self.onset.count(last.onset, onset)
+                self.size.count(last.size, fault.size)
             hit = next((a for a in alarms if a.t >= onset and channel in a.channels), None)
             if hit is not None:
                 self.found[channel] = self.found.get(channel, 0) + 1
                 self.alternative[channel] = self.alternative.get(channel, 0) + (hit.channels[0] != channel)
                 self.delays.append(hit.t - onset)
-        self.wrong += sum(a.t >= first and not any(c in a.channels for c, at in faults if at <= a.t) for a in alarms)
+        self.wrong += sum(
+            a.t >= first and not any(f.channel in a.channels for f in faults if f.onset <= a.t) for a in alarms
+        )
 
     @property
     def delay(self) -> float | None:
@@ -60,10 +100,10 @@ class Tally:
 
 @dataclass(frozen=True)
 class Trial:
-    """The tallies of all decision rules, in display order; faults as (channel, onset)."""
+    """The tallies of all decision rules, in display order."""
 
     seeds: int
-    faults: list[tuple[str, float]]
+    faults: list[TrueFault]
     tallies: list[Tally]
 
 
@@ -77,8 +117,8 @@ def trial(
     """
     spec = prepared.spec
     experiment = prepared.stages[0].experiment
-    channel_faults = [f for f in spec.faults if f.site.kind == "channel" and 0 < f.onset < spec.horizon]
-    faults = [(f.site.name, f.onset) for f in channel_faults]
+    channel_faults = [f for f in spec.faults if isinstance(f, ChannelFault) and 0 < f.onset < spec.horizon]
+    faults = [_true_fault(f, sum(o.site == f.site for o in channel_faults)) for f in channel_faults]
     inspect = inspector(spec)
     plain = replace(healthy(experiment), estimators=experiment.estimators)
     tallies: dict[Message, Tally] = {}
@@ -96,6 +136,13 @@ def trial(
     return Trial(seeds, faults, list(tallies.values()))
 
 
+def _true_fault(fault: ChannelFault, of_its_channel: int) -> TrueFault:
+    """Return a fault as the trial counts it."""
+    lasting = fault.end is None and of_its_channel == 1
+    size = fault.size if isinstance(fault, StepFault) and lasting else None
+    return TrueFault(fault.channel, fault.onset, size)
+
+
 def _ways(result: Result, lock: float | None) -> Iterator[tuple[Message, list[Raised]]]:
     """Yield each decision rule with its alarms."""
     diagnosis = Diagnosis.model_validate(result.diagnosis) if result.diagnosis else None
@@ -104,7 +151,7 @@ def _ways(result: Result, lock: float | None) -> Iterator[tuple[Message, list[Ra
             test = next(iter(own.calibration.thresholds))
             by_estimates = Message("trial.estimates", observer=own.observer, test=test)
             name = by_estimates if own.observer else Message("trial.detector")
-            yield name, [Raised(a.t, (a.channel, *a.alternatives) if a.channel else ()) for a in own.alarms]
+            yield name, [_raised(a) for a in own.alarms]
     if lock is not None:
         for report in result.observers:
             if any(n.startswith(f"{report.label}.sigma.") for n in result.names):
@@ -119,6 +166,14 @@ def _ways(result: Result, lock: float | None) -> Iterator[tuple[Message, list[Ra
                         Message("trial.band.claimed", **band),
                         _locked(result, report.label, lock, "claimed"),
                     )
+
+
+def _raised(alarm: Alarm) -> Raised:
+    """Return an alarm of the detector or of an observer with the intervals that it reports."""
+    if not alarm.channel:
+        return Raised(alarm.t, ())
+    size = None if alarm.size_from is None or alarm.size_to is None else (alarm.size_from, alarm.size_to)
+    return Raised(alarm.t, (alarm.channel, *alarm.alternatives), (alarm.onset_from, alarm.onset_to), size)
 
 
 def _locked(result: Result, label: str, lock: float, way: Literal["all", "latest", "claimed"] = "all") -> list[Raised]:

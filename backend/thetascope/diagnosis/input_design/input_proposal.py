@@ -165,7 +165,7 @@ class _Trial:
         plant, y = np.concatenate([r.plant for r in parts]), np.concatenate([r.y for r in parts])
         if not self._inside(plant):
             return None
-        table = self.filter.table(index, y, row_values(e, index, plant))
+        table = self.filter.table(index, y, row_values(e, index, plant), e.signals)
         first = self.filter.start()
         first[: self.filter.n] = self.x
         omega = self.filter.run(first, np.zeros(self.filter.p), table, index * e.step).omega[-self.half :]

@@ -17,6 +17,7 @@ from thetascope.diagnosis.isolation.decision_state import (
 )
 from thetascope.diagnosis.isolation.first_order import onset_interval
 from thetascope.diagnosis.isolation.likelihood_fit import Explanation
+from thetascope.diagnosis.isolation.onset_uncertainty import onset_uncertainty
 from thetascope.diagnosis.isolation.ramp_uncertainty import shape_variance
 from thetascope.diagnosis.isolation.replay import ReplayWindow
 from thetascope.diagnosis.yield_points import Steps
@@ -56,7 +57,10 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
         i = next((entry.finding for entry in entries if entry.event == event), None)
         if i is None:  # merged into another event, which will be estimated again
             continue
-        deviation = yield from _deviation(state, evidence, window, fit, k, i, before)
+        deviation, shift = (yield from _deviation(state, evidence, window, fit, k, i, before)), 0.0
+        if not event.rise_time:
+            state, shift, onset_deviation = yield from _with_onset_interval(state, evidence, fit, k, i)
+            deviation = float(np.hypot(deviation, onset_deviation))
         vanished_size = _size_if_vanished(
             state, event, i, deviation, before.get(i, state.findings[i]), state.at - fit.onset
         )
@@ -66,7 +70,7 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
                 state, i, with_settled_size(replace(before.get(i, state.findings[i]), size=vanished_size))
             )
         else:
-            size = float(known.level[event.channel])
+            size = float(known.level[event.channel]) + shift
             initial = state.findings[i].initial or (size, deviation)
             finding = replace(state.findings[i], size=size, deviation=deviation, initial=initial)
             state = with_finding(state, i, finding)
@@ -145,12 +149,14 @@ def _size_deviation(
     """Return (deviation, v): the standard deviation of the value reached by event `k` for a known shape, and the
     noise's v.
 
-    v (`WindowNoise`) is taken between that of the settling time and that of the whole length, by where the information
-    comes from. `known`: the faults known before, whose errors pass on to this one.
+    v (`WindowNoise`) is taken between that of two thirds of the settling time and that of the whole length, by where
+    the information comes from: a response that begins abruptly weighs fast noise more than its length suggests.
+    `known`: the faults known before, whose errors pass on to this one.
     """
     event, noise = fit.events[k], evidence.thresholds.noise
     settling, long = (
-        float(noise.v[noise.nearest(n), event.channel]) for n in (2 * evidence.thresholds.settle, state.at - fit.onset)
+        float(noise.v[noise.nearest(n), event.channel])
+        for n in (2 * evidence.thresholds.settle // 3, state.at - fit.onset)
     )
     v = long + float(fit.early[k]) * max(settling - long, 0.0)
     others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known if f.channel != event.channel)
@@ -172,6 +178,25 @@ def _shape_deviation(state: DecisionState, evidence: Evidence, fit: Explanation,
     window = ReplayWindow.of(evidence, tentative.base, others, tentative.begin, state.at, state.trusted_outputs)
     variance = yield from shape_variance(window, fit.events, k)
     return variance**0.5
+
+
+def _with_onset_interval(
+    state: DecisionState, evidence: Evidence, fit: Explanation, k: int, i: int
+) -> Steps[tuple[DecisionState, float, float]]:
+    """Return the state with the interval of the onset of finding `i`, and the correction and the deviation of its
+    size due to the onset of step `k`."""
+    assert state.tentative is not None
+    tentative, event, finding = state.tentative, fit.events[k], state.findings[i]
+    others = tuple(e for e in tentative.events if e not in fit.events)
+    yield
+    window = ReplayWindow.of(evidence, tentative.base, others, tentative.begin, state.at, state.trusted_outputs)
+    width = finding.onset_to - finding.onset_from if finding.onset == event.onset else 1.0
+    uncertain = yield from onset_uncertainty(window, fit.events, k, width)
+    if uncertain is None:
+        return state, 0.0, 0.0
+    if finding.onset == event.onset:
+        finding = replace(finding, onset_from=uncertain.earliest, onset_to=uncertain.latest)
+    return with_finding(state, i, finding), uncertain.shift, uncertain.variance**0.5
 
 
 def _shape_inflation(window: ReplayWindow, event: Event, deviation: float, v: float) -> float:

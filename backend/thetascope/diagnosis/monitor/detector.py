@@ -181,7 +181,9 @@ def _filter_inputs(experiment: Experiment, filter_: InnovationFilter) -> tuple[n
     parts = [rows for _, rows in Simulation(experiment, experiment.substeps or 1).spans(experiment.steps + 1)]
     index = np.concatenate([r.index for r in parts])
     values = row_values(experiment, index, np.concatenate([r.plant for r in parts]))
-    return filter_.table(index, np.concatenate([r.y for r in parts]), values), index * experiment.step
+    return filter_.table(
+        index, np.concatenate([r.y for r in parts]), values, experiment.signals
+    ), index * experiment.step
 
 
 def _settling_rows(

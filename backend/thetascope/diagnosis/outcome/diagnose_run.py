@@ -109,7 +109,7 @@ def advance_over_rows(
 ) -> Steps[MonitorState]:
     """Return the monitor's state after recorded rows; `values`: signals along them by name, if they are available."""
     signals = values or row_values(experiment, rows.index, rows.plant)
-    table = monitor.filter.table(rows.index, rows.y, signals)
+    table = monitor.filter.table(rows.index, rows.y, signals, experiment.signals)
     return (yield from monitor.advance(state, table, rows.index * experiment.step))
 
 

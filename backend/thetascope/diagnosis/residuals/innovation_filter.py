@@ -9,10 +9,12 @@ import numpy as np
 from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import NEVER, Layout, Segments, kernel
 from thetascope.engine.estimation.covariance import holds, noise_stds
-from thetascope.engine.estimation.kalman_innovations import innovations
+from thetascope.engine.estimation.kalman_innovations import AHEAD, innovations
+from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.kalman_defaults import DOUBT, process_noise, state_scales
 from thetascope.engine.simulation.experiment import Experiment
+from thetascope.engine.simulation.simulation import at_rows
 
 MOST_STATES = 12
 LARGEST = 1e60  # standard deviations: at larger innovations the filter has diverged
@@ -104,16 +106,21 @@ class InnovationFilter:
         P = np.diag(np.array(state_scales(self.context)) ** 2)
         return np.concatenate([first, np.zeros(self.n * self.p), P[np.triu_indices(self.n)]])
 
-    def table(self, index: np.ndarray, y: np.ndarray, values: Mapping) -> np.ndarray:
+    def table(self, index: np.ndarray, y: np.ndarray, values: Mapping, signals: Mapping[str, Signal]) -> np.ndarray:
         """Return the filter's inputs (rows, inputs).
 
         Args:
             index: (rows,), base steps.
             y: (rows, m), measurements.
             values: inputs and known signals by name, (rows,) each.
+            signals: the same as functions of time, from which their values between rows are taken.
         """
         e = self.experiment
         given = {**values, **{f"measured.{o}": y[:, k] for k, o in enumerate(e.plant.outputs)}}
+        middle = (index + 0.5 * e.every) * e.step
+        for name in self.names:
+            if name.startswith(AHEAD):
+                given[name] = at_rows(signals[name.removeprefix(AHEAD)], middle, e.step)
         every = e.measurement.sample_every
         given["fresh"] = 1.0 if every is None else (index // every != (index - e.every) // every) * 1.0
         table = np.empty((len(index), max(1, len(self.names))))

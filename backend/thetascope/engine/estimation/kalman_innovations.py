@@ -12,11 +12,13 @@ processed one after the other (their noises are independent), so each gives a sc
 multiplied by a course over time, V is the sensitivity to a θ with this course. An output that is not in use has ν and
 Ω, but does not correct the filter.
 
-Between rows x changes by φ₁(AΔ) f Δ, which is exact where f is affine. Where x is outside the physical domain, f and
+Between rows x changes by φ₁(AΔ) f Δ, which is exact where f is affine and inputs are constant; f takes inputs and t in
+the middle of the interval. Where x is outside the physical domain, f and
 its derivatives are evaluated at the nearest point inside. The process noise of each state equation is a share of the
 state's scale (``q``); R is the measurement noise.
 """
 
+from collections.abc import Mapping
 from functools import lru_cache
 
 from thetascope.engine.compiler.autodiff import derivatives
@@ -26,6 +28,7 @@ from thetascope.engine.estimation.covariance_equations import total
 from thetascope.engine.programs.program_store import derived
 
 _HALVINGS = 2  # of the interval between rows, for the exponential of A; as many doublings undo them
+AHEAD = "ahead."  # prefix of inputs in the middle of the interval that follows a row
 Matrix = list[list[int]]
 
 
@@ -33,7 +36,8 @@ Matrix = list[list[int]]
 def innovations(plant: Program) -> Program:
     """Return the filter for a plant, with one step per row.
 
-    Inputs: those of the plant (θ apart), ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀)
+    Inputs: those of the plant (θ apart) at the row and, as ``ahead.*``, in the middle of the interval after it,
+    ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀)
     and ``profile.j``: V and Ω are sensitivities to a θ_j − θ₀_j that is a constant times this profile. Parameters:
     those of the plant, the bounds ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y),
     ``trusted.k`` (0: output k does not correct the filter) and ``interval``. Outputs: ``omega.k.j`` and ``nu.k``, both
@@ -47,6 +51,7 @@ class _Writer:
     def __init__(self, plant: Program):
         self.plant, self.graph = plant, Graph()
         self.theta = [i for i in plant.inputs if i.startswith("theta.")]
+        self.known = [i for i in plant.inputs if i not in self.theta]
         self.y = list(plant.outputs)
         self.n, self.p, self.m = len(plant.states), len(self.theta), len(self.y)
         g = self.graph
@@ -57,7 +62,7 @@ class _Writer:
     def program(self) -> Program:
         plant, g, n, p = self.plant, self.graph, self.n, self.p
         outputs = self._correct(*self._linear(list(plant.outputs.values())))
-        f, A, G = self._linear(list(plant.update))
+        f, A, G = self._linear(list(plant.update), self._ahead())
         F, E = self._transition(A)
         if plant.time == DISCRETE:
             prior = f
@@ -86,7 +91,8 @@ class _Writer:
                 *(f"P.{i}.{j}" for i in range(n) for j in range(i, n)),
             ),
             inputs=(
-                *(i for i in plant.inputs if i not in self.theta),
+                *self.known,
+                *(f"{AHEAD}{i}" for i in self.known),
                 *(f"measured.{o}" for o in self.y),
                 "fresh",
                 *(f"known.{j}" for j in range(p)),
@@ -104,7 +110,15 @@ class _Writer:
             outputs=outputs,
         )
 
-    def _linear(self, roots: list[int]) -> tuple[list[int], Matrix, Matrix]:
+    def _ahead(self) -> dict[str, int]:
+        """Return what known inputs and t are on average until the next row; nothing in discrete time."""
+        if self.plant.time == DISCRETE:
+            return {}
+        g = self.graph
+        middle = g.add(g.var("t"), g.mul(g.const(0.5), g.var("interval")))
+        return {i: g.var(f"{AHEAD}{i}") for i in self.known} | {"t": middle}
+
+    def _linear(self, roots: list[int], replaced: Mapping[str, int] | None = None) -> tuple[list[int], Matrix, Matrix]:
         """Return values and Jacobians in x and θ (times its profile) at the present estimate, ``self.prior``, θ₀."""
         plant, g = self.plant, self.graph
         source = Graph(plant.graph.nodes)
@@ -114,7 +128,7 @@ class _Writer:
             g.call("min", g.call("max", x, g.var(f"low.{i}")), g.var(f"high.{i}")) for i, x in enumerate(self.prior)
         ]
         here = dict(zip(plant.states, inside, strict=True)) | {t: g.var(f"known.{j}") for j, t in enumerate(self.theta)}
-        moved, zero = g.absorb(source, wanted, here), g.const(0.0)
+        moved, zero = g.absorb(source, wanted, here | dict(replaced or {})), g.const(0.0)
         J, H = (
             [[moved[row[s]] if s in row else zero for s in names] for row in slopes]
             for names in (plant.states, self.theta)
