@@ -50,7 +50,7 @@ def test_the_list_of_checks_is_chinese(page):
 
 def test_refusals_are_translated(page):
     """A label that is taken and an unsuitable kind are refused in Chinese, with the remedy."""
-    live = opened(page, "/?experiment=dc-motor")
+    live = opened(page, "/?experiment=dc-motor&t=2")
     live.evaluate("thetascope.act.language('zh')")
     until(live, "document.querySelector('#panel-observers h2')?.textContent === '观测器'")
     live.click("#panel-observers .heading .link")

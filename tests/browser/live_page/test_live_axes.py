@@ -125,7 +125,7 @@ def test_a_strip_without_values_gives_the_reason(kept_page):
     opened = settled(kept_page, "/?experiment=friction-motor&t=10")
     until(
         opened,
-        "/shorter than the window of 30 s/.test(document.querySelector('[data-strip=excitation] "
+        "/shorter than the window of 12 s/.test(document.querySelector('[data-strip=excitation] "
         ".unresolved').innerText)",
     )
 

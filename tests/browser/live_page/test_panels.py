@@ -33,11 +33,11 @@ def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
 
 def test_an_injected_fault_is_shown_everywhere_and_identified(page):
     """Inject lights the channel and is logged, an alarm follows, the summary names it; Clear resets all."""
-    live = opened(page)
-    live.evaluate("thetascope.act.speed(10)")
+    live = opened(page, PAUSED)
     press(live, "theta1")
     until(live, "document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₁')")
+    live.evaluate("thetascope.act.step(500)")
     until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1')")
     until(live, "/identified|found in/.test(document.querySelector('.verdict').textContent)")
     until(live, "/[+−]0\\.0\\d+ ± 0\\.\\d+/.test(document.querySelector('.finding .value').textContent)")

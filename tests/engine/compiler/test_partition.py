@@ -43,8 +43,8 @@ def test_an_initial_estimate_affects_only_the_estimates(zhao: Experiment):
         estimator = zhao.estimators[0]
         return replace(zhao, estimators=(replace(estimator, parameters=estimator.parameters | {name: 0.5}),))
 
-    lanes = {name: families(_Lanes([zhao, other(name)], 0).parts.lanes.states) for name in ("x0.x1", "g.gamma0")}
-    assert lanes == {"x0.x1": {"xh", "thetah"}, "g.gamma0": {"Gamma", "xh", "thetah"}}
+    lanes = {name: families(_Lanes([zhao, other(name)], 0).parts.lanes.states) for name in ("x0.x1", "g.gamma0.0")}
+    assert lanes == {"x0.x1": {"xh", "thetah"}, "g.gamma0.0": {"Gamma", "xh", "thetah"}}
 
 
 def test_a_fault_affects_the_plant_and_the_estimates_but_not_the_gains(program: Program):
