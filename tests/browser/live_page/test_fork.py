@@ -62,7 +62,7 @@ def test_back_and_the_legend_lead_to_the_first_session_and_to_the_fork(page):
     opened.click(".legend .link")
     until(opened, f"{APP}.state.session === {fork!r} && {APP}.state.origin !== null")
     assert state(opened, "parent")["id"] == parent and state(opened, "role") == "control"
-    opened.wait_for_timeout(700)
+    until(opened, f"history.state?.session === {fork!r}")
     opened.reload()
     ready(opened)
     assert state(opened, "session") == fork and state(opened, "role") == "control"

@@ -111,7 +111,7 @@ def test_events_come_when_their_row_is_shown_not_when_it_is_computed():
         await stage.go(0.2)
         late = await stage.connect()
         assert kinds(page.of("event")).count("fault-begins") == kinds(early.of("event")).count("fault-begins") == 1
-        assert kinds(late.texts[0]["log"]) == ["fault-begins"]
+        assert kinds(late.texts[0]["log"])[0] == "fault-begins"  # its alarm may follow
         await stage.go(0.2)
         assert "fault-begins" not in kinds(late.of("event"))
 
