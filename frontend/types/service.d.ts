@@ -754,7 +754,7 @@ export interface FaultOutcome {
   delay: number | null;
   /** Whether the alarm names it only as an alternative. */
   alternative: boolean;
-  /** Id of the alarm that found or covers it; empty if there is none. */
+  /** Id of the alarm that found or covers it; empty without an alarm. */
   alarm: string;
 }
 
@@ -951,7 +951,7 @@ export interface InputInput {
   description?: string | {[name: string]: string};
 }
 
-/** An input that would restore excitation, or the reason why there is none. Send `signal` with set-signal. */
+/** An input that would restore excitation, or the reason why it is missing. Send `signal` with set-signal. */
 export interface InputProposal {
   /** The input to change; null: no signal that was tried helps. */
   input: string | null;
@@ -963,7 +963,7 @@ export interface InputProposal {
   before: number;
   /** Level that the required accuracy needs. */
   needed: number;
-  /** The proposal in a sentence, or the reason why there is none. */
+  /** The proposal in a sentence, or the reason why it is missing. */
   text: Text;
 }
 
@@ -1789,7 +1789,7 @@ export interface Resolution {
   resolvable: boolean;
   /** Whether the input in the last window excites the fault enough. */
   identifiable: boolean;
-  /** The same in a sentence: the smallest size, or the reason why there is none. */
+  /** The same in a sentence: the smallest size, or the reason why it is missing. */
   text: Text | null;
 }
 

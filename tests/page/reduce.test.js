@@ -1,4 +1,5 @@
-// live/state/reduce.js and store.js: how messages and the page's own events change its state, and who is told.
+// live/state/reduce.js and store.js: how messages and the page's own events change its state, and which subscribers
+// are called.
 
 import assert from 'node:assert/strict';
 import {test} from 'node:test';
@@ -116,7 +117,7 @@ test('a message of a newer server changes nothing', () => {
   assert.equal(reduce(state, /** @type {StateEvent} */ (/** @type {unknown} */ ({type: 'news'}))), state);
 });
 
-test('equal facts leave arrays as they are, so that nobody is told', () => {
+test('equal facts leave arrays as they are, so that no subscriber is called', () => {
   const state = after(begin, hello());
   const again = reduce(state, {type: 'facts', row: 502, facts: structuredClone(facts)});
   for (const name of /** @type {const} */ (['observers', 'faults', 'alarms', 'noise', 'places']))

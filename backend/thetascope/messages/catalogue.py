@@ -103,7 +103,7 @@ class Catalogue:
 
 @cache
 def catalogue(language: str) -> Catalogue:
-    """Return the catalogue of a language (`en`, `zh`, `zh-CN` …); English where there is none."""
+    """Return the catalogue of a language (`en`, `zh`, `zh-CN` …); English for a language without one."""
     known = language if language in languages() else negotiate([language])
     templates: dict[str, str | Sequence[str]] = {}
     for path in sorted((FOLDER / known).glob("*.po")):

@@ -18,8 +18,8 @@ const LONGEST = 8000; // ms between two tries
 /** A command that was not carried out. Its words are those of `code`; the server has rendered them, too. */
 export class Refused extends Error {
   /**
-   * @param {{field?: string, value?: unknown, code?: string, args?: {[name: string]: unknown}, problem?: string, remedy?:
-   *   string}} refusal
+   * @param {{field?: string, value?: unknown, code?: string, args?: {[name: string]: unknown}, problem?: string,
+   *   remedy?: string}} refusal
    */
   constructor({field = '', value = null, code = '', args = {}, problem = '', remedy = ''}) {
     super(problem || code);

@@ -7,7 +7,7 @@ import {t} from '../../i18n/words.js';
 const NEAR = 6; // px
 
 /**
- * Words for the mark at (x, y) of a strip's plot, of which `timeAt(x)` is the time; '' where there is none.
+ * Words for the mark at (x, y) of a strip's plot, of which `timeAt(x)` is the time; '' without a mark.
  * @param {Row} row
  * @param {number} x
  * @param {number} y

@@ -227,7 +227,7 @@ export class Samples {
   }
 
   /**
-   * Value of a row, NaN where there is none (any more).
+   * Value of a row, NaN where the buffer has no row, or no longer.
    * @param {string} name
    * @param {number} row
    */

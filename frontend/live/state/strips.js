@@ -7,7 +7,8 @@ const MOST_STATES = 4;
 const MOST_CHANNELS = 6;
 const BAND = 2; // standard deviations on either side
 
-/** @typedef {(make: (observer: ObserverState) => {column: string, low?: string, high?: string}) => Trace[]} MakeTraces */
+/** @typedef {{column: string, low?: string, high?: string}} Columns */
+/** @typedef {(make: (observer: ObserverState) => Columns) => Trace[]} MakeTraces */
 /** @typedef {Omit<Strip, 'shown'>} UsualStrip   a strip before the choices by hand */
 /** @typedef {Omit<UsualStrip, 'usual'>} Draft   a strip before the usual ones are chosen */
 

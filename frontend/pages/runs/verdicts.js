@@ -15,7 +15,8 @@ import {errors, settling} from './error-tables.js';
 import {asSentence, say, t} from '../../i18n/words.js';
 
 /** @import {Child} from '../../types/dom.js' */
-/** @import {Comparison, ComparisonRow, Diagnosis, ObserverDiagnosis, Plant, Run, RunState, RunStore} from '../types.js' */
+/** @import {Comparison, ComparisonRow, Diagnosis, ObserverDiagnosis} from '../types.js' */
+/** @import {Plant, Run, RunState, RunStore} from '../types.js' */
 /** @import * as service from '../../types/service.js' */
 
 /** @typedef {'found' | 'missed' | 'false_alarms' | 'isolation_errors' | 'delay' | 'cost'} Measure */

@@ -151,7 +151,7 @@ class Resolution(Strict):
     resolvable: bool = Field(description="Whether a typical fault can be found.")
     identifiable: bool = Field(description="Whether the input in the last window excites the fault enough.")
     text: MaybeSentence = Field(
-        default=None, description="The same in a sentence: the smallest size, or the reason why there is none."
+        default=None, description="The same in a sentence: the smallest size, or the reason why it is missing."
     )
 
 
@@ -203,7 +203,7 @@ class Excitation(Strict):
 
 
 class InputProposal(Strict):
-    """An input that would restore excitation, or the reason why there is none. Send `signal` with set-signal."""
+    """An input that would restore excitation, or the reason why it is missing. Send `signal` with set-signal."""
 
     model_config = example(**_PROPOSAL)
 
@@ -214,7 +214,7 @@ class InputProposal(Strict):
     )
     before: Number = Field(description="Smallest eigenvalue with the present input.")
     needed: Number = Field(description="Level that the required accuracy needs.")
-    text: Sentence = Field(description="The proposal in a sentence, or the reason why there is none.")
+    text: Sentence = Field(description="The proposal in a sentence, or the reason why it is missing.")
 
 
 class Calibration(Strict):

@@ -83,7 +83,7 @@ class FaultOutcome(Strict):
     )
     delay: Number | None = Field(description="Seconds from the onset to the alarm that found it.")
     alternative: bool = Field(description="Whether the alarm names it only as an alternative.")
-    alarm: str = Field(description="Id of the alarm that found or covers it; empty if there is none.")
+    alarm: str = Field(description="Id of the alarm that found or covers it; empty without an alarm.")
 
 
 class AlarmOutcome(Strict):

@@ -16,17 +16,17 @@ def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
     """Return the healthy run of an experiment as it begins; it simulates when its scales are needed.
 
     It depends on what an observer may know: the plant with its nominal initial state, its parameters, inputs and noise,
-    and the time over which it is watched (`span`); not on the true initial state, the seed, faults, observers, the
+    and the time that the diagnosis covers (`span`); not on the true initial state, the seed, faults, observers, the
     spacing of rows or the present end of a session. ``data`` is the plant as JSON.
     """
 
     def simulate() -> Scales:
-        sound = spec.model_copy(update={"faults": ()})
+        signals = signals_of(spec.model_copy(update={"faults": ()}))
         noise = np.array([n.std if (n := spec.noise.get(o.name)) else 0.0 for o in spec.plant.outputs])
         step = spec.plant.time.period if spec.plant.time.kind == "discrete" else spec.step
         steps = max(1, round(span(spec) / step))
         start, parameters = nominal_state(spec.plant), plant_parameters(spec)
-        return healthy_run(plant_program(data).program, data, parameters, start, signals_of(sound), noise, step, steps)
+        return healthy_run(plant_program(data).program, data, parameters, start, signals, noise, step, steps)
 
     return HealthyRun(_key(spec), simulate)
 

@@ -20,7 +20,7 @@ from thetascope.diagnosis.isolation.replay import ReplayWindow
 from thetascope.diagnosis.yield_points import Steps
 
 _POINTS = 8  # onsets that are tried on either side of the best one
-_ROUNDS = 5  # grids that are tried, at most: wider ones until the weights end inside, then one that just holds them
+_ROUNDS = 5  # grids that are tried, at most: wider ones until the weights end inside, then one that just contains them
 _OUTSIDE = 1e-3  # weight at an end of the grid above which it is too narrow
 _TAIL = 0.025
 
@@ -77,7 +77,7 @@ def onset_uncertainty(
 
 
 def _grid(window: ReplayWindow, event: Event, step: int) -> np.ndarray:
-    """Return onsets in steps of so many rows around that of an event, in decisions."""
+    """Return onsets around that of an event, in decisions; `step` rows apart."""
     rows = window.evidence.rows_per_decision
     onsets = (round(event.onset * rows) + step * np.arange(-_POINTS, _POINTS + 1)) / rows
     return onsets[(onsets > window.begin) & (onsets < window.end - 1)]

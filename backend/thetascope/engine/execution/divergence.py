@@ -13,7 +13,7 @@ from thetascope.engine.compiler.graph import evaluate
 from thetascope.engine.compiler.system import Program
 from thetascope.engine.observers.support.kalman_defaults import typical_sizes
 from thetascope.engine.observers.support.scales import HealthyRun
-from thetascope.engine.simulation.experiment import Estimator, Experiment
+from thetascope.engine.simulation.experiment import Estimator, Experiment, leading_rows
 
 EXPLODED = 1e12  # times the scale
 _INFINITE = 1e150  # the square of a larger number is not finite
@@ -22,7 +22,7 @@ _COVARIANCES = {"P": "p0", "Gamma": "gamma0", "S": "gamma0"}  # matrix → the g
 
 def finite_plant_rows(experiment: Experiment, states: np.ndarray) -> int:
     """Return the number of leading rows (rows, n) of the plant that are finite and have not diverged."""
-    return _leading(states, EXPLODED * np.array(experiment.context.scales.extents))
+    return leading_rows(states, EXPLODED * np.array(experiment.context.scales.extents))
 
 
 def finite_observer_rows(estimator: Estimator, states: np.ndarray) -> int:
@@ -32,14 +32,7 @@ def finite_observer_rows(estimator: Estimator, states: np.ndarray) -> int:
     names = tuple(s["name"] for s in context.model["states"])
     typical = tuple(zip(estimator.channels, typical_sizes(context), strict=True)) if estimator.channels else ()
     gains = tuple(estimator.parameters.items())
-    return _leading(states, _limits(estimator.program, context.healthy, names, typical, gains))
-
-
-def _leading(states: np.ndarray, limits: np.ndarray) -> int:
-    if not states.shape[1]:
-        return len(states)
-    bad = ~(np.abs(states) < limits).all(axis=1)
-    return int(np.argmax(bad)) if bad.any() else len(states)
+    return leading_rows(states, _limits(estimator.program, context.healthy, names, typical, gains))
 
 
 @lru_cache(maxsize=256)

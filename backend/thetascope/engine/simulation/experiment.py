@@ -12,6 +12,12 @@ from thetascope.engine.simulation.kernel_cost import Spent
 from thetascope.messages import Message
 
 
+def leading_rows(states: np.ndarray, limits: np.ndarray | float) -> int:
+    """Return the number of rows (rows, n) before the first state that is not finite or not below its limit (n,)."""
+    bad = ~(np.abs(states) < limits).all(axis=1)
+    return int(np.argmax(bad)) if bad.any() else len(states)
+
+
 @dataclass(frozen=True)
 class Estimator:
     """One observer of an experiment: its program, parameters and initial values."""

@@ -18,16 +18,16 @@ from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import Signal, constant
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.scales import Scales
-from thetascope.engine.simulation.experiment import Experiment, State
+from thetascope.engine.simulation.experiment import Experiment, State, leading_rows
 from thetascope.engine.simulation.simulation import Simulation, row_values
 from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
 
-_ROWS = 2000  # recorded rows of the healthy run, about
+_ROWS = 2000  # approximate number of recorded rows of the healthy run
 _LONGEST = 200_000  # base steps of the healthy run, at most
 _FAULT_STEPS = 400_000  # base steps of all runs with a typical fault together, at most
-_SMALL = (
-    1e-3  # of a typical fault: its effect is simulated so small and multiplied, since large faults may be out of range
-)
+#: Fraction of a typical fault that is simulated; its effect is multiplied, since a large fault may leave the domain.
+_SMALL = 1e-3
+_INFINITE = 1e150  # the square of a larger number is not finite
 _POINTS = 24  # of the run at which eigenvalues are computed
 _INTEGRATOR = 1e-3  # eigenvalues below this fraction of the largest at a point count as integrators
 _ROUNDING = 1e-9  # changes below this fraction of the size of a quantity count as none
@@ -70,14 +70,14 @@ class _Healthy:
         self.data, self.span = data, step * steps
         steps = min(steps, _LONGEST)
         outputs = tuple(program.outputs)
-        sound = {n: constant(0.0) if n.startswith("theta.") else s for n, s in signals.items()}
+        healthy = {n: constant(0.0) if n.startswith("theta.") else s for n, s in signals.items()}
         quiet = Measurement(outputs, (0.0,) * len(outputs), (step,) * len(outputs), 0)
         size = Context(len(program.states), len(outputs), 0, (0.0,) * len(outputs), step, step, data)
         every = max(1, steps // _ROWS)
-        self.experiment = Experiment(program, parameters, x0, sound, quiet, (), step, steps, every, size)
+        self.experiment = Experiment(program, parameters, x0, healthy, quiet, (), step, steps, every, size)
         self.substeps = 1
         self.index, self.x, self.y = self._sufficient()
-        self.early = _finite(self.x)
+        self.early = leading_rows(self.x, _INFINITE)
         self.first_rate = self._rate(np.arange(min(1, self.early)))
         self.base, self.stable = self._base()
 
@@ -90,10 +90,10 @@ class _Healthy:
         parts = []
         for _, rows in simulation.spans(experiment.steps + 1, state):
             parts.append(rows)
-            if _finite(rows.plant) < len(rows.plant):
+            if leading_rows(rows.plant, _INFINITE) < len(rows.plant):
                 break
         index, x, y = (np.concatenate([getattr(r, n) for r in parts]) for n in ("index", "plant", "y"))
-        rows = _finite(x)
+        rows = leading_rows(x, _INFINITE)
         return index[:rows], x[:rows], y[:rows]
 
     def _sufficient(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -112,7 +112,7 @@ class _Healthy:
     # ---- rates -------------------------------------------------------------------------------------------------------
 
     def _rate(self, rows: np.ndarray) -> float:
-        """Return the median over rows of the slowest rate without integrators, in 1/s; 0 if there is none."""
+        """Return the median over rows of the slowest rate without integrators, in 1/s; 0 without one."""
         e, n = self.experiment, len(self.experiment.plant.states)
         if not len(rows) or not n:
             return 0.0
@@ -219,12 +219,6 @@ class _Healthy:
         values = row_values(e, np.zeros(1, dtype=np.int64), e.x0[None])
         C = _slopes(e.plant, tuple(e.plant.outputs.values()), values, 1)[0]
         return np.where(np.isfinite(C), np.abs(C), 0.0) @ x
-
-
-def _finite(x: np.ndarray) -> int:
-    """Return the number of leading rows that are finite, with squares that are finite."""
-    bad = ~(np.abs(x) < 1e150).all(axis=1)
-    return int(np.argmax(bad)) if bad.any() else len(x)
 
 
 def _width(domain: tuple[float | None, float | None] | None) -> float:

@@ -77,7 +77,7 @@ class Hub:
         return len(self._rooms)
 
     def find(self, id: str) -> "Room | None":
-        """Return the room of a session; None if there is none."""
+        """Return the room of a session; None if the hub has no such session."""
         return self._rooms.get(id)
 
     async def create(

@@ -26,7 +26,7 @@ def substeps_at(experiment: Experiment, substeps: int, state: State, y: np.ndarr
     """Return how many substeps a step from this state needs, at least `substeps`.
 
     Args:
-        y: the last measurement, shape (outputs,); None if there is none.
+        y: the last measurement, shape (outputs,); None before the first.
 
     Raises:
         SpecError: no allowed number of substeps is enough.

@@ -63,7 +63,7 @@ class LiveDetector:
     """The detector of one session.
 
     Args:
-        detector: the detector, shared by sessions on the same experiment; None if there is none.
+        detector: the detector, shared by sessions on the same experiment; None without a diagnosis.
         detector_settings: its settings.
         settings: the diagnosis settings of the spec.
         horizon: time that thresholds were simulated over, s.

@@ -26,7 +26,11 @@ export function mount(element, app) {
   let state = null;
   /** @type {string | null} chosen by hand */
   let channel = null;
-  /** @type {{cells: HTMLElement[], session: 'mine' | 'parent', of: (answer: service.WindowComparison) => Figure[]}[]} */
+  /**
+   * @type {{
+   *   cells: HTMLElement[], session: 'mine' | 'parent', of: (answer: service.WindowComparison) => Figure[]
+   * }[]}
+   */
   let rows = [];
   /** @type {Form[]} */
   let forms = []; // how the numbers of each column are written

@@ -6,7 +6,8 @@
 /**
  * @typedef {{name: string, title: string, subject: string, onChannel: boolean}} Site
  * @typedef {Site & {x: number, y: number}} Spot
- * @typedef {Block & {x: number, y: number, width: number, height: number, top: number, columns: number, spots: Spot[]}} Box
+ * @typedef {Block & {x: number, y: number, width: number, height: number, top: number, columns: number,
+ *   spots: Spot[]}} Box
  * @typedef {{blocks: Box[], axis: number, foot: number, height: number, left: number, right: number}} Layout
  * @typedef {{id: 'actuator'|'plant'|'l1'|'hysteresis'|'l2'|'sensor', states: string[], sites: Site[]}} Block
  */

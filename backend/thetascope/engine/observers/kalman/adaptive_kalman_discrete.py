@@ -6,9 +6,9 @@ For nonlinear plants F and Φ are the derivatives of the flow over one sample in
 output at the predicted state: the extended filter. All covariances are updated in Joseph's form, a sum of squares, so
 that they stay positive definite at any sample period.
 
-Forgetting is bounded by default: the share 1 − μ of the information that each sample forgets is replaced by the
-information Γ̄⁻¹ that one has without any data, so that S stays below Γ̄ where the input excites a fault too little. With
-the option forgetting = plain, S follows the paper and grows without bound there.
+Forgetting is bounded by default: each sample replaces the share 1 − μ of the information by the prior information
+Γ̄⁻¹, so that S stays below Γ̄ where the input excites a fault too little. With the option forgetting = plain, S
+follows the paper and grows without bound there.
 
 λ is given as a rate, in 1/s; a sample forgets by μ = exp(−λ·period), so that its meaning does not depend on the period.
 About S: its inverse sums Ωᵀ Σ⁻¹ Ω with weights μ^age, while the covariance of the estimate of a constant θ sums it with
@@ -97,7 +97,7 @@ def write(d: Draft) -> None:
 def bounded(d: Draft, S: Matrix, mu: Expr) -> Matrix:
     """Return (S⁻¹ + (1 − μ) Γ̄⁻¹)⁻¹ (p×p): the share of the information that is forgotten is replaced by that of Γ̄.
 
-    Without excitation S then tends to Γ̄ instead of growing like μ^(−k). One channel after the other, a rank-one update.
+    Without excitation S then tends to Γ̄ instead of growing like μ^(−k). Each channel is a rank-one update.
     """
     for j, most in enumerate(d.gain("bound")):
         S = d.let(f"S+{j}", S, symmetric=True)

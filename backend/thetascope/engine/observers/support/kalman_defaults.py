@@ -77,6 +77,10 @@ def _walk(c: Context) -> list[float]:
     return [WANDER * learning_rate(c) ** 0.5 * s for s in typical_sizes(c)]
 
 
+def _typical_variance(c: Context) -> list[float]:
+    return [s * s for s in typical_sizes(c)]
+
+
 Q = Gain(
     "q",
     Message("gain.process-noise"),
@@ -131,7 +135,7 @@ LAMBDA = Gain(
 GAMMA0_QUIET = Gain(
     "gamma0",
     Message("gain.initial-gamma-stiff"),
-    lambda c: [1e-4 * s * s for s in typical_sizes(c)],
+    lambda c: [1e-4 * variance for variance in _typical_variance(c)],
     positive=True,
     size="p",
     symbol="Γ(0)",
@@ -141,7 +145,7 @@ GAMMA0_QUIET = Gain(
 GAMMA0 = Gain(
     "gamma0",
     Message("gain.initial-theta-covariance"),
-    lambda c: [s * s for s in typical_sizes(c)],
+    _typical_variance,
     positive=True,
     size="p",
     symbol="Γ(0)",
@@ -151,7 +155,7 @@ GAMMA0 = Gain(
 BOUND = Gain(
     "bound",
     Message("gain.gamma-bound"),
-    lambda c: [s * s for s in typical_sizes(c)],
+    _typical_variance,
     positive=True,
     size="p",
     symbol="Γ̄",
