@@ -221,7 +221,7 @@ const link = {
   async visit(id) {
     await writeAddress();
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
-    if (!(await rejoin(id))) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
+    if (!(await arrive(() => rejoin(id)))) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
   },
 };
 
@@ -257,6 +257,23 @@ function failed(error) {
 
 let soon = 0;
 let written = -1; // rows when the address was last written: single steps move the time, too
+let arriving = 0; // moves to another session that are under way: the address is that session's already
+
+/**
+ * Move to another session, whose entry of the browser's history is the present one. Until it is joined, the session
+ * that is being left may not write its own address there.
+ * @template T
+ * @param {() => Promise<T>} move
+ * @returns {Promise<T>}
+ */
+async function arrive(move) {
+  arriving += 1;
+  try {
+    return await move();
+  } finally {
+    arriving -= 1;
+  }
+}
 
 async function writeAddress() {
   soon = 0;
@@ -264,7 +281,7 @@ async function writeAddress() {
   const {state} = store;
   if (state.role !== 'control' || !state.spec || state.connection !== 'live') return;
   const address = await addressOf(app);
-  if (state.session === null || store.state.session !== state.session) return;
+  if (state.session === null || store.state.session !== state.session || arriving > 0) return;
   history.replaceState({session: state.session}, '', `/${address}`);
   kept.write({
     id: state.session,
@@ -363,5 +380,5 @@ store.subscribe(
   },
 );
 addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));
-addEventListener('popstate', open);
+addEventListener('popstate', () => arrive(open));
 await Promise.all([mountPanels(app), open()]);

@@ -43,6 +43,6 @@ def test_an_empty_window_has_no_figures_and_unknown_names_are_refused(client):
     """An empty window has no figures; for an unknown state the error lists the known ones."""
     link = opened(client, 3)["links"]["comparison"]
     assert client.get(f"{link}?from=5&to=6")["observers"][0]["rmse"] is None
-    for query, words in (("state=z", "x1"), ("channel=theta9", "theta1"), ("from=2&to=1", "")):
+    for query, words in (("state=z", "x1"), ("channel=theta9", "theta1"), ("from=2&to=1", "before it begins")):
         with pytest.raises(ServiceError, match=words):
             client.get(f"{link}?{query}")

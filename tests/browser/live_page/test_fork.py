@@ -70,3 +70,19 @@ def test_back_and_the_legend_lead_to_the_first_session_and_to_the_fork(page):
     opened.click("#panel-comparison .origin .link")
     until(opened, f"{APP}.state.session === {parent!r}")
     assert opened.watch.errors == []
+
+
+def test_the_session_that_is_left_does_not_write_the_address_of_the_next(page):
+    """While the page waits for the session that it moves to, the history entry keeps that session."""
+    opened, parent = forked(page)
+    fork = state(opened, "session")
+    held = []
+    opened.route(f"**/api/sessions/{parent}", lambda route: held.append(route))
+    opened.click("#panel-comparison .origin .link")
+    until(opened, f"history.state?.session === {parent!r}")
+    send(opened, "{type: 'step', rows: 3}")  # the fork, still shown, writes its address a moment after this
+    opened.wait_for_timeout(1000)
+    assert state(opened, "session") == fork and opened.evaluate("history.state.session") == parent
+    held[0].continue_()
+    until(opened, f"{APP}.state.session === {parent!r} && {APP}.state.connection === 'live'")
+    assert opened.evaluate("history.state.session") == parent and opened.watch.errors == []
