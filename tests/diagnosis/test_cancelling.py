@@ -9,7 +9,8 @@ from thetascope_schemas import Experiment
 
 def questions_in(name: str, stop) -> int:
     """Return how often a run asks whether it is cancelled after its simulation."""
-    spec = library.experiment(name).model_dump(mode="json") | {"seed": 7_301, "diagnosis": {"false_alarms": 0.0123}}
+    changes = {"seed": 7_301, "diagnosis": {"false_alarms": 0.0123}, "observers": [], "figures": []}
+    spec = library.experiment(name).model_dump(mode="json") | changes
     prepared = prepare(library.resolve(Experiment.model_validate(spec)))
     questions, done = 0, []
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.model.result import Result
@@ -12,7 +13,7 @@ from thetascope_schemas import Experiment
 
 def run(id: str, **changes) -> Result:
     spec = library.experiment(id)
-    return prepare(library.resolve(Experiment.model_validate(spec.model_dump() | changes))).run()
+    return simulate(library.resolve(Experiment.model_validate(spec.model_dump() | changes)))
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +70,7 @@ def test_excitation_decreases_as_rho_increases(rho, window, level):
     1."""
     spec = library.experiment("zhao-2012-noise-free").model_dump()
     spec["observers"][0]["gains"] |= {"rho": rho, "window": window}
-    result = prepare(library.resolve(Experiment.model_validate(spec | {"horizon": 20.0}))).run()
+    result = simulate(library.resolve(Experiment.model_validate(spec | {"horizon": 20.0})))
     settled = result.column("adaptive.pe")[inside(result, 10, 20)]
     assert settled.min() == pytest.approx(level, rel=0.08)
 
@@ -79,7 +80,7 @@ def test_any_start_in_the_unit_box_converges(start):
     """From x̂(0) in the unit box the estimates reach the truth."""
     spec = library.experiment("zhao-2012-noise-free").model_dump()
     spec["observers"][0]["initial"] = dict(zip(("x1", "x2"), start, strict=True))
-    result = prepare(library.resolve(Experiment.model_validate(spec | {"horizon": 40.0}))).run()
+    result = simulate(library.resolve(Experiment.model_validate(spec | {"horizon": 40.0})))
     assert abs(result.column("adaptive.theta.theta3")[-1] - 0.02) < 1e-5
 
 

@@ -124,15 +124,15 @@ def chained(n: int) -> Program:
 
 def test_large_programs_are_compiled_out_of_line_with_the_same_numbers():
     """Above the inline limit the right-hand side is a function; RK4 gives the same numbers."""
-    p = chained(60)
+    p = chained(32)
     assert not fits_inline(p, Layout())
-    start = np.linspace(-1, 1, 60)
-    out, state = np.empty((5, 60)), start.copy()
+    start = np.linspace(-1, 1, 32)
+    out, state = np.empty((5, 32)), start.copy()
     kernel(p, Layout())(segments(1, 5, 0.01, 1), state, np.zeros(1), 1, out)
 
     def rate(z: np.ndarray) -> np.ndarray:
         difference = np.sin(z[None, :] - z[:, None])
-        weight = 0.01 * (np.arange(60)[:, None] + 2 * np.arange(60)[None, :])
+        weight = 0.01 * (np.arange(32)[:, None] + 2 * np.arange(32)[None, :])
         return -z + (weight * difference).sum(axis=1)
 
     x, h = start, 0.01

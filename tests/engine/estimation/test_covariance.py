@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.diagnosis.monitor.detector import healthy
@@ -54,8 +55,7 @@ def test_the_band_widens_when_excitation_is_lost():
     spec |= {"faults": [], "figures": [], "diagnosis": {"enabled": False}, "observers": kept}
     still = spec | {"inputs": {name: {"kind": "constant", "value": 0.0} for name in spec["inputs"]}}
     moving, rest = (
-        prepare(library.resolve(Experiment.model_validate(s))).run().column("ekf.sigma.gain_loss")[-1]
-        for s in (spec, still)
+        simulate(library.resolve(Experiment.model_validate(s))).column("ekf.sigma.gain_loss")[-1] for s in (spec, still)
     )
     assert rest > 5 * moving
 
@@ -66,7 +66,7 @@ def test_a_precise_measurement_keeps_the_band():
     kept = [o for o in spec["observers"] if o["label"] == "adaptive"]
     noise = {"y_current": {"std": 0.0025, "sample_time": 0.005}, "y_speed": {"std": 0.025, "sample_time": 0.005}}
     spec |= {"noise": noise, "figures": [], "diagnosis": {"enabled": False}, "observers": kept, "faults": []}
-    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
+    result = simulate(library.resolve(Experiment.model_validate(spec)))
     names = [n.removeprefix("adaptive.sigma.") for n in result.names if n.startswith("adaptive.sigma.")]
     sigma = np.array([result.column(f"adaptive.sigma.{n}") for n in names])
     error = np.array([result.column(f"adaptive.theta.{n}") for n in names])

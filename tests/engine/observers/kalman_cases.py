@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from tests.reference import kalman, motor, tanks
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment
 
@@ -58,7 +58,7 @@ def run(
         "initial": initial or {},
         "options": {"channels": ",".join(channels), **_as_printed(kind), **(options or {})},
     }
-    return prepare(library.resolve(Experiment.model_validate({"plant": plant, "observers": [observer], **spec}))).run()
+    return simulate(library.resolve(Experiment.model_validate({"plant": plant, "observers": [observer], **spec})))
 
 
 def _as_printed(kind: str) -> dict:

@@ -1,7 +1,7 @@
 """The reference's CARTS as a plant's text, and runs of one observer on it."""
 
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 from thetascope.assembly.build.healthy import healthy_run_of
 from thetascope.engine.model.result import Result
 from thetascope_schemas import Experiment, ResolvedExperiment
@@ -44,7 +44,7 @@ def carts_spec(kind: str, gains: dict, horizon: float = 8.0, **spec) -> Resolved
 
 def carts(kind: str, gains: dict, horizon: float = 8.0, **spec) -> Result:
     """The run of `carts_spec`."""
-    return prepare(carts_spec(kind, gains, horizon, **spec)).run()
+    return simulate(carts_spec(kind, gains, horizon, **spec))
 
 
 def carts_pace(kind: str, horizon: float) -> float:

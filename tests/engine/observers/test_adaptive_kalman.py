@@ -6,8 +6,8 @@ import pytest
 from tests.engine.observers.kalman_cases import close, columns, reference, run
 from tests.reference import kalman
 from tests.reference.integration import Scenario, constant, sine, steps
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 from thetascope_schemas import Experiment
 
 MOTOR = ("gain_loss", "load_torque", "current_bias")
@@ -153,7 +153,7 @@ LAG = {
 
 def test_the_library_motor_distinguishes_four_faults():
     """At the end of each phase every estimate is within three of its σ, and every assumption holds."""
-    result = prepare(library.resolve(library.experiment("dc-motor"))).run()
+    result = simulate(library.resolve(library.experiment("dc-motor")))
     t = result.column("t")
     for label in ("adaptive", "sampled"):
         for channel in ("gain_loss", "load_torque", "friction_increase", "current_bias"):
@@ -172,7 +172,7 @@ def test_the_library_motor_distinguishes_four_faults():
 def test_works_in_coordinates_without_canonical_form():
     """In physical coordinates it finds the three faults to 1e-6 without noise, as the canonical observer does."""
     spec = library.experiment("contois-physical").model_dump(mode="json") | {"noise": {}, "figures": []}
-    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
+    result = simulate(library.resolve(Experiment.model_validate(spec)))
     end = result.column("t") > 90
     for label in ("adaptive", "kalman"):
         for channel, size in (("theta1", 0.01), ("theta2", 0.015), ("theta3", 0.02)):

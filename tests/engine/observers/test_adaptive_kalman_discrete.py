@@ -6,8 +6,8 @@ import pytest
 from tests.engine.observers.kalman_cases import close, columns, outputs, reference, run
 from tests.reference import kalman
 from tests.reference.integration import Scenario, constant, sine
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 
 TANKS = ("pump1", "leak2", "level3")
 LEVELS = ("h1", "h2", "h3")
@@ -154,7 +154,7 @@ def test_discrete_plant_takes_its_own_map():
 def test_library_tanks_are_diagnosed(experiment):
     """At the end of its phase every fault, and every healthy channel, is within three of its σ;
     every assumption holds."""
-    result = prepare(library.resolve(library.experiment(experiment))).run()
+    result = simulate(library.resolve(library.experiment(experiment)))
     onsets = sorted(f.onset for f in library.experiment(experiment).faults)
     t = result.column("t")
     channels = [n.removeprefix("sampled.theta.") for n in result.names if n.startswith("sampled.theta.")]

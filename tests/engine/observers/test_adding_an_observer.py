@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from babel.messages.pofile import read_po
 
+from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.assembly.analyses.observer_catalogue import observer_kinds
@@ -66,7 +67,7 @@ def spec(gains=None, **changes) -> ResolvedExperiment:
 
 def test_it_equals_plain_numpy(luenberger):
     """x̂ and θ̂ equal an RK4 integration of the equations with a constant sensor bias of 0.2."""
-    run = prepare(spec(faults=[{"channel": "bias", "shape": "step", "size": 0.2, "onset": 0.0}])).run()
+    run = simulate(spec(faults=[{"channel": "bias", "shape": "step", "size": 0.2, "onset": 0.0}]))
     A, L, psi = np.array([[-0.8, 0.8], [0.8, -1.3]]), np.array(GAIN), np.array([0.0, 1.0])
     b = np.array([0.4, 0.0])
 

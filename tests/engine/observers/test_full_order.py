@@ -5,8 +5,8 @@ import pytest
 
 from tests.engine.observers.normal_form_cases import START, STATES, carts, carts_pace
 from tests.reference import reduced_order
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 
 
 @pytest.mark.parametrize("L", [[20.0, 100.0, 20.0, 100.0], [30.0, 225.0, 16.0, 64.0]])
@@ -14,9 +14,7 @@ def test_on_the_papers_plant_it_agrees_with_dop853(L):
     """ẑ' = Aẑ + B[α + Fu] + L(y − Cẑ) for two gains, estimates in the user's coordinates."""
     spec = library.experiment("reduced-order-mimo")
     observer = spec.observers[1].model_copy(update={"gains": {"L": L}})
-    run = prepare(
-        library.resolve(spec.model_copy(update={"observers": (observer,), "figures": (), "record": 0.01}))
-    ).run()
+    run = simulate(library.resolve(spec.model_copy(update={"observers": (observer,), "figures": (), "record": 0.01})))
     exact = reduced_order.dop853(gains=(L[:2], L[2:]), kind="full")
     ours = np.stack([run.column(f"full.x.x{i}") for i in (1, 2, 3, 4)], axis=1)
     assert ours == pytest.approx(exact["xhat"], abs=1e-7)
@@ -39,7 +37,7 @@ def test_on_another_plant_it_agrees_with_dop853():
 
 def test_the_reduced_order_observer_converges_faster_on_the_papers_plant():
     """In the library's experiment its errors at 1 s are the smaller ones."""
-    run = prepare(library.resolve(library.experiment("reduced-order-mimo"))).run()
+    run = simulate(library.resolve(library.experiment("reduced-order-mimo")))
     at = {
         label: [abs(run.column(f"{label}.x.{s}") - run.column(f"x.{s}"))[1000] for s in ("x2", "x4")]
         for label in ("reduced", "full")

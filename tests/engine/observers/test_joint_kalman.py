@@ -6,8 +6,8 @@ import pytest
 from tests.engine.observers.kalman_cases import close, columns, outputs, reference, run
 from tests.reference import kalman
 from tests.reference.integration import Scenario, constant, sine, steps
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 from thetascope.engine.errors import SpecError
 from thetascope_schemas import Experiment
 
@@ -18,13 +18,13 @@ CASES = {
         "period": 1.0,
         "x0": (42.0, 17.0, 30.5),
         "spec": {
-            "horizon": 150,
+            "horizon": 75,
             "step": 0.1,
-            "inputs": {"Q1": {"kind": "steps", "times": [40, 90], "values": [50, 80, 30]}},
+            "inputs": {"Q1": {"kind": "steps", "times": [20, 45], "values": [50, 80, 30]}},
             "noise": {y: {"std": 0.1, "sample_time": 1} for y in ("y1", "y2", "y3")},
-            "faults": [{"channel": "pump1", "shape": "step", "onset": 50, "size": 0.2}],
+            "faults": [{"channel": "pump1", "shape": "step", "onset": 25, "size": 0.2}],
         },
-        "u": [steps([40, 90], [50, 80, 30]), constant(30)],
+        "u": [steps([20, 45], [50, 80, 30]), constant(30)],
         "signals": [],
         "substeps": 2,
         "r": [0.01, 0.01, 0.02],
@@ -153,10 +153,10 @@ def test_refuses_a_plant_that_is_too_large():
 def test_comparison_on_the_papers_plant_is_fair():
     """Tuned to settle equally fast without noise, the Kalman filters have less noise than the paper's observer."""
     spec = library.experiment("zhao-2012-observers")
-    quiet = prepare(
+    quiet = simulate(
         library.resolve(Experiment.model_validate(spec.model_dump(mode="json") | {"noise": {}, "figures": []}))
-    ).run()
-    noisy = [prepare(library.resolve(spec.model_copy(update={"figures": (), "seed": seed}))).run() for seed in range(6)]
+    )
+    noisy = [simulate(library.resolve(spec.model_copy(update={"figures": (), "seed": seed}))) for seed in range(6)]
     t, spread = quiet.column("t"), {}
     for label in ("adaptive", "kalman", "ekf", "ukf"):
         error = np.abs(quiet.column(f"{label}.theta.theta1") - quiet.column("theta.theta1"))

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 from thetascope_schemas import Experiment
 
 KINDS = ("joint-ekf", "adaptive-kalman")
@@ -39,7 +39,7 @@ def test_estimates_and_bands_are_finite_from_the_start(plant: str):
         "faults": [{"channel": "a", "shape": "step", "onset": 2, "size": 1}],
         "observers": [{"label": kind, "kind": kind} for kind in KINDS],
     }
-    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
+    result = simulate(library.resolve(Experiment.model_validate(spec)))
     columns = dict(zip(result.names, result.data, strict=True))
     for kind in KINDS:
         theta, sigma = columns[f"{kind}.theta.a"], columns[f"{kind}.sigma.a"]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from tests.reference import shen_hu
+from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.errors import SpecError
@@ -50,7 +51,7 @@ def chain(kind="nonsmooth-adaptive", plant=CHAIN, horizon=20.0, faults=True, **o
 
 
 def paper(id="shen-hu-2015-noise-free", **changes):
-    return prepare(library.resolve(library.experiment(id).model_copy(update=changes))).run()
+    return simulate(library.resolve(library.experiment(id).model_copy(update=changes)))
 
 
 def errors(run, label):
@@ -124,7 +125,7 @@ def test_a_chain_of_three_states_and_two_parameters():
     """(11)–(12) for n = 3, p = 2, the direction depending on a parameter of the plant, against DOP853."""
     gains = shen_hu.CHAIN_GAINS
     config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam}
-    run = prepare(library.resolve(chain(gains=config))).run()
+    run = simulate(library.resolve(chain(gains=config)))
     exact = shen_hu.dop853(shen_hu.CHAIN, shen_hu.chain_scenario(), gains)
     expected = np.hstack([exact["xhat"], exact["thetahat"]])
     assert estimates(run, ZERO, ("theta1", "theta2")) == pytest.approx(expected, abs=1e-5)
@@ -136,7 +137,7 @@ def test_a_chain_of_three_states_and_two_parameters():
 def test_the_linear_baseline_on_the_chain():
     """The same with ρ = 0, to 1e-8."""
     gains = shen_hu.CHAIN_GAINS
-    run = prepare(library.resolve(chain("linear-adaptive", gains={"K": list(gains.K), "lambda": gains.lam}))).run()
+    run = simulate(library.resolve(chain("linear-adaptive", gains={"K": list(gains.K), "lambda": gains.lam})))
     exact = shen_hu.dop853(shen_hu.CHAIN, shen_hu.chain_scenario(), gains.linear())
     assert estimates(run, ZERO, ("theta1", "theta2")) == pytest.approx(
         np.hstack([exact["xhat"], exact["thetahat"]]), abs=1e-8
@@ -210,7 +211,7 @@ def test_P_is_found_exactly_where_the_transfer_function_is_strictly_positive_rea
 def test_columns_of_different_directions_fail_the_matching_condition():
     """A failed assumption is a warning with its reason; the observer runs."""
     bent = CHAIN | {"channels": [CHAIN["channels"][0], CHAIN["channels"][1] | {"enters": {"x1": "w2", "x2": "w2"}}]}
-    run = prepare(library.resolve(chain(plant=bent, horizon=1.0))).run()
+    run = simulate(library.resolve(chain(plant=bent, horizon=1.0)))
     check = next(c for c in run.observers[0].checks if str(c.name) == "matching condition")
     assert check.verdict == "fails" and "different vectors" in str(check.text)
     assert np.isfinite(run.data).all()
@@ -220,9 +221,7 @@ def test_gains_too_small_for_the_direction_fail_the_inequality():
     """For a direction with unstable zeros no K suffices, and the check says so."""
     unstable = CHAIN | {"channels": [CHAIN["channels"][0] | {"enters": {"x1": "w1", "x2": "-b*w1", "x3": "3.75*w1"}}]}
     spec = chain(plant=unstable, horizon=1.0)
-    check = next(
-        c for c in prepare(library.resolve(spec)).run().observers[0].checks if str(c.name) == "Lyapunov inequality"
-    )
+    check = next(c for c in simulate(library.resolve(spec)).observers[0].checks if str(c.name) == "Lyapunov inequality")
     assert check.verdict == "fails" and "no K helps" in str(check.text)
 
 

@@ -5,8 +5,8 @@ import pytest
 
 from tests.engine.observers.normal_form_cases import STATES, carts, carts_pace
 from tests.reference import reduced_order
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.observers.forms.normal_form import normal_form
@@ -14,7 +14,7 @@ from thetascope_schemas import Experiment, Plant
 
 
 def paper(**changes):
-    return prepare(library.resolve(library.experiment("reduced-order-mimo").model_copy(update=changes))).run()
+    return simulate(library.resolve(library.experiment("reduced-order-mimo").model_copy(update=changes)))
 
 
 def errors(run, label="reduced"):
@@ -26,7 +26,7 @@ def with_gain(H, **initial):
     """Return the paper's experiment with another H and other initial estimates, for the reduced observer alone."""
     spec = library.experiment("reduced-order-mimo")
     first = spec.observers[0].model_copy(update={"gains": {"H": H}, "initial": {"x2": -2.0, "x4": 3.5} | initial})
-    return prepare(library.resolve(spec.model_copy(update={"observers": (first,), "figures": ()}))).run()
+    return simulate(library.resolve(spec.model_copy(update={"observers": (first,), "figures": ()})))
 
 
 @pytest.mark.parametrize(
@@ -217,5 +217,5 @@ def test_an_output_for_every_state_leaves_nothing_to_estimate():
         "step": 0.01,
         "observers": [{"label": "o", "kind": "reduced-order"}],
     }
-    run = prepare(library.resolve(Experiment.model_validate(spec))).run()
+    run = simulate(library.resolve(Experiment.model_validate(spec)))
     assert run.column("o.x.x1") == pytest.approx(run.column("x.x1"), abs=1e-12)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from tests.reference import zhou_tan
+from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import prepare
 from thetascope.engine.errors import SpecError
@@ -48,7 +49,7 @@ def wave(amplitude, steps=1000):
 
 
 def paper(id="zhou-tan-2012", **changes):
-    return prepare(library.resolve(Experiment.model_validate(library.experiment(id).model_dump() | changes))).run()
+    return simulate(library.resolve(Experiment.model_validate(library.experiment(id).model_dump() | changes)))
 
 
 def linear_states(run, label):
@@ -142,7 +143,7 @@ def test_a_gain_on_the_front_part_fails_theorem_1():
     """K1 ≠ 0 is not covered by the proof; the run continues."""
     spec = library.experiment("zhou-tan-2012")
     first = spec.observers[0].model_copy(update={"gains": {"K": [0.5, 0.0, 0.1, 0.1]}})
-    run = prepare(library.resolve(spec.model_copy(update={"observers": (first,), "figures": ()}))).run()
+    run = simulate(library.resolve(spec.model_copy(update={"observers": (first,), "figures": ()})))
     assert check(run, "K1 = 0").verdict == "fails" and check(run, "K1 = 0").value == 0.5
 
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tests.reference import zhao as reference
+from tests.simulate import simulate
 from thetascope import library
-from thetascope.assembly import prepare
 from thetascope.engine.observers.papers.high_gain import A0, S, c0, k0
 from thetascope_schemas import Experiment
 
@@ -41,7 +41,7 @@ FAULTS = [
 
 def pendulum(kind: str, gains: dict, horizon: float, step: float) -> "object":
     start = {"x1": 0, "x2": 0, "x3": 0}
-    return prepare(
+    return simulate(
         library.resolve(
             Experiment.model_validate(
                 {
@@ -55,7 +55,7 @@ def pendulum(kind: str, gains: dict, horizon: float, step: float) -> "object":
                 }
             )
         )
-    ).run()
+    )
 
 
 @pytest.mark.parametrize("n", [1, 2, 3, 5, 8])
@@ -90,7 +90,7 @@ def test_the_high_gain_observer_agrees_with_dop853():
 def test_the_paper_run_agrees_with_plain_runge_kutta_step_by_step():
     """Zhao's plant for 5 s at 1 ms against the same scheme in NumPy."""
     spec = library.experiment("zhao-2012-noise-free").model_dump() | {"horizon": 5.0}
-    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
+    result = simulate(library.resolve(Experiment.model_validate(spec)))
     plain = reference.rk4(scenario=reference.paper_scenario(5.0), h=0.001)
     np.testing.assert_allclose(result.column("adaptive.x.x2"), plain["xhat"][:, 1], atol=1e-11)
     np.testing.assert_allclose(result.column("adaptive.theta.theta3"), plain["thetahat"][:, 2], atol=1e-11)
@@ -98,7 +98,7 @@ def test_the_paper_run_agrees_with_plain_runge_kutta_step_by_step():
 
 def contois(plant: str, names: tuple[str, str], start: tuple[float, float]) -> "object":
     fault = [{"channel": "theta3", "shape": "step", "onset": 4, "size": 0.02}]
-    return prepare(
+    return simulate(
         library.resolve(
             Experiment.model_validate(
                 {
@@ -120,7 +120,7 @@ def contois(plant: str, names: tuple[str, str], start: tuple[float, float]) -> "
                 }
             )
         )
-    ).run()
+    )
 
 
 def test_physical_coordinates_give_the_canonical_observer_through_lie_derivatives():
