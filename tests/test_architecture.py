@@ -54,6 +54,7 @@ def test_observers_import_only_the_mathematics(imports: grimp.ImportGraph):
         "language",
         "model",
         "compiler.graph",
+        "compiler.interpolation",
         "compiler.lowering",
         "compiler.numeric",
         "compiler.system",

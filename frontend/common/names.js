@@ -17,13 +17,16 @@ export const GREEK = Object.fromEntries(
     .filter((_, place) => place % 2 === 0),
 );
 
+/** A name in a text: letters of any script, digits and underscores, as in the service's plants. */
+export const NAME = /[\p{L}_][\p{L}\p{M}\p{N}_]*/gu;
+
 /**
  * Letter (or word) and index of a name: theta1 → ['θ', '1'], gain_loss → ['gain loss', ''].
  * @param {string} name
  * @returns {[string, string]}
  */
 export function split(name) {
-  const match = /^([A-Za-z]+?)_?(\d+[a-z]?)$/.exec(name) ?? /^([A-Za-z]+)_([A-Za-z0-9]+)$/.exec(name);
+  const match = /^(\p{L}+?)_?(\d+[a-z]?)$/u.exec(name) ?? /^(\p{L}+)_([\p{L}\d]+)$/u.exec(name);
   const [base, index] =
     match && (match[1].length === 1 || Object.hasOwn(GREEK, match[1])) ? [match[1], match[2]] : [name, ''];
   return [Object.hasOwn(GREEK, base) ? GREEK[base] : base.replaceAll('_', ' '), index];
@@ -35,7 +38,7 @@ export function split(name) {
  */
 export function plain(name) {
   const [base, index] = split(name);
-  if (/^[A-Za-z]{2}/.test(index)) return `${base}_${index}`;
+  if (/^\p{L}{2}/u.test(index)) return `${base}_${index}`;
   return base + [...index].map((digit) => '₀₁₂₃₄₅₆₇₈₉'[Number(digit)] ?? digit).join('');
 }
 
@@ -43,7 +46,7 @@ export function plain(name) {
  * Whether a name is a symbol: a letter, perhaps with a short index; y_speed is a word.
  * @param {string} name
  */
-export const symbolic = (name) => split(name)[0].length === 1 && !/^[A-Za-z]{2}/.test(split(name)[1]);
+export const symbolic = (name) => split(name)[0].length === 1 && !/^\p{L}{2}/u.test(split(name)[1]);
 
 /**
  * A word of a name in the page's language, where the page has one for it: there is room for a few characters.
@@ -92,9 +95,7 @@ export function spoken(message, plant) {
   const names = plant
     ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name)
     : [];
-  return withoutBlanks(
-    say(message).replace(/[A-Za-z_]\w*/g, (part) => (names.includes(part) ? called(part, plant) : part)),
-  );
+  return withoutBlanks(say(message).replace(NAME, (part) => (names.includes(part) ? called(part, plant) : part)));
 }
 
 /**

@@ -1364,6 +1364,8 @@ export interface Plant {
   outputs: (Output)[];
   parameters: (Parameter)[];
   signals: (KnownSignal)[];
+  /** Tables y(x), for interp(x, name) in expressions. */
+  tables: (Table)[];
   /** Intermediate quantities, in order. */
   definitions: (Definition)[];
   /** Right-hand side by state: its derivative, or its next value in discrete time. */
@@ -1413,6 +1415,8 @@ export interface PlantInput {
   outputs: (OutputInput)[];
   parameters?: (ParameterInput)[];
   signals?: (KnownSignalInput)[];
+  /** Tables y(x), for interp(x, name) in expressions. */
+  tables?: (TableInput)[];
   /** Intermediate quantities, in order. */
   definitions?: (DefinitionInput)[];
   /** Right-hand side by state: its derivative, or its next value in discrete time. */
@@ -2312,6 +2316,23 @@ export interface StuckFaultInput {
   value: number;
 }
 
+/** Values y at increasing x; `interp(x, name)` is the value between them. */
+export interface Table {
+  /** Name in the second argument of interp. */
+  name: string;
+  /** Increasing arguments, at least two. */
+  x: (number)[];
+  /** Values, one for each argument. */
+  y: (number)[];
+  /** Straight lines, or cubic pieces that keep the shape (PCHIP). */
+  method: 'linear' | 'cubic';
+  /** Beyond the ends: the value at the end, or a line with the slope there. */
+  outside: 'hold' | 'continue';
+  /** Unit in plain text, empty when dimensionless. */
+  unit: string;
+  description: string;
+}
+
 /** θ from a table over τ; the first value applies before its time, the last one after its time. */
 export interface TableFault {
   /** Time in s at which the fault appears. */
@@ -2344,6 +2365,23 @@ export interface TableFaultInput {
   values: (number)[];
   /** Between two times: linear, or hold the earlier value. */
   interpolation?: 'hold' | 'linear';
+}
+
+/** Values y at increasing x; `interp(x, name)` is the value between them. */
+export interface TableInput {
+  /** Name in the second argument of interp. */
+  name: string;
+  /** Increasing arguments, at least two. */
+  x: (number)[];
+  /** Values, one for each argument. */
+  y: (number)[];
+  /** Straight lines, or cubic pieces that keep the shape (PCHIP). */
+  method?: 'linear' | 'cubic';
+  /** Beyond the ends: the value at the end, or a line with the slope there. */
+  outside?: 'hold' | 'continue';
+  /** Unit in plain text, empty when dimensionless. */
+  unit?: string;
+  description?: string | {[name: string]: string};
 }
 
 /** Values at given times; the first value applies before them, the last one after them. */

@@ -6,9 +6,11 @@ from typing import Any
 import pytest
 from pydantic import ValidationError
 
+from thetascope.engine.language import identifiers
 from thetascope.messages import words
 from thetascope_schemas import Plant, field_errors
-from thetascope_schemas.experiment.base import MAX_EXPRESSION, RESERVED
+from thetascope_schemas.experiment.base import FUNCTIONS, MAX_EXPRESSION
+from thetascope_schemas.texts import names
 
 
 def refusal(data: dict[str, Any]) -> tuple[str, str, str]:
@@ -27,21 +29,45 @@ def test_plant_is_read(plant: dict[str, Any]) -> None:
     assert model.names("states", "channels") == ("x1", "x2", "theta1", "theta2")
 
 
-@pytest.mark.parametrize("name", sorted(RESERVED) + ["lambda", "if", "None"])
+@pytest.mark.parametrize("name", sorted(FUNCTIONS) + ["t", "pi", "π", "lambda", "if", "None"])
 def test_reserved_names_are_refused(plant: dict[str, Any], name: str) -> None:
-    """Time, pi, functions and words of the language cannot be names."""
+    """Time, pi, functions and words of the language cannot be names; the remedy is a name that can be used."""
     plant["inputs"][0]["name"] = name
     field, problem, remedy = refusal(plant)
     assert field == "inputs[0].name"
     assert "reserved" in problem
-    assert name + "_1" in remedy
+    assert {"lambda": "lam", "π": "pi_1"}.get(name, name + "_1") in remedy
 
 
-@pytest.mark.parametrize("name", ["", "1x", "x-y", "x.y", "x\n", "é", "_x", "x" * 33, "x y"])
-def test_names_are_plain(plant: dict[str, Any], name: str) -> None:
-    """A name is a letter and up to 31 letters, digits or underscores."""
+NO_NAMES = ["", "1x", "x-y", "x.y", "x\n", "x" * 33, "x y", "x²", "a·b", "√x", "x\u200b", "x\u202e", "x\ufe0f", "½"]
+
+
+@pytest.mark.parametrize("name", NO_NAMES)
+def test_a_text_that_is_no_identifier_is_refused_as_a_name(plant: dict[str, Any], name: str) -> None:
+    """A name has at most 32 letters, digits and underscores; superscripts, dots and invisible characters are none."""
     plant["inputs"][0]["name"] = name
-    assert refusal(plant)[0] == "inputs[0].name"
+    field, problem, remedy = refusal(plant)
+    assert field == "inputs[0].name"
+    assert "name" in problem
+    assert remedy
+
+
+@pytest.mark.parametrize(
+    ("name", "stored"),
+    [("ω", "ω"), ("ϑ", "θ"), ("v₁", "v1"), ("_x", "_x"), ("温度", "温度"), ("é", "é"), ("e\u0301", "é")],
+)
+def test_a_name_has_one_normal_form(plant: dict[str, Any], name: str, stored: str) -> None:
+    """A name may be an identifier in any script; spellings that Unicode calls compatible are one name."""
+    plant["inputs"][0]["name"] = name
+    assert Plant.model_validate(plant).inputs[0].name == stored
+
+
+def test_schemas_and_lexer_accept_the_same_characters() -> None:
+    """The two definitions of a letter agree on the characters of Unicode, of which every 97th is tried from CJK on."""
+    for code in [*range(0x3400), *range(0x3400, 0x110000, 97), *range(0xFE00, 0xFE10), *range(0xFF00, 0x10000)]:
+        char = chr(code)
+        for first in (True, False):
+            assert names.is_letter(char, first) == identifiers.is_letter(char, first), hex(code)
 
 
 Change = Callable[[dict[str, Any]], object]

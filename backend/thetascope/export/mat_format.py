@@ -7,8 +7,10 @@ from collections.abc import Sequence
 import numpy as np
 
 from thetascope.export.selection import Table
+from thetascope.figures.html_symbols import GREEK
 
 _LONGEST = 63
+_GREEK = {letter: word for word, letter in GREEK.items()}
 
 
 def matlab_bytes(table: Table) -> bytes:
@@ -29,11 +31,11 @@ def matlab_bytes(table: Table) -> bytes:
 
 
 def matlab_names(names: Sequence[str]) -> list[str]:
-    """Return valid, distinct variable names of at most 63 characters; all but letters, digits and `_` become `_`."""
+    """Return valid, distinct variable names of at most 63 characters: Greek letters by name, others as `_`."""
     taken: set[str] = {"columns", "variables"}
     variables = []
     for name in names:
-        base = re.sub(r"[^A-Za-z0-9_]", "_", name)
+        base = re.sub(r"[^A-Za-z0-9_]", "_", "".join(_GREEK.get(letter, letter) for letter in name))
         base = (base if base[:1].isascii() and base[:1].isalpha() else f"c_{base}")[:_LONGEST]
         candidate, count = base, 2
         while candidate in taken:

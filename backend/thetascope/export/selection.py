@@ -9,6 +9,7 @@ import numpy as np
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.messages import Message
+from thetascope_schemas.texts.names import normalised_path
 from thetascope_schemas.texts.refusal import suggestion
 
 
@@ -55,7 +56,7 @@ def select(
 
 def _indices(names: tuple[str, ...], patterns: Sequence[str]) -> list[int]:
     chosen: dict[int, None] = {}
-    for pattern in patterns:
+    for pattern in map(normalised_path, patterns):
         matching = [i for i, name in enumerate(names) if name == pattern or fnmatchcase(name, pattern)]
         if not matching:
             hint = Message.from_data(suggestion(pattern[:80], names))

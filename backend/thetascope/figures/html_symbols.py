@@ -44,8 +44,8 @@ GREEK = {
     "Omega": "Ω",
 }
 HAT, TILDE = "\u0302", "\u0303"
-_INDEXED = re.compile(r"([A-Za-z]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?)\Z")
-_UNDERSCORED = re.compile(r"([A-Za-z]|" + "|".join(GREEK) + r")_([A-Za-z0-9]+)\Z")
+_INDEXED = re.compile(r"([^\W\d_]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?)\Z")
+_UNDERSCORED = re.compile(r"([^\W\d_]|" + "|".join(GREEK) + r")_([^\W_]+)\Z")
 _TOKEN = re.compile(
     r"(?P<name>[^\W\d]\w*)"
     r"|(?P<power>\s*(?:\*\*|\^)\s*(?P<exponent>\d+(?:\.\d+)?|[^\W\d]\w*(?!\s*\()))"

@@ -36,7 +36,8 @@ import {t} from '../../i18n/words.js';
  */
 
 const SHOWN = 240; // rows of the loop
-const BACKLASH = /^\s*backlash\(\s*(\w+)\s*,.*,\s*([\w.]+)\s*,\s*([\w.]+)\s*\)\s*$/;
+const BACKLASH =
+  /^\s*backlash\(\s*([\p{L}\p{M}\p{N}_]+)\s*,.*,\s*([\p{L}\p{M}\p{N}_.]+)\s*,\s*([\p{L}\p{M}\p{N}_.]+)\s*\)\s*$/u;
 
 /**
  * The backlash operators of a plant: {input, operators: [{name, memory, right, left}]}, or null without any.

@@ -18,7 +18,9 @@ export function columnsOf(csv) {
   const rows = lines.map((line) =>
     line.split(between).map((cell) => Number(between === ';' ? cell.replace(',', '.') : cell)),
   );
-  return Object.fromEntries(head.split(between).map((name, place) => [name.trim(), rows.map((row) => row[place])]));
+  return Object.fromEntries(
+    head.split(between).map((name, place) => [name.trim().normalize('NFKC'), rows.map((row) => row[place])]),
+  );
 }
 
 /**
@@ -32,7 +34,7 @@ export function columnsOf(csv) {
 export function needed(csv, plant) {
   const [head, ...lines] = csv.split(/\r?\n/u);
   const between = separator(csv);
-  const names = head.split(between).map((name) => name.trim());
+  const names = head.split(between).map((name) => name.trim().normalize('NFKC'));
   /** @param {...string} spellings  the first that there is, is meant */
   const column = (...spellings) => {
     const known = spellings.find((name) => names.includes(name));

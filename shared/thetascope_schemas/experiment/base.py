@@ -1,13 +1,14 @@
 """The base of all schemas: the strict base class, the number and name types, and messages as they are sent."""
 
-import keyword
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
 
 from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
 
 from thetascope_schemas.texts.local_text import LocalProse
+from thetascope_schemas.texts.names import MAX_NAME, PATTERN, names_normalised, normalised, not_reserved, well_formed
 from thetascope_schemas.texts.refusal import refuse, suggestion
 
 SCHEMA_VERSION = 1
@@ -48,12 +49,13 @@ FUNCTIONS = frozenset(
         "where",
         "spow",
         "backlash",
+        "interp",
     )
 )
 """Functions of the expression language in thetascope.engine.language.builtins; a test compares the two lists."""
 
-RESERVED = FUNCTIONS | {"t", "pi"}
-"""Names that a plant cannot give to a quantity: time, the constant pi, and the functions."""
+MAX_TABLES = 40
+MAX_ROWS = 5000  # of one table of a plant
 
 
 def example(**values: Any) -> ConfigDict:
@@ -64,11 +66,13 @@ def example(**values: Any) -> ConfigDict:
 class Strict(BaseModel):
     """Base of every schema: unknown fields are refused, numbers are finite, instances are immutable.
 
-    `prose` names the fields that do not affect the numbers of a run; the canonical form omits them.
+    `prose` names the fields that do not affect the numbers of a run; the canonical form omits them. It also omits those
+    in `optional` where they are empty, so that a field that is added to a schema changes no hash.
     """
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
     prose: ClassVar[frozenset[str]] = frozenset({"title", "description", "source", "unit"})
+    optional: ClassVar[frozenset[str]] = frozenset()
 
     @model_validator(mode="before")
     @classmethod
@@ -86,8 +90,8 @@ class Strict(BaseModel):
 def canonical(value: object) -> object:
     """Return `value` as unique JSON data: no prose, integral floats and -0.0 as integers, single blanks in text."""
     if isinstance(value, Strict):
-        fields = type(value).model_fields
-        return {name: canonical(getattr(value, name)) for name in fields if name not in value.prose}
+        fields = {name: getattr(value, name) for name in type(value).model_fields if name not in value.prose}
+        return {name: canonical(item) for name, item in fields.items() if item or name not in value.optional}
     if isinstance(value, Mapping):
         return {str(key): canonical(item) for key, item in value.items()}
     if isinstance(value, str):
@@ -97,15 +101,6 @@ def canonical(value: object) -> object:
     if isinstance(value, float) and value.is_integer() and abs(value) < 2**53:
         return int(value)
     return value
-
-
-def _not_reserved(name: str) -> str:
-    """Return a name; refuse Python's keywords and reserved names."""
-    if keyword.iskeyword(name):
-        raise refuse("schema.name.keyword", value=name, name=name)
-    if name in RESERVED:
-        raise refuse("schema.name.reserved", value=name, name=name)
-    return name
 
 
 def _as_text(value: object) -> object:
@@ -151,10 +146,15 @@ Seed = Annotated[int, Field(strict=True, ge=0, le=2**53 - 1)]
 Flag = Annotated[bool, Field(strict=True)]
 
 Identifier = Annotated[str, Field(pattern=r"^[a-z0-9][a-z0-9-]{0,63}$")]
-Reference = Annotated[str, Field(pattern=r"^[A-Za-z][A-Za-z0-9_]{0,31}$")]
-"""The name of a quantity that is declared elsewhere."""
-Name = Annotated[Reference, AfterValidator(_not_reserved)]
-"""The name in a declaration: a letter, then up to 31 letters, digits or underscores; not reserved."""
+Reference = Annotated[
+    str,
+    BeforeValidator(normalised),
+    AfterValidator(well_formed),
+    Field(json_schema_extra={"pattern": PATTERN, "maxLength": MAX_NAME}),
+]
+"""The name of a quantity that is declared elsewhere, in Unicode's normal form NFKC."""
+Name = Annotated[Reference, AfterValidator(partial(not_reserved, functions=FUNCTIONS))]
+"""The name in a declaration: an identifier in any script of at most 32 characters; not reserved."""
 Title = Annotated[str, LocalProse(max_length=200)]
 """A line of prose, in one language or in several."""
 Prose = Annotated[str, LocalProse(max_length=10_000)]
@@ -163,6 +163,7 @@ ExpressionText = Annotated[
     str,
     BeforeValidator(_as_text),
     AfterValidator(_short_enough),
+    AfterValidator(names_normalised),
     Field(min_length=1, json_schema_extra={"maxLength": MAX_EXPRESSION}),
 ]
 Bounds = Annotated[tuple[Number | None, Number | None], AfterValidator(ordered)]

@@ -9,6 +9,7 @@ from thetascope_schemas.experiment.base import (
     MAX_CHANNELS,
     MAX_PORTS,
     MAX_STATES,
+    MAX_TABLES,
     UNBOUNDED,
     Bounds,
     ExpressionText,
@@ -25,6 +26,7 @@ from thetascope_schemas.experiment.base import (
     ordered,
 )
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
+from thetascope_schemas.experiment.tables import Table
 from thetascope_schemas.texts.refusal import refuse, suggestion
 
 
@@ -208,6 +210,7 @@ class Plant(Strict):
         ],
     )
     prose = Strict.prose | {"id"}
+    optional = frozenset({"tables"})
 
     id: Identifier = Field(description="Short name: lower-case letters, digits and hyphens.")
     title: Title = ""
@@ -221,6 +224,9 @@ class Plant(Strict):
     outputs: tuple[Output, ...] = Field(min_length=1, max_length=MAX_PORTS)
     parameters: tuple[Parameter, ...] = Field(default=(), max_length=200)
     signals: tuple[KnownSignal, ...] = Field(default=(), max_length=MAX_CHANNELS)
+    tables: tuple[Table, ...] = Field(
+        default=(), max_length=MAX_TABLES, description="Tables y(x), for interp(x, name) in expressions."
+    )
     definitions: tuple[Definition, ...] = Field(
         default=(), max_length=200, description="Intermediate quantities, in order."
     )
@@ -261,7 +267,7 @@ class Plant(Strict):
 
     def _declared(self) -> Iterator[tuple[str, str]]:
         """Yield the path and the value of every declared name."""
-        for group in ("states", "inputs", "outputs", "parameters", "signals", "definitions", "channels"):
+        for group in ("states", "inputs", "outputs", "parameters", "signals", "tables", "definitions", "channels"):
             for index, item in enumerate(getattr(self, group)):
                 yield f"{group}[{index}].name", item.name
 

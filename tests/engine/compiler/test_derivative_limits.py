@@ -13,9 +13,17 @@ from thetascope.engine.compiler.autodiff import derivatives
 from thetascope.engine.compiler.graph import Graph, evaluate
 from thetascope.engine.compiler.lowering import Lowering
 from thetascope.engine.language.derivatives import derivative
+from thetascope.engine.language.lazy_sympy import functions
 from thetascope.engine.language.parser import parse
+from thetascope.engine.language.tables import Table
 
 SYMBOLS = {name: sympy.Symbol(name, real=True) for name in ("x", "y", "n")}
+HAT = {"x": [-1, 0, 1, 2], "y": [0, 1, 0.25, 0.25], "method": "linear", "outside": "continue"}
+TABLES = {
+    "hat": Table.of(HAT | {"name": "hat"}),
+    "hill": Table.of(HAT | {"name": "hill", "method": "cubic"}),
+    "held": Table.of(HAT | {"name": "held", "method": "cubic", "outside": "hold"}),
+}
 EXPONENT = 1.5
 DIRECTIONS = [(1, 0), (0, 1), (1, 1), (1, -1)]
 
@@ -39,13 +47,15 @@ def signed_power(x, a):
 NUMERIC = [
     {"Abs": abs, "Min": min, "Max": max, "SignedPower": signed_power, "atan2": mpmath.atan2, "sign": mpmath.sign},
     {"Less": lambda a, b: a < b, "LessEqual": lambda a, b: a <= b, "Where": lambda c, a, b: a if c else b},
+    {name: table.value for name, table in TABLES.items()},
     "mpmath",
 ]
 
 
 def gradient(expression: sympy.Expr, point: dict) -> list[float] | None:
     """The gradient where the expression is differentiable, from quotients in 300 digits; None elsewhere."""
-    f = sympy.lambdify([SYMBOLS[n] for n in "xyn"], expression, NUMERIC)
+    called = expression.replace(functions.Interp, lambda x, table, side: sympy.Function(table.table.name)(x))
+    f = sympy.lambdify([SYMBOLS[n] for n in "xyn"], called, NUMERIC)
     slopes = []
     with mpmath.workdps(300):
         x, y, n = (mpmath.mpf(point[name]) for name in "xyn")
@@ -82,6 +92,7 @@ def grown(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
         st.tuples(inner, POWERS).map("abs({0[0]})^{0[1]}".format),
         st.tuples(inner, POWERS).map("spow({0[0]}, {0[1]})".format),
         inner.map("({0})*sign({0})".format),
+        st.tuples(inner, st.sampled_from(sorted(TABLES))).map("interp({0[0]}, {0[1]})".format),
     )
 
 
@@ -89,7 +100,7 @@ def grown(inner: st.SearchStrategy[str]) -> st.SearchStrategy[str]:
 @given(st.recursive(LEAVES, grown, max_leaves=6), st.sampled_from([0.0, 1.0, -1.0]), st.sampled_from([0.0, 1.0]))
 def test_derivatives_are_limits_where_there_is_one(text: str, x: float, y: float):
     """Symbolic and graph derivatives are finite everywhere, and equal the limit where the expression is smooth."""
-    expression = parse(text, list(SYMBOLS), "f").sympy(SYMBOLS)
+    expression = parse(text, list(SYMBOLS), "f", tables=TABLES).sympy(SYMBOLS, TABLES)
     point = {"x": x, "y": y, "n": EXPONENT}
     value, symbolic, of_graph = numbers(expression, point)
     assert np.isfinite([value, *symbolic, *of_graph]).all()
@@ -113,11 +124,13 @@ def test_derivatives_are_limits_where_there_is_one(text: str, x: float, y: float
         ("abs(x)*spow(x, 1)*sign(x) + y*abs(x)^n*x", 2),
         ("max(x, 0)^2 + min(x, 0)^2", 2),
         ("cos(abs(x))", -1),
+        ("x^2*interp(x, hat)", 2),
+        ("x^2*interp(x - 1, held)", 0),
     ],
 )
 def test_second_derivatives_are_limits(text: str, curvature: float):
     """At 0 the second derivative, symbolic and of the graph, is that of the smooth function."""
-    expression = parse(text, list(SYMBOLS), "f").sympy(SYMBOLS)
+    expression = parse(text, list(SYMBOLS), "f", tables=TABLES).sympy(SYMBOLS, TABLES)
     x, point = SYMBOLS["x"], {"x": 0.0, "y": 0.0, "n": EXPONENT}
     lowering = Lowering(Graph(), set(SYMBOLS))
     root, symbolic = lowering(expression), lowering(derivative(derivative(expression, x), x))

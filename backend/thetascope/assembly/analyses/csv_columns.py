@@ -6,6 +6,7 @@ import numpy as np
 
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message
+from thetascope_schemas.texts.names import normalised_path
 
 
 def columns_of_csv(text: str) -> dict[str, np.ndarray]:
@@ -16,7 +17,7 @@ def columns_of_csv(text: str) -> dict[str, np.ndarray]:
         if apart == ";":  # numbers may then have a decimal comma
             written = [line.replace(",", ".") for line in written]
         lines = csv.reader(written, delimiter=apart)
-        names = [name.strip() for name in next(lines, [])]
+        names = [normalised_path(name.strip()) for name in next(lines, [])]
         rows = [(lines.line_num, line) for line in lines if line]
     except csv.Error as error:
         raise SpecError("csv", None, Message("record.csv.invalid", detail=str(error))) from None

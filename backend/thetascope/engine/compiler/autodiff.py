@@ -9,7 +9,8 @@ import math
 import zlib
 from collections.abc import Callable, Iterable, Sequence
 
-from thetascope.engine.compiler.graph import Graph, topological
+from thetascope.engine.compiler.graph import LEAVES, Graph, topological
+from thetascope.engine.compiler.interpolation import piece_slope
 
 Tangent = dict[str, int]  # variable → node of the derivative with respect to it; zeros are left out
 
@@ -39,7 +40,7 @@ class _Forward:
             op, *args = graph.nodes[i]
             if op == "var":
                 self.tangents[i] = {args[0]: graph.const(1.0)} if args[0] in self.names else {}
-            elif op == "const":
+            elif op in LEAVES:
                 self.tangents[i] = {}
             else:
                 self.tangents[i] = self._through(i, op, args)
@@ -48,7 +49,7 @@ class _Forward:
     def _through(self, i: int, op: str, args: list[int]) -> Tangent:
         """Return the derivatives of node i by the chain rule."""
         graph, inner = self.graph, [self.tangents[a] for a in args]
-        if not any(inner):
+        if not any(inner) or op == "locate":
             return {}
         if any(a in self.poles for a in args) or (op in ("div", "pow", "log") and inner[-1]):
             self.poles.add(i)
@@ -75,6 +76,9 @@ class _Forward:
             return (self._sign_next(args[0]),)
         if op in ("mul", "fma"):
             return (self._next(args[1]), self._next(args[0]), self.graph.const(1.0))[: len(args)]
+        if op == "piece":
+            slope = piece_slope(self.graph, *args, lambda: self._direction(args[0]))
+            return slope, *(self.graph.const(0.0),) * 2
         return SLOPES[op](self.graph, i, *args) if op in SLOPES else None
 
     def _either(self, condition: int, yes: Tangent, no: Tangent) -> Tangent:

@@ -85,10 +85,11 @@ class _Module:
         self.stages = 1 if program.time == DISCRETE else 4
         self.inline = fits_inline(program, layout)
         self.params = layout.shared_params(program)
+        self.tables: dict[str, str] = {}  # definitions of global constants
 
     def text(self) -> str:
         """Return the IR text of the module."""
-        w = Writer(self.layout.lanes)
+        w = Writer(self.layout.lanes, self.tables)
         body = self._main(w)
         suffix, t = w.suffix, w.type
         declared = [
@@ -105,7 +106,7 @@ class _Module:
             f"attributes #3 = {{ noinline {wide} }}",
         ]
         functions = [] if self.inline else self._right_hand_side()
-        return "\n".join([*declared, *functions, *body, *attributes])
+        return "\n".join([*declared, *self.tables.values(), *functions, *body, *attributes])
 
     # ---- the values of one stage -------------------------------------------------------------------------------
 
@@ -136,6 +137,8 @@ class _Module:
             op, *args = graph.nodes[i]
             if op == "const":
                 memo[i] = w.const(args[0])
+            elif op == "table":
+                memo[i] = w.table(args[0])
             elif op == "var":
                 memo[i] = leaves[args[0]] if args[0] in leaves else self._leaf(w, args[0], where)
             else:
@@ -323,7 +326,7 @@ class _Module:
 
     def _right_hand_side(self) -> list[str]:
         """Return the lines of the separate right-hand side, ``rhs``."""
-        w = Writer(self.layout.lanes)
+        w = Writer(self.layout.lanes, self.tables)
         names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
         where = {k: f"%{k}" for k in names}
         leaves = {s: w.load_lanes("%z", i) for i, s in enumerate(self.program.states)} | {"t": w.splat("%t")}

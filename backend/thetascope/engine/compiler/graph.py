@@ -1,8 +1,10 @@
 """Hash-consed expression graph, the form of a System from which kernels are compiled.
 
-A node is a tuple ``(op, a, b, ...)`` whose arguments are indices of earlier nodes; ``("const", value)`` and
-``("var", name)`` are the leaves. Equal nodes are stored once, so common subexpressions are shared without a search.
-The value of a comparison is 1.0 or 0.0, so that every node is a real number.
+A node is a tuple ``(op, a, b, ...)`` whose arguments are indices of earlier nodes; the leaves are ``("const", value)``,
+``("var", name)`` and ``("table", rows)``. ``locate(x, grid)`` is the index of the piece of a table at x, and
+``piece(x, index, pieces)`` the value of that piece (engine/language/tables.py). Equal nodes are stored once, so common
+subexpressions are shared without a search. The value of a comparison is 1.0 or 0.0, so that every node but a table is a
+real number.
 """
 
 import math
@@ -27,7 +29,7 @@ UNARY_FUNCTIONS = (
     "floor",
     "abs",
 )
-LEAVES = ("const", "var")
+LEAVES = ("const", "var", "table")
 
 
 class Graph:
@@ -172,6 +174,8 @@ class Graph:
             node = other.nodes[i]
             if node[0] == "const":
                 moved[i] = self.const(node[1])
+            elif node[0] == "table":
+                moved[i] = self.raw(*node)
             elif node[0] == "var":
                 moved[i] = replace[node[1]] if node[1] in replace else self.var(node[1])
             else:
@@ -224,8 +228,8 @@ def contract(graph: Graph, roots: list[int], rank: Callable[[int], int] = lambda
         op, *args = graph.nodes[i]
         if op == "const":
             moved[i] = result.const(args[0])
-        elif op == "var":
-            moved[i] = result.var(args[0])
+        elif op in ("var", "table"):
+            moved[i] = result.raw(op, *args)
         elif op in ("add", "sub"):
             moved[i] = _fuse(graph, result, moved, uses, rank, op, *args)
         else:
@@ -245,6 +249,19 @@ def _fuse(
     if product == a:
         return result.raw("fma", x, y, moved[b] if op == "add" else result.raw("neg", moved[b]))
     return result.raw("fma", x if op == "add" else result.raw("neg", x), y, moved[a])
+
+
+def _locate(x, grid: tuple[float, ...]):
+    return np.where(np.isnan(x), 0.0, np.searchsorted(grid, x, side="right"))
+
+
+def _piece(x, index, pieces: tuple[tuple[float, ...], ...]):
+    row = np.moveaxis(np.asarray(pieces)[np.asarray(index, dtype=int)], -1, 0)
+    s = x - row[0]
+    total = row[-1]
+    for c in row[-2:0:-1]:
+        total = total * s + c
+    return total
 
 
 def _spow(x, a):
@@ -284,6 +301,8 @@ NUMPY = {
     "log": np.log,
     "floor": np.floor,
     "abs": np.abs,
+    "locate": _locate,
+    "piece": _piece,
 }
 
 
@@ -297,6 +316,8 @@ def evaluate(graph: Graph, roots: list[int], values: Mapping[str, object]) -> li
                 computed[i] = np.float64(node[1])
             elif node[0] == "var":
                 computed[i] = np.asarray(values[node[1]], dtype=float)
+            elif node[0] == "table":
+                computed[i] = node[1]
             else:
                 computed[i] = NUMPY[node[0]](*(computed[a] for a in node[1:]))
     return [computed[r] for r in roots]

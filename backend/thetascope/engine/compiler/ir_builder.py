@@ -1,6 +1,9 @@
 """Writer of LLVM instructions, for scalars or SIMD lanes: one method for each instruction and graph operation."""
 
 import struct
+from collections.abc import Callable
+
+from thetascope.engine.compiler.instructions.tables import Constants, locate, piece
 
 LIBM = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "pow", "atan2")
 _COMPARE = {"lt": "olt", "le": "ole"}
@@ -9,13 +12,14 @@ _COMPARE = {"lt": "olt", "le": "ole"}
 class Writer:
     """Writer of the instructions of one function. A method that computes a value returns the value's name."""
 
-    def __init__(self, lanes: int):
+    def __init__(self, lanes: int, tables: dict[str, str] | None = None):
         self.lanes = lanes
         self.type = "double" if lanes == 1 else f"<{lanes} x double>"
         self.bool = "i1" if lanes == 1 else f"<{lanes} x i1>"
         self.suffix = "f64" if lanes == 1 else f"v{lanes}f64"
         self.lines: list[str] = []
         self.count = 0
+        self.tables = {} if tables is None else tables  # definition of each global constant by its name
 
     def put(self, text: str) -> None:
         """Append an instruction without a value."""
@@ -108,7 +112,28 @@ class Writer:
             return self.intrinsic("fabs" if op == "abs" else op, args[0])
         if op in LIBM:
             return self.libm(op, *args)
+        if op in ("locate", "piece"):
+            return self.lane_by_lane(locate if op == "locate" else piece, args)
         return self._logic(op, args)
+
+    def lane_by_lane(self, write: Callable[..., str], args: list) -> str:
+        """Append instructions for scalars once for each lane. Tables are the same for all lanes."""
+        if self.lanes == 1:
+            return write(self.let, *args)
+        result = "poison"
+        for lane in range(self.lanes):
+            picked = [
+                a if isinstance(a, Constants) else self.let(f"extractelement {self.type} {a}, i32 {lane}") for a in args
+            ]
+            value = write(self.let, *picked)
+            result = self.let(f"insertelement {self.type} {result}, double {value}, i32 {lane}")
+        return result
+
+    def table(self, rows: tuple) -> Constants:
+        """Declare a constant array, and return its address and shape."""
+        constants = Constants.of(rows)
+        self.tables[constants.name] = constants.definition
+        return constants
 
     def _logic(self, op: str, args: list[str]) -> str:
         """Append a comparison, selection, sign or signed power, and return its value."""

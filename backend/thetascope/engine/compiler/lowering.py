@@ -7,6 +7,7 @@ from collections.abc import Mapping, Set
 from functools import reduce
 
 from thetascope.engine.compiler.graph import LEAVES, UNARY_FUNCTIONS, Graph
+from thetascope.engine.compiler.interpolation import interpolate
 from thetascope.engine.language.lazy_sympy import sympy
 
 _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
@@ -35,7 +36,7 @@ class Ranks:
         """Return the rank of a node."""
         for op, *args in self.graph.nodes[len(self.ranks) :]:
             if op in LEAVES:
-                self.ranks.append(-1 if op == "const" else self.names.get(args[0], 0))
+                self.ranks.append(self.names.get(args[0], 0) if op == "var" else -1)
             else:
                 self.ranks.append(max(self.ranks[a] for a in args))
         return self.ranks[i]
@@ -124,6 +125,8 @@ class Lowering:
     def _function(self, e: sympy.Function) -> int:
         """Return the node of a function. Raises ValueError if the engine does not have it."""
         name = e.func.__name__
+        if name == "Interp":
+            return interpolate(self.graph, self(e.args[0]), e.args[1].table, below=bool(e.args[2]))
         args = [self(a) for a in e.args]
         if name in ("Min", "Max"):
             return reduce(lambda a, b: self.graph.call(name.lower(), a, b), args)

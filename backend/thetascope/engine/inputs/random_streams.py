@@ -13,8 +13,8 @@ from functools import lru_cache
 
 import numpy as np
 
-from thetascope.engine.compiler import ir_random
 from thetascope.engine.compiler.jit import load, platform_key
+from thetascope.engine.inputs import ir_random
 
 _WORD, _COUNT, _PLACE = ctypes.c_uint64, ctypes.c_int64, ctypes.c_void_p
 _ONE_STREAM = ctypes.CFUNCTYPE(None, _WORD, _WORD, _COUNT, _COUNT, _PLACE)

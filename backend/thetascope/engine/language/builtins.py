@@ -75,4 +75,5 @@ FUNCTIONS: dict[str, LanguageFunction] = {
     "where": LanguageFunction(3, 3, lambda condition, a, b: a if condition else b),
     "spow": LanguageFunction(2, 2, signed_power),
     "backlash": LanguageFunction(7, 7, backlash),
+    "interp": LanguageFunction(2, 2, lambda x, table: table.value(x)),
 }

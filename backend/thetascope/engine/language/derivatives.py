@@ -4,7 +4,8 @@ The chain rule multiplies slopes, and the slope of a root or of |x|^a (a < 1) is
 is 0 there, as in x·√|x|, the product would be 0·∞. One rule replaces it, here and in engine/compiler/autodiff.py:
 
 - where a function has a derivative, the result is this derivative;
-- at a kink (abs, min, max, clip) it is the limit along one fixed direction, in which all symbols fall;
+- at a kink (abs, min, max, clip, a point of a linear table) it is the limit along one direction, in which all symbols
+  fall;
 - where a tangent is vertical (a root at 0, asin at 1), and where atan2 jumps, the slope counts as 0;
 - at a jump (sign, floor, step, where) the result is that of the branch taken.
 
@@ -58,8 +59,9 @@ def real(e: Expr) -> Expr:
 
 def _resolved(slope: Expr) -> Expr:
     """Return a derivative with the limits along the direction written out."""
-    if not slope.has(functions.SignNext, functions.LessNext):
+    if not slope.has(functions.SignNext, functions.LessNext, functions.InterpNext):
         return slope
+    slope = slope.replace(functions.InterpNext, _interp_next)
     return slope.replace(functions.SignNext, _sign_next).replace(functions.LessNext, _less_next)
 
 
@@ -94,6 +96,17 @@ def _less_next(a: Expr, b: Expr) -> Expr:
         return functions.Less(a, b)
     tie = functions.And_(functions.LessEqual(a, b), functions.LessEqual(gain, sympy.S.Zero))
     return functions.Or_(functions.Less(a, b), tie)
+
+
+def _interp_next(x: Expr, table: Expr) -> Expr:
+    """Return the value of a table at x; at a jump the one that x has next along the direction."""
+    rate = _direction(x)
+    above, below = (functions.Interp(x, table, sympy.Integer(side)) for side in (0, 1))
+    if rate.is_nonnegative:
+        return above
+    if rate.is_negative:
+        return below
+    return functions.Where(functions.Less(rate, sympy.S.Zero), below, above)
 
 
 def _has_unknown_exponent(e: Expr) -> bool:

@@ -14,6 +14,7 @@ from difflib import get_close_matches
 from typing import NoReturn
 
 from thetascope.engine.errors import ExpressionError
+from thetascope.engine.language.identifiers import end_of_name, normalised, twin
 from thetascope.messages import Message
 
 MAX_LENGTH = 2000
@@ -21,12 +22,12 @@ MAX_DEPTH = 60
 MAX_TOKENS = 600  # numbers, names, functions and operators
 SPLIT = Message("expression.split")
 OPERAND = Message("expression.operand")
-CONSTANTS = ("pi",)
+CONSTANTS = ("pi", "π")
 WORDS = ("and", "or")
 
 _TOKEN = re.compile(
     r"(?P<blank>[ \t\r\n]+)|(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
-    r"|(?P<name>[A-Za-z_][A-Za-z0-9_]*)|(?P<operator>\*\*|<=|>=|[-+*/^<>])|(?P<mark>[(),])"
+    r"|(?P<operator>\*\*|<=|>=|[-+*/^<>])|(?P<mark>[(),])"
 )
 
 
@@ -53,6 +54,7 @@ _HINTS = {
     "if": _write("where(condition, value, otherwise)"),
     "else": _write("where(condition, value, otherwise)"),
     "not": Message("expression.hint.not"),
+    "lambda": Message("expression.hint.lambda"),
 }
 _MARKS = {
     "=": Message("expression.mark.equals"),
@@ -68,29 +70,30 @@ _MARKS = {
     "\0": Message("expression.mark.null"),
 }
 _LOOK_ALIKES = dict.fromkeys("−–—", "-") | dict.fromkeys("×·⋅∙", "*") | dict.fromkeys("÷∕", "/")
-_LOOK_ALIKES |= {"≤": "<=", "≥": ">=", "²": "^2", "³": "^3", "√": "sqrt(…)", "π": "pi", "\u00a0": "a blank"}
-_TAIL = re.compile(r"[A-Za-z0-9_.]*")  # characters after a number that do not belong to it
+_LOOK_ALIKES |= {"≤": "<=", "≥": ">=", "²": "^2", "³": "^3", "√": "sqrt(…)", "\u00a0": "a blank"}
+_TAIL = re.compile(r"[\w.]*")  # characters after a number that do not belong to it
 
 
 @dataclass(frozen=True, slots=True)
 class Token:
-    """A token of the text. Its kind is number, name, function, operator, or one of the characters ( ) and comma."""
+    """A token of the text. Its kind is number, name, table, function, operator, or one of the characters ( ) and comma.
+
+    A name and a table have the normal form of their text, which `start` and `end` delimit.
+    """
 
     kind: str
     text: str
     start: int
-
-    @property
-    def end(self) -> int:
-        """Return the position after the last character."""
-        return self.start + len(self.text)
+    end: int
 
 
 class Scanner:
-    """Scanner of one text. `names` are the quantities that it may use, `functions` the functions that it may call."""
+    """Scanner of one text, which may use the quantities `names`, call `functions`, and interpolate in `tables`."""
 
-    def __init__(self, text: str, names: Collection[str], functions: Collection[str], field: str) -> None:
-        self.text, self.names, self.functions, self.field = text, names, functions, field
+    def __init__(
+        self, text: str, names: Collection[str], functions: Collection[str], field: str, tables: Collection[str] = ()
+    ) -> None:
+        self.text, self.names, self.functions, self.field, self.tables = text, names, functions, field, tables
 
     def refuse(self, start: int, end: int, problem: Message, remedy: Message | None = None) -> NoReturn:
         """Raise ExpressionError for the characters start … end."""
@@ -115,7 +118,7 @@ class Scanner:
             self._balance(opened, token)
             accepted.append(token)
         if _operand_expected(accepted):
-            last = accepted[-1] if accepted else Token("blank", "", 0)
+            last = accepted[-1] if accepted else Token("blank", "", 0, 0)
             problem = Message("expression.missing-after", text=last.text) if accepted else Message("expression.empty")
             self.refuse(last.start, last.end, problem, OPERAND)
         if opened:
@@ -126,17 +129,20 @@ class Scanner:
         """Yield the tokens of the text, without checking their order."""
         position = 0
         while position < len(self.text):
+            end = end_of_name(self.text, position)
+            if end > position:
+                yield self._name(position, end)
+                position = end
+                continue
             match = _TOKEN.match(self.text, position)
             if match is None:
                 self._foreign(position)
             position = match.end()
-            if match.lastgroup == "name":
-                yield self._name(match)
-            elif match.lastgroup == "number":
+            if match.lastgroup == "number":
                 yield self._number(match)
             elif match.lastgroup != "blank":
                 kind = "operator" if match.lastgroup == "operator" else match.group()
-                yield Token(kind, match.group(), match.start())
+                yield Token(kind, match.group(), match.start(), match.end())
 
     def _foreign(self, position: int) -> NoReturn:
         """Refuse a character that cannot begin a token."""
@@ -173,23 +179,25 @@ class Scanner:
         value = float(text)
         if value in (0.0, float("inf")) and (value or re.search("[1-9]", re.split("[eE]", text)[0])):
             self.refuse(start, end, Message("expression.number.large" if value else "expression.number.small"))
-        return Token("number", text, start)
+        return Token("number", text, start, end)
 
-    def _name(self, match: re.Match[str]) -> Token:
-        """Return the token of a name: a quantity, the constant pi, `and`, `or`, or a function before a parenthesis."""
-        text, start, end = match.group(), match.start(), match.end()
+    def _name(self, start: int, end: int) -> Token:
+        """Return the token of a name: a quantity, a table, the constant π, `and`, `or`, or a function before (."""
+        text = normalised(self.text[start:end])
         rest = self.text[end:].lstrip(" \t\r\n")
         called = rest.startswith("(")
         if text in WORDS:
-            return Token("operator", text, start)
+            return Token("operator", text, start, end)
         if called and text in self.functions:
-            return Token("function", text, start)
+            return Token("function", text, start, end)
         if not called and (text in self.names or text in CONSTANTS) and not keyword.iskeyword(text):
             if rest[:1] == "." and not rest[1:2].isdigit():
                 self.refuse(
                     start, len(self.text) - len(rest) + 1, Message("expression.attribute", name=text), _MARKS["."]
                 )
-            return Token("name", text, start)
+            return Token("name", "pi" if text in CONSTANTS else text, start, end)
+        if not called and text in self.tables:
+            return Token("table", text, start, end)
         return self._unknown(text, start, end, called)
 
     def _unknown(self, text: str, start: int, end: int, called: bool) -> NoReturn:
@@ -201,19 +209,35 @@ class Scanner:
             self.refuse(start, end, Message("expression.name.function", name=shown), _write(f"{shown}(…)"))
         if text in self.names or text in CONSTANTS:
             self.refuse(start, end, Message("expression.name.no-function", name=shown))
-        known = self.functions if called else {*self.names, *CONSTANTS}
-        near = get_close_matches(text[:40], sorted(known), n=3, cutoff=0.5)
+        if text in self.tables:
+            self.refuse(start, end, Message("expression.table.called", name=shown))
+        known = self.functions if called else {*self.names, *self.tables, *CONSTANTS[:1]}
+        like = twin(text, known)
+        if like is not None:
+            letter, name = like
+            problem = Message(
+                "expression.name.twin", name=shown, char=letter, script=unicodedata.name(letter, "").lower()
+            )
+            self.refuse(start, end, problem, _write(name) if name in known else self._nearest(name, known, called))
+        self.refuse(
+            start,
+            end,
+            Message("expression.function.unknown" if called else "expression.name.unknown", name=shown),
+            self._nearest(text, known, called),
+        )
+
+    def _nearest(self, text: str, known: Collection[str], called: bool) -> Message:
+        """Return the remedy for an unknown name: a hint, the nearest known names, or all of them."""
+        by_case = [name for name in sorted(known) if name.casefold() == text.casefold()]
+        near = by_case or get_close_matches(text[:40], sorted(known), n=3, cutoff=0.5)
         if text in _HINTS:
-            remedy = _HINTS[text]
-        elif near:
-            remedy = Message("suggest.near", names=near)
-        elif called:
-            remedy = Message("suggest.all", names=sorted(known))
-        else:
-            names = sorted(self.names)[:12] + ["…"] * (len(self.names) > 12)
-            remedy = Message("expression.declare", names=names) if names else Message("expression.declare.none")
-        problem = "expression.function.unknown" if called else "expression.name.unknown"
-        self.refuse(start, end, Message(problem, name=shown), remedy)
+            return _HINTS[text]
+        if near:
+            return Message("suggest.near", names=near)
+        if called:
+            return Message("suggest.all", names=sorted(known))
+        names = sorted(self.names)[:12] + ["…"] * (len(self.names) > 12)
+        return Message("expression.declare", names=names) if names else Message("expression.declare.none")
 
     def _check_order(self, before: Token | None, token: Token) -> None:
         """Refuse a token that cannot follow the token before it."""
@@ -223,7 +247,7 @@ class Scanner:
             if before is not None:
                 problem = Message("expression.missing-between", text=token.text, before=before.text)
             self.refuse(token.start, token.end, problem, OPERAND)
-        if not expected and token.kind in ("number", "name", "function", "("):
+        if not expected and token.kind in ("number", "name", "table", "function", "("):
             before_text = before.text[-20:] if before else ""
             problem = Message("expression.operator.missing", before=before_text, text=token.text[:20])
             self.refuse(token.start, token.end, problem)

@@ -11,7 +11,7 @@ size.
 
 import ast
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import TYPE_CHECKING, NoReturn
@@ -20,6 +20,7 @@ from thetascope.engine.errors import ExpressionError, SpecError
 from thetascope.engine.language.builtins import FUNCTIONS
 from thetascope.engine.language.lexer import MAX_DEPTH, MAX_LENGTH, MAX_TOKENS, SPLIT, Scanner, Token
 from thetascope.engine.language.syntax_tree import Node, exact_of, value_of
+from thetascope.engine.language.tables import Table
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -45,11 +46,12 @@ class Parsed:
         """Return the bound on accumulated powers, 1 to 64. If the expression gets a name, pass it on in `degrees`."""
         return self.tree.degree
 
-    def sympy(self, symbols: Mapping[str, "sympy.Symbol"]) -> "sympy.Expr":
+    def sympy(self, symbols: Mapping[str, "sympy.Symbol"], tables: Mapping[str, Table] | None = None) -> "sympy.Expr":
         """Return the SymPy expression: Add, Mul, Pow, SymPy's elementary functions and those of sympy_functions.py.
 
         Args:
             symbols: a real symbol for each of `names`.
+            tables: the tables in which it may interpolate, by name.
 
         Raises:
             ExpressionError: if a divisor cancels to zero, or the result is not real.
@@ -57,11 +59,15 @@ class Parsed:
         """
         from thetascope.engine.language.to_sympy import to_sympy
 
-        return to_sympy(self, symbols)
+        return to_sympy(self, symbols, tables or {})
 
 
 def parse(
-    text: str, names: Iterable[str], field: str = "expression", degrees: Mapping[str, int] | None = None
+    text: str,
+    names: Iterable[str],
+    field: str = "expression",
+    degrees: Mapping[str, int] | None = None,
+    tables: Iterable[str] = (),
 ) -> Parsed:
     """Return the checked expression of a text.
 
@@ -70,14 +76,16 @@ def parse(
         names: the names that it may use, `t` included where time is allowed.
         field: path of the field, for error messages.
         degrees: `Parsed.degree` of each name for which an expression will be substituted.
+        tables: the names of the tables in which it may interpolate.
 
     Raises:
         ExpressionError: with the position, the problem and the remedy.
     """
     if not isinstance(text, str):
         raise SpecError(field, text, Message("expression.no-text"))
-    tokens = Scanner(text, frozenset(names), FUNCTIONS, field).tokens()
-    reader = _Reader(text, field, degrees or {})
+    known = frozenset(tables)
+    tokens = Scanner(text, frozenset(names), FUNCTIONS, field, known).tokens()
+    reader = _Reader(text, field, degrees or {}, known)
     tree = reader.read(tokens)
     used = dict.fromkeys(token.text for token in tokens if token.kind == "name" and token.text != "pi")
     return Parsed(text, field, tuple(used), tree)
@@ -86,8 +94,9 @@ def parse(
 class _Reader:
     """Converter from Python's tree to Nodes. It limits size and depth, and folds constants."""
 
-    def __init__(self, text: str, field: str, degrees: Mapping[str, int]) -> None:
-        self.text, self.field, self.degrees = text, field, degrees
+    def __init__(self, text: str, field: str, degrees: Mapping[str, int], tables: frozenset[str]) -> None:
+        self.text, self.field, self.degrees, self.tables = text, field, degrees, tables
+        self.names: dict[str, str] = {}  # name of a quantity or table by the name that Python's parser reads
         self.starts: list[int] = []  # position in the text of each character that is passed to Python's parser
         self.ends: list[int] = []
 
@@ -96,6 +105,9 @@ class _Reader:
         pieces = []
         for token in tokens:
             piece = ("**" if token.text == "^" else token.text) + " "
+            if token.kind in ("name", "table") and token.text != "pi":  # ASCII, because Python counts bytes
+                piece = f"q{len(self.names)} "
+                self.names[piece.strip()] = token.text
             pieces.append(piece)
             self.starts += [token.start] * len(piece)
             self.ends += [token.end] * len(piece)
@@ -133,7 +145,10 @@ class _Reader:
                 return Node("number", (), *self.place(node), value=float(value), exact=exact)
             case ast.Name(id="pi"):
                 return Node("number", (), *self.place(node), value=math.pi)
-            case ast.Name(id=name):
+            case ast.Name(id=alias):
+                name = self.names[alias]
+                if name in self.tables:
+                    self.refuse(node, Message("expression.table.alone", name=name))
                 return Node("name", (), *self.place(node), name=name, degree=self.degrees.get(name, 1))
             case ast.UnaryOp(op=ast.USub() | ast.UAdd() as sign, operand=operand):
                 signs = (-1,) if isinstance(sign, ast.USub) else (1,)
@@ -192,9 +207,23 @@ class _Reader:
         if len(args) < function.least or (function.most is not None and len(args) > function.most):
             code = "expression.arguments" if function.most == function.least else "expression.arguments.least"
             self.refuse(node, Message(code, name=name, n=function.least, given=len(args)))
-        read = [self.condition if name == "where" and not index else self.number for index in range(len(args))]
+        read = [self.reader(name, index) for index in range(len(args))]
         nodes = tuple(reader(arg, depth + 1) for reader, arg in zip(read, args, strict=True))
         return self.folded(Node("call", nodes, *self.place(node), name=name))
+
+    def reader(self, function: str, index: int) -> Callable[[ast.expr, int], Node]:
+        """Return the method that reads an argument of a function."""
+        special = {("where", 0): self.condition, ("interp", 1): self.table}
+        return special.get((function, index), self.number)
+
+    def table(self, node: ast.expr, depth: int) -> Node:
+        """Return the node of a table, the second argument of `interp`."""
+        name = self.names.get(node.id, "") if isinstance(node, ast.Name) else ""
+        if name not in self.tables:
+            known = sorted(self.tables)
+            remedy = Message("suggest.all", names=known) if known else Message("expression.table.none")
+            self.refuse(node, Message("expression.table.needed"), remedy)
+        return Node("table", (), *self.place(node), name=name)
 
     def condition(self, node: ast.expr, depth: int) -> Node:
         """Return the tree of a condition, the first argument of `where`."""

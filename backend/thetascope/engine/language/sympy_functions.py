@@ -7,6 +7,8 @@ rule in derivatives.py: at a kink they are the limit along one direction, at a j
 Conditions are the real numbers 1 and 0.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Callable, Sequence
 from functools import partial
@@ -16,6 +18,7 @@ import sympy
 from sympy import Expr, Float, Function, Integer, Number, log
 
 from thetascope.engine.language import builtins
+from thetascope.engine.language.tables import Table, jumps
 
 ZERO, ONE = Integer(0), Integer(1)
 
@@ -287,6 +290,71 @@ class Backlash(Real):
         return Where(rising, up, Where(falling, down, memory))
 
 
+class TableAtom(sympy.AtomicExpr):
+    """A table as an argument of `Interp`."""
+
+    is_real = True
+    is_extended_real = True
+    is_commutative = True
+
+    def __new__(cls, table: Table) -> TableAtom:
+        """Return the atom of a table."""
+        atom = super().__new__(cls)
+        atom.table = table
+        return atom
+
+    def _hashable_content(self) -> tuple:
+        return (self.table.digest,)
+
+    def __getnewargs__(self) -> tuple:
+        return (self.table,)
+
+    def _sympystr(self, printer: object) -> str:
+        return self.table.name
+
+    def _latex(self, printer: object) -> str:
+        return self.table.name
+
+    def sort_key(self, order: str | None = None) -> tuple:
+        """Return a key by which SymPy orders terms: equal tables have equal ones."""
+        return self.class_key(), (1, (self.table.digest,)), sympy.S.One.sort_key(), sympy.S.One
+
+
+class Interp(Real):
+    """Value of a table at x: Interp(x, table, side), at a point of its grid that above it (side 0) or below it (1)."""
+
+    nargs = (3,)
+
+    @classmethod
+    def eval(cls, *args: Expr) -> Expr | None:
+        """Return the value for a number, 0 for a table of zeros, else None: unevaluated."""
+        x, atom, side = args
+        if atom.table.is_zero:
+            return ZERO
+        return Float(atom.table.value(float(x), below=bool(side))) if isinstance(x, Number) else None
+
+    def _eval_derivative(self, symbol: Expr) -> Expr:
+        inner = self.args[0].diff(symbol)
+        return ZERO if inner == 0 else self.fdiff() * inner
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Return the slope at x; where it jumps, that of the side on which x is next."""
+        x, atom, side = self.args
+        slope = atom.table.slope()
+        return InterpNext(x, TableAtom(slope)) if jumps(slope.pieces) else Interp(x, TableAtom(slope), side)
+
+
+class InterpNext(Real):
+    """Value of a table with jumps at x, on the side that x has next along the direction of derivatives.py."""
+
+    nargs = (2,)
+
+    @classmethod
+    def eval(cls, *args: Expr) -> Expr | None:
+        """Return the value for a number, else None: unevaluated."""
+        return Interp(args[0], args[1], ZERO) if isinstance(args[0], Number) else None
+
+
 def in_pairs(pair: type[Real], *args: Expr) -> Expr:
     """Apply a function of two arguments to any number of them, as a balanced tree: a chain would be too deep."""
     half = len(args) // 2
@@ -318,5 +386,6 @@ BUILDERS = {
     "where": Where,
     "spow": SignedPower,
     "backlash": Backlash,
+    "interp": lambda x, table: Interp(x, table, ZERO),
 }
 """Constructor of the SymPy expression for each function of the language."""

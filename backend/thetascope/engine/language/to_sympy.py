@@ -11,8 +11,9 @@ from sympy import Add, Expr, Float, Integer, Mul, Number, Pow, Rational, S, Symb
 from thetascope.engine.errors import ExpressionError
 from thetascope.engine.language.derivatives import real
 from thetascope.engine.language.lexer import SPLIT
-from thetascope.engine.language.sympy_functions import BUILDERS, And_, Less, LessEqual, Or_, in_pairs
+from thetascope.engine.language.sympy_functions import BUILDERS, And_, Less, LessEqual, Or_, TableAtom, in_pairs
 from thetascope.engine.language.syntax_tree import Node
+from thetascope.engine.language.tables import Table
 from thetascope.messages import Message
 
 _NOT_REAL = (S.NaN, S.ComplexInfinity, S.Infinity, S.NegativeInfinity, S.ImaginaryUnit)
@@ -44,12 +45,12 @@ class Parsed(Protocol):
         ...
 
 
-def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol]) -> Expr:
+def to_sympy(parsed: Parsed, symbols: Mapping[str, Symbol], tables: Mapping[str, Table]) -> Expr:
     """Return the SymPy expression of a checked expression; see `Parsed.sympy` for arguments and errors."""
     for name in parsed.names:
         if not symbols[name].is_extended_real:
             raise TypeError(f"the symbol {name} must be declared with real=True")
-    builder = _Builder(parsed, symbols)
+    builder = _Builder(parsed, symbols, tables)
     try:
         result = builder.build(parsed.tree)
     except (RecursionError, OverflowError, ValueError, ZeroDivisionError) as error:
@@ -73,8 +74,8 @@ def _takes_log(node: Node) -> bool:
 
 
 class _Builder:
-    def __init__(self, parsed: Parsed, symbols: Mapping[str, Symbol]) -> None:
-        self.parsed, self.symbols = parsed, symbols
+    def __init__(self, parsed: Parsed, symbols: Mapping[str, Symbol], tables: Mapping[str, Table]) -> None:
+        self.parsed, self.symbols, self.tables = parsed, symbols, tables
         self.exponents = 0  # number of exponents around the current node
 
     def error(self, node: Node, problem: Message, remedy: Message | None = None) -> ExpressionError:
@@ -93,6 +94,8 @@ class _Builder:
             return self.constant(node)
         if node.kind == "name":
             return self.symbols[node.name]
+        if node.kind == "table":
+            return TableAtom(self.tables[node.name])
         if node.kind in _CONDITIONS:
             return in_pairs(_CONDITIONS[node.kind], *(self.build(arg) for arg in node.args))
         result = getattr(self, node.kind)(node)

@@ -18,6 +18,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.derivatives import derivative
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.language.parser import parse
+from thetascope.engine.language.tables import tables_of
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -74,6 +75,7 @@ class Model:
         self.outputs = tuple(s["name"] for s in data["outputs"])
         self.signal_names = tuple(s["name"] for s in data["signals"])
         self.parameter_names = tuple(s["name"] for s in data["parameters"])
+        self.tables = tables_of(data)
         self._symbols = {
             n: sympy.Symbol(n, real=True)
             for n in (*self.states, *self.inputs, *self.signal_names, *self.parameter_names)
@@ -92,7 +94,7 @@ class Model:
     # ---- reading the text ----------------------------------------------------------------------------------------
 
     def _text(self, text: str, field: str) -> Expr:
-        return parse(text, self._symbols, field).sympy(self._symbols)
+        return parse(text, self._symbols, field, tables=self.tables).sympy(self._symbols, self.tables)
 
     def _definition(self, i: int, data: Mapping) -> Definition:
         """Return the i-th definition, and declare its symbol for later expressions."""

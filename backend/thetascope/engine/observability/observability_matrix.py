@@ -21,7 +21,7 @@ MOST_NODES = 20_000  # limit for the plant's equations with their derivatives
 WORK = 3_000_000  # limit for the number of products
 _IDLE = 3  # orders without a higher rank after which the rank is final, where nothing switches
 _LONGER = 3  # times as many for a discrete plant that switches: a fault may take effect only after a switch
-SWITCHES = {"where", "min", "max", "abs", "sign", "floor", "lt", "le"}
+SWITCHES = {"where", "min", "max", "abs", "sign", "floor", "lt", "le", "locate"}
 
 
 class TooLarge(Exception):

@@ -18,7 +18,7 @@ NO_VALUE = (ArithmeticError, ValueError)  # raised where a function has no value
 Coefficients = list[Decimal]
 
 _ZERO, _ONE = Decimal(0), Decimal(1)
-_FLAT = {"lt", "le", "and", "or", "sign", "floor"}  # constant wherever they have a derivative
+_FLAT = {"lt", "le", "and", "or", "sign", "floor", "locate"}  # constant wherever they have a derivative
 
 
 def exact(value: float) -> Decimal:
@@ -54,7 +54,7 @@ class Series:
         self.still: set[int] = set()
         for i in self.order:
             op, *args = graph.nodes[i]
-            known = op == "const" or (args[0] in still if op == "var" else self.still.issuperset(args))
+            known = op in ("const", "table") or (args[0] in still if op == "var" else self.still.issuperset(args))
             if known:
                 self.still.add(i)
         self.moving = len(self.order) - len(self.still)
@@ -69,10 +69,27 @@ class Series:
                 mine.append(values(args[0], k) if not k or i not in self.still else _ZERO)
             elif op == "const":
                 mine.append(exact(args[0]) if not k else _ZERO)
+            elif op == "table":
+                mine.append(_ZERO)
+            elif op in ("locate", "piece") and not (k and op == "locate"):
+                mine.append(self._of_table(op, k, args))
             elif k and (i in self.still or op in _FLAT):
                 mine.append(_ZERO)
             else:
                 mine.append(_coefficient(self, i, op, k, [self.at[a] for a in args]))
+
+    def _of_table(self, op: str, k: int, args: Sequence[int]) -> Decimal:
+        """Return a coefficient of the index of a piece, or of a piece."""
+        x, rows = self.at[args[0]], self.graph.nodes[args[-1]][1]
+        if op == "locate":
+            return Decimal(sum(1 for point in rows if exact(point) <= x[0]))
+        origin, *factors = (exact(v) for v in rows[int(self.at[args[1]][0])])
+        s = [x[0] - origin, *x[1 : k + 1]]
+        total = [_ZERO] * (k + 1)
+        for c in reversed(factors):
+            total = [convolve(total, s, j) for j in range(k + 1)]
+            total[0] += c
+        return total[k]
 
     def companions(self, i: int, count: int) -> list[Coefficients]:
         """Return the series that accompany a node, such as the cosine of a sine; empty at first."""

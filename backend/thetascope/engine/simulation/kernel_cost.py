@@ -15,7 +15,7 @@ from thetascope.engine.compiler.system import Program
 PLANT = ""  # no observer's label is empty
 Spent = dict[str, tuple[float, float]]  # observer's label → processor seconds, simulated seconds
 
-_SLOW = {"div": 4, "sqrt": 4}  # approximate cost in additions
+_SLOW = {"div": 4, "sqrt": 4, "piece": 8}  # approximate cost in additions
 _ONE_INSTRUCTION = {
     "add",
     "sub",

@@ -14,6 +14,7 @@ from thetascope.runs.specs.refusals import invalid
 from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.texts.local_text import ALL
+from thetascope_schemas.texts.names import normalised_path
 from thetascope_schemas.texts.refusal import suggestion
 
 _CALLED = ("label", "name", "channel", "output")
@@ -107,7 +108,7 @@ def _signal(parts: Sequence[str], value: object) -> object:
 
 
 def _parts(path: str) -> list[str]:
-    parts = re.sub(r"\[([^\[\]]*)\]", r".\1", path).split(".")
+    parts = normalised_path(re.sub(r"\[([^\[\]]*)\]", r".\1", path)).split(".")
     if len(path) > _LONGEST or not all(parts):
         raise invalid(path, path, Message("override.no-path"))
     return parts

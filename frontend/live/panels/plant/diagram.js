@@ -1,5 +1,7 @@
 // The blocks of a plant's picture and the fault sites on them, from its description. Nothing is drawn here.
 
+import {NAME} from '../../../common/names.js';
+
 /** @import {Channel} from '../../types.js' */
 /** @import {Plant} from '../../../pages/types.js' */
 
@@ -12,9 +14,8 @@
  * @typedef {{id: 'actuator'|'plant'|'l1'|'hysteresis'|'l2'|'sensor', states: string[], sites: Site[]}} Block
  */
 
-const NAMES = /[A-Za-z_]\w*/g;
 /** @param {string} text */
-const mentioned = (text) => new Set(String(text).match(NAMES) ?? []);
+const mentioned = (text) => new Set(String(text).match(NAME) ?? []);
 
 /**
  * The states before, in and after a hysteresis of backlash operators; null where the plant has none.

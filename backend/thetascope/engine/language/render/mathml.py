@@ -8,6 +8,7 @@ time.
 from collections.abc import Iterable, Mapping
 from html import escape
 
+from thetascope.engine.language.lexer import CONSTANTS
 from thetascope.engine.language.parser import Node, Parsed, parse
 from thetascope.engine.language.render.mathml_symbols import DOT, is_word, symbol
 
@@ -57,7 +58,7 @@ class Writer:
         """Return a number as it was typed; 2e-3 becomes 2·10⁻³."""
         text = self.parsed.text[node.start : node.end]
         mantissa, e, power = text.lower().partition("e")
-        if text == "pi":
+        if text in CONSTANTS:
             return "<mi>π</mi>"
         if not e:
             return f"<mn>{escape(text)}</mn>"
@@ -140,6 +141,10 @@ class Writer:
         """Return ⌊x⌉ to a power."""
         return f"<msup>{fenced(self.of(base), '⌊', '⌉')}{row(self.of(exponent))}</msup>"
 
+    def call_interp(self, arg: Node, table: Node) -> str:
+        """Return a table as a function."""
+        return row(symbol(table.name), "<mo>&#x2061;</mo>", fenced(self.of(arg)))
+
     def call_where(self, condition: Node, a: Node, b: Node) -> str:
         """Return two cases with a brace."""
         cells = (self.of(a), row("<mtext>if </mtext>", self.of(condition))), (self.of(b), "<mtext>otherwise</mtext>")
@@ -186,9 +191,9 @@ def first(node: Node) -> Node:
 # ---- a whole plant -------------------------------------------------------------------------------------------
 
 
-def expression(text: str, names: Iterable[str], field: str = "expression") -> str:
+def expression(text: str, names: Iterable[str], field: str = "expression", tables: Iterable[str] = ()) -> str:
     """Return the text of an expression as MathML. Raises ExpressionError with the position in the text."""
-    return Writer(parse(text, names, field)).write()
+    return Writer(parse(text, names, field, tables=tables)).write()
 
 
 def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
@@ -204,19 +209,20 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
     Raises:
         ExpressionError: with the position in the text.
     """
+    tables = [item["name"] for item in data.get("tables", ())]
     names = ["t"] + [item["name"] for group in ("states", "inputs", "signals", "parameters") for item in data[group]]
     definitions = []
     for index, item in enumerate(data["definitions"]):
-        text = expression(item["expression"], names, f"definitions.{index}.expression")
+        text = expression(item["expression"], names, f"definitions.{index}.expression", tables)
         definitions.append(_line(item, symbol(item["name"]) + EQUALS + text))
         names.append(item["name"])
     discrete = data["time"]["kind"] == "discrete"
     states, outputs = [], []
     for item in data["states"]:
-        text = expression(data["dynamics"][item["name"]], names, f"dynamics.{item['name']}")
+        text = expression(data["dynamics"][item["name"]], names, f"dynamics.{item['name']}", tables)
         states.append(_line(item, _rate(item["name"], discrete) + EQUALS + text + _faults(data, item["name"], names)))
     for index, item in enumerate(data["outputs"]):
-        text = expression(item["expression"], names, f"outputs.{index}.expression")
+        text = expression(item["expression"], names, f"outputs.{index}.expression", tables)
         outputs.append(_line(item, symbol(item["name"]) + EQUALS + text + _faults(data, item["name"], names)))
     return {"states": states, "definitions": definitions, "outputs": outputs}
 
@@ -246,7 +252,8 @@ def _faults(data: Mapping, where: str, names: Iterable[str]) -> str:
     for index, channel in enumerate(data["channels"]):
         if where not in channel["enters"]:
             continue
-        parsed = parse(str(channel["enters"][where]), names, f"channels.{index}.enters.{where}")
+        tables = [table["name"] for table in data.get("tables", ())]
+        parsed = parse(str(channel["enters"][where]), names, f"channels.{index}.enters.{where}", tables=tables)
         sign, node = signed(parsed.tree, 1)
         sign = -1 if node.value is not None and node.value < 0 else sign
         writer, theta = Writer(parsed), symbol(channel["name"])

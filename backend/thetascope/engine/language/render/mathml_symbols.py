@@ -43,10 +43,8 @@ GREEK = dict(
     ]
 )
 HAT, DOT, TILDE, BAR = "ˆ", "˙", "˜", "¯"
-_INDEXED = re.compile(
-    r"([A-Za-z]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?|_[A-Za-z0-9]+)\Z"
-)
-_UNDERSCORED = re.compile(r"([A-Za-z]+)_([A-Za-z0-9]+)\Z")
+_INDEXED = re.compile(r"([^\W\d_]|" + "|".join(sorted(GREEK, key=len, reverse=True)) + r")_?(\d+[a-z]?|_[^\W_]+)\Z")
+_UNDERSCORED = re.compile(r"([^\W\d_]+)_([^\W_]+)\Z")
 
 
 def parts(name: str) -> tuple[str, str]:

@@ -49,12 +49,13 @@ def memory_names(data: Mapping) -> tuple[str, ...]:
     others = [*data["dynamics"].values(), *(o["expression"] for o in data["outputs"])]
     groups = ("states", "inputs", "signals", "parameters")
     names = {"t", *definitions, *(e["name"] for group in groups for e in data[group])}
+    tables = {table["name"] for table in data.get("tables", ())}
     driving: set[str] = set()
     remembered: set[str] = set()
     for text in (*definitions.values(), *others):
-        for operator in _calls(parse(text, names).tree) if "backlash" in text else ():
-            driving |= _mentioned(operator.args[:1], definitions, names)
-            remembered |= _mentioned(operator.args[1:3], definitions, names)
+        for operator in _calls(parse(text, names, tables=tables).tree) if "backlash" in text else ():
+            driving |= _mentioned(operator.args[:1], definitions, names, tables)
+            remembered |= _mentioned(operator.args[1:3], definitions, names, tables)
     return tuple(s["name"] for s in data["states"] if s["name"] in remembered - driving)
 
 
@@ -65,7 +66,7 @@ def _calls(node: Node) -> Iterator[Node]:
         yield from _calls(arg)
 
 
-def _mentioned(nodes: Iterable[Node], definitions: Mapping[str, str], names: set[str]) -> set[str]:
+def _mentioned(nodes: Iterable[Node], definitions: Mapping[str, str], names: set[str], tables: set[str]) -> set[str]:
     """Return the names under the nodes, with definitions expanded."""
     names_below, todo = set(), list(nodes)
     while todo:
@@ -74,7 +75,7 @@ def _mentioned(nodes: Iterable[Node], definitions: Mapping[str, str], names: set
         if node.kind == "name" and node.name not in names_below:
             names_below.add(node.name)
             if node.name in definitions:
-                todo.append(parse(definitions[node.name], names).tree)
+                todo.append(parse(definitions[node.name], names, tables=tables).tree)
     return names_below
 
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from thetascope.engine.language.parser import Node, parse
 from thetascope.engine.language.syntax_tree import value_of
+from thetascope.engine.language.tables import Table, tables_of
 
 SLOWEST = 1e-3  # eigenvalues below this fraction of the largest count as integrators
 
@@ -21,7 +22,8 @@ def pace(model: Mapping) -> float:
     """
     if not model:
         return 1.0
-    used = {k: model[k] for k in ("states", "inputs", "parameters", "signals", "definitions", "dynamics", "time")}
+    parts = ("states", "inputs", "parameters", "signals", "definitions", "dynamics", "time")
+    used = {k: model[k] for k in parts} | {"tables": model.get("tables", ())}
     return _pace(json.dumps(used, default=str))
 
 
@@ -48,18 +50,18 @@ def _jacobian(model: Mapping) -> np.ndarray:
     x = np.array([float(s["initial"]) for s in model["states"]])
     values = {i["name"]: float(i["default"]) for i in model["inputs"]} | {s["name"]: 0.0 for s in model["signals"]}
     values |= {p["name"]: float(p["value"]) for p in model["parameters"]} | {"t": 0.0}
-    known = [*values, *states]
+    known, tables = [*values, *states], tables_of(model)
     definitions = []
     for d in model["definitions"]:
-        definitions.append((d["name"], parse(d["expression"], known).tree))
+        definitions.append((d["name"], parse(d["expression"], known, tables=tables).tree))
         known.append(d["name"])
-    dynamics = [parse(model["dynamics"][s], known).tree for s in states]
+    dynamics = [parse(model["dynamics"][s], known, tables=tables).tree for s in states]
 
     def f(x: np.ndarray) -> np.ndarray:
         here = values | dict(zip(states, x, strict=True))
         for name, tree in definitions:
-            here[name] = _value(tree, here)
-        return np.array([_value(tree, here) for tree in dynamics])
+            here[name] = _value(tree, here, tables)
+        return np.array([_value(tree, here, tables) for tree in dynamics])
 
     columns = []
     for i in range(len(x)):
@@ -72,11 +74,14 @@ def _jacobian(model: Mapping) -> np.ndarray:
     return A
 
 
-def _value(node: Node, values: Mapping[str, float]) -> float:
+def _value(node: Node, values: Mapping[str, float], tables: Mapping[str, Table]) -> float:
     if node.value is not None:
         return node.value
     if node.kind == "name":
         return values[node.name]
-    numbers = tuple(Node("number", (), 0, 0, value=float(_value(a, values))) for a in node.args)
-    result = float(value_of(replace(node, args=numbers)))
+    if node.name == "interp" and node.kind == "call":
+        result = tables[node.args[1].name].value(_value(node.args[0], values, tables))
+    else:
+        numbers = tuple(Node("number", (), 0, 0, value=float(_value(a, values, tables))) for a in node.args)
+        result = float(value_of(replace(node, args=numbers)))
     return result if math.isfinite(result) else math.nan
