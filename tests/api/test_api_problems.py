@@ -42,6 +42,9 @@ def send(address):
         ({"seed": 1.5}, "seed", "whole number"),
         ({"plant": "contoi"}, "plant", "contois"),
         ({"plant": None}, "plant", ""),
+        ({"plant": "../lag.yaml"}, "plant", "command line only"),
+        ({"plant": "/etc/passwd"}, "plant", "command line only"),
+        ({"plant": "lag.json"}, "plant", "command line only"),
         ({"noise": {"z": {"std": 1}}}, "noise.z", "use one of: y"),
         ({"faults": [{"channel": "gain", "shape": "stepp", "onset": 1, "size": 1}]}, "faults[0]", "step"),
         (

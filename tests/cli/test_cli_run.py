@@ -9,6 +9,7 @@ import sys
 
 import numpy as np
 import pytest
+import yaml
 from scipy.io import loadmat
 
 from tests.cli.conftest import ROOT
@@ -211,3 +212,48 @@ def test_the_progress_is_a_bar_on_a_terminal_and_lines_elsewhere(monkeypatch):
 def test_a_table_aligns_numbers_right_and_words_left():
     """Decimal places of a column are aligned."""
     assert table(["NAME", "N"], [["a", "1"], ["bcd", "-10"]]) == "NAME    N\na       1\nbcd   -10"
+
+
+PLANT = """
+id: lag
+states: [{name: x}]
+inputs: [{name: u, default: 1}]
+outputs: [{name: y, expression: x}]
+dynamics: {x: u - x}
+"""
+
+
+def test_an_experiment_names_a_plant_file_beside_it(call, tmp_path):
+    """The run is that of the experiment with the plant written out; a mistake is shown in the plant's file."""
+    folder = tmp_path / "bench"
+    (folder / "plants").mkdir(parents=True)
+    plant, experiment = folder / "plants" / "lag.yaml", folder / "step.yaml"
+    plant.write_text(PLANT)
+    experiment.write_text("plant: plants/lag.yaml\nhorizon: 2\nstep: 0.01\n")
+    inline = tmp_path / "inline.json"
+    inline.write_text(json.dumps({"plant": yaml.safe_load(PLANT), "horizon": 2, "step": 0.01}))
+    runs = [tmp_path / f"{k}.csv" for k in range(2)]
+    for file, out in zip((experiment, inline), runs, strict=True):
+        code, _, error = call("run", str(file), "--out", str(out), "--quiet")
+        assert (code, error) == (0, "")
+    assert runs[0].read_bytes() == runs[1].read_bytes()
+    plant.write_text(PLANT.replace("default", "defautl"))
+    code, _, error = call("run", str(experiment))
+    assert code != 0
+    assert "lag.yaml:4:" in error and "did you mean default" in error
+
+
+@pytest.mark.parametrize(
+    "name", ["../lag.yaml", "/etc/lag.yaml", "absent.yaml", "C:\\lag.yaml", "link.yaml", "lag.txt/"]
+)
+def test_a_plant_file_elsewhere_is_not_read(call, tmp_path, name):
+    """A path out of the experiment's folder, also by a link, and a file that is absent are refused at their place."""
+    (tmp_path / "lag.yaml").write_text(PLANT)
+    folder = tmp_path / "bench"
+    folder.mkdir()
+    (folder / "link.yaml").symlink_to(tmp_path / "lag.yaml")
+    (folder / "step.yaml").write_text(f"plant: '{name}'\nhorizon: 2\nstep: 0.01\n")
+    code, out, error = call("run", str(folder / "step.yaml"))
+    assert code != 0
+    assert out == ""
+    assert "step.yaml:1:8" in error

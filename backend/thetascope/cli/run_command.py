@@ -20,10 +20,10 @@ from thetascope.runs.results.comparison_rows import compared
 from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.run_report import report_html
 from thetascope.runs.specs.overrides import parse_assignment
+from thetascope.runs.specs.plant_files import read_experiment
 from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
 from thetascope.runs.specs.resolve_spec import library_experiment, plant_of, resolved, with_changes
 from thetascope.runs.specs.run_requests import parse_request
-from thetascope.runs.specs.spec_files import read
 from thetascope.settings import Settings, load
 from thetascope.store import Database, RunStore, StoreError
 from thetascope_schemas.experiment.experiment import Experiment, ResolvedExperiment
@@ -55,7 +55,7 @@ def experiment_of(target: str, settings: Settings) -> Experiment:
     path = Path(target)
     if not path.suffix and not path.exists():
         return library_experiment(target)
-    document = read(path, settings.max_body)
+    document = read_experiment(path, settings.max_body)
     try:
         return parse_request(document.data)
     except InvalidSpec as error:

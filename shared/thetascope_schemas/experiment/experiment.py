@@ -6,7 +6,7 @@ import math
 from collections.abc import Iterator
 from typing import Annotated
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
 from thetascope_schemas.experiment.base import (
     MAX_FAULTS,
@@ -42,8 +42,21 @@ def _plant_kind(value: object) -> str:
     return "library" if isinstance(value, str) else "inline"
 
 
+def names_a_file(plant: str) -> bool:
+    """Return whether the text under `plant` is the path of a file, not an id."""
+    return "/" in plant or "\\" in plant or plant.lower().endswith((".yaml", ".yml", ".json"))
+
+
+def _no_file(plant: object) -> object:
+    """Return the id of a plant; refuse a path, which the service never opens."""
+    if isinstance(plant, str) and names_a_file(plant):
+        raise refuse("experiment.plant.file", value=plant[:80])
+    return plant
+
+
 PlantChoice = Annotated[
-    Annotated[Identifier, Tag("library")] | Annotated[Plant, Tag("inline")], Discriminator(_plant_kind)
+    Annotated[Identifier, BeforeValidator(_no_file), Tag("library")] | Annotated[Plant, Tag("inline")],
+    Discriminator(_plant_kind),
 ]
 
 

@@ -75,12 +75,16 @@ class DocumentRefused(Exception):
 
 @dataclass(frozen=True)
 class Document:
-    """The data of a file, and the place of each value in its text (by path: `channels[0].enters.x1`)."""
+    """The data of a file, and the place of each value in its text (by path: `channels[0].enters.x1`).
+
+    `parts` are the documents of fields that are files of their own, by the field's name.
+    """
 
     data: Any
     text: str
     places: dict[str, Place] = field(default_factory=dict)
     name: str = ""
+    parts: dict[str, "Document"] = field(default_factory=dict)
 
     def place(self, path: str) -> Place | None:
         """Return the place of a path's value, or of the innermost enclosing part that occurs in the text."""
@@ -103,6 +107,9 @@ class Document:
         where the expression is on its line unchanged.
         """
         message = sentence(error, language)
+        first, _, rest = error.field.partition(".")
+        if rest and first in self.parts:
+            return self.parts[first].located(error.model_copy(update={"field": rest}), language, offset, text)
         place = self.place(error.field)
         if place is None:
             return f"{self.name}: {message}"
