@@ -57,7 +57,8 @@ def write(d: Draft) -> None:
     Gamma = d.symmetric("Gamma", p, initial=diag(d.gain("gamma0")))
     at = d.at(x, theta)
     A, C, Phi, Psi = d.let("A", at.A), d.let("C", at.C), d.let("Phi", at.Phi), d.let("Psi", at.Psi)
-    d.let("AP", A @ P), d.let("CP", C @ P)  # products that appear twice below, also transposed
+    d.let("AP", A @ P)  # these two products appear twice below, also transposed
+    d.let("CP", C @ P)
 
     K = d.let("K", P @ C.T @ R_inv)
     Omega = d.let("Omega", C @ Upsilon + Psi)
