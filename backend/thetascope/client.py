@@ -109,14 +109,16 @@ class Client:
         """The JSON at a path. Raises :class:`ServiceError`."""
         return json.loads(self.request("GET", path)[2])
 
-    def post(self, path: str, data: object = None) -> Any:
+    def post(self, path: str, data: object = None, headers: Mapping[str, str] | None = None) -> Any:
         """The JSON answer to a POST. Raises :class:`ServiceError`."""
         body = None if data is None else json.dumps(data).encode()
-        return json.loads(self.request("POST", path, body)[2])
+        return json.loads(self.request("POST", path, body, headers)[2])
 
-    def request(self, method: str, path: str, body: bytes | None = None) -> tuple[int, Mapping[str, str], bytes]:
+    def request(
+        self, method: str, path: str, body: bytes | None = None, headers: Mapping[str, str] | None = None
+    ) -> tuple[int, Mapping[str, str], bytes]:
         """Status, headers and body of the answer. Raises :class:`ServiceError` from status 400 on."""
-        headers = {} if body is None else {"Content-Type": "application/json"}
+        headers = {**({} if body is None else {"Content-Type": "application/json"}), **(headers or {})}
         try:
             self._connection.request(method, self._base + path, body, headers)
             answer = self._connection.getresponse()

@@ -42,6 +42,8 @@ class Settings:
     #: Address and port on which `thetascope serve` listens.
     host: str = "127.0.0.1"
     port: int = 8000
+    #: Further names of this service, separated by commas; loopback names and addresses as numbers are always accepted.
+    hosts: str = ""
     #: Runs computed at the same time. Kernels leave Python's lock, so threads use several cores.
     workers: int = min(4, os.cpu_count() or 1)
     #: Whether the library's experiments are prepared in the background after the first start (0: not).

@@ -52,12 +52,13 @@ def test_a_saved_session_is_a_run_with_the_same_numbers(client, address):
         columns = late.receive()["columns"]
         row = client.get(session["links"]["self"])["row"]
         late.until(lambda: late.end == row)
-    run = client.post(session["links"]["save"])
+    control = {"X-Control-Token": session["token"]}
+    run = client.post(session["links"]["save"], headers=control)
     data = client.data(run["id"])
     rows = late.rows()
     assert [name for name in columns if data[name].astype("<f4").tobytes() != rows[columns.index(name)].tobytes()] == []
     assert run["spec"]["horizon"] == pytest.approx((row - 1) * 0.01)
-    assert client.request("POST", session["links"]["save"])[0] == 200, "saved before"
+    assert client.request("POST", session["links"]["save"], headers=control)[0] == 200, "saved before"
 
 
 def test_a_library_experiment_opens_at_a_time_and_paused(client, address):

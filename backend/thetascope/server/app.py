@@ -14,6 +14,7 @@ from starlette.responses import Response
 from thetascope import __version__, library
 from thetascope.api.http import openapi, problems, static_pages
 from thetascope.api.http.answers import json_response
+from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import ContentLanguage
 from thetascope.api.http.security_headers import Security
 from thetascope.api.http.services import Services, Use
@@ -62,7 +63,8 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redoc_url=None,
     )
     app.add_middleware(ContentLanguage)
-    app.add_middleware(Security)
+    app.state.hosts = AllowedHosts(settings.hosts)
+    app.add_middleware(Security, hosts=app.state.hosts)
     problems.install(app)
     openapi.install(app)
     app.include_router(_api())

@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from tests.browser.live_helpers import opened, until
+from tests.browser.live_helpers import opened, state, until
 
 EXPORT = ".actions button:nth-child(2)"
 OPENED = "document.querySelector('dialog[open]') !== null"
@@ -73,3 +73,16 @@ def test_an_export_waits_for_a_long_run(page):
     spec = json.loads(download.value.path().read_text())
     assert spec["id"] == "zhao-2012" and download.value.suggested_filename.startswith("zhao-2012-")
     assert live.watch.errors == []
+
+
+def test_a_viewer_downloads_the_displayed_data(page):
+    """Without the token a session cannot be saved as a run; its data can be downloaded as displayed."""
+    live = opened(page, "/?experiment=zhao-2012&t=3")
+    viewer = page(f"/?session={state(live, 'session')}")
+    until(viewer, "window.thetascope?.state.role === 'view' && thetascope.samples.rows > 300")
+    viewer.click(EXPORT)
+    assert viewer.locator("dialog[open] button:text-is('Specification')").count() == 0
+    with viewer.expect_download(timeout=20_000) as download:
+        viewer.click("dialog[open] button:text-is('CSV')")
+    head, first = download.value.path().read_text().splitlines()[:2]
+    assert head.startswith("t,") and first.startswith("0") and viewer.watch.errors == []

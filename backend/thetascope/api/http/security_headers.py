@@ -4,6 +4,7 @@ from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 
+from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import language_of
 from thetascope.api.http.problems import problem_response
 from thetascope.messages import Message as Wording
@@ -26,10 +27,13 @@ _SAFE = {"GET", "HEAD", "OPTIONS"}
 
 
 class Security:
-    """Adds headers that a response does not set itself, and refuses changes requested by pages of other sites."""
+    """Adds headers that a response does not set itself.
 
-    def __init__(self, app: ASGIApp) -> None:
-        self._app = app
+    Refuses requests under a name that is not this service's, and changes requested by pages of other sites.
+    """
+
+    def __init__(self, app: ASGIApp, hosts: AllowedHosts) -> None:
+        self._app, self._hosts = app, hosts
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Handle a request, and add the headers to its answer."""
@@ -44,9 +48,18 @@ class Security:
                     headers.setdefault(name, value)
             await send(message)
 
-        if scope["method"] not in _SAFE and Headers(scope=scope).get("sec-fetch-site") == "cross-site":
-            language = language_of(Request(scope))
-            response = problem_response(problem(403, Wording("http.cross-site"), language=language))
-            await response(scope, receive, send_with_headers)
+        if (refusal := self._refusal(scope)) is not None:
+            document = problem(*refusal, language=language_of(Request(scope)))
+            await problem_response(document)(scope, receive, send_with_headers)
             return
         await self._app(scope, receive, send_with_headers)
+
+    def _refusal(self, scope: Scope) -> tuple[int, Wording] | None:
+        """Return status and reason if a request is refused."""
+        headers = Headers(scope=scope)
+        host = headers.get("host", "")
+        if not self._hosts.allows(host):
+            return 421, Wording("http.host.unknown", host=host[:100])
+        if scope["method"] not in _SAFE and not self._hosts.may_change(headers):
+            return 403, Wording("http.cross-site")
+        return None

@@ -3,11 +3,11 @@
 import asyncio
 import secrets
 from contextlib import suppress
-from urllib.parse import urlsplit
 
 from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket
 
+from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
@@ -35,7 +35,8 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     services: Services = websocket.app.state.services
     # Accepted before any check: otherwise browsers do not pass the close code to the page.
     await websocket.accept()
-    if not same_origin(websocket.headers.get("origin"), websocket.headers.get("host", "")):
+    hosts: AllowedHosts = websocket.app.state.hosts
+    if not hosts.allows(websocket.headers.get("host", "")) or not hosts.may_change(websocket.headers):
         await _close(websocket, CLOSE_ORIGIN, Message("session.close.origin"))
         return
     room = services.live.find(websocket.path_params["id"])
@@ -106,19 +107,6 @@ async def _read(websocket: WebSocket, room, viewer, settings) -> None:
         if (wait := allowance.wait(clock())) > 0:
             await asyncio.sleep(wait)
         room.commands.receive(viewer, message.get("text"), settings.max_message)
-
-
-def same_origin(origin: str | None, host: str) -> bool:
-    """Return whether a page of this service opens the connection. Clients without an origin are not browsers: allowed.
-
-    The scheme is not compared: behind a proxy that ends TLS, the page's is https and the service's is http.
-    """
-    if origin is None:
-        return True
-    try:
-        return urlsplit(origin).netloc.lower() == host.lower() != ""
-    except ValueError:  # not an address
-        return False
 
 
 def matches(given: str, token: str) -> bool:

@@ -36,6 +36,7 @@ router = APIRouter(prefix="/sessions", tags=["sessions"])
 router.routes.append(WebSocketRoute("/sessions/{id}/stream", Stream()))  # appended directly: no prefix is added
 
 _FORBIDDEN = {403: {"model": Problem, "description": "The control token is not this session's."}}
+ControlToken = Annotated[str, Header(alias="X-Control-Token", description="The token that the session's opener got.")]
 
 
 def links(id: str) -> dict[str, str]:
@@ -82,13 +83,11 @@ async def get_session(id: str, services: Use, language: Language) -> Response:
 
 
 @router.delete("/{id}", status_code=204, response_model=None, responses={**documented(404), **_FORBIDDEN})
-async def end_session(
-    id: str, services: Use, language: Language, token: Annotated[str, Header(alias="X-Control-Token")] = ""
-) -> Response:
+async def end_session(id: str, services: Use, language: Language, token: ControlToken = "") -> Response:
     """End a session for all its viewers."""
     room = _room(services, id)
     if not matches(token, room.token):
-        return problem_response(problem(403, Message("session.token.wrong"), language=language))
+        return _wrong_token(language)
     services.live.close(room)
     return Response(status_code=204)
 
@@ -120,11 +119,14 @@ async def fork_session(request: Request, id: str, services: Use, language: Langu
         200: {"model": Run, "description": "The same was saved before."},
         202: {"model": Progress, "description": "It takes longer: `Location` is the run."},
         **documented(404, 409, 422, 503),
+        **_FORBIDDEN,
     },
 )
-async def save_session(id: str, services: Use, language: Language) -> Response:
+async def save_session(id: str, services: Use, language: Language, token: ControlToken = "") -> Response:
     """Save the session up to now as an ordinary run with exactly the same numbers."""
     room = _room(services, id)
+    if not matches(token, room.token):
+        return _wrong_token(language)
     if room.shown < 2:
         raise NotReady(Message("session.not-begun"))
     spec = room.spec()
@@ -211,6 +213,10 @@ def _room(services: Services, id: str) -> Any:
 def _opened(room: Any) -> Response:
     answer = {"id": room.id, "token": room.token, "parent": room.parent, "links": links(room.id)}
     return json_response(answer, 201, {"Location": links(room.id)["self"], "Cache-Control": "no-store"})
+
+
+def _wrong_token(language: str) -> Response:
+    return problem_response(problem(403, Message("session.token.wrong"), language=language))
 
 
 def _full(services: Services, language: str) -> Response:
