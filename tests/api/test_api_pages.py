@@ -7,6 +7,7 @@ import re
 import pytest
 
 import thetascope
+from thetascope.api.http.page_files import page_files
 from thetascope.client import ServiceError
 from thetascope.engine.observers.registry import kinds
 
@@ -37,6 +38,47 @@ def test_the_documentation_loads_only_files_of_this_service(client, page):
         assert content and headers["content-type"].split(";")[0] in ("text/javascript", "text/css")
         assert b"://cdn." not in content
     assert not re.search(r"<script[^>]*>[^<]", html)
+
+
+@pytest.mark.parametrize("page", ["/", "/runs/", "/records/", "/plants/"])
+def test_a_document_is_revalidated_and_its_files_are_kept(client, page):
+    """Scripts and styles have versioned addresses, immutable for a year; the document and plain addresses do not."""
+    _, headers, html = client.request("GET", page)
+    assert headers["cache-control"] == "no-cache" and headers["content-type"].startswith("text/html")
+    loaded = re.findall(r'(?:src|href)="([^"]+\.(?:js|css|svg))"', html.decode())
+    assert len(loaded) > 8 and len({path.split("/")[2] for path in loaded}) == 1
+    for path in loaded:
+        _, kept, content = client.request("GET", path)
+        assert "immutable" in kept["cache-control"] and "max-age=31536000" in kept["cache-control"]
+        plain = "/" + path.split("/", 3)[3]
+        _, revalidated, same = client.request("GET", plain)
+        assert revalidated["cache-control"] == "no-cache" and same == content
+    client._connection.request("GET", page, headers={"If-None-Match": headers["etag"]})
+    again = client._connection.getresponse()
+    assert (again.status, again.read()) == (304, b"")
+
+
+def test_a_file_of_another_version_is_served_and_not_kept(client):
+    """A page that was loaded before an update still finds its modules, and no browser keeps them under that address."""
+    _, headers, content = client.request("GET", "/static/0123456789abcdef/common/dom.js")
+    assert headers["cache-control"] == "no-cache" and content == client.request("GET", "/common/dom.js")[2]
+    for path in ("/static/0123456789abcdef/none.js", "/static/x/../../settings.py", "/static/x", "/static/"):
+        with pytest.raises(ServiceError) as refusal:
+            client.request("GET", path)
+        assert refusal.value.status == 404
+
+
+def test_the_version_changes_with_any_file(tmp_path):
+    """It is that of the content: written back, a file has its version again."""
+    for name in ("a.js", "b.css", "index.html"):
+        (tmp_path / name).write_text("1")
+    before = page_files(tmp_path)
+    assert set(before.signatures) == {"a.js", "b.css"} and page_files(tmp_path) == before
+    (tmp_path / "b.css").write_text("12")
+    after = page_files(tmp_path)
+    assert after.version != before.version and after.signatures["b.css"] != before.signatures["b.css"]
+    (tmp_path / "b.css").write_text("1")
+    assert page_files(tmp_path).version == before.version
 
 
 def test_every_answer_has_the_security_headers(client):

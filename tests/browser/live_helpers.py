@@ -2,6 +2,8 @@
 
 import time
 
+from playwright.sync_api import Error
+
 APP = "window.thetascope"
 #: Narrow, wide, and with Chinese characters of the same font; the content policy forbids style elements.
 FONTS = ("", "DejaVu Sans", "Noto Sans CJK SC")
@@ -18,32 +20,70 @@ SITUATION = """(() => {
 })()"""
 
 
+#: Look inside the page until the expression is true: polls from outside cost three processes time.
+WAITS = """(async () => {
+  const end = performance.now() + %d;
+  for (;;) {
+    const value = await (%s
+    );
+    if (value || performance.now() > end) return value;
+    await new Promise((done) => setTimeout(done, 15));
+  }
+})()"""
+
+
 def until(page, expression: str, seconds: float = 60.0):
-    """Return the value of an expression on the page as soon as it is true.
+    """Return the value of an expression on the page as soon as it is true, also if the page is loaded again meanwhile.
 
     Playwright's own `wait_for_function` evaluates text, which the page's content policy forbids. The limit is for a
     page that hangs; it is long because a busy machine is slow.
     """
     end = time.monotonic() + seconds
-    while not (value := page.evaluate(expression)):
-        assert time.monotonic() < end, f"it never came true: {expression}\non the page: {page.evaluate(SITUATION)}"
-        page.wait_for_timeout(50)
-    return value
+    while (left := end - time.monotonic()) > 0:
+        try:
+            value = page.evaluate(WAITS % (1000 * left, expression))
+        except Error as error:
+            if "context was destroyed" not in error.message and "navigation" not in error.message:
+                raise
+            page.wait_for_load_state()
+            continue
+        if value:
+            return value
+    raise AssertionError(f"it never came true: {expression}\non the page: {page.evaluate(SITUATION)}")
+
+
+#: The session is live, and the panels are filled.
+OPENED = f"""{APP}?.state.spec && {APP}.latest('t') > 0 && document.querySelector('#panel-inject .fault')
+  && document.querySelector('#panel-observers .gain input, #panel-observers .soft') && true"""
 
 
 def opened(page, path: str = "/", **more):
     """Return the live page with its session running and its panels filled."""
     live = page(path, **more)
-    until(live, f"{APP}?.state.spec !== null && {APP}.latest('t') > 0")
-    live.wait_for_selector("#panel-inject .fault", state="attached")
-    live.wait_for_selector("#panel-observers .gain input, #panel-observers .soft", state="attached")
+    until(live, OPENED)
     return live
 
 
 def ready(page, rows: int = 2) -> None:
     """Wait until the session has at least this many rows and the panels have their final size."""
-    until(page, f"{APP}?.state.connection === 'live' && {APP}.samples.rows >= Math.max({rows}, {APP}.state.row)")
-    until(page, "document.querySelector('#panel-inject .fault') !== null")
+    rest = "document.querySelector('#panel-inject .fault')"
+    until(
+        page, f"{APP}?.state.connection === 'live' && {APP}.samples.rows >= Math.max({rows}, {APP}.state.row) && {rest}"
+    )
+
+
+#: The page asks for no further frame, and has drawn two since: axes have come to rest, sizes follow from sizes.
+RESTED = """(async () => {
+  const drawn = () => new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
+  const end = performance.now() + 60_000;
+  await drawn();
+  for (let calm = 0; calm < 2 && performance.now() < end; await drawn()) calm = window.framesAsked ? 0 : calm + 1;
+})()"""
+
+
+def rested(page) -> None:
+    """Wait until a page that is paused does not move any more."""
+    page.evaluate(RESTED)
 
 
 def row(page, name: str):

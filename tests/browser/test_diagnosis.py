@@ -31,10 +31,10 @@ def site(live, subject: str) -> str:
     return live.locator("svg.plant .site:not(.output)").nth(place).get_attribute("class")
 
 
-def test_a_sensor_fault_is_summarised(page):
+def test_a_sensor_fault_is_summarised(tab):
     """The summary has size, interval, onset and delay; the channel has the ring, the log names it, θ̂ settles within 10
     %."""
-    live = started(page)
+    live = started(tab)
     inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
     live.evaluate("thetascope.act.step(1000)")
     summary = until(live, f"/found in/.test({VERDICT}) && {VERDICT}")
@@ -50,9 +50,9 @@ def test_a_sensor_fault_is_summarised(page):
     assert live.watch.errors == [] and live.watch.foreign == []
 
 
-def test_an_actuator_fault_is_identified_and_clears(page):
+def test_an_actuator_fault_is_identified_and_clears(tab):
     """θ₁ is found and its estimate settles; after Clear the alarm and the ring end, and the finding remains as over."""
-    live = started(page)
+    live = started(tab)
     inject(live, "channel: 'theta1', shape: 'step', size: 0.01")
     live.evaluate("thetascope.act.step(3000)")
     until(live, "thetascope.state.alarms.some((alarm) => alarm.subject === 'theta1' && alarm.over === null)")
@@ -68,9 +68,9 @@ def test_an_actuator_fault_is_identified_and_clears(page):
     assert "alarm cleared: θ₁" in live.locator("#panel-log").inner_text()
 
 
-def test_faults_that_the_input_does_not_distinguish_are_both_named(page):
+def test_faults_that_the_input_does_not_distinguish_are_both_named(tab):
     """With constant φ θ₁ and θ₂ enter alike: summary, findings and channels show both, and the strips are marked."""
-    live = started(page)
+    live = started(tab)
     for name in ("phi1", "phi2", "phi3"):
         live.evaluate(
             f"thetascope.send({{type: 'set-signal', name: '{name}', signal: {{kind: 'constant', value: 1}}}})"
@@ -88,9 +88,9 @@ def test_faults_that_the_input_does_not_distinguish_are_both_named(page):
     assert "θ₁ or θ₂, not distinguishable" in live.locator("#panel-log").inner_text()
 
 
-def test_an_unexplained_change_is_attributed_to_the_sensor(page):
+def test_an_unexplained_change_is_attributed_to_the_sensor(tab):
     """A stuck measurement is not explained by the model: the summary says so, and the residual is flagged."""
-    live = started(page)
+    live = started(tab)
     inject(live, "output: 'y', shape: 'stuck', value: 0.11")
     live.evaluate("thetascope.act.step(1500)")
     said = until(live, f"/explains y/.test({VERDICT}) && {VERDICT}")
@@ -104,10 +104,10 @@ def test_an_unexplained_change_is_attributed_to_the_sensor(page):
     assert marked == ["y", 0]
 
 
-def test_detectability_and_certainty_are_shown(page):
+def test_detectability_and_certainty_are_shown(tab):
     """The folds show the excitation and its requirement, the resolution of every channel, the rate, and declared and
     estimated noise."""
-    live = started(page)
+    live = started(tab)
     diagnosis = live.evaluate("thetascope.state.diagnosis")
     see, sure = live.locator("#panel-diagnosis .heading-links button").all()
     see.click()
@@ -121,9 +121,9 @@ def test_detectability_and_certainty_are_shown(page):
     assert "0.001 declared" in words and f"{diagnosis['calibration']['seeds']} fault-free simulations" in words
 
 
-def test_rank_and_condition_along_the_run(page):
+def test_rank_and_condition_along_the_run(tab):
     """Detectability shows the structural rank of states and faults, and rank and condition in every window."""
-    live = started(page)
+    live = started(tab)
     live.click("#panel-diagnosis button:text-is('Detectability')")
     live.click(".trajectory button")
     live.wait_for_selector(".trajectory tbody tr:nth-child(4)", timeout=30_000)
@@ -132,9 +132,9 @@ def test_rank_and_condition_along_the_run(page):
     assert "rank: 5 of 5" in live.inner_text(".trajectory p >> nth=0") and live.watch.errors == []
 
 
-def test_a_proposed_input_is_applied(page):
+def test_a_proposed_input_is_applied(tab):
     """With its own input held constant the motor's faults are not distinguished; Apply sends the proposed input."""
-    live = started(page, "/?experiment=dc-motor&t=2")
+    live = started(tab, "/?experiment=dc-motor&t=2")
     live.evaluate("thetascope.send({type: 'set-signal', name: 'voltage', signal: {kind: 'constant', value: 12}})")
     live.evaluate("thetascope.act.step(2000)")
     live.locator("#panel-diagnosis .heading-links button").first.click()
@@ -182,9 +182,9 @@ def test_a_run_shows_its_diagnosis(page):
     assert run.watch.errors == [] and run.watch.foreign == []
 
 
-def test_faults_below_the_noise_are_called_unresolvable(page):
+def test_faults_below_the_noise_are_called_unresolvable(tab):
     """At the literal noise of the paper the page says that θ₁ and θ₂ cannot be resolved, also at their strips."""
-    live = opened(page, "/?experiment=zhao-2012-variance-as-printed&t=30")
+    live = opened(tab, "/?experiment=zhao-2012-variance-as-printed&t=30")
     until(live, "/cannot be resolved at this noise level/.test(document.querySelector('.hint')?.textContent)")
     assert live.locator(".hint").inner_text() == "θ₁ and θ₂ cannot be resolved at this noise level."
     marks = live.evaluate(
@@ -196,9 +196,9 @@ def test_faults_below_the_noise_are_called_unresolvable(page):
     assert live.locator("#panel-diagnosis .seen tbody tr", has_text="below the noise").count() == 2
 
 
-def test_a_fault_that_is_not_found_is_listed_inside_its_card(page):
+def test_a_fault_that_is_not_found_is_listed_inside_its_card(tab):
     """The line of a tiny fault lies in the Diagnosis card, not at the mark of the same name on a strip."""
-    live = started(page)
+    live = started(tab)
     inject(live, "channel: 'theta2', shape: 'step', size: 0.0005")
     line = live.wait_for_selector(".finding.undetected").bounding_box()
     card = live.locator("#panel-diagnosis").bounding_box()
@@ -206,9 +206,9 @@ def test_a_fault_that_is_not_found_is_listed_inside_its_card(page):
     assert card["y"] <= line["y"] and line["y"] + line["height"] <= card["y"] + card["height"]
 
 
-def test_a_found_fault_that_ends_is_never_called_unfound(page):
+def test_a_found_fault_that_ends_is_never_called_unfound(tab):
     """From Clear to the end of the alarm no text calls the fault not found; the next fault does not light its badge."""
-    live = started(page)
+    live = started(tab)
     inject(live, "channel: 'theta3', shape: 'step', size: 0.02")
     live.evaluate("thetascope.act.step(300)")
     until(live, f"/found in/.test({VERDICT})")
@@ -225,16 +225,3 @@ def test_a_found_fault_that_ends_is_never_called_unfound(page):
     inject(live, "channel: 'theta3', shape: 'step', size: 0.0005")
     until(live, "document.querySelector('.finding.undetected .lit') !== null")
     assert live.locator(".finding.past .lit").count() == 0
-
-
-def test_an_identified_fault_is_not_called_unresolved(page):
-    """A strip says that its fault is not resolved only while no alarm names that fault alone."""
-    page = opened(page, PAUSED)
-    summary = page.evaluate("""import('/diagnosis/fault-size.js').then(({unresolved}) => {
-      const resolution = ['a', 'b'].map((channel) => ({channel, identifiable: false, resolvable: false}));
-      const alarm = (subjects, over = null) => ({subjects, over});
-      const of = (...alarms) => unresolved({t: 9, alarms, diagnosis: {calibration: {from_time: 1}, resolution}})
-        .map(({channel}) => channel).join('');
-      return [of(), of(alarm(['a'])), of(alarm(['a'], 8)), of(alarm(['a', 'b']))];
-    })""")
-    assert summary == ["ab", "b", "ab", "ab"]

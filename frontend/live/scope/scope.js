@@ -201,8 +201,8 @@ export class Scope {
     if (this.rows.size === 0 || !this.place) return moving;
     const [t0, t1] = this.span();
     const shown = `${samples.version} ${ghost?.version} ${t0} ${t1}`;
-    const gliding = this.aim(now, t0, t1);
-    if (shown === this.still && !gliding && !moving) return false;
+    const {changed, more} = this.aim(now, t0, t1);
+    if (shown === this.still && !changed && !moving) return more;
     this.still = shown;
     const step = niceStep(t1 - t0, Math.max(2, this.place.width / (78 * this.colours.size)));
     const view = {
@@ -221,7 +221,7 @@ export class Scope {
       if (row.place.height > 0) drawStrip(row.ctx, row.strip, row.place, view, row.range, this.colours);
     }
     drawTimeAxis(this.ctx, this.place, view, this.colours);
-    return moving || gliding;
+    return moving || more;
   }
 
   /**
@@ -244,7 +244,7 @@ export class Scope {
   }
 
   /**
-   * Fit every axis to its curves. Returns whether one is still moving.
+   * Fit every axis to its curves. Returns whether the picture has changed, and whether another frame is needed.
    * @param {number} now
    * @param {number} t0
    * @param {number} t1
@@ -263,7 +263,7 @@ export class Scope {
       if (look || gliding) setTicks(strip, range, place.height / this.colours.size);
     }
     if (look && settled) this.atOnce = false;
-    return gliding || due;
+    return {changed: look || gliding, more: gliding || due};
   }
 
   /**

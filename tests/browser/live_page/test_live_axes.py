@@ -5,19 +5,19 @@ from itertools import pairwise
 
 import pytest
 
-from tests.browser.live_helpers import APP, ready, state, until
+from tests.browser.live_helpers import APP, ready, rested, state, until
 
 PAUSED = "/?experiment=zhao-2012&t=30"
 FOUR = "/?experiment=zhao-2012-observers&t=30"
+TANKS = "/?experiment=dts200&t=40"
 
 
-def settled(page, path: str, **more):
+def settled(tab, path: str, **more):
     """Return the page as it opens, paused, when its axes have come to rest."""
-    opened = page(path, **more)
+    opened = tab(path, **more)
     ready(opened)
     opened.mouse.move(0, 0)
-    opened.evaluate(f"{APP}.act.look(null); {APP}.act.select(null); {APP}.act.language('en')")
-    opened.wait_for_timeout(1200)
+    rested(opened)
     return opened
 
 
@@ -25,9 +25,9 @@ def beside(opened, strip: str) -> list[str]:
     return opened.locator(f'[data-strip="{strip}"] .strip-values span').all_inner_texts()
 
 
-def test_looking_back_shows_that_time(kept_page):
+def test_looking_back_shows_that_time(tab):
     """Values and line are those of that time; the clock shows the present, also while the pointer is on the curves."""
-    opened = settled(kept_page, "/?experiment=zhao-2012&t=40")
+    opened = settled(tab, "/?experiment=zhao-2012&t=40")
     opened.evaluate(f"{APP}.act.look(12)")
     until(opened, "document.querySelector('[data-strip=\"theta.theta3\"] .truth').textContent.startsWith('0.0000')")
     truth, estimate = beside(opened, "theta.theta3")
@@ -42,20 +42,20 @@ def test_looking_back_shows_that_time(kept_page):
     assert opened.inner_text(".clock .digits") == "40.0"
 
 
-def test_noise_is_never_cut_and_outliers_are_marked(kept_page):
+def test_noise_is_never_cut_and_outliers_are_marked(tab):
     """After the start only outliers of x̂₂ leave its axis, each with an arrow at its time; one press shows all."""
-    opened = settled(kept_page, "/?experiment=zhao-2012&t=60")
+    opened = settled(tab, "/?experiment=zhao-2012&t=60")
     low, high = opened.evaluate(f"{APP}.scope.rows.get('x.x2').range.target")
     seen = opened.evaluate(f"{APP}.range('adaptive.x.x2', 42, 60)")
     assert low <= seen["min"] and seen["max"] <= high
     opened.evaluate(f"{APP}.act.select(5, 35)")
-    opened.wait_for_timeout(800)
+    rested(opened)
     arrows = opened.evaluate(f"{APP}.scope.rows.get('x.x2').strip.leaving.map(({{from, to, up}}) => [from, to, up])")
     assert arrows and all(19.5 < start <= end < 22.5 for start, end, _ in arrows)
     show = opened.locator('[data-strip="x.x2"] .all')
     assert show.is_visible() and show.get_attribute("aria-pressed") == "false"
     show.click()
-    opened.wait_for_timeout(700)
+    rested(opened)
     low, high = opened.evaluate(f"{APP}.scope.rows.get('x.x2').range.target")
     seen = opened.evaluate(f"{APP}.range('adaptive.x.x2', 5, 35)")
     assert low <= seen["min"] and seen["max"] <= high and show.get_attribute("aria-pressed") == "true"
@@ -65,10 +65,10 @@ def test_noise_is_never_cut_and_outliers_are_marked(kept_page):
     assert show.get_attribute("aria-pressed") == "false" and state(opened, "selection") == [5, 35]
 
 
-def test_every_band_is_drawn_and_a_name_selects_one(kept_page):
+def test_every_band_is_drawn_and_a_name_selects_one(tab):
     """With four observers all bands are drawn on every θ strip; a click or key on a name keeps one, and the legend says
     which."""
-    opened = settled(kept_page, FOUR)
+    opened = settled(tab, FOUR)
     labels = opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")
     assert opened.evaluate(f"[...{APP}.scope.bands()]") == labels
     assert opened.inner_text(".legend [data-mark=band]") == "±2σ of each" and opened.locator(".bands .key").count() == 4
@@ -88,11 +88,11 @@ def test_every_band_is_drawn_and_a_name_selects_one(kept_page):
 
 @pytest.mark.parametrize(
     ("path", "width", "height"),
-    [("/", 1280, 800), ("/?experiment=dc-motor", 1440, 900), ("/?experiment=dts200", 1280, 720), (FOUR, 1440, 900)],
+    [(PAUSED, 1280, 800), ("/?experiment=dc-motor&t=2", 1440, 900), (TANKS, 1280, 720), (FOUR, 1440, 900)],
 )
-def test_the_legend_is_complete(kept_page, path, width, height):
+def test_the_legend_is_complete(tab, path, width, height):
     """With many observers, too, on at most two lines."""
-    opened = settled(kept_page, path, width=width, height=height)
+    opened = settled(tab, path, width=width, height=height)
     marks = opened.evaluate(
         "[...document.querySelectorAll('.legend li')].map((one) => [one.innerText.trim(), one.offsetTop])"
     )
@@ -102,9 +102,9 @@ def test_the_legend_is_complete(kept_page, path, width, height):
     assert set(opened.evaluate(f"{APP}.state.observers.map(({{label}}) => label)")) <= set(words)
 
 
-def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(kept_page):
+def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(tab):
     """At 1280×720 eleven strips fit: none is cut, none overlaps, nothing needs scrolling."""
-    opened = settled(kept_page, "/?experiment=dts200&t=700", width=1280, height=720)
+    opened = settled(tab, "/?experiment=dts200&t=700", width=1280, height=720)
     boxes = opened.evaluate(
         "[...document.querySelectorAll('.strip')].map((one) => { const {top, bottom} = "
         "one.querySelector('canvas').getBoundingClientRect(); return [top, bottom]; })"
@@ -120,9 +120,9 @@ def test_all_strips_of_the_tanks_are_visible_on_a_small_screen(kept_page):
     assert max(labels) <= 1
 
 
-def test_a_strip_without_values_gives_the_reason(kept_page):
+def test_a_strip_without_values_gives_the_reason(tab):
     """If no observer has an excitation yet, its strip says why."""
-    opened = settled(kept_page, "/?experiment=friction-motor&t=10")
+    opened = settled(tab, "/?experiment=friction-motor&t=10")
     until(
         opened,
         "/shorter than the window of 12 s/.test(document.querySelector('[data-strip=excitation] "
@@ -130,9 +130,9 @@ def test_a_strip_without_values_gives_the_reason(kept_page):
     )
 
 
-def test_marks_are_explained(kept_page):
+def test_marks_are_explained(tab):
     """The pointer on an alarm or the timeline shows an explanation; the help lists every mark in both languages."""
-    opened = settled(kept_page, PAUSED)
+    opened = settled(tab, PAUSED)
     t = opened.evaluate(f"{APP}.state.alarms[0].t")
     canvas = opened.locator('[data-strip="theta.theta3"] canvas')
     box = canvas.bounding_box()
@@ -152,9 +152,9 @@ def test_marks_are_explained(kept_page):
         opened.keyboard.press("Escape")
 
 
-def test_a_figure_has_its_marks_and_their_legend(kept_page):
+def test_a_figure_has_its_marks_and_their_legend(tab):
     """The exported scope contains alarms, threshold, tint and bands, each with its legend."""
-    opened = settled(kept_page, PAUSED)
+    opened = settled(tab, PAUSED)
     svg = opened.evaluate(f"{APP}.act.figure({{strip: null, format: 'svg'}}).then((blob) => blob.text())")
     for words in ("alarm", "fault active", "±2σ of adaptive", "required excitation"):
         assert words in svg, words

@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.live_helpers import APP, ready, send, state, until
+from tests.browser.live_helpers import APP, ready, rested, send, state, until
 
 PAUSED = "/?experiment=zhao-2012&t=30"
 SPAN = f"{APP}.span()"
@@ -46,8 +46,11 @@ def test_the_first_load_shows_a_fault_being_found(page):
     """An empty address plays; a fault begins, an alarm names it, and its estimate comes within 10 %."""
     opened = page("/")
     until(opened, f"{APP}?.state.playing")
+    opened.evaluate(f"{APP}.act.pause()")
+    opened.evaluate(f"{APP}.act.step(1500)")
     until(opened, f"{APP}.state.alarms.some(({{subject}}) => subject === 'theta3')")
     until(opened, f"Math.abs({APP}.latest('adaptive.theta.theta3') - 0.02) < 0.002")
+    rested(opened)
     assert coloured(opened, "theta.theta3", "--o0") > 100 and coloured(opened, "theta.theta3", "--alarm") > 10
     assert opened.watch.errors == [] and opened.watch.foreign == []
 
@@ -92,7 +95,10 @@ def test_the_pointer_reads_all_strips_at_its_time(kept_page):
     box = opened.locator('[data-strip="theta.theta3"] canvas').bounding_box()
     opened.mouse.move(box["x"] + box["width"] * 0.9, box["y"] + 20)
     until(opened, f"{APP}.state.cursor !== null")
-    opened.wait_for_timeout(500)
+    shown = "document.querySelector('.cursor-time')?.textContent"
+    until(opened, f"Math.abs(parseFloat({shown}) - {APP}.state.cursor) < 0.06")
+    value = "parseFloat(document.querySelector('[data-strip=\"x.x1\"] .strip-values').innerText.replace('−', '-'))"
+    until(opened, f"Math.abs({value} - {APP}.at('x.x1', {APP}.state.cursor)) < 6e-4")
     cursor = state(opened, "cursor")
     assert float(opened.inner_text(".cursor-time").removesuffix(" s")) == pytest.approx(cursor, abs=0.06)
     shown = opened.inner_text('[data-strip="x.x1"] .strip-values').split()[0]
@@ -102,7 +108,7 @@ def test_the_pointer_reads_all_strips_at_its_time(kept_page):
 def test_an_axis_contains_the_truth_and_ignores_outliers(kept_page):
     """The truth lies within its axis, also in a new session; the start of an observer does not set the range."""
     opened = looked_at(kept_page)
-    opened.wait_for_timeout(1200)
+    rested(opened)
     low, high = opened.evaluate(f"[{APP}.scope.rows.get('x.x1').range.low, {APP}.scope.rows.get('x.x1').range.high]")
     seen = opened.evaluate(f"{APP}.range('x.x1', 0, 30)")
     assert low <= seen["min"] and seen["max"] <= high
@@ -110,9 +116,9 @@ def test_an_axis_contains_the_truth_and_ignores_outliers(kept_page):
     assert estimate["min"] < low, "the observer's start is off the axis, or this experiment no longer tests it"
 
 
-def test_strips_can_be_chosen(page):
+def test_strips_can_be_chosen(tab):
     """The menu hides and shows strips; a fault on a hidden channel shows its strip."""
-    opened = page("/?experiment=dts200&t=20")
+    opened = tab("/?experiment=dts200&t=20")
     ready(opened)
     assert opened.locator('[data-strip="theta.leak3"]').count() == 0
     send(opened, "{type: 'inject', fault: {channel: 'leak3', shape: 'step', onset: 0, size: 0.05}}")
@@ -122,12 +128,12 @@ def test_strips_can_be_chosen(page):
     opened.wait_for_selector('[data-strip="theta.leak3"]', state="detached")
 
 
-def test_twelve_strips_and_more_scroll_inside_the_scope(page):
+def test_twelve_strips_and_more_scroll_inside_the_scope(tab):
     """With every strip of the three-tank plant none is squeezed, and the page does not grow."""
-    opened = page("/?experiment=dts200&t=20")
+    opened = tab("/?experiment=dts200&t=20")
     ready(opened)
     opened.evaluate(f"{APP}.strips().forEach(({{name}}) => {APP}.act.strip(name, true))")
-    opened.wait_for_timeout(300)
+    rested(opened)
     heights = opened.evaluate("[...document.querySelectorAll('.strip')].map((strip) => strip.clientHeight)")
     assert len(heights) >= 17 and min(heights) >= 40
     assert opened.evaluate(
@@ -147,9 +153,9 @@ def test_a_strip_opens_as_a_figure_and_is_saved(kept_page):
     assert opened.watch.errors == [] and opened.watch.foreign == []
 
 
-def test_the_sandwich_plant_shows_its_hysteresis(page, kept_page):
+def test_the_sandwich_plant_shows_its_hysteresis(tab, kept_page):
     """The loop and seven operators with their zones in words are drawn for the sandwich plant only."""
-    opened = page("/?experiment=zhou-tan-2012&t=2")
+    opened = tab("/?experiment=zhou-tan-2012&t=2")
     ready(opened)
     until(opened, "/[1-9].*memory/.test(document.querySelector('#hysteresis .num').textContent)")
     zones = [int(digit) for digit in re.findall(r"\d+", opened.inner_text("#hysteresis .num"))]
@@ -162,14 +168,14 @@ def test_the_sandwich_plant_shows_its_hysteresis(page, kept_page):
 def test_nothing_is_wider_than_the_screen(kept_page, width):
     """At every width the page scrolls vertically only, and the play button and a strip are visible."""
     opened = looked_at(kept_page, width=width, height=844)
-    opened.wait_for_timeout(100)
+    rested(opened)
     assert opened.evaluate("document.documentElement.scrollWidth <= innerWidth")
     assert opened.locator(".play").is_visible() and opened.locator(".strip canvas").first.is_visible()
 
 
-def test_a_fault_injected_while_paused_is_shown_immediately(page):
+def test_a_fault_injected_while_paused_is_shown_immediately(tab):
     """It is shown as active everywhere, and after Clear nowhere."""
-    opened = page("/?experiment=zhao-2012&t=15")
+    opened = tab("/?experiment=zhao-2012&t=15")
     ready(opened)
     lit = "document.querySelectorAll('svg.plant .site.on').length"
     opened.wait_for_selector("svg.plant .site")
@@ -180,7 +186,7 @@ def test_a_fault_injected_while_paused_is_shown_immediately(page):
         f"{lit} === 1 && {APP}.state.faults.at(-1).active && document.querySelectorAll('.finding "
         f".badge.lit').length === 1",
     )
-    opened.wait_for_timeout(200)
+    rested(opened)
     assert not state(opened, "playing") and coloured(opened, "theta.theta1", "--fault-line") > 30
     assert "fault-on" in opened.get_attribute('[data-strip="theta.theta1"]', "class")
     send(opened, "{type: 'clear', channel: 'theta1'}")

@@ -30,9 +30,9 @@ def test_the_address_is_short_while_nothing_was_changed(page):
     assert abs(last_row(opened)["now"] - 12) < 0.02
 
 
-def test_a_link_gives_the_same_numbers_in_another_browser(page, server):
+def test_a_link_gives_the_same_numbers_in_another_browser(tab, page, server):
     """With a fault, a gain and a new observer the link opens at the same time with all values equal."""
-    opened = page(PAUSED)
+    opened = tab(PAUSED)
     ready(opened)
     changed(opened)
     link = opened.evaluate(f"{APP}.act.link()")
@@ -50,8 +50,7 @@ def test_loading_the_page_again_keeps_the_session_and_its_control(page):
     ready(opened)
     changed(opened)
     session = state(opened, "session")
-    until(opened, "location.hash.startsWith('#s=')")
-    opened.wait_for_timeout(600)
+    until(opened, f"location.hash.startsWith('#s=') && location.href === await {APP}.act.link()")
     opened.reload()
     ready(opened)
     assert state(opened, "session") == session and state(opened, "role") == "control"
@@ -67,38 +66,40 @@ def packed(text: str) -> str:
 @pytest.mark.parametrize(
     "fragment", ["nZDBcoMw", packed("null"), packed("[]"), packed('{"spec": 3}'), packed('{"changed": {}}')]
 )
-def test_a_damaged_link_is_answered_with_a_notice(page, fragment):
+def test_a_damaged_link_is_answered_with_a_notice(tab, fragment):
     """A truncated link, or one with other content, leads to a notice with a remedy."""
-    opened = page(f"/#s={fragment}")
+    opened = tab(f"/#s={fragment}")
     opened.wait_for_selector("#notice button")
     assert "damaged" in opened.inner_text("#notice")
     opened.click("#notice button")
     ready(opened)
 
 
-def test_a_read_only_viewer_sees_everything_and_changes_nothing(page):
+def test_a_read_only_viewer_sees_everything_and_changes_nothing(tab, page):
     """The link shows the same samples; its buttons are disabled, and the server refuses its commands."""
-    opened = page(PAUSED)
+    opened = tab(PAUSED)
     ready(opened)
     watcher = page(f"/?session={state(opened, 'session')}")
     ready(watcher)
     assert state(watcher, "role") == "view" and last_row(watcher) == last_row(opened)
     assert watcher.is_disabled(".play") and watcher.is_disabled("[data-act=start]")
-    refused = watcher.evaluate("""async () => {
-      const {connect} = await import('/live/net/socket.js');
+    refused = watcher.evaluate(
+        """async () => {
+      const {connect} = await import(moduleAt('net/socket.js'));
       let hello;
       const greeted = new Promise((done) => { hello = done; });
       const socket = connect({session: thetascope.state.session, token: null, onMessage: (message) =>
         message.type === 'hello' && hello(), onFrame() {}, onConnection() {}});
       await greeted;
       return socket.send({type: 'play'}).then(() => 'done', (error) => error.name);
-    }""")
+    }"""
+    )
     assert refused == "Refused" and not state(opened, "playing")
 
 
-def test_looking_back_discards_nothing(page):
+def test_looking_back_discards_nothing(tab):
     """A click on the timeline shows the past; Continue from here goes back; Undo restores the discarded part."""
-    opened = page("/?experiment=zhao-2012&t=30")
+    opened = tab("/?experiment=zhao-2012&t=30")
     ready(opened)
     before = last_row(opened)
     rail = opened.locator(".rail").bounding_box()
@@ -115,9 +116,9 @@ def test_looking_back_discards_nothing(page):
     assert opened.locator("#notice button").count() == 0  # what was taken is not offered again
 
 
-def test_undo_is_not_offered_with_other_viewers(page):
+def test_undo_is_not_offered_with_other_viewers(tab, page):
     """Undo starts another session, so with a second viewer the page only states the time."""
-    opened = page("/?experiment=zhao-2012&t=30")
+    opened = tab("/?experiment=zhao-2012&t=30")
     ready(opened)
     watcher = page(f"/?session={state(opened, 'session')}")
     ready(watcher)
@@ -127,9 +128,9 @@ def test_undo_is_not_offered_with_other_viewers(page):
     assert opened.locator("#notice button").count() == 0
 
 
-def test_a_fork_is_a_second_session_with_its_parents_curves(page):
+def test_a_fork_is_a_second_session_with_its_parents_curves(tab, page):
     """It starts at that time; the first session stays, and its curves are shown for comparison."""
-    opened = page("/?experiment=zhao-2012&t=30")
+    opened = tab("/?experiment=zhao-2012&t=30")
     ready(opened)
     parent, before = state(opened, "session"), last_row(opened)
     opened.evaluate(f"{APP}.act.look(10)")
@@ -147,9 +148,9 @@ def test_a_fork_is_a_second_session_with_its_parents_curves(page):
     assert last_row(watcher) == before
 
 
-def test_a_lost_connection_is_survived_without_a_gap(page):
+def test_a_lost_connection_is_survived_without_a_gap(tab):
     """The connection is lost while time runs; it is restored, and no row is missing or different."""
-    opened = page(PAUSED)
+    opened = tab(PAUSED)
     ready(opened)
     opened.evaluate(f"{APP}.act.play()")
     until(opened, f"{APP}.samples.now > 13")
@@ -169,9 +170,9 @@ def test_a_lost_connection_is_survived_without_a_gap(page):
     assert different[1] == 0 and different[0] == different[2] > 1500
 
 
-def test_a_viewer_of_a_long_session_sees_all_of_it(page):
+def test_a_viewer_of_a_long_session_sees_all_of_it(tab, page):
     """Rows that the server does not send to a late viewer are fetched with fewer points: the curves have no hole."""
-    opened = page("/?experiment=zhao-2012&t=1500")
+    opened = tab("/?experiment=zhao-2012&t=1500")
     until(opened, f"{APP}?.samples.rows >= 150_000")
     watcher = page(f"/?session={state(opened, 'session')}")
     until(watcher, f"{APP}?.samples.rows >= 150_000 && !{APP}.samples.held")
@@ -179,12 +180,13 @@ def test_a_viewer_of_a_long_session_sees_all_of_it(page):
     assert holes == 0
 
 
-def test_an_ended_session_can_be_continued(page):
+def test_an_ended_session_can_be_continued(tab):
     """The page reports the end and starts another session at the same time."""
-    opened = page(PAUSED)
+    opened = tab(PAUSED)
     ready(opened)
     changed(opened)
     before = last_row(opened)
+    until(opened, f"JSON.parse(sessionStorage['thetascope.sessions'] ?? '[]').at(-1)?.id === {APP}.state.session")
     opened.evaluate("""(() => {
       const {id, token} = JSON.parse(sessionStorage['thetascope.sessions']).at(-1);
       return fetch(`/api/sessions/${id}`, {method: 'DELETE', headers: {'X-Control-Token': token}});
@@ -196,16 +198,16 @@ def test_an_ended_session_can_be_continued(page):
     assert last_row(opened) == before
 
 
-def test_an_unknown_experiment_is_answered_with_a_notice(page):
+def test_an_unknown_experiment_is_answered_with_a_notice(tab):
     """The notice names the nearest experiment and offers a new session."""
-    opened = page("/?experiment=zhao-2021")
+    opened = tab("/?experiment=zhao-2021")
     opened.wait_for_selector("#notice button")
     assert "zhao-2012" in opened.inner_text("#notice")
 
 
-def test_an_observer_keeps_its_colour(page):
+def test_an_observer_keeps_its_colour(tab):
     """Colours are assigned in order, kept when other observers are removed, and assigned again."""
-    opened = page(PAUSED)
+    opened = tab(PAUSED)
     ready(opened)
     for label in ("one", "two"):
         send(opened, f"{{type: 'add-observer', observer: {{label: {label!r}, kind: 'zhao-adaptive'}}}}")
@@ -221,13 +223,14 @@ def test_an_observer_keeps_its_colour(page):
     }
 
 
-def test_rows_that_were_not_sent_are_fetched_in_order(page):
+def test_rows_that_were_not_sent_are_fetched_in_order(tab):
     """With two gaps, a refused request and new frames in between, every row is present and correct afterwards."""
-    opened = page("/?experiment=zhao-2012&t=30")
+    opened = tab("/?experiment=zhao-2012&t=30")
     ready(opened, rows=3000)
-    wrong, tries = opened.evaluate("""async () => {
-      const {Arrivals} = await import('/live/net/missed-rows.js');
-      const {Samples} = await import('/live/state/samples.js');
+    wrong, tries = opened.evaluate(
+        """async () => {
+      const {Arrivals} = await import(moduleAt('net/missed-rows.js'));
+      const {Samples} = await import(moduleAt('state/samples.js'));
       const {state, samples: whole} = thetascope;
       const samples = new Samples(state.record);
       samples.setColumns(whole.sent);
@@ -252,5 +255,6 @@ def test_rows_that_were_not_sent_are_fetched_in_order(page):
       for (const name of whole.sent) for (let row = 0; row < 2600; row += 1) if (!Object.is(samples.value(name, row),
         whole.value(name, row))) wrong += 1;
       return [wrong, tries];
-    }""")
+    }"""
+    )
     assert wrong == 0 and tries == 3

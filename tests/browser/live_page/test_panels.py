@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from tests.browser.live_helpers import opened, row, until
+from tests.browser.live_helpers import opened, rested, row, until
 
 SHAPES = ["step", "ramp", "drift", "exponential", "sine", "pulse-train", "random-walk", "table"]
 DISTURBANCES = ["stuck", "freeze", "dropout", "outliers", "noise-burst", "quantisation", "delay"]
@@ -13,13 +13,13 @@ DISTURBANCES = ["stuck", "freeze", "dropout", "outliers", "noise-burst", "quanti
 PAUSED = "/?experiment=zhao-2012&t=8"
 
 
-def press(page, name: str) -> None:
-    row(page, name).locator("button.press:not(.quiet-press)").click()
+def press(tab, name: str) -> None:
+    row(tab, name).locator("button.press:not(.quiet-press)").click()
 
 
-def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
+def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(tab):
     """There is a button per channel and output; choosing one focuses its slider, by mouse and by keyboard."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     sites = live.locator("svg.plant .site")
     assert sites.count() == live.evaluate(
         "thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length"
@@ -31,9 +31,9 @@ def test_the_plant_shows_every_fault_site_and_a_click_opens_its_injection(page):
     assert live.evaluate("document.activeElement.closest('.fault').id") == "fault-theta1"
 
 
-def test_an_injected_fault_is_shown_everywhere_and_identified(page):
+def test_an_injected_fault_is_shown_everywhere_and_identified(tab):
     """Inject lights the channel and is logged, an alarm follows, the summary names it; Clear resets all."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     press(live, "theta1")
     until(live, "document.querySelectorAll('svg.plant .site')[0].classList.contains('on')")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₁')")
@@ -48,9 +48,9 @@ def test_an_injected_fault_is_shown_everywhere_and_identified(page):
 
 
 @pytest.mark.parametrize(("subject", "shapes"), [("theta1", SHAPES), ("y", DISTURBANCES)])
-def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes):
+def test_every_shape_can_be_injected_with_its_first_values(tab, subject, shapes):
     """The menu has every shape of the contract; each is accepted with its initial values, and cleared again."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.click("#panel-inject .heading .link")
     menu = row(live, subject).locator("select.shape")
     assert menu.locator("option").evaluate_all("(all) => all.map((one) => one.value)") == shapes
@@ -68,9 +68,9 @@ def test_every_shape_can_be_injected_with_its_first_values(page, subject, shapes
         assert row(live, subject).locator(".refused").inner_text() == ""
 
 
-def test_an_active_fault_is_changed_in_place(page):
+def test_an_active_fault_is_changed_in_place(tab):
     """Moving the slider of an active fault offers Change; afterwards only the new size is active."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     press(live, "theta2")
     row(live, "theta2").locator(".press.clear").wait_for()
     field = row(live, "theta2").locator("input.number")
@@ -82,9 +82,9 @@ def test_an_active_fault_is_changed_in_place(page):
     until(live, "Math.abs(thetascope.latest('theta.theta2') - 0.03) < 1e-6")
 
 
-def test_a_fault_is_changed_by_one_message_while_time_runs(page):
+def test_a_fault_is_changed_by_one_message_while_time_runs(tab):
     """Change sends one batch: time continues, and the old fault ends exactly when the new one begins."""
-    live = opened(page)
+    live = opened(tab)
     press(live, "theta2")
     row(live, "theta2").locator(".press.clear").wait_for()
     field = row(live, "theta2").locator("input.number")
@@ -102,18 +102,18 @@ def test_a_fault_is_changed_by_one_message_while_time_runs(page):
     assert old["end"] == new["onset"] and old["id"] != new["id"] and new["active"]
 
 
-def test_the_noise_slider_changes_the_noise(page):
+def test_the_noise_slider_changes_the_noise(tab):
     """The slider changes the noise of the spec and adds a line to the log."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.locator(".fault.noise input[type=range]").focus()
     live.keyboard.press("End")
     until(live, "thetascope.state.spec.commands.some((one) => one.command === 'set-noise' && one.std > 0.01)")
     until(live, "document.querySelector('#panel-log').textContent.includes('the noise of y')")
 
 
-def test_a_gain_follows_its_slider_while_time_runs(page):
+def test_a_gain_follows_its_slider_while_time_runs(tab):
     """Arrow keys on ρ's slider arrive as set-gain; the number beside it agrees with the session."""
-    live = opened(page)
+    live = opened(tab)
     slider = live.locator("#panel-observers .gain input[type=range]").first
     slider.focus()
     for _ in range(5):
@@ -129,9 +129,9 @@ def test_a_gain_follows_its_slider_while_time_runs(page):
     assert 4 < rho < 6
 
 
-def test_an_observer_is_added_coloured_and_removed(page):
+def test_an_observer_is_added_coloured_and_removed(tab):
     """A joint EKF from the menu gets a card and curves in its own colour; the cross removes it."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.click("#panel-observers .heading .link")
     live.select_option(".add-form > select", "joint-ekf")
     live.click(".add-form button[type=submit]")
@@ -145,9 +145,9 @@ def test_an_observer_is_added_coloured_and_removed(page):
     assert live.locator("#panel-observers .observer").count() == 1
 
 
-def test_a_refusal_is_shown_in_the_form(page):
+def test_a_refusal_is_shown_in_the_form(tab):
     """A label that is taken is refused in the form, with the remedy, and nothing is added."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.click("#panel-observers .heading .link")
     live.fill(".add-form input[type=text]", "adaptive")
     live.click(".add-form button[type=submit]")
@@ -156,18 +156,18 @@ def test_a_refusal_is_shown_in_the_form(page):
     assert live.evaluate("thetascope.state.observers.length") == 1
 
 
-def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(page):
+def test_kinds_that_do_not_suit_the_plant_cannot_be_chosen(tab):
     """For the two-output motor the single-output observers are disabled, with the reason."""
-    live = opened(page, "/?experiment=dc-motor")
+    live = opened(tab, "/?experiment=dc-motor&t=1")
     live.click("#panel-observers .heading .link")
     until(live, "document.querySelector('.add-form option[value=zhao-adaptive]').disabled")
     assert "output" in live.get_attribute(".add-form option[value=zhao-adaptive]", "title")
     assert live.eval_on_selector(".add-form > select", "(menu) => !menu.selectedOptions[0].disabled")
 
 
-def test_the_lights_show_the_checks(page):
+def test_the_lights_show_the_checks(tab):
     """There is one light per check in the colour of its verdict; a click lists the checks with numbers and sources."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     checks = until(live, "thetascope.state.checks.adaptive?.length")
     lights = live.locator("#panel-observers .lights .light")
     assert lights.count() == checks
@@ -178,17 +178,17 @@ def test_the_lights_show_the_checks(page):
     assert live.locator("#panel-observers .lights .light.ok").count() == held
 
 
-def test_a_question_is_carried_out_with_one_click(page):
+def test_a_question_is_carried_out_with_one_click(tab):
     """The first question lowers λ, and the card shows it."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.locator("#panel-try .go").first.click()
     until(live, "thetascope.state.observers[0].gains.lambda === 0.6")
     until(live, "[...document.querySelectorAll('#panel-observers input.number')].some((one) => one.value === '0.6')")
 
 
-def test_the_comparison_is_computed_over_the_window(page):
+def test_the_comparison_is_computed_over_the_window(tab):
     """The RMSE in the table equals that of the columns."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     until(
         live,
         """(() => {
@@ -201,9 +201,9 @@ def test_the_comparison_is_computed_over_the_window(page):
     )
 
 
-def test_a_click_in_the_log_shows_that_moment(page):
+def test_a_click_in_the_log_shows_that_moment(tab):
     """The scope shows the time of the event; the session does not go back."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     press(live, "theta3")
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected θ₃')")
     rows = live.evaluate("thetascope.state.row")
@@ -211,14 +211,14 @@ def test_a_click_in_the_log_shows_that_moment(page):
     assert live.evaluate("thetascope.state.selection !== null") and live.evaluate("thetascope.state.row") >= rows
 
 
-def test_the_longest_sentence_covers_nothing(page):
+def test_the_longest_sentence_covers_nothing(tab):
     """With a summary of three lines the findings are below it, and no line overlaps another."""
-    live = opened(page)
+    live = opened(tab, "/?experiment=zhao-2012&t=24")
     until(live, "/found in/.test(document.querySelector('.verdict').textContent)")
-    live.evaluate("thetascope.act.pause()")
     live.evaluate("thetascope.send({type: 'inject', fault: {output: 'y', shape: 'stuck', onset: 0, value: 0.1}})")
+    live.evaluate("thetascope.act.step(300)")
     until(live, "/y is disturbed/.test(document.querySelector('.verdict').textContent)")
-    live.wait_for_timeout(300)
+    rested(live)
     inside = live.evaluate(
         "(() => { const box = document.querySelector('.verdict'); return box.scrollHeight <= box.clientHeight + 1; })()"
     )
@@ -230,9 +230,9 @@ def test_the_longest_sentence_covers_nothing(page):
     assert inside and below and max(lines) < 30
 
 
-def test_a_fault_has_the_same_badge_everywhere(page):
+def test_a_fault_has_the_same_badge_everywhere(tab):
     """A channel with a long name has one badge in the plant, in the list and at its strip; sentences use its title."""
-    live = opened(page, "/?experiment=dc-motor")
+    live = opened(tab, "/?experiment=dc-motor&t=1")
     badge = live.locator("#fault-load_torque .badge").inner_text().replace("\n", "")
     assert live.locator("svg.plant .site").nth(1).locator("text").text_content() == badge
     assert live.locator('[data-strip="theta.load_torque"] .sign').inner_text() == badge
@@ -240,31 +240,38 @@ def test_a_fault_has_the_same_badge_everywhere(page):
     until(live, "document.querySelector('#panel-log').textContent.includes('you injected unknown load torque')")
 
 
-def test_a_second_fault_does_not_inherit_the_duration_of_the_first(page):
+def test_a_second_fault_does_not_inherit_the_duration_of_the_first(tab):
     """After Inject and Clear the next fault has no end; a typed duration is kept."""
-    live = opened(page)
-    live.evaluate("thetascope.act.speed(2)")
-    press(live, "theta2")
-    until(live, "thetascope.state.t > thetascope.state.faults.at(-1).onset + 1")
-    press(live, "theta2")
-    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
-    until(live, "thetascope.state.faults.at(-1).ended")
-    lasted = live.evaluate("thetascope.state.faults.at(-1).end - thetascope.state.faults.at(-1).onset")
-    press(live, "theta2")
-    row(live, "theta2").locator(".press.clear").wait_for()
-    until(live, f"thetascope.state.t > thetascope.state.faults.at(-1).onset + {lasted} + 1")
-    last = live.evaluate("thetascope.state.faults.at(-1)")
+    live = opened(tab, PAUSED)
+
+    def pressed(active: bool) -> dict:
+        """Inject or clear, go on for half a second, and return the last fault."""
+        press(live, "theta2")
+        row(live, "theta2").locator(".press.clear" if active else ".press:not(.clear):not(.quiet-press)").wait_for()
+        live.evaluate("thetascope.act.step(50)")
+        return until(
+            live,
+            f"thetascope.state.faults.at(-1).active === {str(active).lower()} && thetascope.state.faults.at(-1)",
+        )
+
+    pressed(True)
+    first = pressed(False)
+    lasted = first["end"] - first["onset"]
+    assert lasted > 0
+    second = pressed(True)
+    live.evaluate("thetascope.act.step(100)")
+    last = until(
+        live,
+        f"thetascope.state.t > {second['onset'] + lasted + 0.5} && thetascope.state.faults.at(-1)",
+    )
     assert last["active"] and last["end"] is None and row(live, "theta2").locator(".summary").inner_text() == ""
-    press(live, "theta2")
-    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    pressed(False)
     row(live, "theta2").locator(".dots").click()
     field = row(live, "theta2").locator(".entries input").last
     field.fill("50")
     field.press("Enter")
-    press(live, "theta2")
-    row(live, "theta2").locator(".press.clear").wait_for()
-    press(live, "theta2")
-    row(live, "theta2").locator(".press:not(.clear):not(.quiet-press)").wait_for()
+    pressed(True)
+    pressed(False)
     assert "50" in row(live, "theta2").locator(".summary").inner_text()
 
 
@@ -283,17 +290,17 @@ def test_the_form_for_an_observer_can_be_reached_with_a_mouse(kept_page, width, 
     assert live.is_hidden(".add-form") and live.evaluate("document.activeElement.textContent") == "+ add"
 
 
-def test_the_title_counts_the_running_observers(page):
+def test_the_title_counts_the_running_observers(tab):
     """An added observer counts until it is removed."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     assert "1 observer" in live.inner_text("#panel-title")
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "/0 observers/.test(document.querySelector('#panel-title').textContent)")
 
 
-def test_the_diagnosis_states_its_time_while_looking_back(page):
+def test_the_diagnosis_states_its_time_while_looking_back(tab):
     """The Diagnosis card shows the present time while an earlier one is displayed, and otherwise not."""
-    live = opened(page, "/?experiment=zhao-2012&t=30")
+    live = opened(tab, "/?experiment=zhao-2012&t=30")
     tag = live.locator("#panel-diagnosis .as-of-now")
     assert tag.is_hidden()
     live.evaluate("thetascope.act.look(10)")

@@ -10,31 +10,10 @@ from pathlib import Path
 from fastapi import APIRouter, FastAPI, Request
 from starlette.exceptions import HTTPException
 from starlette.responses import Response
-from starlette.staticfiles import StaticFiles
-from starlette.types import Scope
+
+from thetascope.api.http.page_files import FRONTEND, Frontend
 
 router = APIRouter(include_in_schema=False)
-
-_PACKAGE = Path(__file__).parents[2]
-#: Inside the package where it is installed as a wheel, beside backend/ in a checkout.
-FRONTEND = next(
-    (f for f in (_PACKAGE / "frontend", _PACKAGE.parents[1] / "frontend") if f.is_dir()), _PACKAGE / "frontend"
-)
-
-#: Addresses of pages whose files lie in frontend/pages.
-PAGES = ("runs", "records", "plants")
-
-# Without these the operating system's table of types applies, which may lack scripts or have a wrong type for them.
-for _suffix, _kind in {
-    ".js": "text/javascript",
-    ".mjs": "text/javascript",
-    ".css": "text/css",
-    ".svg": "image/svg+xml",
-    ".json": "application/json",
-    ".woff2": "font/woff2",
-    ".webmanifest": "application/manifest+json",
-}.items():
-    mimetypes.add_type(_kind, _suffix)
 
 #: Address under /assets → the installed package that carries the file, and the file in it.
 ASSETS = {
@@ -117,23 +96,9 @@ def _packed(path: Path) -> tuple[str, bytes]:
     return f'"{sha256(content).hexdigest()[:20]}"', gzip.compress(content, 6, mtime=0)
 
 
-class Frontend(StaticFiles):
-    """The page's files; the browser revalidates them at each request, so that an update is visible immediately."""
-
-    async def get_response(self, path: str, scope: Scope) -> Response:
-        """Return a file of the page, which browsers revalidate at each request. Raises HTTPException 404."""
-        if path.split("/")[0] == "api":  # never a file of the page
-            raise HTTPException(404)
-        if path.split("/")[0] in PAGES:
-            path = f"pages/{path}"
-        response = await super().get_response(path, scope)
-        response.headers["Cache-Control"] = "no-cache"
-        return response
-
-
 def serve_frontend(app: FastAPI) -> None:
     """Serve frontend/ at every address that no route matches.
 
     It is the router's default and not a mount at /, which would also catch requests that a route refuses by method.
     """
-    app.router.default = Frontend(directory=FRONTEND, html=True, check_dir=False)
+    app.router.default = Frontend(FRONTEND)
