@@ -109,9 +109,15 @@ def playing(
         body = {"experiment": EXPERIMENT, "set": {"diagnosis.enabled": diagnosis}}
         some = [client.post("/api/sessions", body) for _ in range(sessions)]
         watchers, port = Watchers(), int(address.rpartition(":")[2])
-        paths = [f"{session['links']['stream']}?token={session['token']}" for session in some for _ in range(viewers)]
         try:
-            yield watchers, [watchers.connect(port, path) for path in paths]
+            yield (
+                watchers,
+                [
+                    watchers.connect(port, session["links"]["stream"], session["token"])
+                    for session in some
+                    for _ in range(viewers)
+                ],
+            )
         finally:
             watchers.close()
             connection = HTTPConnection("127.0.0.1", port)

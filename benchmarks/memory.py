@@ -29,9 +29,7 @@ def figures() -> Iterator[Figure]:
         begin = resident(process)
         session = client.post("/api/sessions", {"experiment": EXPERIMENT, "speed": speed})
         watchers, megabytes = Watchers(), []
-        viewer = watchers.connect(
-            int(address.rpartition(":")[2]), f"{session['links']['stream']}?token={session['token']}"
-        )
+        viewer = watchers.connect(int(address.rpartition(":")[2]), session["links"]["stream"], session["token"])
         try:
             for _ in range(PARTS):
                 end = time.monotonic() + PLAYED / speed / PARTS

@@ -8,6 +8,8 @@ import struct
 import time
 from collections.abc import Callable
 
+from thetascope_schemas.service.session import SUBPROTOCOL, TOKEN
+
 
 class Watcher:
     """One connection: the arrival times of frames, and when the last command took effect."""
@@ -77,13 +79,14 @@ class Watchers:
         self._selector = selectors.DefaultSelector()
         self._all: list[Watcher] = []
 
-    def connect(self, port: int, path: str) -> Watcher:
-        """Open a websocket to a local port and path, and return its watcher."""
+    def connect(self, port: int, path: str, token: str = "") -> Watcher:
+        """Open a websocket to a local port and path, with a session's control token if given; return its watcher."""
         connection = socket.create_connection(("127.0.0.1", port))
         key = base64.b64encode(os.urandom(16)).decode()
+        offered = f"Sec-WebSocket-Protocol: {SUBPROTOCOL}, {TOKEN}{token}\r\n" if token else ""
         connection.sendall(
             f"GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
-            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n\r\n".encode()
+            f"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: {key}\r\n{offered}\r\n".encode()
         )
         answer = b""
         while not answer.endswith(b"\r\n\r\n"):

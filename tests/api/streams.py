@@ -10,10 +10,12 @@ import numpy as np
 import pytest
 from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Subprotocol
 
 from tests.live.stage import Frame, decoded
 from tests.runs.samples import spec_data
 from thetascope.client import Client
+from thetascope_schemas.service.session import SUBPROTOCOL, TOKEN
 
 
 @dataclass
@@ -73,8 +75,9 @@ def watching(
 ) -> Iterator[Page]:
     """Connect to a session with its own token, with another one, or with none ("")."""
     token = session["token"] if token is None else token
-    url = f"ws{address.removeprefix('http')}{session['links']['stream']}?{query}" + (f"&token={token}" if token else "")
-    with connect(url, max_size=None, compression=None, close_timeout=1, **options) as connection:
+    url = f"ws{address.removeprefix('http')}{session['links']['stream']}?{query}"
+    offered = [Subprotocol(SUBPROTOCOL)] + ([Subprotocol(TOKEN + token)] if token else [])
+    with connect(url, subprotocols=offered, max_size=None, compression=None, close_timeout=1, **options) as connection:
         yield Page(connection)
 
 

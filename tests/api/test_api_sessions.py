@@ -94,6 +94,13 @@ def test_a_viewer_without_token_is_read_only_and_a_wrong_token_is_refused(client
     assert len(client.get(fork["links"]["self"])["spec"]["faults"]) == 2
 
 
+def test_the_token_is_not_read_from_the_address(client, address):
+    """Addresses are written into logs and histories: a token there grants nothing."""
+    session = opened(client)
+    with watching(address, session, token="", query=f"token={session['token']}") as page:
+        assert page.receive()["role"] == "view"
+
+
 def test_a_fork_begins_at_an_earlier_time_with_the_same_past(client):
     """Its data up to that time equal those of the first session."""
     session = opened(client, t=3, play=False)

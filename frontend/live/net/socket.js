@@ -95,10 +95,10 @@ class Connection {
       `/api/sessions/${encodeURIComponent(this.session)}/stream`,
       location.origin.replace(/^http/, 'ws'),
     );
-    if (this.token) address.searchParams.set('token', this.token);
     address.searchParams.set('lang', '*'); // the page renders sentences itself, and shows prose in its language
     address.searchParams.set('after', String(this.sequence));
-    const socket = new WebSocket(address);
+    // the token travels as a subprotocol: addresses are written into logs
+    const socket = new WebSocket(address, this.token ? ['thetascope', `token.${this.token}`] : ['thetascope']);
     socket.binaryType = 'arraybuffer';
     socket.onmessage = ({data}) => this.receive(data);
     socket.onclose = ({code}) => this.closed(code);

@@ -12,6 +12,9 @@ samples: a header of HEADER (little endian), then `count` float32 values of each
 A slow viewer gets fewer, larger frames, whose `sequence` is that of the last frame they cover (0 if the server no
 longer knows it). Rows are skipped for a viewer that is too far behind (see Jump).
 
+A client that offers the subprotocols SUBPROTOCOL and TOKEN + its control token has control; other clients view. The
+token is not part of the address, so it does not appear in logs and histories.
+
 A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
 missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
 
@@ -34,6 +37,8 @@ from thetascope_schemas.service.run import AssumptionCheck
 
 PROTOCOL_VERSION = 1
 HEADER = "<IIQII"
+SUBPROTOCOL = "thetascope"  # the one that the service selects
+TOKEN = "token."  # prefix of the offered subprotocol that carries the control token
 
 # ---- close codes (application range of RFC 6455) -------------------------------------------------------------
 

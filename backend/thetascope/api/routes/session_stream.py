@@ -11,7 +11,14 @@ from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
 from thetascope.messages import Message
-from thetascope_schemas.service.session import CLOSE_FULL, CLOSE_NO_SESSION, CLOSE_ORIGIN, CLOSE_TOKEN
+from thetascope_schemas.service.session import (
+    CLOSE_FULL,
+    CLOSE_NO_SESSION,
+    CLOSE_ORIGIN,
+    CLOSE_TOKEN,
+    SUBPROTOCOL,
+    TOKEN,
+)
 from thetascope_schemas.texts.local_text import ALL
 
 _PATIENCE = 2.0
@@ -29,12 +36,13 @@ class Stream:
 async def _stream(websocket: WebSocket, send: Send) -> None:
     """Serve one viewer.
 
-    `?token=` grants control, `?after=` is the last frame received, `?lang=` the viewer's language; with `?lang=*` prose
-    comes in all languages, as maps.
+    The token in the offered subprotocols grants control. `?after=` is the last frame received, `?lang=` the viewer's
+    language; with `?lang=*` prose comes in all languages, as maps.
     """
     services: Services = websocket.app.state.services
     # Accepted before any check: otherwise browsers do not pass the close code to the page.
-    await websocket.accept()
+    offered: list[str] = websocket.scope.get("subprotocols", [])
+    await websocket.accept(SUBPROTOCOL if SUBPROTOCOL in offered else None)
     hosts: AllowedHosts = websocket.app.state.hosts
     if not hosts.allows(websocket.headers.get("host", "")) or not hosts.may_change(websocket.headers):
         await _close(websocket, CLOSE_ORIGIN, Message("session.close.origin"))
@@ -43,7 +51,7 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
     if room is None:
         await _close(websocket, CLOSE_NO_SESSION, Message("session.close.no-session"))
         return
-    token = websocket.query_params.get("token")
+    token = next((name.removeprefix(TOKEN) for name in offered if name.startswith(TOKEN)), None)
     if token is not None and not matches(token, room.token):
         await _close(websocket, CLOSE_TOKEN, Message("session.close.token"))
         return
