@@ -15,6 +15,7 @@ from scipy.io import loadmat
 from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.export import Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, matlab_names, select
+from thetascope.export.csv_format import as_text
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.comparison import Comparison
 
@@ -146,3 +147,32 @@ def test_a_comparison_as_csv_has_one_measure_per_line():
     assert found["settling-10"] == ["theta.theta3", "20", "", "0.77", "s"]
     assert found["delay"] == ["theta.theta3", "20", "", "0.6", "s"] and found["fault-found"][3] == "1"
     assert (found["found"][3], found["false-alarms"][3], found["cost"][3:]) == ("1", "nan", ["57.8", "us/s"])
+
+
+FORMULAS = ["=1+1", "+1", "-1", "@SUM(1)", "\t=1", "\r=1", " =1", "\n=1", "＝1", '=HYPERLINK("x")']
+
+
+@pytest.mark.parametrize("text", FORMULAS)
+def test_a_unit_never_becomes_a_formula(text):
+    """Units and labels are free text; a spreadsheet shows those that look like a formula as text."""
+    plant = Plant.model_validate(
+        {
+            "id": "p",
+            "states": [{"name": "x1"}],
+            "outputs": [{"name": "y", "expression": "x1"}],
+            "dynamics": {"x1": "0"},
+        }
+    )
+    plant = plant.model_copy(update={"states": (plant.states[0].model_copy(update={"unit": text}),)})
+    content = comparison_csv(Comparison.model_validate(Comparison.model_json_schema()["examples"][0]), plant).decode()
+    lines = list(csv.reader(io.StringIO(content)))
+    assert {len(line) for line in lines} == {7}
+    units = {line[6] for line in lines if line[2] == "x.x1"}
+    assert units == {"'" + text.translate({9: " ", 10: " ", 13: " "})}
+
+
+@given(st.text(st.characters(exclude_categories=["Cc"]), max_size=8))
+def test_ordinary_text_stays_as_it_is(text):
+    """Only text that begins like a formula is changed, and only by an apostrophe before it."""
+    formula = text.lstrip()[:1] in tuple("=+-@＝＋－＠")
+    assert as_text(text) == (f"'{text}" if formula else text)

@@ -4,6 +4,7 @@ import csv
 import io
 from collections.abc import Iterator
 
+from thetascope.export.csv_format import as_text
 from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.comparison import Comparison, ComparisonRow, Window
 
@@ -26,7 +27,7 @@ def comparison_csv(comparison: Comparison, plant: Plant) -> bytes:
     units = {f"x.{s.name}": s.unit for s in plant.states} | {f"theta.{c.name}": c.unit for c in plant.channels}
     for row in comparison.observers:
         writer.writerows(
-            (row.label, *(_written(cell) for cell in line)) for line in _lines(row, comparison.windows, units)
+            (_written(row.label), *(_written(cell) for cell in line)) for line in _lines(row, comparison.windows, units)
         )
     return text.getvalue().encode()
 
@@ -53,7 +54,7 @@ def _missing(value: float | None) -> float:
 
 
 def _written(cell: object) -> object:
-    """Return whole floats without `.0`, and other floats as the shortest text that reads back exactly."""
+    """Return whole floats without `.0`, other floats as the shortest text that reads back exactly, text as text."""
     if isinstance(cell, float) and cell.is_integer() and abs(cell) < 1e15:
         return int(cell)
-    return "" if cell is None else cell
+    return as_text(cell) if isinstance(cell, str) else "" if cell is None else cell

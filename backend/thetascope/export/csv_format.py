@@ -10,6 +10,8 @@ import orjson
 from thetascope.export.selection import Table
 
 _BLOCK = 4096
+_FORMULA = ("=", "+", "-", "@", "＝", "＋", "－", "＠")  # spreadsheets also accept the full-width forms
+_CONTROL = {code: " " for code in (*range(32), 127)}
 
 
 def csv_chunks(table: Table) -> Iterator[bytes]:
@@ -19,9 +21,18 @@ def csv_chunks(table: Table) -> Iterator[bytes]:
         yield _rows(np.ascontiguousarray(table.data[:, start : start + _BLOCK].T))
 
 
+def as_text(cell: str) -> str:
+    """Return text that no spreadsheet takes for a formula: an apostrophe precedes it where it would begin one.
+
+    Control characters, line ends among them, become spaces.
+    """
+    line = cell.translate(_CONTROL)
+    return f"'{line}" if line.lstrip().startswith(_FORMULA) else line
+
+
 def _header(names: tuple[str, ...]) -> bytes:
     line = io.StringIO()
-    csv.writer(line, lineterminator="\n").writerow(names)
+    csv.writer(line, lineterminator="\n").writerow(as_text(name) for name in names)
     return line.getvalue().encode()
 
 
