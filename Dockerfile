@@ -5,7 +5,7 @@ RUN python -m venv /opt/thetascope
 WORKDIR /source
 COPY requirements.txt ./
 RUN /opt/thetascope/bin/pip install --require-hashes --requirement requirements.txt
-COPY pyproject.toml README.md ./
+COPY pyproject.toml README.md LICENSE ./
 COPY shared shared
 COPY backend backend
 COPY frontend frontend

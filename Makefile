@@ -39,10 +39,11 @@ bench: ## Measure speed
 	$(HERE)@$(PYTHON) tools/environment.py bench
 	@$(BIN)/python -m benchmarks $(ARGS)
 
-docs: ## Write docs/observers.md and the page's types from their sources
+docs: ## Write docs/observers.md, docs/dependencies.md and the page's types from their sources
 	$(HERE)@$(PYTHON) tools/environment.py dev
 	@$(BIN)/python -m tools.document_observers
 	@$(BIN)/python -m tools.page_types
+	@$(BIN)/python -m tools.list_licences
 
 pins: ## Choose versions anew from pyproject.toml (needs uv)
 	uv pip compile --quiet $(PIN) --group build --output-file requirements.txt pyproject.toml

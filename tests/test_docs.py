@@ -19,6 +19,7 @@ from thetascope.engine.language.builtins import FUNCTIONS
 from thetascope.settings import PREFIX, Settings
 from thetascope_schemas import Plant
 from tools.document_observers import FILE, counted, page
+from tools.list_licences import pinned
 
 ROOT = Path(__file__).parents[1]
 PAGES = [ROOT / name for name in ("README.md", "ARCHITECTURE.md", "CHANGELOG.md")] + sorted(
@@ -146,3 +147,10 @@ def test_the_python_of_the_readme_works(address: str):
     code = code.replace("http://127.0.0.1:8000", address)
     answer = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert [float(line) for line in answer.stdout.split()] == pytest.approx(promised, abs=1e-6)
+
+
+def test_every_dependency_is_listed_with_its_licence():
+    """docs/dependencies.md has the pinned packages, each with a licence; `python -m tools.list_licences` writes it."""
+    rows = re.findall(r"^\| (\S+) \| (\S+) \| (.+) \|$", (ROOT / "docs" / "dependencies.md").read_text(), re.MULTILINE)
+    listed = {name: version for name, version, _ in rows if name not in ("package",)}
+    assert listed == pinned() and "not stated" not in {licence for *_, licence in rows}
