@@ -300,6 +300,89 @@ export interface ContinuousTimeInput {
   kind: 'continuous';
 }
 
+/** A controller: states and expressions that read measured outputs, references and inputs, never true states. */
+export interface Controller {
+  /** Name of the controller; expressions do not contain it. */
+  name: string;
+  title: string;
+  /** Sample period in s, a multiple of the step; null: continuous. */
+  period: number | null;
+  states: (ControllerState)[];
+  /** Intermediate quantities, in order. */
+  definitions: (ControllerDefinition)[];
+  /** Right-hand side by state: its derivative, or its next value with a period or in discrete time. */
+  dynamics: {[name: string]: string};
+  /** The inputs of the plant that it sets. */
+  outputs: (ControllerOutput)[];
+  description: string;
+}
+
+/** An intermediate quantity of a controller. */
+export interface ControllerDefinition {
+  /** Name in later expressions of the same controller. */
+  name: string;
+  expression: string;
+}
+
+/** A controller: states and expressions that read measured outputs, references and inputs, never true states. */
+export interface ControllerInput {
+  /** Name of the controller; expressions do not contain it. */
+  name: string;
+  title?: string | {[name: string]: string};
+  /** Sample period in s, a multiple of the step; null: continuous. */
+  period?: number | null;
+  states?: (ControllerStateInput)[];
+  /** Intermediate quantities, in order. */
+  definitions?: (ControllerDefinition)[];
+  /** Right-hand side by state: its derivative, or its next value with a period or in discrete time. */
+  dynamics?: {[name: string]: string};
+  /** The inputs of the plant that it sets. */
+  outputs: (ControllerOutputInput)[];
+  description?: string | {[name: string]: string};
+}
+
+/** The law by which a controller sets one input of the plant. */
+export interface ControllerOutput {
+  /** The input of the plant that is set. */
+  input: string;
+  /** Value of the input before saturation. */
+  expression: string;
+  /** Range [low, high] to which it is limited: numbers, parameters, or null. */
+  saturation: [number | string | null, number | string | null];
+}
+
+/** The law by which a controller sets one input of the plant. */
+export interface ControllerOutputInput {
+  /** The input of the plant that is set. */
+  input: string;
+  /** Value of the input before saturation. */
+  expression: string;
+  /** Range [low, high] to which it is limited: numbers, parameters, or null. */
+  saturation?: [number | string | null, number | string | null];
+}
+
+/** One state variable of a controller. */
+export interface ControllerState {
+  /** Name in the controller's expressions. */
+  name: string;
+  /** Unit in plain text, empty when dimensionless. */
+  unit: string;
+  /** Value at t = 0, in the state's unit. */
+  initial: number;
+  description: string;
+}
+
+/** One state variable of a controller. */
+export interface ControllerStateInput {
+  /** Name in the controller's expressions. */
+  name: string;
+  /** Unit in plain text, empty when dimensionless. */
+  unit?: string;
+  /** Value at t = 0, in the state's unit. */
+  initial?: number;
+  description?: string | {[name: string]: string};
+}
+
 /** An intermediate quantity. Observers saturate it to its domain; the plant does not. */
 export interface Definition {
   /** Name in later definitions and in the equations. */
@@ -545,7 +628,7 @@ export interface Experiment {
   parameters: {[name: string]: number};
   /** Initial states that differ from the plant's values. */
   initial: {[name: string]: number};
-  /** Inputs u(t) that differ from the plant's defaults, by name. */
+  /** Inputs u(t) and references r(t) that differ from the plant's defaults, by name. */
   inputs: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
   /** Known signals φ(t) that differ from the plant's defaults, by name. */
   signals: {[name: string]: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal};
@@ -586,7 +669,7 @@ export interface ExperimentInput {
   parameters?: {[name: string]: number};
   /** Initial states that differ from the plant's values. */
   initial?: {[name: string]: number};
-  /** Inputs u(t) that differ from the plant's defaults, by name. */
+  /** Inputs u(t) and references r(t) that differ from the plant's defaults, by name. */
   inputs?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
   /** Known signals φ(t) that differ from the plant's defaults, by name. */
   signals?: {[name: string]: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput};
@@ -1372,6 +1455,10 @@ export interface Plant {
   dynamics: {[name: string]: string};
   /** The faults that can occur. */
   channels: (Channel)[];
+  /** Set points of the controllers. */
+  references: (SetPoint)[];
+  /** Controllers that set inputs of the plant; empty: an open loop. */
+  controllers: (Controller)[];
 }
 
 /** The result of checking a plant. */
@@ -1423,6 +1510,10 @@ export interface PlantInput {
   dynamics: {[name: string]: string};
   /** The faults that can occur. */
   channels?: (ChannelInput)[];
+  /** Set points of the controllers. */
+  references?: (SetPointInput)[];
+  /** Controllers that set inputs of the plant; empty: an open loop. */
+  controllers?: (ControllerInput)[];
 }
 
 /** A plant in a list. */
@@ -2006,6 +2097,32 @@ export interface SetNoiseNow {
   std: number;
   /** Time in s for which each drawn value is held. */
   sample_time?: number;
+}
+
+/** One reference r: a set point of the controllers, which experiments and viewers set like an input. */
+export interface SetPoint {
+  /** Name in the controllers' expressions. */
+  name: string;
+  /** Unit in plain text, empty when dimensionless. */
+  unit: string;
+  /** Value if an experiment sets no signal, in the reference's unit. */
+  default: number;
+  /** Plausible range, in the reference's unit. */
+  bounds: [number | null, number | null];
+  description: string;
+}
+
+/** One reference r: a set point of the controllers, which experiments and viewers set like an input. */
+export interface SetPointInput {
+  /** Name in the controllers' expressions. */
+  name: string;
+  /** Unit in plain text, empty when dimensionless. */
+  unit?: string;
+  /** Value if an experiment sets no signal, in the reference's unit. */
+  default?: number;
+  /** Plausible range, in the reference's unit. */
+  bounds?: [number | null, number | null];
+  description?: string | {[name: string]: string};
 }
 
 /** Replace an input or a known signal. The time of the new signal is that of the run, not counted from `at`. */

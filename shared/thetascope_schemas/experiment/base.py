@@ -1,11 +1,21 @@
 """The base of all schemas: the strict base class, the number and name types, and messages as they are sent."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from functools import partial
 from typing import Annotated, Any, ClassVar, Protocol, runtime_checkable
 
-from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, JsonValue, model_validator
+from pydantic import (
+    AfterValidator,
+    BaseModel,
+    BeforeValidator,
+    ConfigDict,
+    Discriminator,
+    Field,
+    JsonValue,
+    Tag,
+    model_validator,
+)
 
 from thetascope_schemas.texts.local_text import LocalProse
 from thetascope_schemas.texts.names import MAX_NAME, PATTERN, names_normalised, normalised, not_reserved, well_formed
@@ -169,6 +179,25 @@ ExpressionText = Annotated[
 Bounds = Annotated[tuple[Number | None, Number | None], AfterValidator(ordered)]
 """[low, high]; null: no bound on that side."""
 UNBOUNDED: tuple[None, None] = (None, None)
+
+
+def _limit_kind(value: object) -> str:
+    return "name" if isinstance(value, str) else "none" if value is None else "number"
+
+
+Limit = Annotated[
+    Annotated[Number, Tag("number")] | Annotated[Reference, Tag("name")] | Annotated[None, Tag("none")],
+    Discriminator(_limit_kind),
+]
+"""A number, the name of a parameter, or null for no limit."""
+
+
+def check_known(names: Iterable[str], known: Iterable[str], field: str, code: str) -> None:
+    """Refuse the first of `names` that is not in `known`, with the problem `code`; suggest the nearest known names."""
+    declared = tuple(known)
+    for name in names:
+        if name not in declared:
+            raise refuse(code, f"{field}.{name}", name, name=name, remedy=suggestion(name, declared))
 
 
 @runtime_checkable

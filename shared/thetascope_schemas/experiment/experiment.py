@@ -22,15 +22,17 @@ from thetascope_schemas.experiment.base import (
     Strict,
     Title,
     canonical,
+    check_known,
     example,
 )
 from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, TimedCommand
+from thetascope_schemas.experiment.controllers import check_multiple
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.figures import Figure
 from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement
 from thetascope_schemas.experiment.observers import ObserverConfig
-from thetascope_schemas.experiment.plant import Plant, check_known, check_within
+from thetascope_schemas.experiment.plant import Plant, check_within
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
 from thetascope_schemas.texts.refusal import refuse, suggestion
 
@@ -100,7 +102,8 @@ class Experiment(Strict):
         default_factory=dict, description="Initial states that differ from the plant's values."
     )
     inputs: dict[Reference, Signal] = Field(
-        default_factory=dict, description="Inputs u(t) that differ from the plant's defaults, by name."
+        default_factory=dict,
+        description="Inputs u(t) and references r(t) that differ from the plant's defaults, by name.",
     )
     signals: dict[Reference, Signal] = Field(
         default_factory=dict, description="Known signals φ(t) that differ from the plant's defaults, by name."
@@ -173,8 +176,10 @@ class Experiment(Strict):
         if isinstance(self.plant, Plant):
             plant = self.plant
             filled["parameters"] = {item.name: item.value for item in plant.parameters} | self.parameters
-            filled["initial"] = {item.name: item.initial for item in plant.states} | self.initial
-            filled["inputs"] = {item.name: ConstantSignal(value=item.default) for item in plant.inputs} | self.inputs
+            starting = (*plant.states, *(s for c in plant.controllers for s in c.states))
+            filled["initial"] = {item.name: item.initial for item in starting} | self.initial
+            commanded = (*plant.inputs, *plant.references)
+            filled["inputs"] = {item.name: ConstantSignal(value=item.default) for item in commanded} | self.inputs
             filled["signals"] = {item.name: item.default for item in plant.signals} | self.signals
         document = {"schema": SCHEMA_VERSION, "experiment": canonical(filled)}
         return json.dumps(document, sort_keys=True, separators=(",", ":"), allow_nan=False).encode()
@@ -282,8 +287,16 @@ class Experiment(Strict):
             if item.name in self.parameters:
                 value, field = self.parameters[item.name], f"parameters.{item.name}"
                 check_within(value, item.bounds, field, item.name)
-        check_known(self.initial, plant.names("states"), "initial", "plant.state.unknown")
-        check_known(self.inputs, plant.names("inputs"), "inputs", "plant.input.unknown")
+        starting = [*plant.names("states"), *(s.name for c in plant.controllers for s in c.states)]
+        check_known(self.initial, starting, "initial", "plant.state.unknown")
+        for name in plant.controlled:
+            if name in self.inputs:
+                names = plant.names("references")
+                raise refuse("controller.input.set", f"inputs.{name}", name, name=name, references=names)
+        check_known(self.inputs, [item.name for item in plant.commanded], "inputs", "plant.input.unknown")
+        for index, controller in enumerate(plant.controllers):
+            if controller.period is not None:
+                check_multiple(controller.period, self.step, f"plant.controllers[{index}].period")
         check_known(self.signals, plant.names("signals"), "signals", "plant.signal.unknown")
         check_known(self.noise, plant.names("outputs"), "noise", "plant.output.unknown")
         for index, fault in enumerate(self.faults):
@@ -298,8 +311,10 @@ class Experiment(Strict):
 
     def _check_columns(self, plant: Plant, path: str, figure: Figure) -> None:
         """Refuse a figure with a column that no result has. Of an observer's columns only the label can be checked."""
-        groups = {"u": "inputs", "signal": "signals", "x": "states", "theta": "channels", "y": "outputs"}
+        groups = {"u": "inputs", "signal": "signals", "r": "references", "x": "states"}
+        groups |= {"theta": "channels", "y": "outputs"}
         own = ["t"] + [f"{prefix}.{name}" for prefix, group in groups.items() for name in plant.names(group)]
+        own += [f"c.{state.name}" for controller in plant.controllers for state in controller.states]
         labels = list(self.observer_configs())
         for field, column in figure.columns():
             label, _, rest = column.partition(".")

@@ -1,9 +1,9 @@
 """A plant: equations as text, physical domains, and fault channels."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from thetascope_schemas.experiment.base import (
     MAX_CHANNELS,
@@ -14,6 +14,7 @@ from thetascope_schemas.experiment.base import (
     Bounds,
     ExpressionText,
     Identifier,
+    Limit,
     Name,
     Number,
     Positive,
@@ -22,12 +23,14 @@ from thetascope_schemas.experiment.base import (
     Strict,
     Title,
     Unit,
+    check_known,
     example,
     ordered,
 )
+from thetascope_schemas.experiment.controllers import Controller, SetPoint, check_controllers
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
 from thetascope_schemas.experiment.tables import Table
-from thetascope_schemas.texts.refusal import refuse, suggestion
+from thetascope_schemas.texts.refusal import refuse
 
 
 class ContinuousTime(Strict):
@@ -127,16 +130,6 @@ class KnownSignal(Strict):
     )
 
 
-def _limit_kind(value: object) -> str:
-    return "name" if isinstance(value, str) else "none" if value is None else "number"
-
-
-Limit = Annotated[
-    Annotated[Number, Tag("number")] | Annotated[Reference, Tag("name")] | Annotated[None, Tag("none")],
-    Discriminator(_limit_kind),
-]
-
-
 class Definition(Strict):
     """An intermediate quantity. Observers saturate it to its domain; the plant does not."""
 
@@ -210,7 +203,7 @@ class Plant(Strict):
         ],
     )
     prose = Strict.prose | {"id"}
-    optional = frozenset({"tables"})
+    optional = frozenset({"tables", "references", "controllers"})
 
     id: Identifier = Field(description="Short name: lower-case letters, digits and hyphens.")
     title: Title = ""
@@ -235,10 +228,28 @@ class Plant(Strict):
         description="Right-hand side by state: its derivative, or its next value in discrete time.",
     )
     channels: tuple[Channel, ...] = Field(default=(), max_length=MAX_CHANNELS, description="The faults that can occur.")
+    references: tuple[SetPoint, ...] = Field(
+        default=(), max_length=MAX_PORTS, description="Set points of the controllers."
+    )
+    controllers: tuple[Controller, ...] = Field(
+        default=(), max_length=MAX_PORTS, description="Controllers that set inputs of the plant; empty: an open loop."
+    )
 
     def names(self, *groups: str) -> tuple[str, ...]:
         """Return the names declared in the given groups (`"states"`, `"inputs"`, …), in order."""
         return tuple(item.name for group in groups for item in getattr(self, group))
+
+    @property
+    def controlled(self) -> tuple[str, ...]:
+        """Return the inputs that controllers set, in the order of the plant's inputs."""
+        taken = {output.input for controller in self.controllers for output in controller.outputs}
+        return tuple(name for name in self.names("inputs") if name in taken)
+
+    @property
+    def commanded(self) -> tuple[Input | SetPoint, ...]:
+        """Return the inputs and references that an experiment sets: all but the inputs that controllers set."""
+        taken = self.controlled
+        return (*(u for u in self.inputs if u.name not in taken), *self.references)
 
     @model_validator(mode="after")
     def _consistent(self) -> "Plant":
@@ -255,6 +266,8 @@ class Plant(Strict):
         for index, channel in enumerate(self.channels):
             known = self.names(*_ENTERED[channel.kind])
             check_known(channel.enters, known, f"channels[{index}].enters", f"plant.channel.enters-{channel.kind}")
+        period = self.time.period if self.time.kind == "discrete" else None
+        check_controllers(self.controllers, self.names("inputs"), parameters, period)
         return self
 
     def _check_unique(self) -> None:
@@ -267,17 +280,13 @@ class Plant(Strict):
 
     def _declared(self) -> Iterator[tuple[str, str]]:
         """Yield the path and the value of every declared name."""
-        for group in ("states", "inputs", "outputs", "parameters", "signals", "tables", "definitions", "channels"):
+        groups = ("states", "inputs", "outputs", "parameters", "signals", "tables", "definitions", "channels")
+        for group in (*groups, "references"):
             for index, item in enumerate(getattr(self, group)):
                 yield f"{group}[{index}].name", item.name
-
-
-def check_known(names: Iterable[str], known: Iterable[str], field: str, code: str) -> None:
-    """Refuse the first of `names` that is not in `known`, with the problem `code`; suggest the nearest known names."""
-    declared = tuple(known)
-    for name in names:
-        if name not in declared:
-            raise refuse(code, f"{field}.{name}", name, name=name, remedy=suggestion(name, declared))
+        for index, controller in enumerate(self.controllers):
+            for path, name in controller.declared():
+                yield f"controllers[{index}].{path}", name
 
 
 def check_within(value: float, bounds: tuple[float | None, float | None], field: str, name: str) -> None:

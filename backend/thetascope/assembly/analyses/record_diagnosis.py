@@ -56,7 +56,8 @@ class Recording:
 def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
     """Return the plant's columns: ``t``, inputs, signals and outputs, with or without the prefix u., signal. or y.
 
-    Inputs and signals that are missing keep their defaults. Raises SpecError for a missing output, uneven times, gaps.
+    Inputs and signals that are missing keep their defaults. Raises SpecError for a missing output, a missing input that
+    a controller sets, uneven times and gaps.
     """
     t = _column(columns, ("t", "time"), "t")
     if len(t) < _FEWEST_ROWS:
@@ -67,7 +68,7 @@ def recording(plant: Plant, columns: Mapping[str, np.ndarray]) -> Recording:
         {
             n: _column(columns, (f"{prefix}.{n}", n), f"{prefix}.{n}")
             for n in plant.names(group)
-            if f"{prefix}.{n}" in columns or n in columns
+            if f"{prefix}.{n}" in columns or n in columns or n in plant.controlled
         }
         for prefix, group in (("u", "inputs"), ("signal", "signals"))
     ]
@@ -121,6 +122,7 @@ def diagnose_recording(
     Raises SpecError where the plant or the record is not suitable.
     """
     record = _fresh(record)
+    plant = plant.model_copy(update={"controllers": (), "references": ()})  # the record holds the applied inputs
     spec = _spec(plant, record, settings)
     experiment = prepare(spec).engine
     why = unwatchable(experiment, experiment.context)

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from thetascope.assembly.build.healthy import healthy_run_of
+from thetascope.assembly.build.loop_builder import loop_of
 from thetascope.assembly.build.observer_builder import estimator, plant_context
 from thetascope.assembly.build.signal_builder import initial_state, plant_parameters, signals_of
 from thetascope.assembly.build.step_counts import multiple
@@ -28,18 +29,20 @@ def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, health
     estimators = [estimator(i, c, spec, data, step, healthy) for i, c in enumerate(spec.observers)]
     if since:
         estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
+    measured = measurement(spec, step)
     return Engine(
         plant=program,
         parameters=plant_parameters(spec),
         x0=initial_state(spec),
         signals=signals_of(spec),
-        measurement=measurement(spec, step),
+        measurement=measured,
         estimators=tuple(estimators),
         step=step,
         steps=steps,
         every=every,
         substeps=spec.substeps,
         context=plant_context(spec, data, step, healthy),
+        loop=loop_of(spec, data, step, measured),
     )
 
 

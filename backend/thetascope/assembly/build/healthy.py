@@ -3,7 +3,9 @@
 import numpy as np
 
 from thetascope.assembly.build.diagnosis_settings import span
+from thetascope.assembly.build.loop_builder import loop_of
 from thetascope.assembly.build.signal_builder import nominal_state, plant_parameters, signals_of
+from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.observers.support.scales import HealthyRun, Scales
 from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.healthy_run import healthy_run
@@ -26,7 +28,10 @@ def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
         step = spec.plant.time.period if spec.plant.time.kind == "discrete" else spec.step
         steps = max(1, round(span(spec) / step))
         start, parameters = nominal_state(spec.plant), plant_parameters(spec)
-        return healthy_run(plant_program(data).program, data, parameters, start, signals, noise, step, steps)
+        outputs = tuple(f"y.{o.name}" for o in spec.plant.outputs)
+        quiet = Measurement(outputs, (0.0,) * len(outputs), (step,) * len(outputs), 0)
+        loop = loop_of(spec, data, step, quiet, nominal=True)
+        return healthy_run(plant_program(data).program, data, parameters, start, signals, noise, step, steps, loop)
 
     return HealthyRun(_key(spec), simulate)
 

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from thetascope.assembly.build.experiment_builder import engine, measurement
+from thetascope.assembly.build.loop_builder import loop_of
 from thetascope.assembly.build.observer_builder import estimator, with_gains
 from thetascope.assembly.build.signal_builder import signals_of
 from thetascope.engine.inputs.signals import Signal
@@ -24,10 +25,16 @@ def adapted(spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExp
     if spec.plant is not before.plant or any(getattr(spec, name) != getattr(before, name) for name in _FIXED):
         return engine(spec, since, built.context.healthy)
     same_faults = _faults(spec, "output", None) == _faults(before, "output", None)
+    measured, loop = built.measurement, built.loop
+    if not same_faults:
+        measured = measurement(spec, built.step)
+        if loop is not None:
+            loop = loop_of(spec, spec.plant.model_dump(mode="json"), built.step, measured)
     return replace(
         built,
         signals=signals_of(spec, _kept_signals(spec, before, built)),
-        measurement=built.measurement if same_faults else measurement(spec, built.step),
+        measurement=measured,
+        loop=loop,
         estimators=tuple(_estimators(spec, since, before, built)),
         substeps=spec.substeps,
     )
@@ -41,7 +48,8 @@ def _faults(spec: ResolvedExperiment, kind: str, name: str | None) -> list:
 def _kept_signals(spec: ResolvedExperiment, before: ResolvedExperiment, built: Engine) -> dict[str, Signal]:
     """Return the signals that both experiments share."""
     plant = spec.plant
-    same = [f"u.{n}" for n in plant.names("inputs") if spec.inputs.get(n) == before.inputs.get(n)]
+    commanded = {f"u.{n}" for n in plant.names("inputs")} | {f"r.{n}" for n in plant.names("references")}
+    same = [n for n in built.signals if n in commanded and spec.inputs.get(n[2:]) == before.inputs.get(n[2:])]
     same += [f"signal.{n}" for n in plant.names("signals") if spec.signals.get(n) == before.signals.get(n)]
     same += [
         f"theta.{n}" for n in plant.names("channels") if _faults(spec, "channel", n) == _faults(before, "channel", n)

@@ -7,7 +7,8 @@ import numpy as np
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.inputs import fault_signals, signals
-from thetascope_schemas import Plant, ResolvedExperiment
+from thetascope_schemas import Input, Plant, ResolvedExperiment
+from thetascope_schemas.experiment.controllers import SetPoint
 
 
 def plant_parameters(spec: ResolvedExperiment) -> dict[str, float]:
@@ -28,19 +29,29 @@ def nominal_state(plant: Plant) -> np.ndarray:
 def signals_of(
     spec: ResolvedExperiment, known: Mapping[str, signals.Signal] = MappingProxyType({})
 ) -> dict[str, signals.Signal]:
-    """Return u.*, signal.* and theta.*, in this order; those in ``known`` are reused."""
+    """Return u.*, signal.*, theta.* and r.*, in this order; those in ``known`` are reused.
+
+    Inputs that controllers set are left out.
+    """
     built, plant = {}, spec.plant
+    controlled = plant.controlled
+
+    def commanded(name: str, item: Input | SetPoint) -> signals.Signal:
+        given = spec.inputs.get(item.name)
+        return known.get(name) or (
+            signals.constant(item.default) if given is None else _signal(given, f"inputs.{item.name}")
+        )
+
     for u in plant.inputs:
-        name, given = f"u.{u.name}", spec.inputs.get(u.name)
-        fresh = signals.constant(u.default) if given is None else _signal(given, f"inputs.{u.name}")
-        built[name] = known.get(name, fresh)
+        if u.name not in controlled:
+            built[f"u.{u.name}"] = commanded(f"u.{u.name}", u)
     for s in plant.signals:
         name = f"signal.{s.name}"
         built[name] = known.get(name) or _signal(spec.signals.get(s.name, s.default), f"signals.{s.name}")
     for c in plant.channels:
         name = f"theta.{c.name}"
         built[name] = known.get(name) or fault_signals.theta(c.name, _plain(spec, c.name), spec.seed)
-    return built
+    return built | {f"r.{r.name}": commanded(f"r.{r.name}", r) for r in plant.references}
 
 
 def _plain(spec: ResolvedExperiment, channel: str) -> list[dict]:

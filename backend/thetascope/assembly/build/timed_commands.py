@@ -51,11 +51,15 @@ def _set_gain(spec: ResolvedExperiment, command: SetGain) -> ResolvedExperiment:
 
 def _set_signal(spec: ResolvedExperiment, command: SetSignal) -> ResolvedExperiment:
     plant = spec.plant
-    if command.name in plant.names("inputs"):
+    commanded = tuple(item.name for item in plant.commanded)
+    if command.name in plant.controlled:
+        names = plant.names("references")
+        raise SpecError("name", command.name, Message("controller.input.set", name=command.name, references=names))
+    if command.name in commanded:
         return _with(spec, inputs={**spec.inputs, command.name: command.signal})
     if command.name in plant.names("signals"):
         return _with(spec, signals={**spec.signals, command.name: command.signal})
-    hint = Message.from_data(suggestion(command.name, plant.names("inputs", "signals")))
+    hint = Message.from_data(suggestion(command.name, (*commanded, *plant.names("signals"))))
     raise SpecError("name", command.name, Message("command.signal.unknown", name=command.name), hint)
 
 

@@ -18,6 +18,7 @@ from thetascope.engine.inputs.signals import constant, signal
 from thetascope.engine.observability.identifiability import Structure, structure
 from thetascope.engine.observers.support.kalman_defaults import pace, state_scales
 from thetascope.engine.simulation.experiment import Experiment, State
+from thetascope.engine.simulation.loop import LoopRows
 from thetascope.engine.simulation.simulation import Simulation, row_values
 from thetascope.messages import Message
 
@@ -58,8 +59,9 @@ def propose(
     window: float,
     accuracy: float,
     among: Sequence[str] | None = None,
+    loop: np.ndarray | None = None,
 ) -> Proposal:
-    """Return an input that separates the faults.
+    """Return an input that separates the faults; in a closed loop a reference or an input that no controller sets.
 
     Args:
         filter_: the detector's filter.
@@ -69,8 +71,9 @@ def propose(
         window: time within which faults have to be separated, s.
         accuracy: required standard deviation, as a share of a typical fault.
         among: the channels to be separated, the others being healthy; None: all.
+        loop: the present state of the controllers (`State.loop`).
     """
-    trial = _Trial(filter_, experiment, x, k, window, accuracy, among)
+    trial = _Trial(filter_, experiment, x, k, window, accuracy, among, loop)
     before = trial.level(None, None)
     needed = 1.0 / accuracy**2
     if before >= needed:
@@ -112,8 +115,10 @@ class _Trial:
         window: float,
         accuracy: float,
         among: Sequence[str] | None,
+        loop: np.ndarray | None,
     ):
         self.filter, self.x, self.k, self.accuracy = filter_, np.asarray(x, dtype=float), k, accuracy
+        self.loop = loop
         names = [c.removeprefix("theta.") for c in filter_.channels]
         self.chosen = [i for i, n in enumerate(names) if among is None or n in among]
         self.names = [names[i] for i in self.chosen]
@@ -121,7 +126,10 @@ class _Trial:
         typical = {c["name"]: float(c.get("typical", 1.0)) for c in model["channels"]}
         self.typical = np.array([typical[n] for n in self.names])
         self.structure: Structure = structure(model, tuple(self.names))
-        self.inputs = [u for u in model["inputs"] if f"u.{u['name']}" in experiment.signals]
+        groups = (("u", model["inputs"]), ("r", model.get("references", ())))
+        items = {f"{prefix}.{item['name']}": item for prefix, group in groups for item in group}
+        self.inputs = [item for name, item in items.items() if name in experiment.signals]
+        self.columns = {item["name"]: name for name, item in items.items()}
         healthy = {n: constant(0.0) for n in experiment.signals if n.startswith("theta.")}
         measurement = experiment.measurement
         quiet = replace(measurement, faults=(), std=(0.0,) * len(measurement.std))
@@ -157,15 +165,18 @@ class _Trial:
         leaves its domain."""
         e = self.experiment
         if name is not None and course is not None:
-            e = replace(e, signals=e.signals | {f"u.{name}": signal(course)})
+            e = replace(e, signals=e.signals | {self.columns[name]: signal(course)})
         count = 2 * self.half * e.every
-        state = State(self.k, self.x.copy(), (), e.measurement.start())
+        past = None if e.loop is None else np.empty((0, len(e.applied)))
+        state = State(self.k, self.x.copy(), (), e.measurement.start(), self.loop, past)
         parts = [rows for _, rows in Simulation(e, e.substeps or 1).spans(count, state)]
+        loops = [r.loop for r in parts if r.loop is not None]
         index = np.concatenate([r.index for r in parts])
         plant, y = np.concatenate([r.plant for r in parts]), np.concatenate([r.y for r in parts])
         if not self._inside(plant):
             return None
-        table = self.filter.table(index, y, row_values(e, index, plant), e.signals)
+        values = row_values(e, index, plant, LoopRows.concatenated(loops) if loops else None)
+        table = self.filter.table(index, y, values, e.signals)
         first = self.filter.start()
         first[: self.filter.n] = self.x
         omega = self.filter.run(first, np.zeros(self.filter.p), table, index * e.step).omega[-self.half :]
@@ -221,7 +232,7 @@ class _Trial:
     def _range(self, u: Mapping, swing: float) -> tuple[float, float, float, float]:
         """Return (lower value, upper value, their middle, present value) of an input."""
         time = np.array([self.t])
-        present = float(self.experiment.signals[f"u.{u['name']}"](time, time + 1e-4 * self.experiment.step)[0])
+        present = float(self.experiment.signals[self.columns[u["name"]]](time, time + 1e-4 * self.experiment.step)[0])
         low, high = u.get("bounds") or (None, None)
         reach = 2 * max(abs(present), abs(float(u.get("default", 0.0))), 1e-300) or 1.0
         if abs(present) < 1e-300 and not u.get("default"):

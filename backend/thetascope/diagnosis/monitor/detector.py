@@ -23,6 +23,7 @@ from thetascope.engine.inputs.signals import constant
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.simulation.batch import with_seed
 from thetascope.engine.simulation.experiment import Experiment
+from thetascope.engine.simulation.loop import LoopRows
 from thetascope.engine.simulation.simulation import Simulation, row_values
 from thetascope.messages import Message
 
@@ -79,7 +80,7 @@ def _undersampled_signal(experiment: Experiment) -> str:
     start = row * np.unique(np.linspace(0, rows - 1, _SAMPLES).astype(int))
     between = start + row * np.random.default_rng(0).random(len(start))
     for name, signal in experiment.signals.items():
-        if name.startswith("theta."):
+        if name.startswith(("theta.", "r.")):
             continue
         recorded, actual = signal(start, np.nextafter(start, np.inf)), signal(between, between)
         if np.std(actual - recorded) > _UNRECORDED * max(np.std(actual), 1e-9 * np.max(np.abs(actual))):
@@ -180,7 +181,9 @@ def _filter_inputs(experiment: Experiment, filter_: InnovationFilter) -> tuple[n
     """Return the filter's inputs (rows, inputs) and times (rows,) of a simulated run."""
     parts = [rows for _, rows in Simulation(experiment, experiment.substeps or 1).spans(experiment.steps + 1)]
     index = np.concatenate([r.index for r in parts])
-    values = row_values(experiment, index, np.concatenate([r.plant for r in parts]))
+    loops = [r.loop for r in parts if r.loop is not None]
+    loop = LoopRows.concatenated(loops) if loops else None
+    values = row_values(experiment, index, np.concatenate([r.plant for r in parts]), loop)
     return filter_.table(
         index, np.concatenate([r.y for r in parts]), values, experiment.signals
     ), index * experiment.step

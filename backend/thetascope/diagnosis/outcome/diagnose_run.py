@@ -108,7 +108,7 @@ def advance_over_rows(
     values: dict[str, np.ndarray | float] | None = None,
 ) -> Steps[MonitorState]:
     """Return the monitor's state after recorded rows; `values`: signals along them by name, if they are available."""
-    signals = values or row_values(experiment, rows.index, rows.plant)
+    signals = values or row_values(experiment, rows.index, rows.plant, rows.loop)
     table = monitor.filter.table(rows.index, rows.y, signals, experiment.signals)
     return (yield from monitor.advance(state, table, rows.index * experiment.step))
 
@@ -247,7 +247,7 @@ def _estimates(experiment: Experiment, substeps: int, stride: int) -> Estimates:
     spreads: Spreads = {}
     sigma: dict[str, list[np.ndarray]] = {}
     for _, rows in spans_of(experiment, substeps):
-        values = row_values(experiment, rows.index, rows.plant)
+        values = row_values(experiment, rows.index, rows.plant, rows.loop)
         columns, tables = sigma_columns(experiment, rows, values, spreads)
         spreads = latest(tables)
         for estimator, states in zip(experiment.estimators, rows.observers, strict=True):

@@ -112,14 +112,15 @@ class InnovationFilter:
         Args:
             index: (rows,), base steps.
             y: (rows, m), measurements.
-            values: inputs and known signals by name, (rows,) each.
-            signals: the same as functions of time, from which their values between rows are taken.
+            values: inputs and known signals by name, (rows,) each; those that controllers set also as ``ahead.*``,
+                their means until the next row.
+            signals: the other ones as functions of time, from which their values between rows are taken.
         """
         e = self.experiment
         given = {**values, **{f"measured.{o}": y[:, k] for k, o in enumerate(e.plant.outputs)}}
         middle = (index + 0.5 * e.every) * e.step
         for name in self.names:
-            if name.startswith(AHEAD):
+            if name.startswith(AHEAD) and name not in values:
                 given[name] = at_rows(signals[name.removeprefix(AHEAD)], middle, e.step)
         every = e.measurement.sample_every
         given["fresh"] = 1.0 if every is None else (index // every != (index - e.every) // every) * 1.0

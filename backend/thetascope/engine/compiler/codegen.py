@@ -12,6 +12,9 @@ recorded one in that segment; then every ``every``-th step is recorded in ``out`
 receives the values of selected nodes at every stage. Arrays named lane_* hold one value per lane, lanes innermost. The
 results depend neither on how the steps are distributed over calls and segments nor on the number of lanes: no fast-math
 flag is set, and the fused multiply-adds are those of the graph.
+
+Where a layout has ``jump`` nodes, one for each state, the states take their values at the head of every segment, before
+its first step. Whether a jump changes anything must then depend on held inputs.
 """
 
 from dataclasses import dataclass
@@ -36,6 +39,7 @@ class Layout:
     lane_params: tuple[str, ...] = ()
     emitted: tuple[int, ...] = ()  # node indices
     lanes: int = 1
+    jump: tuple[int, ...] = ()  # node indices, one for each state, or none
 
     def shared_params(self, program: Program) -> tuple[str, ...]:
         """Return the parameters that have one value for all lanes, in the program's order."""
@@ -130,8 +134,14 @@ class _Module:
 
         ``leaves`` maps states and t to values; ``memo`` holds the values of nodes that are already emitted.
         """
+        return self._nodes(w, leaves, where, memo, self.order, self.roots)
+
+    def _nodes(
+        self, w: Writer, leaves: dict[str, str], where: dict, memo: dict[int, str], order: list[int], roots: list[int]
+    ) -> list[str]:
+        """Emit the nodes ``order``, and return the values of ``roots``; the rest as in `_values`."""
         graph = self.program.graph
-        for i in self.order:
+        for i in order:
             if i in memo:
                 continue
             op, *args = graph.nodes[i]
@@ -143,7 +153,7 @@ class _Module:
                 memo[i] = leaves[args[0]] if args[0] in leaves else self._leaf(w, args[0], where)
             else:
                 memo[i] = w.operation(op, [memo[a] for a in args])
-        return [memo[r] for r in self.roots]
+        return [memo[r] for r in roots]
 
     def _split(self, values: list[str]) -> tuple[list[str], list[str]]:
         """Return the values of the update and those of the emitted nodes."""
@@ -170,19 +180,34 @@ class _Module:
         place0 = self._mark(w)
         per_segment = self._segment_head(w, constants)
         w.put("%none = icmp sle i64 %steps, 0")
-        w.put("br i1 %none, label %next, label %step")
+        before, begin = "segment", [f"%a{i}" for i in range(n)]
+        if self.layout.jump:
+            w.put("br i1 %none, label %next, label %jump")
+            before, begin = "jump", self._jump(w, begin, per_segment)
+        w.put("br label %step" if self.layout.jump else "br i1 %none, label %next, label %step")
         w.lines.append("step:")
-        w.put("%k = phi i64 [0, %segment], [%k1, %cont]")
-        w.put("%at = phi i64 [%at0, %segment], [%atn, %cont]")
-        w.put("%row = phi i64 [%row0, %segment], [%row1, %cont]")
-        w.put("%left = phi i64 [%first, %segment], [%left2, %cont]")
+        w.put(f"%k = phi i64 [0, %{before}], [%k1, %cont]")
+        w.put(f"%at = phi i64 [%at0, %{before}], [%atn, %cont]")
+        w.put(f"%row = phi i64 [%row0, %{before}], [%row1, %cont]")
+        w.put(f"%left = phi i64 [%first, %{before}], [%left2, %cont]")
         place1 = self._mark(w)
         new = self._step(w, [f"%b{i}" for i in range(n)], per_segment, scratch)
         self._record(w, new)
-        w.lines[place1] = "\n".join(f"  %b{i} = phi {t} [%a{i}, %segment], [{v}, %cont]" for i, v in enumerate(new))
+        w.lines[place1] = "\n".join(
+            f"  %b{i} = phi {t} [{a}, %{before}], [{v}, %cont]" for i, (a, v) in enumerate(zip(begin, new, strict=True))
+        )
         self._next_segment(w, new)
         w.lines[place0] = "\n".join(f"  %a{i} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, v in enumerate(start))
         return [*_HEAD, *w.lines, "}"]
+
+    def _jump(self, w: Writer, states: list[str], segment: dict) -> list[str]:
+        """Append the jump at the head of a segment, and return the states after it."""
+        w.lines.append("jump:")
+        t = w.let(f"fadd double %t0, {w.let('fmul double %i0, %h')}")
+        roots = list(self.layout.jump)
+        leaves = dict(zip(self.program.states, states, strict=True)) | {"t": w.splat(t)}
+        where = self._where(w, 0, segment, "%at0")
+        return self._nodes(w, leaves, where, dict(segment["memo"]), topological(self.program.graph, roots), roots)
 
     def _next_segment(self, w: Writer, new: list[str]) -> None:
         """Append the end of a segment: continue with the next one, or store the states and return."""
@@ -288,29 +313,39 @@ class _Module:
     def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
         """Append one stage at the states z and time t, store its emitted nodes, and return the update."""
         lay, lanes = self.layout, self.layout.lanes
-
-        def row(base: str, width: int) -> str:
-            at = w.let(f"add i64 {w.let(f'mul i64 %at, {self.stages}')}, {stage}")
-            return w.address(base, w.let(f"mul i64 {at}, {width}"))
-
-        where = {
-            "params": "%params",
-            "lane_params": "%lane_params",
-            "held": segment["held"],
-            "lane_held": segment["lane_held"],
-        }
-        where["staged"] = row("%staged", len(lay.staged)) if lay.staged else "%staged"
-        where["lane_staged"] = row("%lane_staged", len(lay.lane_staged) * lanes) if lay.lane_staged else "%lane_staged"
+        where = self._where(w, stage, segment, "%at")
         if self.inline:
             leaves = dict(zip(self.program.states, z, strict=True)) | {"t": w.splat(t)}
             values, emitted = self._split(self._values(w, leaves, where, dict(segment["memo"])))
         else:
             values, emitted = self._called(w, z, t, where, scratch)
         if lay.emitted:
-            place = row("%emitted", len(lay.emitted) * lanes)
+            place = self._row(w, stage, "%emitted", len(lay.emitted) * lanes, "%at")
             for j, value in enumerate(emitted):
                 w.store(value, place, j)
         return values
+
+    def _where(self, w: Writer, stage: int, segment: dict, at: str) -> dict:
+        """Append the addresses of a stage's inputs in the step ``at``, and return them by group."""
+        lay = self.layout
+        where = {
+            "params": "%params",
+            "lane_params": "%lane_params",
+            "held": segment["held"],
+            "lane_held": segment["lane_held"],
+        }
+        where["staged"] = self._row(w, stage, "%staged", len(lay.staged), at) if lay.staged else "%staged"
+        where["lane_staged"] = (
+            self._row(w, stage, "%lane_staged", len(lay.lane_staged) * lay.lanes, at)
+            if lay.lane_staged
+            else "%lane_staged"
+        )
+        return where
+
+    def _row(self, w: Writer, stage: int, base: str, width: int, at: str) -> str:
+        """Append and return the address of a stage's row of a table in the step ``at``."""
+        place = w.let(f"add i64 {w.let(f'mul i64 {at}, {self.stages}')}, {stage}")
+        return w.address(base, w.let(f"mul i64 {place}, {width}"))
 
     # ---- large programs ----------------------------------------------------------------------------------------
 

@@ -15,7 +15,8 @@ from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.programs.evaluate_rows import probe
 from thetascope.engine.simulation.experiment import Experiment, Rows
 from thetascope.engine.simulation.kernel_cost import costs
-from thetascope.engine.simulation.simulation import at_rows, observed_values, row_numbers
+from thetascope.engine.simulation.loop import LoopRows
+from thetascope.engine.simulation.simulation import at_rows, loop_values, observed_values, row_numbers
 from thetascope.messages import Message
 
 PLANT_ESCAPES = Message("diverged.plant")
@@ -91,6 +92,8 @@ def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) ->
             values[name] = np.concatenate(
                 [at_rows(theirs[k], p, first.step) for k, p in zip(begins, pieces, strict=True)]
             )
+    if first.loop is not None:
+        values |= loop_values(first.loop, LoopRows.concatenated([r.loop for _, r in parts if r.loop is not None]))
     each = [row_numbers(e) for e, _ in parts]
     values |= {n: _over([v[n] for v in each], counts) for n in each[0]} | {"t": t}
     return values | {s: plant[:, j] for j, s in enumerate(first.plant.states)}
@@ -102,11 +105,10 @@ def _over(numbers: list[float], counts: list[int]) -> np.ndarray | float:
 
 
 def plant_columns(e: Experiment, values: dict, plant: np.ndarray, y: np.ndarray) -> dict[str, np.ndarray]:
-    """Return the plant's columns in their order: t, u, signal, x, theta, y."""
-    columns = {"t": values["t"]}
-    for prefix in ("u.", "signal."):
-        columns |= {n: values[n] for n in e.signals if n.startswith(prefix)}
+    """Return the plant's columns in their order: t, u, signal, r, x, c, theta, y."""
+    columns = {"t": values["t"]} | {n: values[n] for n in e.given}
     columns |= {s: plant[:, j] for j, s in enumerate(e.plant.states)}
+    columns |= {n: values[n] for n in (e.loop.controller_states if e.loop is not None else ())}
     columns |= {n: values[n] for n in e.signals if n.startswith("theta.")}
     return columns | {n: y[:, i] for i, n in enumerate(e.plant.outputs)}
 

@@ -126,10 +126,13 @@ def needed_substeps(experiment: Experiment, rows: Rows) -> int:
     if experiment.plant.time != CONTINUOUS or not len(rows.index):
         return 1
     opening = rows.index[0] == 0
-    values = row_values(experiment, rows.index, rows.plant)
+    values = row_values(experiment, rows.index, rows.plant, rows.loop)
     ended = finite_plant_rows(experiment, rows.plant)
     picked = sample_rows(ended, len(experiment.plant.states), opening)
     rates = [fastest(experiment.plant, values, picked)]
+    if experiment.loop is not None and rows.loop is not None:
+        loop = experiment.loop
+        rates.append(fastest(loop.program, loop.values(rows.loop, values), picked))
     for estimator, states in zip(experiment.estimators, rows.observers, strict=True):
         if estimator.every is None:
             observed = observed_values(experiment, estimator.parameters, values, rows.y)

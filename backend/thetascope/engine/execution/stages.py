@@ -4,7 +4,7 @@ A live session and the run that is saved from it have the same stages, so they g
 """
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -24,14 +24,17 @@ class Stage:
 def carry(state: State, old: Experiment, new: Experiment) -> State:
     """Return the state from which the new experiment continues: observers keep theirs, added ones start here."""
     kept = {e.label: (e, s) for e, s in zip(old.estimators, state.observers, strict=True)}
-    observers = []
+    observers: list[np.ndarray] = []
+    at, seen = state.plant[:, None], None
     for i, estimator in enumerate(new.estimators):
         before = kept.get(estimator.label)
         if before is not None and before[0].program == estimator.program and before[0].since == estimator.since:
             observers.append(before[1])
         else:
-            observers.append(observer_states([new], i, state.k, state.plant[:, None])[:, 0].copy())
-    return State(state.k, state.plant, tuple(observers), state.memory)
+            if new.loop is not None and seen is None:
+                seen = Simulation(new, new.substeps or 1).known_at(state)
+            observers.append(observer_states([new], i, state.k, at, seen)[:, 0].copy())
+    return replace(state, observers=tuple(observers))
 
 
 def spans(stages: Sequence[Stage], count: int, substeps: int) -> Iterator[tuple[State, Experiment, Rows]]:

@@ -156,9 +156,16 @@ class Measurement:
             clean: outputs of the plant, shape (steps, stages, m), as the result.
             memory: the state before the span.
         """
-        y = clean + self.noise_at(grid.anchor)[:, None, :]
+        y, memory = self.after_faults(grid, clean + self.noise_at(grid.anchor)[:, None, :], memory)
+        if self.sample_every is not None:
+            y, sampled = _sampled(self.sample_every, grid, first, y, memory.sampled)
+            memory = replace(memory, sampled=sampled)
+        return y, memory
+
+    def after_faults(self, grid: Grid, y: np.ndarray, memory: Memory) -> tuple[np.ndarray, Memory]:
+        """Return noisy outputs of one span (steps × stages × m, overwritten) after the faults, and the state after."""
         passed = y[-1, -1].copy() if len(y) else memory.passed
-        kept, after, sampled = dict(memory.faults), dict(memory.after), memory.sampled
+        kept, after = dict(memory.faults), dict(memory.after)
         for i, name in enumerate(self.outputs):
             # the value after the fault before; a fault that is new has changed nothing until now
             before = memory.passed[i]
@@ -167,9 +174,23 @@ class Measurement:
                 y[:, :, i], kept[key] = self._through(f, grid, y[:, :, i], kept.get(key), before)
                 before = memory.after.get(key, before)
                 after[key] = float(y[-1, -1, i]) if len(y) else before
-        if self.sample_every is not None:
-            y, sampled = _sampled(self.sample_every, grid, first, y, sampled)
-        return y, replace(memory, passed=passed, sampled=sampled, faults=kept, after=after)
+        return y, replace(memory, passed=passed, faults=kept, after=after)
+
+    def replaced(self, grid: Grid) -> np.ndarray:
+        """Return where a fault replaces the reading by a constant or an earlier one, (steps, m)."""
+        on = np.zeros((grid.count, len(self.outputs)), dtype=bool)
+        for i, name in enumerate(self.outputs):
+            for f in self._in_turn(name):
+                if f["shape"] != "quantisation":
+                    on[:, i] |= self._acting(f)(grid.anchor, grid.anchor) > 0
+        return on
+
+    def resolutions(self, least: int = 1) -> list[list[Signal]]:
+        """Return the steps of quantisation of each output as signals, 0 while none acts; as many for each output."""
+        each = [[f for f in self._in_turn(name) if f["shape"] == "quantisation"] for name in self.outputs]
+        most = max([least, *(len(faults) for faults in each)])
+        signals = [[gated(constant(f["resolution"]), f["onset"], f.get("end")) for f in faults] for faults in each]
+        return [own + [constant(0.0)] * (most - len(own)) for own in signals]
 
     def _through(self, f: Mapping, grid: Grid, y: np.ndarray, kept: Any, passed: float) -> tuple[np.ndarray, Any]:
         """Return one output (steps × stages) after one fault, and the fault's state.

@@ -70,6 +70,27 @@ class Grid:
         # the first step of a base step is the first whose middle is after the beginning of the base step
         return np.searchsorted(self.anchor, np.arange(self.first, self.last + 1) * self.h)
 
+    def part(self, first: int, last: int, every: int) -> "Grid":
+        """Return the grid of the steps [first, last); every ``every``-th step of a segment is recorded.
+
+        Its numbers of base steps are those of the whole grid.
+        """
+        s = self.segments
+        begins = np.concatenate([[0], np.cumsum(s.steps)[:-1]])
+        low, high = np.maximum(first - begins, 0), np.minimum(last - begins, s.steps)
+        kept = low < high
+        passed = np.maximum(0, -(-(low - s.first + 1) // every)) * every  # recorded ones among the steps left out
+        due = np.where(s.first == NEVER, NEVER, s.first + passed - low)
+        columns = (high - low, due, s.t, s.index + low, s.h)
+        return Grid(
+            Segments(*(np.ascontiguousarray(c[kept]) for c in columns)), self.first, self.last, self.h, 1, False
+        )
+
+    def recorded(self, every: int) -> int:
+        """Return the number of rows that are recorded, where every ``every``-th step of a segment is."""
+        s = self.segments
+        return int(np.maximum(0, (s.steps - s.first) // every + 1).sum())
+
 
 def sort_out(breaks: np.ndarray, h: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the given times that are on grid points, as numbers of steps, and the other ones, in steps and sorted."""

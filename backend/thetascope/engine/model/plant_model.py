@@ -198,28 +198,34 @@ class Model:
 
     def system(self) -> System:
         """Return the plant with its faults: states x.*, inputs u.*, signal.*, theta.*, parameters p.*, outputs y.*."""
-        channels = [c.name for c in self.channels]
-        theta = symbols("theta", channels)
-        swap = {
-            s: sympy.Symbol(f"{prefix}.{s.name}", real=True)
-            for prefix, group in (("x", self.x), ("u", self.u), ("signal", self.signals), ("p", self.parameters))
-            for s in group
-        }
-
-        def rename(e):
-            return e.xreplace(swap)
-
-        f, h = self.f, self.h
-        if channels:
-            f = f + self.Phi(channels) * sympy.Matrix(theta)
-            h = h + self.Psi(channels) * sympy.Matrix(theta)
+        f, h = self.with_faults()
+        swap = self.prefixed
         return System(
             name=self.id,
             time=self.time,
             states=tuple(swap[s] for s in self.x),
-            inputs=(*(swap[s] for s in self.u), *(swap[s] for s in self.signals), *theta),
+            inputs=(*(swap[s] for s in self.u), *(swap[s] for s in self.signals), *self.theta),
             parameters=tuple(swap[s] for s in self.parameters),
-            update=tuple(rename(e) for e in f),
-            outputs={f"y.{name}": rename(e) for name, e in zip(self.outputs, h, strict=True)},
-            definitions=tuple((d.symbol, rename(d.expression)) for d in self.definitions),
+            update=tuple(e.xreplace(swap) for e in f),
+            outputs={f"y.{name}": e.xreplace(swap) for name, e in zip(self.outputs, h, strict=True)},
+            definitions=tuple((d.symbol, d.expression.xreplace(swap)) for d in self.definitions),
         )
+
+    @property
+    def theta(self) -> tuple[Symbol, ...]:
+        """Return the symbols ``theta.channel`` of all channels."""
+        return symbols("theta", [c.name for c in self.channels])
+
+    @cached_property
+    def prefixed(self) -> dict[Symbol, Symbol]:
+        """Return the symbol with its prefix (``x.``, ``u.``, ``signal.``, ``p.``) for every declared symbol."""
+        groups = (("x", self.x), ("u", self.u), ("signal", self.signals), ("p", self.parameters))
+        return {s: sympy.Symbol(f"{prefix}.{s.name}", real=True) for prefix, group in groups for s in group}
+
+    def with_faults(self) -> tuple[Matrix, Matrix]:
+        """Return f + Φθ (n × 1) and h + Ψθ (m × 1) with all channels."""
+        channels = [c.name for c in self.channels]
+        if not channels:
+            return self.f, self.h
+        theta = sympy.Matrix(self.theta)
+        return self.f + self.Phi(channels) * theta, self.h + self.Psi(channels) * theta

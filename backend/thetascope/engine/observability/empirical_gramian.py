@@ -18,6 +18,7 @@ from thetascope.engine.inputs.signals import constant, total
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.kalman_defaults import state_scales, typical_sizes
 from thetascope.engine.simulation.experiment import Experiment, State
+from thetascope.engine.simulation.opened import opened
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope.messages import Message
 
@@ -82,6 +83,7 @@ def empirical(
     instants: largest number of windows; unknown: the components to test (``x.*``, ``theta.*``; None: all),
     the others are assumed to be known; size: of the changes, relative to a component's scale.
     """
+    experiment = opened(experiment)  # observers know the applied inputs
     context = experiment.context
     names = [*experiment.plant.states, *(i for i in experiment.plant.inputs if i.startswith("theta."))]
     scales = dict(zip(names, [*state_scales(context), *typical_sizes(context)], strict=True))

@@ -21,7 +21,11 @@ class Plan:
 
 @lru_cache(maxsize=512)
 def plan(
-    program: Program, emitted: tuple[int, ...], signals: tuple[tuple[str, bool], ...], given: tuple[str, ...] = ()
+    program: Program,
+    emitted: tuple[int, ...],
+    signals: tuple[tuple[str, bool], ...],
+    given: tuple[str, ...] = (),
+    jump: tuple[int, ...] = (),
 ) -> Plan:
     """Return the plan of a program that emits these nodes.
 
@@ -30,9 +34,10 @@ def plan(
         emitted: nodes whose values the kernel returns at every stage.
         signals: names, and whether each signal is held over a segment.
         given: inputs that follow the staged signals in each staged row.
+        jump: nodes that the states jump to at the head of every segment.
     """
-    used = variables(program.graph, [*program.update, *emitted]) - set(given)
+    used = variables(program.graph, [*program.update, *emitted, *jump]) - set(given)
     held = tuple(sorted(n for n, is_held in signals if n in used and is_held))
     staged = tuple(sorted(n for n, is_held in signals if n in used and not is_held))
-    layout = Layout(held=held, staged=staged + given, emitted=emitted)
+    layout = Layout(held=held, staged=staged + given, emitted=emitted, jump=jump)
     return Plan(program, kernel(program, layout), held, staged, layout.shared_params(program))

@@ -17,6 +17,7 @@ from thetascope.engine.observers.support.declaration import Observer
 from thetascope.engine.observers.support.draft import Size
 
 _PROSE = ("title", "description", "source", "unit", "typical", "scale")
+_CONTROL = ("references", "controllers")
 _memory: OrderedDict[str, "Written"] = OrderedDict()
 _lock = threading.RLock()
 _KEPT = 256
@@ -31,8 +32,9 @@ class Written:
 
 
 def mathematics(plant: Mapping) -> dict:
-    """Return the part of a plant's data that determines equations and design: no prose, units, defaults or bounds."""
-    kept = {k: v for k, v in plant.items() if k not in (*_PROSE, "id")}
+    """Return the part of a plant's data that determines equations and design: no prose, units, defaults or bounds, and
+    no controllers, which are outside the model."""
+    kept = {k: v for k, v in plant.items() if k not in (*_PROSE, *_CONTROL, "id")}
     for part in ("states", "inputs", "outputs", "definitions", "channels"):
         kept[part] = [
             {k: v for k, v in item.items() if k not in (*_PROSE, "default", "bounds")} for item in plant[part]
@@ -52,6 +54,28 @@ def plant_program(plant: Mapping) -> Written:
         return Written(Model(plant).system().lower(), {})
 
     return _written(["plant", mathematics(plant)], write)
+
+
+def closed_loop_program(plant: Mapping, sampled: bool, quantisers: int) -> Program:
+    """Return the program of a plant with its measurement and controllers (`engine.model.closed_loop`).
+
+    Raises SpecError for controllers that cannot be simulated.
+    """
+
+    def write() -> Written:
+        from thetascope.engine.model.closed_loop import closed_loop
+
+        return Written(closed_loop(plant, sampled, quantisers).lower(), {})
+
+    control = {part: _bare(plant[part]) for part in _CONTROL}
+    return _written(["closed loop", mathematics(plant), control, sampled, quantisers], write).program
+
+
+def _bare(value: object) -> object:
+    """Return JSON data without prose, units, defaults and bounds."""
+    if isinstance(value, Mapping):
+        return {k: _bare(v) for k, v in value.items() if k not in (*_PROSE, "default", "bounds")}
+    return [_bare(v) for v in value] if isinstance(value, list | tuple) else value
 
 
 def observer_program(

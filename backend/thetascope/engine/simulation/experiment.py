@@ -9,6 +9,7 @@ from thetascope.engine.inputs.sensors import Measurement, Memory
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.observers.support.declaration import Context, Observer
 from thetascope.engine.simulation.kernel_cost import Spent
+from thetascope.engine.simulation.loop import Loop, LoopRows
 from thetascope.messages import Message
 
 
@@ -35,7 +36,10 @@ class Estimator:
 
 @dataclass(frozen=True)
 class Experiment:
-    """All inputs of a run as engine objects. ``signals`` holds u.*, signal.* and theta.* by name."""
+    """All inputs of a run as engine objects. ``signals`` holds u.*, signal.*, theta.* and r.* by name.
+
+    With a ``loop``, the inputs that controllers set have no signal.
+    """
 
     plant: Program
     parameters: dict[str, float]  # p.*
@@ -49,6 +53,18 @@ class Experiment:
     context: Context  # of the plant with all its fault channels, for filters that estimate all of them
     substeps: int | None = None  # per base step; None: one, or as many as stiff gains need
     notes: tuple[Message, ...] = ()
+    loop: Loop | None = None  # the controllers; None: an open loop
+
+    @property
+    def applied(self) -> tuple[str, ...]:
+        """Return the inputs ``u.*`` that controllers set."""
+        return () if self.loop is None else self.loop.applied
+
+    @property
+    def given(self) -> tuple[str, ...]:
+        """Return the names of the columns of known quantities in their order: u.*, signal.*, r.*."""
+        plant = tuple(n for p in ("u.", "signal.") for n in self.plant.inputs if n.startswith(p))
+        return plant + tuple(n for n in self.signals if n.startswith("r."))
 
 
 @dataclass(frozen=True)
@@ -59,6 +75,8 @@ class State:
     plant: np.ndarray
     observers: tuple[np.ndarray, ...]
     memory: Memory
+    loop: np.ndarray | None = None  # the controllers' and held states
+    past: np.ndarray | None = None  # the means of the applied u over the last base steps, for sampled observers
 
 
 @dataclass(frozen=True)
@@ -74,9 +92,11 @@ class Rows:
     observers: tuple[np.ndarray, ...]
     spent: Spent = field(default_factory=dict)
     passed: np.ndarray | None = None  # rows × m: the measurement before each row, where it is recorded
+    loop: LoopRows | None = None
 
     def part(self, first: int, last: int | None = None) -> "Rows":
         """Return the rows from ``first`` up to ``last`` (exclusive)."""
         index, plant, y = (part[first:last] for part in (self.index, self.plant, self.y))
         passed = None if self.passed is None else self.passed[first:last]
-        return Rows(index, plant, y, tuple(o[first:last] for o in self.observers), self.spent, passed)
+        loop = None if self.loop is None else self.loop.part(first, last)
+        return Rows(index, plant, y, tuple(o[first:last] for o in self.observers), self.spent, passed, loop)

@@ -18,7 +18,8 @@ from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import Signal, constant
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.scales import Scales
-from thetascope.engine.simulation.experiment import Experiment, State, leading_rows
+from thetascope.engine.simulation.experiment import Experiment, leading_rows
+from thetascope.engine.simulation.loop import Loop, LoopRows
 from thetascope.engine.simulation.simulation import Simulation, row_values
 from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
 
@@ -44,6 +45,7 @@ def healthy_run(
     noise: np.ndarray,
     step: float,
     steps: int,
+    loop: Loop | None = None,
 ) -> Scales:
     """Simulate a plant without faults and return its scales.
 
@@ -52,8 +54,9 @@ def healthy_run(
         parameters, x0, signals: of the experiment (`Experiment`); faults among the signals are not used.
         noise: standard deviation (m,) of the noise of each output, 0 where none is declared.
         step, steps: base step in s, and the number of base steps that the run has.
+        loop: the controllers, for continuous measurement; None: an open loop.
     """
-    return _Healthy(program, data, dict(parameters), x0, dict(signals), step, steps).scales(noise)
+    return _Healthy(program, data, dict(parameters), x0, dict(signals), step, steps, loop).scales(noise)
 
 
 class _Healthy:
@@ -66,6 +69,7 @@ class _Healthy:
         signals: dict[str, Signal],
         step: float,
         steps: int,
+        loop: Loop | None,
     ):
         self.data, self.span = data, step * steps
         steps = min(steps, _LONGEST)
@@ -74,40 +78,52 @@ class _Healthy:
         quiet = Measurement(outputs, (0.0,) * len(outputs), (step,) * len(outputs), 0)
         size = Context(len(program.states), len(outputs), 0, (0.0,) * len(outputs), step, step, data)
         every = max(1, steps // _ROWS)
-        self.experiment = Experiment(program, parameters, x0, healthy, quiet, (), step, steps, every, size)
+        self.experiment = Experiment(program, parameters, x0, healthy, quiet, (), step, steps, every, size, loop=loop)
         self.substeps = 1
-        self.index, self.x, self.y = self._sufficient()
+        self.index, self.x, self.y, self.loop = self._sufficient()
         self.early = leading_rows(self.x, _INFINITE)
         self.first_rate = self._rate(np.arange(min(1, self.early)))
         self.base, self.stable = self._base()
 
     # ---- simulations -------------------------------------------------------------------------------------------------
 
-    def _simulate(self, experiment: Experiment) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Return base steps (rows,), states (rows, n) and outputs (rows, m), up to the first that is not finite."""
+    def _simulate(self, experiment: Experiment) -> tuple[np.ndarray, np.ndarray, np.ndarray, LoopRows | None]:
+        """Return base steps (rows,), states (rows, n), outputs (rows, m) and controllers, up to the first row that is
+        not finite."""
         simulation = Simulation(experiment, self.substeps)
-        state = State(0, experiment.x0.astype(float).copy(), (), experiment.measurement.start())
         parts = []
-        for _, rows in simulation.spans(experiment.steps + 1, state):
+        for _, rows in simulation.spans(experiment.steps + 1):
             parts.append(rows)
             if leading_rows(rows.plant, _INFINITE) < len(rows.plant):
                 break
         index, x, y = (np.concatenate([getattr(r, n) for r in parts]) for n in ("index", "plant", "y"))
         rows = leading_rows(x, _INFINITE)
-        return index[:rows], x[:rows], y[:rows]
+        loops = [r.loop for r in parts if r.loop is not None]
+        loop = LoopRows.concatenated(loops).part(0, rows) if loops else None
+        return index[:rows], x[:rows], y[:rows], loop
 
-    def _sufficient(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _sufficient(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, LoopRows | None]:
         """Return the run with as many substeps as its step needs to be stable."""
         e = self.experiment
         while True:
-            index, x, y = self._simulate(e)
+            index, x, y, loop = self._simulate(e)
             if e.plant.time == DISCRETE:
-                return index, x, y
-            values, picked = row_values(e, index, x), sample_rows(len(index), len(e.plant.states), True)
-            needed = min(MOST_SUBSTEPS, substeps_needed(e.step, fastest(e.plant, values, picked)))
+                return index, x, y, loop
+            values, picked = row_values(e, index, x, loop), sample_rows(len(index), len(e.plant.states), True)
+            rate = fastest(e.plant, values, picked)
+            if e.loop is not None and loop is not None:
+                rate = max(rate, fastest(e.loop.program, e.loop.values(loop, values), picked))
+            needed = min(MOST_SUBSTEPS, substeps_needed(e.step, rate))
             if needed <= self.substeps:
-                return index, x, y
+                return index, x, y, loop
             self.substeps = needed
+
+    def _values(self, rows: np.ndarray) -> dict:
+        """Return inputs, parameters and states at rows of the run."""
+        loop = None
+        if self.loop is not None:
+            loop = LoopRows(*(getattr(self.loop, n)[rows] for n in ("states", "u", "ahead")))
+        return row_values(self.experiment, self.index[rows], self.x[rows], loop)
 
     # ---- rates -------------------------------------------------------------------------------------------------------
 
@@ -116,7 +132,7 @@ class _Healthy:
         e, n = self.experiment, len(self.experiment.plant.states)
         if not len(rows) or not n:
             return 0.0
-        values = row_values(e, self.index[rows], self.x[rows])
+        values = self._values(rows)
         A = _jacobians(e.plant, values, len(rows))
         A = A[np.isfinite(A).all(axis=(1, 2))]
         if not len(A):
@@ -189,7 +205,7 @@ class _Healthy:
         for channel in channels:
             name, size = f"theta.{channel['name']}", _SMALL * float(channel.get("typical", 1.0))
             faulty = replace(e, signals={**e.signals, name: constant(size)}, steps=steps)
-            _, x, y = self._simulate(faulty)
+            _, x, y, _ = self._simulate(faulty)
             rows = min(len(x), len(self.x))
             for change, with_fault, without in ((dx, x, self.x), (dy, y, self.y)):
                 apart = np.abs(with_fault[:rows] - without[:rows]) / _SMALL
@@ -216,7 +232,7 @@ class _Healthy:
     def _through_states(self, x: np.ndarray) -> np.ndarray:
         """Return the change (m,) of each output when all states change by their scales, at the beginning."""
         e = self.experiment
-        values = row_values(e, np.zeros(1, dtype=np.int64), e.x0[None])
+        values = row_values(e, np.zeros(1, dtype=np.int64), e.x0[None], self.loop and self.loop.part(0, 1))
         C = _slopes(e.plant, tuple(e.plant.outputs.values()), values, 1)[0]
         return np.where(np.isfinite(C), np.abs(C), 0.0) @ x
 

@@ -1,6 +1,6 @@
 """Initial states of observers, computed from given values and, where the observer uses it, the first measurement."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -9,11 +9,16 @@ from thetascope.engine.simulation.experiment import Experiment
 
 
 def observer_states(
-    experiments: Sequence[Experiment], i: int, k: int = 0, plant: np.ndarray | None = None
+    experiments: Sequence[Experiment],
+    i: int,
+    k: int = 0,
+    plant: np.ndarray | None = None,
+    known: Mapping[str, float] | None = None,
 ) -> np.ndarray:
     """Return the initial states of observer i at base step k, for experiments of one shape (states × experiments).
 
-    ``plant``: the plant's states at step k (states × experiments); by default its initial states.
+    ``plant``: the plant's states at step k (states × experiments); by default its initial states. ``known``: the
+    applied u and the measured y of a closed loop at step k.
     """
     first = experiments[0]
     program = first.estimators[i].program
@@ -23,7 +28,7 @@ def observer_states(
     outside: dict[str, np.ndarray | float] = {}
     if used - set(values):
         plant = np.stack([e.x0 for e in experiments], axis=1) if plant is None else plant
-        outside = _signals(experiments, k) | _measurement(experiments, k, plant)
+        outside = {**_signals(experiments, k), **(known or _measurement(experiments, k, plant))}
     values |= {f"{when}{n}": v for when in ("", "mid.", "end.", "now.") for n, v in outside.items()}
     initial = evaluate(program.graph, roots, values)
     return np.array([np.broadcast_to(np.asarray(v, dtype=float), len(experiments)) for v in initial]).reshape(

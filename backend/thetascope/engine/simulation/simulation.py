@@ -26,6 +26,7 @@ from thetascope.engine.programs.evaluate_rows import probe
 from thetascope.engine.simulation.experiment import Experiment, Rows, State
 from thetascope.engine.simulation.initial_states import observer_states
 from thetascope.engine.simulation.kernel_cost import PLANT, divided
+from thetascope.engine.simulation.loop import ClosedSpan, Loop, LoopRows, LoopRun
 
 CHUNK = 1 << 15  # base steps per chunk, which keeps the tables of stages small
 
@@ -50,7 +51,8 @@ class Simulation:
         self.lockstep = [i for i, e in enumerate(experiment.estimators) if e.every is None]
         self.sampled = [i for i, e in enumerate(experiment.estimators) if e.every is not None]
         # only an observer that runs in the plant's time can be joined to the plant
-        self.joined = bool(self.lockstep) and experiment.measurement.direct
+        self.joined = bool(self.lockstep) and experiment.measurement.direct and experiment.loop is None
+        self.kept = max((experiment.estimators[i].every or 0 for i in self.sampled), default=0)  # means of u
         self.spent: dict[str, float] = {}  # processor seconds of the kernels in one span
 
     # ---- states ------------------------------------------------------------------------------------------------------
@@ -58,8 +60,22 @@ class Simulation:
     def initial(self) -> State:
         """Return the state at t = 0; observers may start from the first measurement."""
         e = self.experiment
-        observers = tuple(observer_states([e], i)[:, 0].copy() for i in range(len(e.estimators)))
-        return State(0, e.x0.astype(float).copy(), observers, e.measurement.start())
+        state = State(0, e.x0.astype(float).copy(), (), e.measurement.start(), *self._first_loop())
+        seen = None if e.loop is None else self.known_at(state)
+        observers = tuple(observer_states([e], i, known=seen)[:, 0].copy() for i in range(len(e.estimators)))
+        return replace(state, observers=observers)
+
+    def _first_loop(self) -> tuple[np.ndarray | None, np.ndarray | None]:
+        loop = self.experiment.loop
+        return (None, None) if loop is None else (loop.start.copy(), np.empty((0, len(loop.applied))))
+
+    def known_at(self, state: State) -> dict[str, float]:
+        """Return the applied u and the noisy outputs of a closed loop at the instant of a state."""
+        e = self.experiment
+        assert e.loop is not None and state.loop is not None, "only a closed loop computes its inputs"
+        grid = cut(state.k, state.k + 1, e.step, self._breaks(state.k, state.k + 1), e.every, self.substeps)
+        span = self._loop_run(e.loop).peek(grid, np.concatenate([state.plant, state.loop]), state.memory)
+        return dict(zip((*e.plant.outputs, *e.applied), (*span.y[0, 0], *span.u[0, 0]), strict=True))
 
     # ---- advancing ---------------------------------------------------------------------------------------------------
 
@@ -71,7 +87,11 @@ class Simulation:
         tables = Tables(grid, e.signals, self.stages)
         observers, self.spent = list(state.observers), {}
         recorded: dict[int, np.ndarray] = {}  # by the observer's index
-        if self.joined:
+        closed = None
+        if e.loop is not None:
+            closed = self._closed(e.loop, state, grid, index)
+            plant, plant_rows, y, memory = closed.plant, closed.plant_rows, closed.span.y, closed.span.memory
+        elif self.joined:
             plant, plant_rows, y, memory = self._joint(state, tables, index, observers, recorded)
         else:
             plant, plant_rows, clean = self._plant(state, tables, index)
@@ -79,42 +99,63 @@ class Simulation:
         for i in self.lockstep:
             if i not in recorded:
                 assert y is not None, "a second observer takes y from the first's kernel"
-                observers[i], recorded[i] = self._observer(i, state, tables, index, y)
+                observers[i], recorded[i] = self._observer(i, state, tables, index, y, closed)
         for i in self.sampled:
             assert y is not None, "the joined kernel emits y for further observers"
-            observers[i], recorded[i] = self._sampling(i, state, grid, index, y)
+            observers[i], recorded[i] = self._sampling(i, state, grid, index, y, closed)
         y_rows = self._measured_rows(grid, first, index, plant_rows, y)
-        after = State(last, plant, tuple(observers), memory)
+        loop, past = (None, None) if closed is None else (closed.loop, closed.past[len(closed.past) - self.kept :])
+        after = State(last, plant, tuple(observers), memory, loop, past)
         earlier = np.maximum(grid.base[index - first] - 1, 0)
         known = self.remember and e.measurement.direct
         passed = None
         if known:
             assert y is not None, "a program that remembers y emits it"
-            passed = np.where((index > first)[:, None], y[earlier, -1], state.memory.passed)
+            left = y[:, -1] if closed is None else closed.span.left
+            passed = np.where((index > first)[:, None], left[earlier], state.memory.passed)
         spent = {s.label: (self.spent.get(s.label, 0.0), count * e.step) for s in e.estimators}
-        return after, Rows(
-            index, plant_rows, y_rows, tuple(recorded[i] for i in range(len(e.estimators))), spent, passed
-        )
+        recorded_states = tuple(recorded[i] for i in range(len(e.estimators)))
+        loop_rows = None if closed is None else closed.rows
+        return after, Rows(index, plant_rows, y_rows, recorded_states, spent, passed, loop_rows)
 
     def state_at(self, start: State, rows: Rows, r: int) -> State | None:
         """Return the state at recorded row r of the span that began at ``start``; None if the rows lack it."""
         if rows.passed is None or self.sampled:
             return None
         memory = replace(start.memory, passed=rows.passed[r].copy())
-        return State(int(rows.index[r]), rows.plant[r].copy(), tuple(o[r].copy() for o in rows.observers), memory)
+        loop = None if rows.loop is None else rows.loop.states[r].copy()
+        observers = tuple(o[r].copy() for o in rows.observers)
+        return State(int(rows.index[r]), rows.plant[r].copy(), observers, memory, loop, start.past)
 
     def spans(self, count: int, state: State | None = None) -> Iterator[tuple[State, Rows]]:
         """Advance by ``count`` base steps in chunks."""
-        state = state or self.initial()
+        state, most = state or self.initial(), CHUNK
+        if self.experiment.loop is not None:  # whole rows, over which the applied u is averaged
+            most = max(1, CHUNK // self.experiment.every) * self.experiment.every
         while count > 0:
-            state, rows = self.advance(state, min(count, CHUNK))
-            count -= min(count, CHUNK)
+            state, rows = self.advance(state, min(count, most))
+            count -= min(count, most)
             yield state, rows
+
+    def _loop_run(self, loop: Loop) -> LoopRun:
+        e = self.experiment
+        return LoopRun(loop, e.measurement, e.signals, e.parameters, e.every * self.substeps)
+
+    def _closed(self, loop: Loop, state: State, grid: Grid, index: np.ndarray) -> ClosedSpan:
+        """Advance plant and controllers."""
+        assert state.loop is not None and state.past is not None, "the state of a closed loop holds its controllers"
+        begin, clock = np.concatenate([state.plant, state.loop]), thread_time()
+        span = self._loop_run(loop).advance(grid, begin, state.memory)
+        self.spent |= divided(thread_time() - clock, {PLANT: loop.program})
+        rows = self._rows(begin, span.rows, state.k, index)
+        return ClosedSpan.of(span, len(state.plant), rows, grid, index, state.past)
 
     def _breaks(self, first: int, last: int) -> np.ndarray:
         a, b = (first - 0.5) * self.experiment.step, (last + 0.5) * self.experiment.step
         parts = [s.breaks(a, b) for s in self.experiment.signals.values() if s.level is None]
         parts.append(self.experiment.measurement.breaks(a, b, self.experiment.signals.values()))
+        if self.experiment.loop is not None:
+            parts.append(self.experiment.loop.instants(a, b, self.experiment.step))
         return np.concatenate(parts)
 
     def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
@@ -191,20 +232,24 @@ class Simulation:
         recorded[i] = self._rows(state.observers[i], out[:, n:], state.k, index)
         return new[:n], self._rows(state.plant, out[:, :n], state.k, index), emitted if emits else None, memory
 
-    def _observer(self, i: int, state: State, tables: "Tables", index: np.ndarray, y: np.ndarray):
+    def _observer(
+        self, i: int, state: State, tables: "Tables", index: np.ndarray, y: np.ndarray, closed: ClosedSpan | None
+    ):
         estimator = self.experiment.estimators[i]
         program = estimator.program
-        outputs = tuple(n for n in self.experiment.plant.outputs if n in program.used_inputs)
-        call = plan(program, (), tables.kinds, outputs)
-        picked = [list(self.experiment.plant.outputs).index(n) for n in outputs]
-        parts = [p for p in (tables.staged(call.staged) if call.staged else None, y[:, :, picked]) if p is not None]
+        seen = y if closed is None else np.concatenate([y, closed.span.u], axis=2)
+        names = [*self.experiment.plant.outputs, *self.experiment.applied]
+        given = tuple(n for n in names if n in program.used_inputs)
+        call = plan(program, (), tables.kinds, given)
+        picked = [names.index(n) for n in given]
+        parts = [p for p in (tables.staged(call.staged) if call.staged else None, seen[:, :, picked]) if p is not None]
         together = np.ascontiguousarray(np.concatenate(parts, axis=2))
         new, out = self._call(
             call, {estimator.label: program}, tables, estimator.parameters, state.observers[i], staged=together
         )
         return new, self._rows(state.observers[i], out, state.k, index)
 
-    def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray):
+    def _sampling(self, i: int, state: State, grid: Grid, index: np.ndarray, y: np.ndarray, closed: ClosedSpan | None):
         """Advance an observer with a sample period: one step for each sample instant t_j = j·period in [t_k, t_k+n)."""
         e, estimator = self.experiment, self.experiment.estimators[i]
         program, q, first = estimator.program, estimator.every, state.k
@@ -214,8 +259,11 @@ class Simulation:
         start = state.observers[i]
         if not len(j):
             return start, np.repeat(start[None, :], len(index), axis=0)
-        now_y = y[grid.base[j * q - first], 0, :]
-        staged, table = self._sample_table(program, j * q, q, now_y)
+        at = grid.base[j * q - first]
+        known = dict(zip(e.plant.outputs, y[at, 0].T, strict=True))
+        if closed is not None:
+            known |= closed.known_at(grid, j * q, q, e.applied)
+        staged, table = self._sample_table(program, j * q, q, known)
         ones = np.ones(len(j), dtype=np.int64)
         segments = Segments(ones, ones, np.zeros(len(j)), (j - 1.0) * q, np.full(len(j), e.step))
         layout = Layout(staged=staged)
@@ -229,9 +277,12 @@ class Simulation:
         return new, after[np.searchsorted(j * q, index, side="right")]
 
     def _sample_table(
-        self, program: Program, k: np.ndarray, q: int, now_y: np.ndarray
+        self, program: Program, k: np.ndarray, q: int, known: dict[str, np.ndarray]
     ) -> tuple[tuple[str, ...], np.ndarray]:
-        """Return inputs over each sample interval: start, middle, end (left limit), sample instant (right limit)."""
+        """Return inputs over each sample interval: start, middle, end (left limit), sample instant (right limit).
+
+        ``known``: y at the instants, by name; in a closed loop also the applied u, as means over the intervals.
+        """
         e, h, tiny = self.experiment, self.experiment.step, 1e-4
         begin, end = (k - q) * h, k * h
         middle = 0.5 * (begin + end)
@@ -242,12 +293,11 @@ class Simulation:
             "now.": (end, end + tiny * h),
         }
         names = tuple(sorted(variables(program.graph, program.update) & set(program.inputs)))
-        outputs = list(e.plant.outputs)
         table = np.empty((len(k), 1, max(1, len(names))))
         for c, name in enumerate(names):
             when, bare = next((w, name[len(w) :]) for w in ("mid.", "end.", "now.", "") if name.startswith(w))
-            if bare in outputs:
-                table[:, 0, c] = now_y[:, outputs.index(bare)]
+            if name in known or bare in e.plant.outputs:
+                table[:, 0, c] = known[name if name in known else bare]
             else:
                 table[:, 0, c] = e.signals[bare](*places[when])
         return names, table
@@ -262,12 +312,27 @@ class Simulation:
         return clean.T + e.measurement.noise_at(grid.anchor[at])
 
 
-def row_values(e: Experiment, index: np.ndarray, plant_rows: np.ndarray) -> dict[str, np.ndarray | float]:
-    """Return time, signals (right limits), parameters and plant states at recorded rows."""
+def row_values(
+    e: Experiment, index: np.ndarray, plant_rows: np.ndarray, loop: LoopRows | None = None
+) -> dict[str, np.ndarray | float]:
+    """Return time, signals (right limits), parameters and plant states at recorded rows.
+
+    In a closed loop, also the applied inputs, their means until the next row (``ahead.*``), and controllers' states.
+    """
     t = index * e.step
     values: dict[str, np.ndarray | float] = {n: at_rows(s, t, e.step) for n, s in e.signals.items()}
     values |= row_numbers(e) | {"t": t}
+    if e.loop is not None:
+        assert loop is not None, "rows of a closed loop hold the applied inputs"
+        values |= loop_values(e.loop, loop)
     return values | {s: plant_rows[:, j] for j, s in enumerate(e.plant.states)}
+
+
+def loop_values(loop: Loop, rows: LoopRows) -> dict[str, np.ndarray]:
+    """Return the applied inputs, their means until the next row and the controllers' states at recorded rows."""
+    values = {n: rows.u[:, j] for j, n in enumerate(loop.applied)}
+    values |= {f"ahead.{n}": rows.ahead[:, j] for j, n in enumerate(loop.applied)}
+    return values | {n: rows.states[:, j] for j, n in enumerate(loop.states) if n.startswith("c.")}
 
 
 def at_rows(signal: Signal, t: np.ndarray, step: float) -> np.ndarray:

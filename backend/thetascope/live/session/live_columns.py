@@ -23,6 +23,7 @@ from thetascope.engine.model.result import Diverged
 from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.simulation.experiment import Estimator, Rows
 from thetascope.engine.simulation.experiment import Experiment as Engine
+from thetascope.engine.simulation.loop import LoopRows
 from thetascope.messages import Message
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.service.run import AssumptionCheck
@@ -230,10 +231,9 @@ def _tail_start(experiment: Engine, row: int) -> int:
 
 def columns_of(experiment: Engine) -> tuple[str, ...]:
     """Return the names of an experiment's columns, in the order of every export."""
-    names = ["t"]
-    for prefix in ("u.", "signal."):
-        names += [n for n in experiment.signals if n.startswith(prefix)]
-    names += [*experiment.plant.states, *(n for n in experiment.signals if n.startswith("theta."))]
+    names = ["t", *experiment.given, *experiment.plant.states]
+    names += experiment.loop.controller_states if experiment.loop is not None else ()
+    names += [n for n in experiment.signals if n.startswith("theta.")]
     names += experiment.plant.outputs
     for e in experiment.estimators:
         names += [f"{e.label}.{n}" for n in _own_columns(e)]
@@ -289,5 +289,6 @@ def _with(parts: Parts, experiment: Engine, rows: Rows) -> Parts:
     last = parts[-1][1]
     observers = tuple(np.concatenate(pair) for pair in zip(last.observers, rows.observers, strict=True))
     index, plant, y = (np.concatenate([getattr(last, n), getattr(rows, n)]) for n in ("index", "plant", "y"))
-    joined = Rows(index, plant, y, observers)
+    loops = [r.loop for r in (last, rows) if r.loop is not None]
+    joined = Rows(index, plant, y, observers, loop=LoopRows.concatenated(loops) if loops else None)
     return (*parts[:-1], (experiment, joined))

@@ -195,7 +195,7 @@ class LiveDetector:
             raise Unwatchable(self.note or Message("diagnosis.none.disabled"))
         among = tuple(dict.fromkeys(c for e in experiment.estimators for c in e.channels)) or None
         window, filter_ = WINDOW * self.horizon, self._with_noise_of(experiment).filter
-        proposal = propose(filter_, experiment, state.plant, state.k, window, self.settings.accuracy, among)
+        proposal = propose(filter_, experiment, state.plant, state.k, window, self.settings.accuracy, among, state.loop)
         return InputProposal.model_validate(vars(proposal))
 
     def report(self, progress: DetectorProgress | None, outside: bool) -> DiagnosisNow:

@@ -1,0 +1,39 @@
+"""Build the closed loop of a plant with controllers."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from thetascope.assembly.build.step_counts import multiple
+from thetascope.engine.inputs.sensors import Measurement
+from thetascope.engine.model.closed_loop import MEASUREMENT
+from thetascope.engine.programs.program_store import closed_loop_program
+from thetascope.engine.simulation.loop import Loop
+from thetascope_schemas import ResolvedExperiment
+
+
+def loop_of(
+    spec: ResolvedExperiment, data: Mapping, step: float, measurement: Measurement, nominal: bool = False
+) -> Loop | None:
+    """Return the controllers of an experiment; None in an open loop. Raises SpecError for those that do not fit.
+
+    Args:
+        data: the plant as JSON.
+        step: the base step in s.
+        measurement: the measurement of the outputs.
+        nominal: whether the controllers start as the plant declares, whatever the experiment says.
+    """
+    plant = spec.plant
+    if not plant.controllers:
+        return None
+    every = {} if measurement.sample_every is None else {MEASUREMENT: measurement.sample_every}
+    for i, controller in enumerate(plant.controllers):
+        if controller.period is not None:
+            every[f"due.{controller.name}"] = multiple(controller.period, step, f"plant.controllers[{i}].period")
+    quantisers = len(measurement.resolutions()[0])
+    program = closed_loop_program(data, measurement.sample_every is not None, quantisers)
+    given = {} if nominal else spec.initial
+    start = {f"c.{s.name}": given.get(s.name, s.initial) for c in plant.controllers for s in c.states}
+    start |= {f"u.{u.name}": u.default for u in plant.inputs}  # before the first instant
+    states = np.array([start.get(s, np.nan) for s in program.states[len(plant.states) :]], dtype=float)
+    return Loop(program, states, tuple(f"u.{n}" for n in plant.controlled), every, quantisers)
