@@ -18,11 +18,11 @@ from thetascope_schemas.experiment.diagnosis import (
 )
 from thetascope_schemas.experiment.experiment import Experiment, Noise, ResolvedExperiment
 from thetascope_schemas.experiment.faults import Fault
-from thetascope_schemas.experiment.field_error import FieldError, field_errors
 from thetascope_schemas.experiment.figures import Figure, Panel, Trace
 from thetascope_schemas.experiment.observers import ObserverConfig
 from thetascope_schemas.experiment.plant import Channel, Definition, Input, KnownSignal, Output, Parameter, Plant, State
 from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.service.field_error import FieldError, field_errors
 from thetascope_schemas.service.record import Record
 from thetascope_schemas.service.run import Problem, Progress, Run, RunSummary
 

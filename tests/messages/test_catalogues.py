@@ -12,8 +12,8 @@ from babel.messages.pofile import read_po
 from thetascope.api.routes.catalogue import form_codes, members
 from thetascope.messages.catalogue import FOLDER, catalogue, languages
 from thetascope_schemas.experiment.faults import Fault
-from thetascope_schemas.experiment.field_error import PYDANTIC_CODES
 from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.service.field_error import PYDANTIC_CODES
 
 ROOT = Path(__file__).parents[2]
 CODE = re.compile(r"[a-z][a-z0-9]*(?:\.[a-z0-9-]+)+")

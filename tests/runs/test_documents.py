@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from thetascope.runs.specs.spec_files import DocumentError, Place, parse, read
-from thetascope_schemas.experiment.field_error import FieldError
+from thetascope_schemas.service.field_error import FieldError
 
 TEXT = st.text(st.characters(min_codepoint=32, max_codepoint=0xD7FF, exclude_characters="\x7f\x85\xa0"), max_size=8)
 JSON = st.recursive(

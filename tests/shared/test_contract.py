@@ -12,9 +12,9 @@ from thetascope.messages.catalogue import catalogue
 from thetascope_schemas.experiment import base
 from thetascope_schemas.experiment.base import Strict
 from thetascope_schemas.experiment.faults import Fault
-from thetascope_schemas.experiment.field_error import PYDANTIC_CODES, field_errors
 from thetascope_schemas.experiment.signals import Signal
 from thetascope_schemas.service import run
+from thetascope_schemas.service.field_error import PYDANTIC_CODES, field_errors
 
 
 def every_schema(parent: type[Strict] = Strict) -> list[type[Strict]]:

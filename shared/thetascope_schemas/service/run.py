@@ -8,9 +8,9 @@ from pydantic import Field, JsonValue
 from thetascope_schemas.experiment.base import Number, Strict, Text, example
 from thetascope_schemas.experiment.diagnosis import Diagnosis, MaybeSentence
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.experiment.field_error import FieldError
 from thetascope_schemas.service.comparison import Comparison
 from thetascope_schemas.service.facts import Facts
+from thetascope_schemas.service.field_error import FieldError
 
 Status = Literal["queued", "running", "done", "failed", "cancelled"]
 

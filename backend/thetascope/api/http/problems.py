@@ -14,7 +14,7 @@ from thetascope.messages import Message, words
 from thetascope.runs.specs.problem_documents import problem, refused
 from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Refusal, Unknown, from_engine
 from thetascope.store import StoreError
-from thetascope_schemas.experiment.field_error import field_errors
+from thetascope_schemas.service.field_error import field_errors
 from thetascope_schemas.service.run import Problem
 
 log = logging.getLogger(__name__)

@@ -29,7 +29,7 @@ from thetascope.engine.simulation.simulation import row_values
 from thetascope.messages import Message
 from thetascope_schemas import Plant, ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings, ObserverDiagnosis
-from thetascope_schemas.experiment.field_error import field_errors
+from thetascope_schemas.service.field_error import field_errors
 
 _FEWEST_ROWS = 200  # fewest rows of a record
 _EVEN = 0.05  # tolerance for equal spacing, relative to the period; times are often rounded

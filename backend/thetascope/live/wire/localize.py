@@ -7,7 +7,7 @@ from pydantic import BaseModel
 
 from thetascope.messages import Message, words
 from thetascope.messages.catalogue import DEFAULT
-from thetascope_schemas.experiment.field_error import sentences
+from thetascope_schemas.service.field_error import sentences
 from thetascope_schemas.texts.local_text import ALL
 
 _TEXT = {"code", "args", "text"}

@@ -8,7 +8,7 @@ from pydantic import TypeAdapter, ValidationError
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
 from thetascope.runs.specs.refusals import invalid
-from thetascope_schemas.experiment.field_error import FieldError, field_errors
+from thetascope_schemas.service.field_error import FieldError, field_errors
 from thetascope_schemas.service.session import ClientMessage, Refused
 
 _COMMANDS: TypeAdapter[ClientMessage] = TypeAdapter(ClientMessage)

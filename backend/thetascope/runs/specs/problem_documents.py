@@ -3,7 +3,7 @@
 from thetascope.messages import Message, words
 from thetascope.messages.catalogue import DEFAULT, catalogue
 from thetascope.runs.specs.refusals import InvalidSpec, sentence
-from thetascope_schemas.experiment.field_error import sentences
+from thetascope_schemas.service.field_error import sentences
 from thetascope_schemas.service.run import Problem
 
 

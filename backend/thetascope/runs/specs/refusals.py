@@ -12,8 +12,8 @@ from pydantic import BaseModel, ValidationError
 from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
 from thetascope_schemas.experiment.experiment import Experiment
-from thetascope_schemas.experiment.field_error import FieldError, field_errors
 from thetascope_schemas.experiment.plant import Plant
+from thetascope_schemas.service.field_error import FieldError, field_errors
 
 Model = TypeVar("Model", bound=BaseModel)
 

@@ -10,7 +10,7 @@ import yaml
 
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import sentence
-from thetascope_schemas.experiment.field_error import FieldError
+from thetascope_schemas.service.field_error import FieldError
 
 _DEPTH = 40
 _SUFFIXES = (".yaml", ".yml", ".json")
