@@ -41,6 +41,8 @@ OF_ONE_UNIT = {
     "linear-adaptive",
     "nonsmooth-adaptive",
 }  # their K, λ and ρ are meant for x1, x2, … in one unit and speed
+RANDOM = {("zhou-tan-2012", "joint-ukf")}  # sigma points lie exactly on the border of two zones: rounding decides
+NOISE = 1e-9  # of a typical fault: θ̂ that is exactly 0 in one system of units is rounding noise in another
 GENERAL = ("adaptive-kalman", "adaptive-kalman-discrete", "joint-ekf", "joint-ukf")
 
 
@@ -74,13 +76,14 @@ def differences(spec: ResolvedExperiment, units: Units) -> list:
 
 def compared(spec: ResolvedExperiment, units: Units, old: Result, new: Result) -> Iterator[tuple]:
     """Yield the columns of θ̂, its band and x̂, the findings and the verdicts that differ between two runs."""
+    typical = {f"theta.{channel.name}": channel.typical for channel in spec.plant.channels}
     for name, before in zip(old.names, old.data, strict=True):
         label, _, rest = name.partition(".")
         if not rest.startswith(("theta.", "sigma.", "x.")):
             continue
         after = new.column(name) / units.of(rest.partition(".")[2])
         finite = np.isfinite(before)
-        size = np.abs(before[finite]).max(initial=0.0)
+        size = np.abs(before[finite]).max(initial=NOISE / TOLERANCE * typical.get(rest, 0.0))
         if (finite != np.isfinite(after)).any() or np.abs((after - before)[finite]).max(initial=0) > TOLERANCE * size:
             yield name, size, np.abs((after - before)[finite]).max(initial=0)
     for one, other in zip(old.observers, new.observers, strict=True):
@@ -170,12 +173,20 @@ def test_pascals_diverge_no_more_than_bars():
     assert differences(spec, Units({"x": 1e-5, "y": 1e-5, "k": 1e-5})) == []
 
 
+def test_the_memory_of_an_operator_may_be_in_another_unit():
+    """A backlash whose previous input is kept in µm and whose previous output in km is still a sandwich system."""
+    spec = plain(library.resolve(library.experiment("zhou-tan-2012")), horizon=1.0, diagnosis={"enabled": False})
+    spec = with_observers(spec, ("sandwich-nonsmooth", "sandwich-conventional"))
+    assert len(spec.observers) == 2
+    assert differences(spec, Units({"x12m": 1e6, "z1m": 1e-3, "z5m": 1e-3})) == []
+
+
 @pytest.mark.skipif(not MANY, reason="THETASCOPE_UNITS is not set")
 @pytest.mark.parametrize("seed", range(MANY))
 @pytest.mark.parametrize("name", PLANTS)
 def test_every_library_plant_is_the_same_in_any_units(name, seed):
     """All observers that fit, their defaults, the detector and the tests on θ̂ agree to 1e-6."""
-    candidates = tuple(kind for kind in kinds() if kind not in OF_ONE_UNIT)
+    candidates = tuple(kind for kind in kinds() if kind not in OF_ONE_UNIT and (name, kind) not in RANDOM)
     spec = with_observers(plain(library.resolve(library.experiment(name))), candidates, CHANNELS.get(name, ""))
     units = random_units(spec, seed)
     assert differences(spec, units) == []

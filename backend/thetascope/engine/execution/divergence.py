@@ -50,6 +50,10 @@ def _limits(
     sizes |= {f"xh.{n}": extent for n, extent in zip(plant_states, scales.extents, strict=True)}
     sizes |= {f"thetah.{n}": size for n, size in typical}
 
+    in_states = any(
+        name.startswith("P.") for name in program.states
+    )  # without P, Υ is in a canonical form's coordinates
+
     def limit(name: str) -> float:
         if name in sizes:
             return EXPLODED * sizes[name]
@@ -57,7 +61,7 @@ def _limits(
         i, j = (int(k) for k in place) if len(place) == 2 else (0, 0)
         if matrix in _COVARIANCES:
             return EXPLODED * _covariance(matrix, i, j, [*x, *theta] if matrix == "P" else theta, gains, len(x))
-        if matrix in ("Upsilon", "Omega"):
+        if matrix in ("Upsilon", "Omega") and in_states:
             return EXPLODED * (x if matrix == "Upsilon" else y)[i] / theta[j]
         return _INFINITE
 

@@ -2,13 +2,14 @@
 
 A front part L1 drives parallel backlash operators (the hysteresis), whose sum drives a back part L2, which is measured.
 An operator ``backlash(x, x - x_before, z_before, m1, m2, D1, D2)`` needs two memory states: the previous x and its
-previous z. All other states belong to L1 (those that x depends on) or to L2.
+previous z. Either may be kept in another unit: as z/k where the operator reads k·z. All other states belong to L1
+(those that x depends on) or to L2.
 """
 
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -20,9 +21,11 @@ from thetascope.engine.model.plant_model import Model
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
-    from sympy import Expr, ImmutableMatrix, Matrix
+    from sympy import Expr, ImmutableMatrix, Matrix, Symbol
 
     from thetascope.engine.language.sympy_functions import Backlash
+
+_ROUNDING = 1e-12  # relative; factors of units are rounded
 
 
 @dataclass(frozen=True)
@@ -129,9 +132,9 @@ def _check_memory(model: Model, f: Matrix, h: Matrix, operators: tuple[Backlash,
         x, dx, z = o.args[:3]
         if x.has(functions.Backlash):
             raise refused(model, Message("observer.reason.sandwich.series"))
-        if remembered.get(z) != o:
+        if not _keeps(z, o, remembered):
             raise refused(model, Message("observer.reason.sandwich.third", argument=str(z)))
-        if remembered.get(before(o)) != x:
+        if not _keeps(x - dx, x, remembered):
             raise refused(model, Message("observer.reason.sandwich.second", argument=str(dx), x=str(x)))
 
 
@@ -143,9 +146,32 @@ def refused(model: Model, why: Message) -> SpecError:
 # ---- parts used by the observers and their checks --------------------------------------------------------------------
 
 
-def before(o: Backlash) -> Expr:
-    """Return the previous x of an operator, x − Δx."""
-    return sympy.expand(o.args[0] - o.args[1])
+def before(o: Backlash, states: Collection[Symbol]) -> tuple[Symbol, Expr]:
+    """Return the state that keeps an operator's previous x, x − Δx, and the factor from the state to x."""
+    state = _multiple(o.args[0] - o.args[1], states)
+    assert state is not None, "the parts of a sandwich system were checked"
+    return state
+
+
+def _multiple(e: Expr, states: Collection[Symbol]) -> tuple[Symbol, Expr] | None:
+    """Return the state and the factor of an expression that is a constant times one state; None for any other."""
+    e = sympy.expand(e)
+    inside = [s for s in states if e.has(s)]
+    if len(inside) != 1:
+        return None
+    factor = e.coeff(inside[0])
+    return (inside[0], factor) if not factor.is_zero and e == sympy.expand(factor * inside[0]) else None
+
+
+def _keeps(e: Expr, value: Expr, remembered: Mapping[Symbol, Expr]) -> bool:
+    """Return whether an operator's argument is a state whose next value is ``value``, in any unit of the state."""
+    state = _multiple(e, remembered)
+    if state is None:
+        return False
+    value = sympy.expand(value)
+    difference = sympy.expand(state[1] * remembered[state[0]] - value).as_coefficients_dict().values()
+    size = max((abs(c) for c in value.as_coefficients_dict().values()), default=0)
+    return all(abs(c) <= _ROUNDING * size for c in difference)
 
 
 def input_matrix(model: Model) -> ImmutableMatrix:

@@ -72,7 +72,9 @@ def start(d: Draft, parts: Sandwich) -> Matrix:
     initial = dict(zip(d.model.x, d.x0, strict=True))
     if d.options.get("before", "hold") == "hold":
         put = d.at(d.x0, saturate=False).put
-        initial |= {before(o): put(o.args[0]) for o in parts.operators}
+        for o in parts.operators:
+            state, factor = before(o, d.model.x)
+            initial[state] = put(o.args[0]) / factor
     return column([initial[s] for s in d.model.x])
 
 
