@@ -179,37 +179,46 @@ RENEW = """async ([path, theme]) => {
 }"""
 
 
+class Tab:
+    """A tab in which one live page after the other is opened, without loading the page again."""
+
+    def __init__(self, context, server: str):
+        self.context, self.server = context, server
+        self.page: Any = None
+
+    def __call__(self, path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
+        """Open the live page at a path, with a session of its own and empty storage."""
+        if self.page is None:
+            self.page = visit(self.context, self.server, path, width, height, theme)
+            return self.page
+        self.page.bring_to_front()
+        self.page.set_viewport_size({"width": width, "height": height})
+        self.page.emulate_media(color_scheme=theme)
+        self.page.evaluate(RENEW, [path, theme])
+        self.page.watch.errors.clear()
+        self.page.watch.foreign.clear()
+        return self.page
+
+
 @pytest.fixture(scope="module")
-def module_tab(context, server) -> Iterator:
-    """Yield a function that opens the live page at a path, in the tab that it opened first in this module."""
-    tabs = []
-
-    def open_or_renew(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
-        if not tabs:
-            tabs.append(visit(context, server, path, width, height, theme))
-            return tabs[0]
-        tab = tabs[0]
-        tab.bring_to_front()
-        tab.set_viewport_size({"width": width, "height": height})
-        tab.emulate_media(color_scheme=theme)
-        tab.evaluate(PAUSE)
-        tab.evaluate(RENEW, [path, theme])
-        tab.watch.errors.clear()
-        tab.watch.foreign.clear()
-        return tab
-
-    yield open_or_renew
-    for tab in tabs:
-        leave(tab, server)
+def module_tab(context, server) -> Iterator[Tab]:
+    """Yield the tab that the tests of a module share."""
+    shared = Tab(context, server)
+    yield shared
+    if shared.page:
+        shared.page.close()
 
 
 @pytest.fixture
-def tab(module_tab) -> Iterator:
+def tab(module_tab) -> Iterator[Tab]:
     """Yield a function like `page` for one live page: it begins a session in the tab that the module's tests share.
 
     It takes a third of the time of loading the page. Not for tests that load it again or go back, or count listeners.
     """
     yield module_tab
+    if module_tab.page:
+        module_tab.page.evaluate(PAUSE)
+        module_tab.page.evaluate("localStorage.clear()")
 
 
 @pytest.fixture
@@ -233,16 +242,17 @@ def page(context, server) -> Iterator:
 def kept_page(context, server) -> Iterator:
     """Yield a function that opens a page as `page` does, or returns the one that the module has open at that path.
 
-    For tests that only look: they leave the session and the view as they were. The window gets the size asked for.
+    For tests that only look: they leave the session and the view as they were. Size and theme are those asked for.
     """
-    kept: dict[tuple[str, str], Any] = {}
+    kept: dict[str, Any] = {}
 
     def open_or_keep(path: str = "/", width: int = 1440, height: int = 900, theme: str = "light"):
-        if (path, theme) not in kept:
-            kept[path, theme] = visit(context, server, path, width, height, theme)
-        kept[path, theme].set_viewport_size({"width": width, "height": height})
-        kept[path, theme].bring_to_front()
-        return kept[path, theme]
+        if path not in kept:
+            kept[path] = visit(context, server, path, width, height, theme)
+        kept[path].bring_to_front()
+        kept[path].set_viewport_size({"width": width, "height": height})
+        kept[path].emulate_media(color_scheme=theme)
+        return kept[path]
 
     yield open_or_keep
     for opened in kept.values():

@@ -7,9 +7,9 @@ from tests.browser.live_helpers import opened, until
 VERDICT = "document.querySelector('.verdict').textContent"
 
 
-def test_a_diverged_plant_is_not_called_healthy(page):
+def test_a_diverged_plant_is_not_called_healthy(tab):
     """Summary and notice state the time; the button goes back before it, and time can run again."""
-    live = opened(page, "/?experiment=reduced-order-mimo&t=2")
+    live = opened(tab, "/?experiment=reduced-order-mimo&t=2")
     for speed in ("null", "0.5"):
         live.evaluate(f"thetascope.act.speed({speed})")
         live.evaluate("thetascope.act.play()")
@@ -22,10 +22,10 @@ def test_a_diverged_plant_is_not_called_healthy(page):
     assert live.watch.errors == []
 
 
-def test_the_only_observer_is_restarted(page, server):
+def test_the_only_observer_is_restarted(tab, page, server):
     """The summary reports its divergence; its card restarts it with the same gains, colour and name, and the link has
     the same numbers."""
-    live = opened(page, "/?experiment=zhao-2012-as-printed&t=1")
+    live = opened(tab, "/?experiment=zhao-2012-as-printed&t=1")
     until(live, f"/adaptive diverged at 0\\.70.*nothing is estimated/.test({VERDICT})")
     live.evaluate("thetascope.send({type: 'set-gain', observer: 'adaptive', gain: 'rho', value: 2})")
     live.click(".fallen button")
@@ -51,9 +51,9 @@ def test_the_only_observer_is_restarted(page, server):
     assert live.watch.errors == []
 
 
-def test_a_restarted_observer_keeps_its_colour_among_others(page):
+def test_a_restarted_observer_keeps_its_colour_among_others(tab):
     """Although a lower colour number is free it keeps its own; the lights of the others open while time is paused."""
-    live = opened(page, "/?experiment=zhao-2012-observers&t=3")
+    live = opened(tab, "/?experiment=zhao-2012-observers&t=3")
     live.evaluate("thetascope.send({type: 'remove-observer', label: 'adaptive'})")
     until(live, "thetascope.state.observers.length === 3")
     live.evaluate(
@@ -78,9 +78,9 @@ def test_a_restarted_observer_keeps_its_colour_among_others(page):
         assert live.locator(".observer[aria-label=kalman] .checks li").count() == 0
 
 
-def test_a_fault_that_begins_while_the_last_alarm_is_on_is_not_called_found(page):
+def test_a_fault_that_begins_while_the_last_alarm_is_on_is_not_called_found(tab):
     """The summary has the onset of the alarm and of the new fault, and no time to find it."""
-    live = opened(page, "/?experiment=zhao-2012&t=25")
+    live = opened(tab, "/?experiment=zhao-2012&t=25")
     until(live, f"/found in/.test({VERDICT})")
     live.evaluate(
         "thetascope.act.together([{type: 'clear'}, {type: 'inject', fault: {channel: 'theta3', shape: 'step', "

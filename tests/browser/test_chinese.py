@@ -28,9 +28,9 @@ def test_checks_are_translated(experiment):
     assert [sorted(number.findall(words)) for words in chinese] == [sorted(number.findall(text)) for text in texts]
 
 
-def test_the_list_of_checks_is_chinese(page):
+def test_the_list_of_checks_is_chinese(tab):
     """The checks of a live session and the equations are Chinese."""
-    live = opened(page)
+    live = opened(tab, "/?experiment=zhao-2012&t=12")
     live.evaluate("thetascope.act.language('zh')")
     until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
     until(live, "thetascope.state.checks.adaptive?.length")
@@ -48,9 +48,9 @@ def test_the_list_of_checks_is_chinese(page):
     ] == []
 
 
-def test_refusals_are_translated(page):
+def test_refusals_are_translated(tab):
     """A label that is taken and an unsuitable kind are refused in Chinese, with the remedy."""
-    live = opened(page, "/?experiment=dc-motor&t=2")
+    live = opened(tab, "/?experiment=dc-motor&t=2")
     live.evaluate("thetascope.act.language('zh')")
     until(live, "document.querySelector('#panel-observers h2')?.textContent === '观测器'")
     live.click("#panel-observers .heading .link")

@@ -2,7 +2,7 @@
 
 import re
 
-from tests.browser.live_helpers import opened, until
+from tests.browser.live_helpers import opened, rested, until
 from thetascope import library
 from thetascope.engine.observers import registry
 from thetascope.messages.catalogue import languages
@@ -64,9 +64,9 @@ def chinese(page, path: str, **more):
     return opened
 
 
-def test_the_live_page_has_no_english_sentence(page):
+def test_the_live_page_has_no_english_sentence(tab):
     """Panels, what opens from them, every dialog, and the events of a fault."""
-    live = opened(page, "/?experiment=dts200&t=12")
+    live = opened(tab, "/?experiment=dts200&t=12")
     live.evaluate("thetascope.act.language('zh')")
     until(live, "thetascope.state.language === 'zh'")
     until(live, "Object.values(thetascope.state.checks).some((one) => one.length)")
@@ -80,7 +80,7 @@ def test_the_live_page_has_no_english_sentence(page):
     seen = english(live)
     for fold in live.locator("#panel-diagnosis .heading-links button").all():
         fold.click()
-        live.wait_for_timeout(300)
+        rested(live)
         seen |= english(live)
         fold.click()
     live.locator(".lights").first.click()
@@ -108,8 +108,8 @@ def test_the_live_page_has_no_english_sentence(page):
     live.keyboard.press("Escape")
     live.wait_for_selector("dialog[open]", state="detached")
     live.keyboard.press("p")
-    for tab in live.locator("[role=tab]:not(:disabled)").all():
-        tab.click()
+    for choice in live.locator("[role=tab]:not(:disabled)").all():
+        choice.click()
         seen |= english(live)
     assert "\n".join(sorted(seen)) == ""
 

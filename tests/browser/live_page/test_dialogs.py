@@ -11,9 +11,9 @@ OPENED = "document.querySelector('dialog[open]') !== null"
 
 
 @pytest.mark.parametrize("way", ["mouse", "Enter", "key"])
-def test_space_plays_after_escape_has_closed_a_dialog(page, way):
+def test_space_plays_after_escape_has_closed_a_dialog(tab, way):
     """However it was opened, Space then pauses the session and does not reopen it; Enter on its button does."""
-    live = opened(page)
+    live = opened(tab)
     if way == "mouse":
         live.click(EXPORT)
     elif way == "Enter":
@@ -33,9 +33,9 @@ def test_space_plays_after_escape_has_closed_a_dialog(page, way):
     until(live, OPENED)
 
 
-def test_focus_that_returns_late_leaves_space_to_the_page(page):
+def test_focus_that_returns_late_leaves_space_to_the_page(tab):
     """The browser may give the focus back a frame after Escape: Space pauses then, too."""
-    live = opened(page)
+    live = opened(tab)
     until(live, "thetascope.state.playing")
     live.keyboard.press("Escape")
     live.wait_for_timeout(100)
@@ -45,9 +45,9 @@ def test_focus_that_returns_late_leaves_space_to_the_page(page):
     assert not live.evaluate(OPENED)
 
 
-def test_space_presses_a_button_that_was_reached_by_tab(page):
+def test_space_presses_a_button_that_was_reached_by_tab(tab):
     """With keyboard navigation Space keeps its meaning in the browser."""
-    live = opened(page)
+    live = opened(tab)
     live.focus(".actions button:nth-child(1)")
     live.keyboard.press("Tab")
     live.keyboard.press(" ")
@@ -57,8 +57,7 @@ def test_space_presses_a_button_that_was_reached_by_tab(page):
 def test_an_export_waits_for_a_long_run(page):
     """The server answers 202 with the progress, without a spec:
     the specification is downloaded when the run has ended."""
-    live = opened(page)
-    until(live, "thetascope.state.t > 0.5")
+    live = opened(page, "/?experiment=zhao-2012&t=3")
 
     def accepted(route):
         """Answer as the server does when a run exceeds the waiting time of a request."""
@@ -75,9 +74,9 @@ def test_an_export_waits_for_a_long_run(page):
     assert live.watch.errors == []
 
 
-def test_a_viewer_downloads_the_displayed_data(page):
+def test_a_viewer_downloads_the_displayed_data(tab, page):
     """Without the token a session cannot be saved as a run; its data can be downloaded as displayed."""
-    live = opened(page, "/?experiment=zhao-2012&t=3")
+    live = opened(tab, "/?experiment=zhao-2012&t=3")
     viewer = page(f"/?session={state(live, 'session')}")
     until(viewer, "window.thetascope?.state.role === 'view' && thetascope.samples.rows > 300")
     viewer.click(EXPORT)

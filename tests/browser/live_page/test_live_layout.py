@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import pytest
 
-from tests.browser.live_helpers import FONTS, SET_FONT, opened, until
+from tests.browser.live_helpers import FONTS, SET_FONT, opened, rested, until
 
 SIX = [
     ("high", "high-gain"),
@@ -40,7 +40,7 @@ def still(page, path: str, **more):
     live = opened(page, path, **more)
     live.evaluate("thetascope.store.dispatch({type: 'set', notice: null})")
     until(live, "thetascope.state.diagnosis?.calibration")
-    live.wait_for_timeout(600)
+    rested(live)
     return live
 
 
@@ -53,7 +53,8 @@ def with_six_observers(live) -> None:
             f"thetascope.send({{type: 'add-observer', observer: {{label: '{label}', kind: '{kind}', options: {{}}}}}})"
         )
     until(live, "document.querySelectorAll('#panel-observers .observer').length === 6")
-    live.wait_for_timeout(500)
+    until(live, "thetascope.state.observers.every(({label}) => thetascope.state.columns.includes(`${label}.x.x1`))")
+    rested(live)
 
 
 @pytest.mark.parametrize(("width", "height", "whole"), [(1440, 900, 3), (1920, 1080, 3), (1280, 720, 2)])
@@ -62,7 +63,7 @@ def test_the_findings_are_visible(kept_page, width, height, whole):
     follow."""
     live = still(kept_page, "/?experiment=zhao-2012&t=80", width=width, height=height)
     until(live, "document.querySelectorAll('.finding').length === 3")
-    live.wait_for_timeout(300)
+    rested(live)
     assert live.evaluate(LINES, LISTS["findings"])[0] >= whole
     for name, selector in LISTS.items():
         seen, cut, count, more = live.evaluate(LINES, selector)
@@ -88,9 +89,9 @@ def test_six_observers_take_a_line_each(kept_page, width, height, least):
     live.click("#panel-observers .unfold >> nth=0")
 
 
-def test_opening_something_moves_no_other_card(page):
+def test_opening_something_moves_no_other_card(tab):
     """Folds of the diagnosis, lights, more settings and measurement faults: every card keeps its place."""
-    live = still(page, "/?experiment=zhao-2012&t=30")
+    live = still(tab, "/?experiment=zhao-2012&t=30")
     before = live.evaluate(CARDS)
     links = live.locator("#panel-diagnosis .heading-links button")
     for place in range(2):
@@ -116,7 +117,7 @@ def test_opening_something_moves_no_other_card(page):
     assert not listed.last.is_visible()
     live.click("#panel-inject .dots >> nth=0")
     live.click("#panel-inject .heading .link")
-    live.wait_for_timeout(200)
+    rested(live)
     assert live.evaluate(CARDS) == before
 
 
@@ -142,20 +143,20 @@ def test_notices_cover_nothing(kept_page, width, language):
         live.evaluate(SET_FONT, font)
         live.evaluate("thetascope.store.dispatch({type: 'connection', now: 'live'})")
         live.evaluate("thetascope.act.tell('A word that is said for some seconds, and long enough to need its room.')")
-        live.wait_for_timeout(100)
+        rested(live)
         assert live.is_visible("#notice") and live.evaluate(OVERLAPS) == [], font
         live.evaluate("thetascope.act.look(12)")
-        live.wait_for_timeout(100)
+        rested(live)
         assert live.is_visible(".choice .run") and live.evaluate(OVERLAPS) == [], font
         live.evaluate("thetascope.act.look(null); thetascope.store.dispatch({type: 'connection', now: 'reconnecting'})")
         live.wait_for_selector("#notice.lost")
-        live.wait_for_timeout(100)
+        rested(live)
         assert live.evaluate(OVERLAPS) == [], font
 
 
-def test_the_hysteresis_fits_on_a_phone(page):
+def test_the_hysteresis_fits_on_a_phone(tab):
     """Both drawings, the numbers of the loop and the last operator lie within their card."""
-    live = still(page, "/?experiment=zhou-tan-2012&t=2", width=390, height=844)
+    live = still(tab, "/?experiment=zhou-tan-2012&t=2", width=390, height=844)
     card = live.locator("#hysteresis").bounding_box()
     boxes = [one.bounding_box() for one in live.locator("#hysteresis canvas, #hysteresis figcaption").all()]
     assert len(boxes) == 4 and all(box["y"] + box["height"] <= card["y"] + card["height"] for box in boxes)

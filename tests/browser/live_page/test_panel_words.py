@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser.live_helpers import opened, until
+from tests.browser.live_helpers import opened, rested, until
 
 #: With more than a thousand rows.
 PAUSED = "/?experiment=zhao-2012&t=12"
@@ -29,9 +29,9 @@ SPOKEN = """() => {
 }"""
 
 
-def test_the_equations_are_mathematics_without_script(page):
+def test_the_equations_are_mathematics_without_script(tab):
     """Plant and observer are MathML; terms of faults are marked, and equations of the paper are numbered."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.click("#panel-plant .heading .link")
     live.wait_for_selector("dialog math")
     found = live.evaluate("document.querySelectorAll('dialog math').length")
@@ -44,11 +44,13 @@ def test_the_equations_are_mathematics_without_script(page):
 def test_in_chinese_no_english_word_of_the_page_is_left(page):
     """After L no English word of the page is visible, and a reload keeps the language."""
     live = opened(page, PAUSED)
-    live.wait_for_timeout(1000)
+    until(live, "thetascope.state.checks.adaptive?.length && thetascope.state.diagnosis?.calibration")
+    rested(live)
     english = {word for word in live.evaluate(SPOKEN) if re.search("[a-z]{3}", word)}
     live.keyboard.press("l")
     until(live, "document.documentElement.lang === 'zh-CN'")
-    live.wait_for_timeout(1200)
+    until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
+    rested(live)
     chinese = set(live.evaluate(SPOKEN))
     same = english & chinese
     assert {word for word in same if not any(name in word for name in NAMES)} == set()
@@ -56,9 +58,9 @@ def test_in_chinese_no_english_word_of_the_page_is_left(page):
     until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
 
 
-def test_every_listed_key_works(page):
+def test_every_listed_key_works(tab):
     """The help lists the keys for playing, presenting, colours, fault channels and links, and they act."""
-    live = opened(page)
+    live = opened(tab)
     live.keyboard.press("?")
     assert live.locator("dialog .keys tr").count() >= 15
     live.keyboard.press("Escape")
@@ -66,7 +68,7 @@ def test_every_listed_key_works(page):
     until(live, "thetascope.state.playing")
     live.keyboard.press(" ")
     until(live, "!thetascope.state.playing")
-    live.wait_for_timeout(400)
+    until(live, "thetascope.samples.rows >= thetascope.state.row")
     row = live.evaluate("thetascope.samples.rows")
     live.keyboard.press(".")
     until(live, f"thetascope.samples.rows > {row}")
@@ -81,9 +83,9 @@ def test_every_listed_key_works(page):
     assert live.evaluate("Number(document.querySelector('#fault-theta2 input.number').value)") == pytest.approx(0.045)
 
 
-def test_links_are_offered_to_copy(page, server):
+def test_links_are_offered_to_copy(tab, page, server):
     """Share offers a link that opens a copy and a read-only one, which cannot change the session."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.click(".actions button:nth-child(1)")
     fields = live.locator("dialog .copy-row input")
     fields.first.wait_for()
@@ -97,9 +99,9 @@ def test_links_are_offered_to_copy(page, server):
     assert not viewer.locator(".control-only:visible").count()
 
 
-def test_the_session_is_downloaded(page):
+def test_the_session_is_downloaded(tab):
     """CSV contains every column up to the present; report and specification are files, too."""
-    live = opened(page, PAUSED)
+    live = opened(tab, PAUSED)
     live.click(".actions button:nth-child(2)")
     with live.expect_download() as waiting:
         live.click("dialog button:text-is('CSV')")
@@ -111,22 +113,22 @@ def test_the_session_is_downloaded(page):
         assert waiting.value.suggested_filename.endswith(suffix)
 
 
-def test_on_a_phone_the_panels_are_behind_tabs(page):
+def test_on_a_phone_the_panels_are_behind_tabs(tab):
     """At 390 pixels nothing is wider than the screen, each tab shows its panels only, and the summary is above the
     curves."""
-    live = opened(page, width=390, height=844)
+    live = opened(tab, PAUSED, width=390, height=844)
     shown = {
         "curves": "#scope",
         "inject": "#panel-inject",
         "observers": "#panel-observers",
         "diagnosis": "#panel-diagnosis",
     }
-    for tab in shown:
-        live.click(f"#tab-{tab}")
-        visible = [name for name, selector in shown.items() if live.locator(selector).is_visible()]
-        assert visible == ([tab, "diagnosis"] if tab == "curves" else [tab])
-        assert live.locator(".verdict").is_visible() == (tab in ("curves", "diagnosis"))
-        assert live.locator("#panel-diagnosis h2").is_visible() == (tab == "diagnosis")
+    for name in shown:
+        live.click(f"#tab-{name}")
+        visible = [one for one, selector in shown.items() if live.locator(selector).is_visible()]
+        assert visible == ([name, "diagnosis"] if name == "curves" else [name])
+        assert live.locator(".verdict").is_visible() == (name in ("curves", "diagnosis"))
+        assert live.locator("#panel-diagnosis h2").is_visible() == (name == "diagnosis")
         assert live.evaluate("document.documentElement.scrollWidth") <= 390
     live.click(".more-actions")
     assert live.locator(".actions > button").first.inner_text().strip() == "Share"
@@ -136,10 +138,10 @@ def test_on_a_phone_the_panels_are_behind_tabs(page):
 @pytest.mark.parametrize(
     "experiment", ["dts200", "quadruple-tank", "zhou-tan-2012", "shen-hu-2015", "reduced-order-mimo"]
 )
-def test_other_plants_fill_the_same_panels(page, experiment):
+def test_other_plants_fill_the_same_panels(tab, experiment):
     """Eleven channels, two outputs, a sandwich system, a plant without inputs: every channel has its row, without
     errors."""
-    live = opened(page, f"/?experiment={experiment}")
+    live = opened(tab, f"/?experiment={experiment}&t=1")
     sites = live.evaluate("thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length")
     assert live.locator("svg.plant .site").count() == sites
     assert live.locator("#panel-inject .fault:not(.noise)").count() == sites

@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.browser.live_helpers import opened, row, until
+from tests.browser.live_helpers import opened, rested, row, until
 from tests.browser.test_accessibility import UNFOLD, serious, with_faults
 
 TABS = {"inject": "I", "observers": "O", "comparison": "M", "log": "G", "try": "Y"}
@@ -70,31 +70,31 @@ def presented(page, path: str = "/?experiment=zhao-2012&t=24", **more):
     return live
 
 
-def test_every_tab_shows_its_panel_and_no_other(page):
+def test_every_tab_shows_its_panel_and_no_other(tab):
     """By click, arrow and key; the panel is labelled by the tab, and only the chosen tab is in the Tab order."""
-    live = presented(page)
-    for tab in TABS:
-        live.click(f"#desk-{tab}")
-        assert live.evaluate(SHOWN) == [f"panel-{tab}"]
-        assert live.get_attribute(f"#panel-{tab}", "aria-labelledby") == f"desk-{tab}"
+    live = presented(tab)
+    for name in TABS:
+        live.click(f"#desk-{name}")
+        assert live.evaluate(SHOWN) == [f"panel-{name}"]
+        assert live.get_attribute(f"#panel-{name}", "aria-labelledby") == f"desk-{name}"
         assert live.locator("[role=tab][tabindex='0']").evaluate_all("(all) => all.map((one) => one.id)") == [
-            f"desk-{tab}"
+            f"desk-{name}"
         ]
     live.keyboard.press("ArrowRight")
     assert live.evaluate(SHOWN) == ["panel-inject"] and live.evaluate("document.activeElement.id") == "desk-inject"
     live.keyboard.press("End")
     assert live.evaluate(SHOWN) == ["panel-try"]
     live.evaluate("document.activeElement.blur()")
-    for tab, key in TABS.items():
+    for name, key in TABS.items():
         live.keyboard.press(key.lower())
-        assert live.evaluate(SHOWN) == [f"panel-{tab}"]
+        assert live.evaluate(SHOWN) == [f"panel-{name}"]
     live.keyboard.press("?")
     assert all(live.locator(f"dialog kbd:text-is('{key}')").count() for key in TABS.values())
 
 
-def test_the_panels_work_while_presenting(page):
+def test_the_panels_work_while_presenting(tab):
     """A gain follows its slider, an observer is added in the card, a question is carried out, and all are logged."""
-    live = presented(page)
+    live = presented(tab)
     live.keyboard.press("o")
     live.locator("#panel-observers .gain input[type=range]").first.focus()
     for _ in range(5):
@@ -110,7 +110,7 @@ def test_the_panels_work_while_presenting(page):
         "thetascope.state.observers.length === 2 && document.querySelectorAll('#panel-observers .observer').length "
         "=== 2",
     )
-    live.wait_for_timeout(300)
+    rested(live)
     assert live.evaluate(WRONG) == []
     live.keyboard.press("m")
     assert live.locator("#panel-comparison tbody tr:not(.detector)").count() == 2
@@ -121,9 +121,9 @@ def test_the_panels_work_while_presenting(page):
     assert "you set λ of adaptive" in live.inner_text("#panel-log")
 
 
-def test_a_fault_channel_in_the_plant_opens_its_injection(page):
+def test_a_fault_channel_in_the_plant_opens_its_injection(tab):
     """From another tab: the card switches to Inject, and the row is visible and focused; a number key does the same."""
-    live = presented(page, "/?experiment=dts200&t=10", width=1280, height=720)
+    live = presented(tab, "/?experiment=dts200&t=10", width=1280, height=720)
     whole = """(name) => { const row = document.getElementById(`fault-${name}`).getBoundingClientRect();
       const list = document.querySelector('.faults').getBoundingClientRect(); return row.top >= list.top - 1
         && row.bottom <= list.bottom + 1; }"""
@@ -132,11 +132,10 @@ def test_a_fault_channel_in_the_plant_opens_its_injection(page):
     live.locator("svg.plant .site:not(.output)").last.click()
     chosen = live.evaluate("document.activeElement.closest('.fault').id").removeprefix("fault-")
     assert live.evaluate(SHOWN) == ["panel-inject"]
-    live.wait_for_timeout(700)
-    assert live.evaluate(whole, chosen) and live.evaluate("thetascope.state.site") == chosen
+    until(live, f"({whole})('{chosen}')")
+    assert live.evaluate("thetascope.state.site") == chosen
     live.evaluate(f"thetascope.act.desk('try'); thetascope.act.site('{last}')")
-    live.wait_for_timeout(700)
-    assert live.evaluate(whole, last)
+    until(live, f"({whole})('{last}')")
     row(live, last).locator(".press:not(.quiet-press)").click()
     row(live, last).locator(".press.clear").wait_for()
     live.keyboard.press("g")
@@ -148,9 +147,9 @@ def test_a_fault_channel_in_the_plant_opens_its_injection(page):
 
 
 @pytest.mark.parametrize("way", ["p", "Escape", "button"])
-def test_leaving_restores_the_normal_page(page, way):
+def test_leaving_restores_the_normal_page(tab, way):
     """Panels are in their places; session, window and zoom are unchanged; no tab remains."""
-    live = opened(page, "/?experiment=zhao-2012&t=30")
+    live = opened(tab, "/?experiment=zhao-2012&t=30")
     live.evaluate("thetascope.act.pause(); thetascope.act.window(10)")
     before = live.evaluate(PLACES)
     kept = """[thetascope.state.session, thetascope.state.window, thetascope.state.row,
@@ -176,10 +175,10 @@ def test_leaving_restores_the_normal_page(page, way):
         assert live.is_visible(f"#panel-{name}")
 
 
-def test_escape_closes_menus_and_dialogs_first(page):
+def test_escape_closes_menus_and_dialogs_first(tab):
     """The list of experiments, the menu of strips, a dialog and a form each take an Escape before the presentation
     ends."""
-    live = presented(page)
+    live = presented(tab)
     opens = {
         ".chooser-menu": ".experiment",
         ".strips-menu[open]": ".strips-menu summary",
@@ -214,9 +213,9 @@ def test_a_reload_keeps_the_presentation(page):
     assert not live.evaluate("thetascope.state.presentation") and live.is_visible(".pages")
 
 
-def test_the_bar_shows_view_only_and_a_lost_connection(page, server):
+def test_the_bar_shows_view_only_and_a_lost_connection(tab, page, server):
     """ "View only" is always shown, and in another colour a lost connection."""
-    live = presented(page, width=1024, height=768)
+    live = presented(tab, width=1024, height=768)
     link = live.evaluate("thetascope.act.link({view: true})")
     viewer = opened(page, link.removeprefix(server), width=1024, height=768)
     viewer.evaluate("thetascope.act.present(true)")
@@ -235,13 +234,13 @@ def test_the_bar_shows_view_only_and_a_lost_connection(page, server):
     ("number", "experiment"),
     list(enumerate(["zhao-2012", "zhou-tan-2012", "dts200", "quadruple-tank", "zhao-2012-observers"])),
 )
-def test_nothing_overlaps_or_is_cut(page, number, experiment):
+def test_nothing_overlaps_or_is_cut(tab, number, experiment):
     """On every tab, at four sizes, in either language: controls and cards are complete; from 900 px two rows each are
     visible.
 
     The language alternates along sizes and experiments, so every pair of size, language and tab occurs.
     """
-    live = presented(page, f"/?experiment={experiment}&t=2")
+    live = presented(tab, f"/?experiment={experiment}&t=2")
     live.evaluate(
         "thetascope.send({type: 'inject', fault: {channel: thetascope.state.plant.channels[0].name, shape: 'step', "
         "onset: 0, size: 1e-3}})"
@@ -254,23 +253,23 @@ def test_nothing_overlaps_or_is_cut(page, number, experiment):
         live.set_viewport_size({"width": width, "height": height})
         language = ("zh", "en")[(place + number) % 2]
         live.evaluate(f"thetascope.act.language('{language}')")
-        for tab in TABS:
-            live.evaluate(f"thetascope.act.desk('{tab}')")
+        for name in TABS:
+            live.evaluate(f"thetascope.act.desk('{name}')")
             live.evaluate(DRAWN)
             found = live.evaluate(WRONG)
             if found:
-                wrong[f"{width} {language} {tab}"] = found
-            if tab in ("inject", "observers"):
-                many = live.evaluate(inside, ".fault:not([hidden])" if tab == "inject" else ".observer")
-                needed = min(2, live.locator(".observer").count() if tab == "observers" else 2)
-                assert many >= needed or height < 900, (width, tab, many)
+                wrong[f"{width} {language} {name}"] = found
+            if name in ("inject", "observers"):
+                many = live.evaluate(inside, ".fault:not([hidden])" if name == "inject" else ".observer")
+                needed = min(2, live.locator(".observer").count() if name == "observers" else 2)
+                assert many >= needed or height < 900, (width, name, many)
     assert wrong == {}
 
 
 @pytest.mark.parametrize(("width", "height"), [(1440, 900), (1024, 768)])
-def test_nothing_moves(page, width, height):
+def test_nothing_moves(tab, width, height):
     """Faults, alarms, summaries of one and three lines, and an unfolded list: every part keeps its place."""
-    live = presented(page, "/?experiment=zhao-2012&t=10", width=width, height=height)
+    live = presented(tab, "/?experiment=zhao-2012&t=10", width=width, height=height)
     until(live, "/No fault/.test(document.querySelector('.verdict').textContent)")
     before = live.evaluate(BOXES)
     live.evaluate("thetascope.send({type: 'inject', fault: {channel: 'theta1', shape: 'step', onset: 0, size: 0.01}})")
@@ -293,18 +292,19 @@ def test_nothing_moves(page, width, height):
 
 
 @pytest.mark.parametrize(
-    ("path", "theme", "language"), [("/", "light", "en"), ("/?experiment=zhou-tan-2012", "dark", "zh")]
+    ("path", "theme", "language"),
+    [("/?experiment=zhao-2012&t=12", "light", "en"), ("/?experiment=zhou-tan-2012&t=2", "dark", "zh")],
 )
-def test_axe_finds_nothing_serious(page, path, theme, language):
+def test_axe_finds_nothing_serious(tab, path, theme, language):
     """The whole page, then every tab's panel, as it is and unfolded, while presenting."""
-    live = with_faults(page, path, width=1280, height=720, theme=theme)
+    live = with_faults(tab, path, width=1280, height=720, theme=theme)
     live.evaluate(f"thetascope.act.language('{language}'); thetascope.act.present(true)")
     found = {"as it opens": serious(live)}
-    for tab in TABS:
-        live.click(f"#desk-{tab}")
-        found[tab] = serious(live, within=".desk")
+    for name in TABS:
+        live.click(f"#desk-{name}")
+        found[name] = serious(live, within=".desk")
     live.evaluate(UNFOLD)
-    for tab in ("inject", "observers"):
-        live.click(f"#desk-{tab}")
-        found[f"{tab}, unfolded"] = serious(live, within=".desk")
+    for name in ("inject", "observers"):
+        live.click(f"#desk-{name}")
+        found[f"{name}, unfolded"] = serious(live, within=".desk")
     assert {name: what for name, what in found.items() if what} == {}
