@@ -646,6 +646,8 @@ export interface Experiment {
   /** Substeps of each integration step; null: one, or more if stiff gains need them. */
   substeps: number | null;
   measurement: ContinuousMeasurement | SampledMeasurement;
+  /** Where the simulated plant differs from the model that observers know. */
+  truth: Truth;
   observers: (ObserverConfig)[];
   /** Changes during the run other than faults, in order of time. */
   commands: (SetGain | SetSignal | SetNoise | AddObserver | RemoveObserver | SetSubsteps)[];
@@ -687,6 +689,8 @@ export interface ExperimentInput {
   /** Substeps of each integration step; null: one, or more if stiff gains need them. */
   substeps?: number | null;
   measurement?: ContinuousMeasurementInput | SampledMeasurementInput;
+  /** Where the simulated plant differs from the model that observers know. */
+  truth?: TruthInput;
   observers?: (ObserverConfigInput)[];
   /** Changes during the run other than faults, in order of time. */
   commands?: (SetGainInput | SetSignalInput | SetNoiseInput | AddObserverInput | RemoveObserverInput | SetSubstepsInput)[];
@@ -2557,6 +2561,88 @@ export interface TraceInput {
   style?: 'solid' | 'dash' | 'dot';
   /** Draw the absolute value. */
   absolute?: boolean;
+}
+
+/** A sensor that differs from the model's: noise with memory, its own sample times, an unmodelled part. */
+export interface TrueSensor {
+  /** Correlation time of the noise in s; its standard deviation stays as declared. Null: white noise. */
+  correlation: number | null;
+  /** Sample period in s, a multiple of the step; the value is held in between. Null: that of the measurement or, for missing or late samples of a continuous measurement, the sample time of the noise. */
+  period: number | null;
+  /** Share of samples that are lost; the value before is held. */
+  missing: number;
+  /** Samples are taken late by up to this time in s, evenly distributed, rounded to the step. */
+  jitter: number;
+  /** Expression that is added to the output's equation, in states of plant and truth. */
+  adds: string | null;
+}
+
+/** A sensor that differs from the model's: noise with memory, its own sample times, an unmodelled part. */
+export interface TrueSensorInput {
+  /** Correlation time of the noise in s; its standard deviation stays as declared. Null: white noise. */
+  correlation?: number | null;
+  /** Sample period in s, a multiple of the step; the value is held in between. Null: that of the measurement or, for missing or late samples of a continuous measurement, the sample time of the noise. */
+  period?: number | null;
+  /** Share of samples that are lost; the value before is held. */
+  missing?: number;
+  /** Samples are taken late by up to this time in s, evenly distributed, rounded to the step. */
+  jitter?: number;
+  /** Expression that is added to the output's equation, in states of plant and truth. */
+  adds?: string | null;
+}
+
+/** A state of the true plant that the model lacks. */
+export interface TrueState {
+  /** Name in the expressions of the truth. */
+  name: string;
+  /** Value at t = 0, in the state's unit. */
+  initial: number;
+  /** Unit in plain text, empty when dimensionless. */
+  unit: string;
+  description: string;
+}
+
+/** A state of the true plant that the model lacks. */
+export interface TrueStateInput {
+  /** Name in the expressions of the truth. */
+  name: string;
+  /** Value at t = 0, in the state's unit. */
+  initial?: number;
+  /** Unit in plain text, empty when dimensionless. */
+  unit?: string;
+  description?: string | {[name: string]: string};
+}
+
+/** The true plant and its sensors, where they differ from the model that observers and the detector know. */
+export interface Truth {
+  /** Share by which every parameter that `parameters` does not name differs from the model, upwards or downwards by the seed, within its bounds. */
+  deviation: number;
+  /** True values of parameters, by name. */
+  parameters: {[name: string]: number};
+  /** Process noise by state: standard deviation per √s, in the state's unit. */
+  process_noise: {[name: string]: number};
+  /** True sensors, by output. */
+  outputs: {[name: string]: TrueSensor};
+  /** States of the true plant that the model lacks. */
+  states: (TrueState)[];
+  /** Right-hand side of each of these states; for a state of the plant, an expression that is added to its right-hand side. */
+  dynamics: {[name: string]: string};
+}
+
+/** The true plant and its sensors, where they differ from the model that observers and the detector know. */
+export interface TruthInput {
+  /** Share by which every parameter that `parameters` does not name differs from the model, upwards or downwards by the seed, within its bounds. */
+  deviation?: number;
+  /** True values of parameters, by name. */
+  parameters?: {[name: string]: number};
+  /** Process noise by state: standard deviation per √s, in the state's unit. */
+  process_noise?: {[name: string]: number};
+  /** True sensors, by output. */
+  outputs?: {[name: string]: TrueSensorInput};
+  /** States of the true plant that the model lacks. */
+  states?: (TrueStateInput)[];
+  /** Right-hand side of each of these states; for a state of the plant, an expression that is added to its right-hand side. */
+  dynamics?: {[name: string]: string};
 }
 
 /** A symbol of an observer's equations and its meaning. */

@@ -30,7 +30,7 @@ from thetascope_schemas.experiment.controllers import check_multiple
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.figures import Figure
-from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement
+from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Noise, SampledMeasurement, Truth
 from thetascope_schemas.experiment.observers import ObserverConfig
 from thetascope_schemas.experiment.plant import Plant, check_within
 from thetascope_schemas.experiment.signals import ConstantSignal, Signal
@@ -124,6 +124,9 @@ class Experiment(Strict):
     measurement: ContinuousMeasurement | SampledMeasurement = Field(
         default_factory=ContinuousMeasurement, discriminator="mode"
     )
+    truth: Truth = Field(
+        default_factory=Truth, description="Where the simulated plant differs from the model that observers know."
+    )
     observers: tuple[ObserverConfig, ...] = Field(default=(), max_length=MAX_OBSERVERS)
     commands: tuple[TimedCommand, ...] = Field(
         default=(),
@@ -173,6 +176,8 @@ class Experiment(Strict):
             name: getattr(self, name) for name in type(self).model_fields if name not in self.prose
         }
         filled["record"] = self.record_interval
+        if self.truth == Truth():  # as before the field existed
+            del filled["truth"]
         if isinstance(self.plant, Plant):
             plant = self.plant
             filled["parameters"] = {item.name: item.value for item in plant.parameters} | self.parameters
@@ -299,6 +304,7 @@ class Experiment(Strict):
                 check_multiple(controller.period, self.step, f"plant.controllers[{index}].period")
         check_known(self.signals, plant.names("signals"), "signals", "plant.signal.unknown")
         check_known(self.noise, plant.names("outputs"), "noise", "plant.output.unknown")
+        self.truth.check(plant, self.noise, self.measurement, self.step)
         for index, fault in enumerate(self.faults):
             kind, name = fault.site
             known = plant.names(f"{kind}s")
@@ -315,6 +321,7 @@ class Experiment(Strict):
         groups |= {"theta": "channels", "y": "outputs"}
         own = ["t"] + [f"{prefix}.{name}" for prefix, group in groups.items() for name in plant.names(group)]
         own += [f"c.{state.name}" for controller in plant.controllers for state in controller.states]
+        own += [f"x.{state.name}" for state in self.truth.states]
         labels = list(self.observer_configs())
         for field, column in figure.columns():
             label, _, rest = column.partition(".")

@@ -1,10 +1,26 @@
-"""Measurement of the outputs: noise, and continuous or sampled measurement."""
+"""Measurement of the outputs: noise, continuous or sampled; and the truth, where it differs from the model."""
 
-from typing import Literal
+import math
+from collections.abc import Mapping
+from typing import Annotated, Literal
 
 from pydantic import Field
 
-from thetascope_schemas.experiment.base import NonNegative, Positive, Strict, example
+from thetascope_schemas.experiment.base import (
+    MAX_STATES,
+    ExpressionText,
+    Name,
+    NonNegative,
+    Number,
+    Positive,
+    Prose,
+    Reference,
+    Strict,
+    Unit,
+    example,
+)
+from thetascope_schemas.experiment.plant import Plant, check_known, check_within
+from thetascope_schemas.texts.refusal import refuse
 
 
 class Noise(Strict):
@@ -31,3 +47,152 @@ class SampledMeasurement(Strict):
 
     mode: Literal["sampled"] = "sampled"
     period: Positive = Field(description="Sample period in s.")
+
+
+class TrueState(Strict):
+    """A state of the true plant that the model lacks."""
+
+    model_config = example(name="valve", initial=0, unit="")
+
+    name: Name = Field(description="Name in the expressions of the truth.")
+    initial: Number = Field(default=0.0, description="Value at t = 0, in the state's unit.")
+    unit: Unit = ""
+    description: Prose = ""
+
+
+class TrueSensor(Strict):
+    """A sensor that differs from the model's: noise with memory, its own sample times, an unmodelled part."""
+
+    model_config = example(correlation=0.5, period=0.1, missing=0.05, jitter=0.02, adds="0.1*valve")
+
+    correlation: Positive | None = Field(
+        default=None,
+        description="Correlation time of the noise in s; its standard deviation stays as declared. Null: white noise.",
+    )
+    period: Positive | None = Field(
+        default=None,
+        description="Sample period in s, a multiple of the step; the value is held in between. Null: that of the "
+        "measurement or, for missing or late samples of a continuous measurement, the sample time of the noise.",
+    )
+    missing: Annotated[float, Field(strict=True, ge=0, le=0.95, allow_inf_nan=False)] = Field(
+        default=0.0, description="Share of samples that are lost; the value before is held."
+    )
+    jitter: NonNegative = Field(
+        default=0.0,
+        description="Samples are taken late by up to this time in s, evenly distributed, rounded to the step.",
+    )
+    adds: ExpressionText | None = Field(
+        default=None, description="Expression that is added to the output's equation, in states of plant and truth."
+    )
+
+    def samples_every(
+        self, noise: Noise | None, measurement: ContinuousMeasurement | SampledMeasurement, plant: Plant
+    ) -> float | None:
+        """Return the time in s between samples; None if the sensor has no sample times of its own, NaN if its samples
+        are to be lost or late and nothing says how often they come."""
+        if self.period is None and self.missing == 0 and self.jitter == 0:
+            return None
+        if self.period is not None:
+            return self.period
+        if plant.time.kind == "discrete":
+            return plant.time.period
+        if measurement.mode == "sampled":
+            return measurement.period
+        return noise.sample_time if noise else math.nan
+
+
+class Truth(Strict):
+    """The true plant and its sensors, where they differ from the model that observers and the detector know."""
+
+    model_config = example(
+        deviation=0.02,
+        parameters={"a4": 0.12},
+        process_noise={"x1": 0.001},
+        outputs={"y": {"correlation": 0.5}},
+        states=[{"name": "valve"}],
+        dynamics={"valve": "(u - valve)/0.5", "x1": "0.1*(valve - u)"},
+    )
+
+    deviation: Annotated[float, Field(strict=True, ge=0, le=0.5, allow_inf_nan=False)] = Field(
+        default=0.0,
+        description="Share by which every parameter that `parameters` does not name differs from the model, upwards or "
+        "downwards by the seed, within its bounds.",
+    )
+    parameters: dict[Reference, Number] = Field(default_factory=dict, description="True values of parameters, by name.")
+    process_noise: dict[Reference, NonNegative] = Field(
+        default_factory=dict,
+        description="Process noise by state: standard deviation per √s, in the state's unit.",
+    )
+    outputs: dict[Reference, TrueSensor] = Field(default_factory=dict, description="True sensors, by output.")
+    states: tuple[TrueState, ...] = Field(
+        default=(), max_length=MAX_STATES, description="States of the true plant that the model lacks."
+    )
+    dynamics: dict[Reference, ExpressionText] = Field(
+        default_factory=dict,
+        max_length=2 * MAX_STATES,
+        description="Right-hand side of each of these states; for a state of the plant, an expression that is added to "
+        "its right-hand side.",
+    )
+
+    @property
+    def sample_periods(self) -> "Truth":
+        """Return the part that the detector knows: which sensors have sample times of their own, and their periods."""
+        sensors = {
+            name: TrueSensor(period=sensor.period, missing=0.5 if sensor.missing or sensor.jitter else 0.0)
+            for name, sensor in self.outputs.items()
+            if sensor.period is not None or sensor.missing or sensor.jitter
+        }
+        return Truth(outputs=sensors)
+
+    def check(
+        self,
+        plant: Plant,
+        noise: Mapping[str, Noise],
+        measurement: ContinuousMeasurement | SampledMeasurement,
+        step: float,
+    ) -> None:
+        """Refuse unknown and repeated names, values outside their bounds, and sample times that do not fit.
+
+        `step`: the integration step in s.
+        """
+        check_known(self.parameters, plant.names("parameters"), "truth.parameters", "plant.parameter.unknown")
+        for item in plant.parameters:
+            if item.name in self.parameters:
+                check_within(self.parameters[item.name], item.bounds, f"truth.parameters.{item.name}", item.name)
+        taken = {name: field for field, name in plant.declared()}
+        own = tuple(state.name for state in self.states)
+        for index, name in enumerate(own):
+            field = f"truth.states[{index}].name"
+            if name in taken:
+                raise refuse("plant.name.repeated", field, name, name=name, by=taken[name])
+            taken[name] = field
+            if name not in self.dynamics:
+                raise refuse("plant.state.no-equation", "truth.dynamics", name, state=name)
+        states = (*plant.names("states"), *own)
+        check_known(self.dynamics, states, "truth.dynamics", "truth.state.unknown")
+        check_known(self.process_noise, states, "truth.process_noise", "truth.state.unknown")
+        check_known(self.outputs, plant.names("outputs"), "truth.outputs", "plant.output.unknown")
+        for name, sensor in self.outputs.items():
+            if sensor.correlation is not None and name not in noise:
+                field = f"truth.outputs.{name}.correlation"
+                raise refuse("truth.correlation.no-noise", field, sensor.correlation, output=name)
+            period = sensor.samples_every(noise.get(name), measurement, plant)
+            if period is not None and plant.controllers:
+                part = next(p for p in ("period", "missing", "jitter") if getattr(sensor, p))
+                field, value = f"truth.outputs.{name}.{part}", getattr(sensor, part)
+                raise refuse("truth.samples.closed-loop", field, value, output=name)
+            if period is not None:
+                _check_samples(f"truth.outputs.{name}", name, sensor, period, step)
+
+
+def _check_samples(field: str, output: str, sensor: TrueSensor, period: float, step: float) -> None:
+    """Refuse a sample period that is unknown or no multiple of the step, and samples that come later than the next."""
+    if math.isnan(period):
+        part, value = ("missing", sensor.missing) if sensor.missing else ("jitter", sensor.jitter)
+        raise refuse("truth.period.unknown", f"{field}.{part}", value, output=output)
+    count = period / step
+    if round(count) < 1 or not math.isclose(count, round(count), rel_tol=1e-6):
+        near = max(1, round(count)) * step
+        raise refuse("experiment.time.no-multiple", f"{field}.period", period, time=period, step=step, near=near)
+    if sensor.jitter >= period:
+        raise refuse("truth.jitter.too-late", f"{field}.jitter", sensor.jitter, jitter=sensor.jitter, period=period)

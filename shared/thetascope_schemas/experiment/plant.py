@@ -273,12 +273,12 @@ class Plant(Strict):
     def _check_unique(self) -> None:
         """Refuse a repeated name, so that expressions, columns and messages are never ambiguous."""
         declared: dict[str, str] = {}
-        for field, name in self._declared():
+        for field, name in self.declared():
             if name in declared:
                 raise refuse("plant.name.repeated", field, name, name=name, by=declared[name])
             declared[name] = field
 
-    def _declared(self) -> Iterator[tuple[str, str]]:
+    def declared(self) -> Iterator[tuple[str, str]]:
         """Yield the path and the value of every declared name."""
         groups = ("states", "inputs", "outputs", "parameters", "signals", "tables", "definitions", "channels")
         for group in (*groups, "references"):

@@ -14,8 +14,8 @@ from babel.messages.pofile import read_po
 from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import prepare
+from thetascope.assembly.analyses.gains import present_gains
 from thetascope.assembly.analyses.observer_catalogue import observer_kinds
-from thetascope.assembly.build.gains import present_gains
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observers import registry
 from thetascope.engine.observers.support.declaration import Observer, counted_by

@@ -24,7 +24,7 @@ async def gains(request: Request, services: Use) -> Response:
     """Return every gain of every observer of an experiment, defaults filled in, with labels of rows and columns."""
 
     def answer(data: Any) -> dict[str, Any]:
-        from thetascope.assembly.build.gains import present_gains  # imports SymPy, so the service starts without it
+        from thetascope.assembly.analyses.gains import present_gains  # imports SymPy, so the service starts without it
 
         gains, labels = present_gains(resolved(validated(Experiment, data)))
         return {"gains": gains, "labels": labels}

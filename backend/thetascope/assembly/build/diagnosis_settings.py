@@ -35,6 +35,7 @@ def calibration_key(spec: ResolvedExperiment, observers: tuple[ObserverConfig, .
         "commands": (),
         "figures": (),
         "faults": initial_faults,
+        "truth": spec.truth.sample_periods,
     }
     return spec.model_copy(update=changes).spec_hash()
 

@@ -7,6 +7,7 @@ from thetascope.assembly.build.loop_builder import loop_of
 from thetascope.assembly.build.observer_builder import estimator, plant_context
 from thetascope.assembly.build.signal_builder import initial_state, plant_parameters, signals_of
 from thetascope.assembly.build.step_counts import multiple
+from thetascope.assembly.build.truth_builder import with_truth
 from thetascope.engine.errors import SpecError
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.observers.support.scales import HealthyRun
@@ -30,7 +31,7 @@ def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, health
     if since:
         estimators = [replace(e, since=since.get(e.label, 0)) for e in estimators]
     measured = measurement(spec, step)
-    return Engine(
+    model = Engine(
         plant=program,
         parameters=plant_parameters(spec),
         x0=initial_state(spec),
@@ -44,6 +45,7 @@ def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, health
         context=plant_context(spec, data, step, healthy),
         loop=loop_of(spec, data, step, measured),
     )
+    return with_truth(model, spec)
 
 
 def _times(spec: ResolvedExperiment) -> tuple[float, int, int]:

@@ -11,7 +11,7 @@ from thetascope.engine.programs.program_store import plant_program
 from thetascope.engine.simulation.healthy_run import healthy_run
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
-from thetascope_schemas.experiment.measurement import ContinuousMeasurement
+from thetascope_schemas.experiment.measurement import ContinuousMeasurement, Truth
 
 
 def healthy_run_of(spec: ResolvedExperiment, data: dict) -> HealthyRun:
@@ -45,6 +45,7 @@ def _key(spec: ResolvedExperiment) -> str:
         "record": spec.step,
         "substeps": None,
         "measurement": ContinuousMeasurement(),
+        "truth": Truth(),
         "observers": (),
         "commands": (),
         "faults": (),

@@ -11,6 +11,7 @@ from thetascope.assembly.build.experiment_builder import engine, measurement
 from thetascope.assembly.build.loop_builder import loop_of
 from thetascope.assembly.build.observer_builder import estimator, with_gains
 from thetascope.assembly.build.signal_builder import signals_of
+from thetascope.assembly.build.truth_builder import with_truth
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.simulation.experiment import Estimator
 from thetascope.engine.simulation.experiment import Experiment as Engine
@@ -25,19 +26,21 @@ def adapted(spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExp
     if spec.plant is not before.plant or any(getattr(spec, name) != getattr(before, name) for name in _FIXED):
         return engine(spec, since, built.context.healthy)
     same_faults = _faults(spec, "output", None) == _faults(before, "output", None)
-    measured, loop = built.measurement, built.loop
+    known = built.modelled
+    measured, loop = known.measurement, known.loop
     if not same_faults:
         measured = measurement(spec, built.step)
         if loop is not None:
             loop = loop_of(spec, spec.plant.model_dump(mode="json"), built.step, measured)
-    return replace(
-        built,
+    model = replace(
+        known,
         signals=signals_of(spec, _kept_signals(spec, before, built)),
         measurement=measured,
         loop=loop,
         estimators=tuple(_estimators(spec, since, before, built)),
         substeps=spec.substeps,
     )
+    return with_truth(model, spec)
 
 
 def _faults(spec: ResolvedExperiment, kind: str, name: str | None) -> list:

@@ -7,6 +7,7 @@ import numpy as np
 from thetascope.assembly.build.step_counts import multiple
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.model.closed_loop import MEASUREMENT
+from thetascope.engine.model.true_plant import true_states
 from thetascope.engine.programs.program_store import closed_loop_program
 from thetascope.engine.simulation.loop import Loop
 from thetascope_schemas import ResolvedExperiment
@@ -18,7 +19,7 @@ def loop_of(
     """Return the controllers of an experiment; None in an open loop. Raises SpecError for those that do not fit.
 
     Args:
-        data: the plant as JSON.
+        data: the plant as JSON, or the true plant (`true_data`).
         step: the base step in s.
         measurement: the measurement of the outputs.
         nominal: whether the controllers start as the plant declares, whatever the experiment says.
@@ -35,5 +36,5 @@ def loop_of(
     given = {} if nominal else spec.initial
     start = {f"c.{s.name}": given.get(s.name, s.initial) for c in plant.controllers for s in c.states}
     start |= {f"u.{u.name}": u.default for u in plant.inputs}  # before the first instant
-    states = np.array([start.get(s, np.nan) for s in program.states[len(plant.states) :]], dtype=float)
+    states = np.array([start.get(s, np.nan) for s in program.states[true_states(data) :]], dtype=float)
     return Loop(program, states, tuple(f"u.{n}" for n in plant.controlled), every, quantisers)

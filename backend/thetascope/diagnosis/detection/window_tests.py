@@ -54,7 +54,12 @@ class WindowSums:
         return self.first + len(self.q) - 1
 
     def extended(
-        self, omega: np.ndarray, x: np.ndarray, trusted_outputs: np.ndarray | None = None, y: np.ndarray | None = None
+        self,
+        omega: np.ndarray,
+        x: np.ndarray,
+        trusted_outputs: np.ndarray | None = None,
+        y: np.ndarray | None = None,
+        repeatable: np.ndarray | None = None,
     ) -> "WindowSums":
         """Return the sums with more decisions.
 
@@ -63,9 +68,12 @@ class WindowSums:
             x: (decisions, rows in each, m).
             trusted_outputs: (m,), 1 or 0; None: all are trusted.
             y: (rows + 1, m), measurements, from the row before the first on; None: no repeats are counted.
+            repeatable: (rows, m), the rows for which a repeated value counts; None: one.
         """
         q = np.einsum("drm,drm->dm", x, x)
-        repeats = np.zeros_like(q) if y is None else _repeats(self.repeats[-1], y)[x.shape[1] - 1 :: x.shape[1]]
+        repeats = np.zeros_like(q)
+        if y is not None:
+            repeats = _repeats(self.repeats[-1], y, repeatable)[x.shape[1] - 1 :: x.shape[1]]
         if trusted_outputs is not None and not trusted_outputs.all():
             omega, x = omega * trusted_outputs[:, None], x * trusted_outputs
         J, s, e = (
@@ -106,11 +114,11 @@ def _cumulated(sums: np.ndarray, terms: np.ndarray) -> np.ndarray:
     return np.concatenate([sums, np.cumsum(np.concatenate([sums[-1:], terms]), axis=0)[1:]])
 
 
-def _repeats(before: np.ndarray, y: np.ndarray) -> np.ndarray:
-    """Return how often in succession y (rows + 1, m) has repeated its value at each row (rows, m), counted on from
-    `before` (m,)."""
+def _repeats(before: np.ndarray, y: np.ndarray, weight: np.ndarray | None) -> np.ndarray:
+    """Return for how many rows in succession y (rows + 1, m) has repeated its value at each row (rows, m), counted on
+    from `before` (m,); `weight`: (rows, m), the rows for which a row counts, None: one."""
     same = y[1:] == y[:-1]
-    count = np.cumsum(same, axis=0)
+    count = np.cumsum(same if weight is None else same * weight, axis=0)
     since = np.maximum.accumulate(np.where(same, 0, count), axis=0)
     carried = np.where(np.logical_and.accumulate(same, axis=0), before, 0.0)
     return count - since + carried

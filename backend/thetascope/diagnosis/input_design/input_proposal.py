@@ -65,7 +65,7 @@ def propose(
 
     Args:
         filter_: the detector's filter.
-        experiment: the experiment as it is now.
+        experiment: the experiment as it is now; of a true plant, its model.
         x: (n,), the present state of the plant.
         k: the present base step.
         window: time within which faults have to be separated, s.
@@ -73,6 +73,8 @@ def propose(
         among: the channels to be separated, the others being healthy; None: all.
         loop: the present state of the controllers (`State.loop`).
     """
+    experiment = experiment.modelled
+    x = x[: len(experiment.plant.states)]
     trial = _Trial(filter_, experiment, x, k, window, accuracy, among, loop)
     before = trial.level(None, None)
     needed = 1.0 / accuracy**2

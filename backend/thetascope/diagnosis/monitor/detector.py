@@ -60,6 +60,7 @@ class Detector(Monitor):
 
 def unwatchable(experiment: Experiment, context: Context) -> Message | None:
     """Return why an experiment cannot be diagnosed, or None if it can."""
+    experiment = experiment.modelled
     if not any(name.startswith("theta.") for name in experiment.plant.inputs):
         return Message("diagnosis.none.no-channels")
     if context.n > MOST_STATES:
@@ -92,7 +93,7 @@ def prepare_detector(experiment: Experiment, context: Context, settings: Detecto
     """Return the detector for an experiment; its thresholds come from the cache or from simulations.
 
     Args:
-        experiment: the experiment as it begins.
+        experiment: the experiment as it begins; of a true plant, its model.
         context: that of its plant, with all fault channels.
         settings: the settings of the detector.
         key: a hash of everything that the thresholds depend on; empty: do not cache.
@@ -100,6 +101,7 @@ def prepare_detector(experiment: Experiment, context: Context, settings: Detecto
     Raises:
         Unwatchable: the filter does not stay finite in runs without faults.
     """
+    experiment = experiment.modelled
     stride = _stride(experiment)
     filter_ = InnovationFilter(experiment, context, settings.doubt)
     thresholds = _stored(key) if key else None

@@ -109,14 +109,14 @@ def advance_over_rows(
 ) -> Steps[MonitorState]:
     """Return the monitor's state after recorded rows; `values`: signals along them by name, if they are available."""
     signals = values or row_values(experiment, rows.index, rows.plant, rows.loop)
-    table = monitor.filter.table(rows.index, rows.y, signals, experiment.signals)
+    table = monitor.filter.table(rows.index, rows.y, signals, experiment.signals, experiment.measurement)
     return (yield from monitor.advance(state, table, rows.index * experiment.step))
 
 
 def with_noise_of(detector: Detector, experiment: Experiment, doubt: float) -> Detector:
     """Return the detector with a filter for the experiment's present noise, which may have changed during the run."""
-    old, new = detector.filter.experiment.measurement, experiment.measurement
-    if (old.std, old.sample_time) == (new.std, new.sample_time):
+    old, new = detector.filter.experiment.measurement, experiment.measurement.modelled
+    if (old.std, old.sample_time, old.samplings) == (new.std, new.sample_time, new.samplings):
         return detector
     filter_ = InnovationFilter(experiment, detector.filter.context, doubt)
     return Detector(filter_, detector.thresholds, detector.stride)
@@ -133,7 +133,7 @@ def diagnose(
         substeps: the substeps that it was simulated with.
         request: the settings.
     """
-    first = replace(parts[0][0], steps=request.steps)
+    first = replace(parts[0][0].modelled, steps=request.steps)
     detector, state, note = None, None, unwatchable(first, first.context)
     if note is None:
         try:

@@ -10,6 +10,7 @@ from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import NEVER, Layout, Segments, kernel
 from thetascope.engine.estimation.covariance import holds, noise_stds
 from thetascope.engine.estimation.kalman_innovations import AHEAD, innovations
+from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.kalman_defaults import DOUBT, process_noise, state_scales
@@ -44,7 +45,7 @@ class InnovationFilter:
     """The filter of one plant with one noise.
 
     Args:
-        experiment: the plant, its parameters and its measurement.
+        experiment: the plant, its parameters and its measurement; of a true plant, its model.
         context: that of the plant.
         doubt: share of a state's scale by which its equation may be wrong within the plant's time constant.
 
@@ -57,6 +58,7 @@ class InnovationFilter:
     """
 
     def __init__(self, experiment: Experiment, context: Context, doubt: float = DOUBT):
+        experiment = experiment.modelled
         self.experiment, self.context = experiment, context
         self.program = innovations(experiment.plant)
         self.channels = tuple(i for i in experiment.plant.inputs if i.startswith("theta."))
@@ -74,9 +76,12 @@ class InnovationFilter:
         self.names = tuple(sorted(given - set(courses)))
         self.layout = Layout(held=(*self.names, *courses), emitted=outputs)
         self.interval = experiment.every * experiment.step
+        self._fresh = [self.names.index(f"fresh.{k}") for k in range(self.m)]
         self._measured = [self.names.index(f"measured.{o}") for o in self.outputs]
         hold = np.maximum(1.0, holds(experiment.measurement, experiment.step) / self.interval)
         self.stuck_after = np.where(np.array(experiment.measurement.std) > 0, REPEATS * hold, np.inf)
+        own = experiment.measurement.samplings or (None,) * self.m
+        self._rows_per_sample = np.array([0.0 if s is None else max(1.0, s.every / experiment.every) for s in own])
         values = experiment.parameters | {"interval": self.interval}
         values |= {f"q.{i}": v * (doubt / DOUBT) ** 2 for i, v in enumerate(process_noise(context))}
         values |= {f"R.{k}": float(v) for k, v in enumerate(self._variance())}
@@ -95,10 +100,10 @@ class InnovationFilter:
     def _variance(self) -> np.ndarray:
         """Return the variance (m,) of one row of y such that rows count as independent: noise held for several rows
         counts once."""
-        variance = self.stds**2
-        if self.experiment.measurement.sample_every is not None:
-            return variance  # a sample enters in one row only
-        return variance * np.maximum(1.0, holds(self.experiment.measurement, self.experiment.step) / self.interval)
+        measurement = self.experiment.measurement
+        held = np.maximum(1.0, holds(measurement, self.experiment.step) / self.interval)
+        sampled = np.array([sampling is not None for sampling in measurement.sampled_by])
+        return self.stds**2 * np.where(sampled, 1.0, held)  # a sample enters in one row only
 
     def start(self) -> np.ndarray:
         """Return the initial state: x̂ as observers assume it, V = 0, P from the scales of the states."""
@@ -106,7 +111,14 @@ class InnovationFilter:
         P = np.diag(np.array(state_scales(self.context)) ** 2)
         return np.concatenate([first, np.zeros(self.n * self.p), P[np.triu_indices(self.n)]])
 
-    def table(self, index: np.ndarray, y: np.ndarray, values: Mapping, signals: Mapping[str, Signal]) -> np.ndarray:
+    def table(
+        self,
+        index: np.ndarray,
+        y: np.ndarray,
+        values: Mapping,
+        signals: Mapping[str, Signal],
+        measurement: Measurement | None = None,
+    ) -> np.ndarray:
         """Return the filter's inputs (rows, inputs).
 
         Args:
@@ -115,6 +127,7 @@ class InnovationFilter:
             values: inputs and known signals by name, (rows,) each; those that controllers set also as ``ahead.*``,
                 their means until the next row.
             signals: the other ones as functions of time, from which their values between rows are taken.
+            measurement: the measurement of y, which says in which rows outputs are new; None: that of the filter.
         """
         e = self.experiment
         given = {**values, **{f"measured.{o}": y[:, k] for k, o in enumerate(e.plant.outputs)}}
@@ -122,8 +135,8 @@ class InnovationFilter:
         for name in self.names:
             if name.startswith(AHEAD) and name not in values:
                 given[name] = at_rows(signals[name.removeprefix(AHEAD)], middle, e.step)
-        every = e.measurement.sample_every
-        given["fresh"] = 1.0 if every is None else (index // every != (index - e.every) // every) * 1.0
+        fresh = (measurement or e.measurement).fresh(index, e.every)
+        given |= {f"fresh.{k}": fresh[:, k] for k in range(self.m)}
         table = np.empty((len(index), max(1, len(self.names))))
         for c, name in enumerate(self.names):
             table[:, c] = given[name]
@@ -180,6 +193,15 @@ class InnovationFilter:
     def measured(self, table: np.ndarray) -> np.ndarray:
         """Return the measurements (rows, m) in a table."""
         return table[:, self._measured]
+
+    def repeatable(self, table: np.ndarray) -> np.ndarray:
+        """Return the number of rows (rows, m) for which a value in a table counts if it equals the one before.
+
+        A sample of a sensor whose samples may be lost counts for the rows of its period, other rows do not count: the
+        value that is held in place of a lost sample does not tell that the sensor is stuck.
+        """
+        own = self._rows_per_sample
+        return np.where(own > 0, table[:, self._fresh] * own, 1.0)
 
     def without_sensitivity(self, state: np.ndarray) -> np.ndarray:
         """Return the filter's state with V = 0, as if faults began here."""

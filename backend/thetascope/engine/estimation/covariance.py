@@ -35,8 +35,7 @@ def noise_stds(measurement: Measurement, context: Context) -> np.ndarray:
 
 def holds(measurement: Measurement, step: float) -> np.ndarray:
     """Return the hold time in s of each output's noise: its sample time, or the measurement's sample interval."""
-    every = measurement.sample_every
-    return np.maximum(measurement.sample_time, 0.0 if every is None else every * step)
+    return np.maximum(measurement.sample_time, [0.0 if s is None else s.every * step for s in measurement.sampled_by])
 
 
 def has_spread(estimator: Estimator) -> bool:

@@ -37,7 +37,7 @@ def innovations(plant: Program) -> Program:
     """Return the filter for a plant, with one step per row.
 
     Inputs: those of the plant (θ apart) at the row and, as ``ahead.*``, in the middle of the interval after it,
-    ``measured.y.*``, ``fresh`` (whether y is new in this row), ``known.j`` (θ₀)
+    ``measured.y.*``, ``fresh.k`` (whether output k is new in this row), ``known.j`` (θ₀)
     and ``profile.j``: V and Ω are sensitivities to a θ_j − θ₀_j that is a constant times this profile. Parameters:
     those of the plant, the bounds ``low.i`` and ``high.i`` of its domain, ``q.i``, ``R.k`` (variance of one row's y),
     ``trusted.k`` (0: output k does not correct the filter) and ``interval``. Outputs: ``omega.k.j`` and ``nu.k``, both
@@ -94,7 +94,7 @@ class _Writer:
                 *self.known,
                 *(f"{AHEAD}{i}" for i in self.known),
                 *(f"measured.{o}" for o in self.y),
-                "fresh",
+                *(f"fresh.{k}" for k in range(self.m)),
                 *(f"known.{j}" for j in range(p)),
                 *(f"profile.{j}" for j in range(p)),
             ),
@@ -143,9 +143,9 @@ class _Writer:
     def _correct(self, level: list[int], C: Matrix, Psi: Matrix) -> dict[str, int]:
         """Correct prior, V and P by one output after the other; return Ω/σ, ν/σ and the matrices of V's recursion."""
         g, n, p = self.graph, self.n, self.p
-        fresh, outputs, first = g.var("fresh"), {}, list(self.prior)
+        outputs, first = {}, list(self.prior)
         for k, name in enumerate(self.y):
-            c = C[k]
+            c, fresh = C[k], g.var(f"fresh.{k}")
             cP = [total(g, [(c[i], self.P[i][j]) for i in range(n)]) for j in range(n)]
             variance = g.add(total(g, list(zip(cP, c, strict=True))), g.var(f"R.{k}"))
             moved = total(

@@ -22,7 +22,9 @@ _COVARIANCES = {"P": "p0", "Gamma": "gamma0", "S": "gamma0"}  # matrix → the g
 
 def finite_plant_rows(experiment: Experiment, states: np.ndarray) -> int:
     """Return the number of leading rows (rows, n) of the plant that are finite and have not diverged."""
-    return leading_rows(states, EXPLODED * np.array(experiment.context.scales.extents))
+    limits = EXPLODED * np.array(experiment.context.scales.extents)
+    beyond = states.shape[1] - len(limits)  # states of the true plant that the model, and so its scales, lack
+    return leading_rows(states, np.concatenate([limits, np.full(beyond, _INFINITE)]) if beyond else limits)
 
 
 def finite_observer_rows(estimator: Estimator, states: np.ndarray) -> int:

@@ -13,7 +13,7 @@ from thetascope.engine.execution.stages import Life, final_estimator, lives, par
 from thetascope.engine.model.result import CANNOT_TELL, Check, Diverged, ObserverReport, Result
 from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.programs.evaluate_rows import probe
-from thetascope.engine.simulation.experiment import Experiment, Rows
+from thetascope.engine.simulation.experiment import PROCESS_NOISE, Experiment, Rows
 from thetascope.engine.simulation.kernel_cost import costs
 from thetascope.engine.simulation.loop import LoopRows
 from thetascope.engine.simulation.simulation import at_rows, loop_values, observed_values, row_numbers
@@ -81,6 +81,8 @@ def plant_values(parts: Sequence[tuple[Experiment, Rows]], plant: np.ndarray) ->
     t = np.concatenate([rows.index for _, rows in parts]) * first.step
     values: dict[str, np.ndarray | float] = {}
     for name, signal in first.signals.items():
+        if name.startswith(PROCESS_NOISE):  # no column
+            continue
         theirs = [e.signals[name] for e, _ in parts]
         if all(s is signal for s in theirs):
             values[name] = at_rows(signal, t, first.step)

@@ -4,13 +4,15 @@ Everything is a function of (t, seed) and of earlier measurements. The latter ar
 value, so that splitting, rewinding and forking a run never change a number.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from thetascope.engine.inputs import random_streams
+from thetascope.engine.inputs.coloured_noise import coloured_noise
+from thetascope.engine.inputs.sampling import Sampling
 from thetascope.engine.inputs.signals import Signal, constant, gated, total
 from thetascope.engine.inputs.signals import _random_held as random_held
 from thetascope.engine.inputs.time_grid import Grid
@@ -26,9 +28,14 @@ def noise_key(seed: int, output: int) -> tuple[int, int, int]:
     return seed, 3, output
 
 
-def noise(std: float, sample_time: float, seed: int, output: int) -> Signal:
-    """Return Gaussian noise; each drawn value is held for ``sample_time`` seconds."""
+def noise(std: float, sample_time: float, seed: int, output: int, correlation: float | None = None) -> Signal:
+    """Return Gaussian noise; each value is held for ``sample_time`` seconds.
+
+    ``correlation``: its correlation time in s; None: values are independent.
+    """
     key = noise_key(seed, output)
+    if correlation is not None:
+        return coloured_noise(std, sample_time, correlation, key)
     return random_held(sample_time, lambda first, count: std * random_streams.normal(key, first, count))
 
 
@@ -82,7 +89,9 @@ class Measurement:
 
     ``std`` and ``sample_time`` are those of each output's noise. ``faults`` are plain data with ``output`` (name) and
     ``shape``. ``sample_every`` is the number of base steps between samples, None for continuous measurement. ``noises``
-    are the additive disturbances of each output: noise, outliers and noise bursts.
+    are the additive disturbances of each output: noise, outliers and noise bursts. ``correlation`` and ``samplings``
+    are those of the true sensors, where they differ: the correlation time of the noise in s, and sample instants of
+    their own; empty: no sensor differs.
     """
 
     outputs: tuple[str, ...]
@@ -91,12 +100,15 @@ class Measurement:
     seed: int
     faults: tuple[Mapping, ...] = ()
     sample_every: int | None = None
+    correlation: tuple[float | None, ...] = ()
+    samplings: tuple[Sampling | None, ...] = ()
     noises: tuple[Signal, ...] = field(init=False)
 
     def __post_init__(self) -> None:
         noises = []
+        colour = self.correlation or (None,) * len(self.outputs)
         for i, name in enumerate(self.outputs):
-            parts = [noise(self.std[i], self.sample_time[i], self.seed, i)] if self.std[i] > 0 else []
+            parts = [noise(self.std[i], self.sample_time[i], self.seed, i, colour[i])] if self.std[i] > 0 else []
             parts += [
                 _additive(f, (self.seed, 5, random_streams.key_of(f)))
                 for f in self._of_output(name)
@@ -119,7 +131,30 @@ class Measurement:
     @property
     def direct(self) -> bool:
         """Return whether y is the clean output plus noise, so that a kernel can compute it."""
-        return self.sample_every is None and all(f["shape"] in ADDITIVE for f in self.faults)
+        return not any(self.sampled_by) and all(f["shape"] in ADDITIVE for f in self.faults)
+
+    @property
+    def sampled_by(self) -> tuple[Sampling | None, ...]:
+        """Return the sample instants of each output; None: continuous measurement."""
+        usual = None if self.sample_every is None else Sampling(self.sample_every)
+        own = self.samplings or (None,) * len(self.outputs)
+        return tuple(usual if sampling is None else self._seeded(sampling, i) for i, sampling in enumerate(own))
+
+    def _seeded(self, sampling: Sampling, output: int) -> Sampling:
+        return replace(sampling, key=(self.seed, 9, output))
+
+    @property
+    def modelled(self) -> "Measurement":
+        """Return the measurement as observers and the detector know it: white noise, samples at regular instants."""
+        if not self.correlation and not self.samplings:
+            return self
+        return replace(self, correlation=(), samplings=tuple(None if s is None else s.regular for s in self.samplings))
+
+    def fresh(self, index: np.ndarray, every: int) -> np.ndarray:
+        """Return (rows, m): 1 where a row has a value of the output that the row before lacks; rows are the base steps
+        ``index``, ``every`` apart."""
+        rows = [np.ones(len(index)) if s is None else s.fresh(index, every) for s in self.sampled_by]
+        return np.stack(rows, axis=1) if rows else np.ones((len(index), 0))
 
     def breaks(self, a: float, b: float, signals: Iterable[Signal] = ()) -> np.ndarray:
         """Return the times in (a, b) at which the measurement is discontinuous.
@@ -157,8 +192,8 @@ class Measurement:
             memory: the state before the span.
         """
         y, memory = self.after_faults(grid, clean + self.noise_at(grid.anchor)[:, None, :], memory)
-        if self.sample_every is not None:
-            y, sampled = _sampled(self.sample_every, grid, first, y, memory.sampled)
+        if any(self.sampled_by):
+            y, sampled = _sampled(self.sampled_by, grid, first, y, memory.sampled)
             memory = replace(memory, sampled=sampled)
         return y, memory
 
@@ -209,15 +244,21 @@ class Measurement:
         return y, float(y[-1, -1]) if len(y) else kept
 
 
-def _sampled(q: int, grid: Grid, first: int, y: np.ndarray, last: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Return y sampled at the start of every q-th base step and held (steps × stages × m), and the last sample."""
-    count = len(grid.base) - 1
-    due = np.arange((-first) % q, count, q)  # base steps, counted within the span, that begin on a sample instant
-    at = grid.base[due]
-    values = np.vstack([last[None, :], y[at, 0, :]])
-    index = np.searchsorted(at, np.arange(len(y)), side="right")
-    held = values[index]
-    return np.repeat(held[:, None, :], y.shape[1], axis=1), values[-1].copy()
+def _sampled(
+    samplings: Sequence[Sampling | None], grid: Grid, first: int, y: np.ndarray, last: np.ndarray
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return y (steps × stages × m) with sampled outputs held between samples, and the last sample of each output."""
+    y, latest = y.copy(), last.copy()
+    steps = np.arange(len(y))
+    for i, sampling in enumerate(samplings):
+        if sampling is None:
+            continue
+        at = grid.base[sampling.taken(first, first + len(grid.base) - 1) - first]
+        before = y[:1, 0, i] if np.isnan(last[i]) else last[i : i + 1]  # its first value, where sampling begins later
+        values = np.concatenate([before, y[at, 0, i]])
+        y[:, :, i] = values[np.searchsorted(at, steps, side="right")][:, None]
+        latest[i] = values[-1]
+    return y, latest
 
 
 def _hold(lost: np.ndarray, y: np.ndarray, passed: float) -> np.ndarray:

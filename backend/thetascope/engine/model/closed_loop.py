@@ -26,6 +26,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.language.parser import parse
 from thetascope.engine.model.plant_model import Model, clock
+from thetascope.engine.model.true_plant import model_of
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -77,13 +78,13 @@ def closed_loop(data: Mapping, sampled: bool, quantisers: int) -> System:
     """Return the closed loop of a plant with controllers.
 
     Args:
-        data: the plant as plain data.
+        data: the plant, or the true plant, as plain data.
         sampled: whether the measurement is sampled.
         quantisers: most faults of quantisation on one output.
 
     Raises SpecError for a controller that reads a true state, and for an algebraic loop.
     """
-    return _Writer(Model(data), sampled, quantisers).system()
+    return _Writer(model_of(data), sampled, quantisers).system()
 
 
 class _Writer:
@@ -237,6 +238,7 @@ class _Writer:
                 *(self.u[n] for n in model.inputs if n not in controlled),
                 *(swap[s] for s in model.signals),
                 *model.theta,
+                *model.disturbances,
                 *self.references,
                 *(_symbol(k, n) for k in ("noise", "take", "given") for n in model.outputs),
                 *(_symbol("resolution", f"{n}.{q}") for n in model.outputs for q in range(self.quantisers)),

@@ -85,20 +85,22 @@ class Model:
             for names in (self.states, self.inputs, self.signal_names, self.parameter_names)
         )
         self.definitions = tuple(self._definition(i, d) for i, d in enumerate(data["definitions"]))
-        self.f = sympy.Matrix([self._text(data["dynamics"][s], f"dynamics.{s}") for s in self.states])
+        self.f = sympy.Matrix([self.expression(data["dynamics"][s], f"dynamics.{s}") for s in self.states])
         self.h = sympy.Matrix(
-            [self._text(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])]
+            [self.expression(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])]
         )
         self.channels = tuple(self._channel(i, c) for i, c in enumerate(data["channels"]))
+        self.disturbances: tuple[Symbol, ...] = ()  # further inputs of a true plant
 
     # ---- reading the text ----------------------------------------------------------------------------------------
 
-    def _text(self, text: str, field: str) -> Expr:
+    def expression(self, text: str, field: str) -> Expr:
+        """Return the expression of a text in the plant's names. Raises ExpressionError."""
         return parse(text, self._symbols, field, tables=self.tables).sympy(self._symbols, self.tables)
 
     def _definition(self, i: int, data: Mapping) -> Definition:
         """Return the i-th definition, and declare its symbol for later expressions."""
-        expression = self._text(data["expression"], f"definitions.{i}.expression")
+        expression = self.expression(data["expression"], f"definitions.{i}.expression")
         low, high = (
             self._bound(b, f"definitions.{i}.domain.{k}") for k, b in enumerate(data.get("domain") or (None, None))
         )
@@ -108,10 +110,12 @@ class Model:
     def _bound(self, bound: float | str | None, field: str) -> Expr | None:
         if bound is None:
             return None
-        return self._text(bound, field) if isinstance(bound, str) else sympy.Float(bound)
+        return self.expression(bound, field) if isinstance(bound, str) else sympy.Float(bound)
 
     def _channel(self, i: int, data: Mapping) -> Channel:
-        enters = {where: self._text(text, f"channels.{i}.enters.{where}") for where, text in data["enters"].items()}
+        enters = {
+            where: self.expression(text, f"channels.{i}.enters.{where}") for where, text in data["enters"].items()
+        }
         return Channel(data["name"], data["kind"], enters, dict(data))
 
     # ---- the matrices --------------------------------------------------------------------------------------------
@@ -204,7 +208,7 @@ class Model:
             name=self.id,
             time=self.time,
             states=tuple(swap[s] for s in self.x),
-            inputs=(*(swap[s] for s in self.u), *(swap[s] for s in self.signals), *self.theta),
+            inputs=(*(swap[s] for s in self.u), *(swap[s] for s in self.signals), *self.theta, *self.disturbances),
             parameters=tuple(swap[s] for s in self.parameters),
             update=tuple(e.xreplace(swap) for e in f),
             outputs={f"y.{name}": e.xreplace(swap) for name, e in zip(self.outputs, h, strict=True)},

@@ -83,7 +83,7 @@ def empirical(
     instants: largest number of windows; unknown: the components to test (``x.*``, ``theta.*``; None: all),
     the others are assumed to be known; size: of the changes, relative to a component's scale.
     """
-    experiment = opened(experiment)  # observers know the applied inputs
+    experiment = opened(experiment.modelled)  # observers know the applied inputs
     context = experiment.context
     names = [*experiment.plant.states, *(i for i in experiment.plant.inputs if i.startswith("theta."))]
     scales = dict(zip(names, [*state_scales(context), *typical_sizes(context)], strict=True))

@@ -46,12 +46,12 @@ def mathematics(plant: Mapping) -> dict:
 
 
 def plant_program(plant: Mapping) -> Written:
-    """Return the plant's program. Raises ExpressionError for text that is not a valid expression."""
+    """Return the program of a plant or a true plant. Raises ExpressionError for text that is no valid expression."""
 
     def write() -> Written:
-        from thetascope.engine.model.plant_model import Model
+        from thetascope.engine.model.true_plant import model_of
 
-        return Written(Model(plant).system().lower(), {})
+        return Written(model_of(plant).system().lower(), {})
 
     return _written(["plant", mathematics(plant)], write)
 

@@ -5,7 +5,7 @@ parameters, gains, initial states and signals may differ. Result i is bit-identi
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -16,7 +16,7 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.errors import Cancelled
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.inputs.time_grid import Grid, cut, sort_out
-from thetascope.engine.simulation.experiment import Experiment
+from thetascope.engine.simulation.experiment import PROCESS_NOISE, Experiment
 from thetascope.engine.simulation.initial_states import observer_states
 from thetascope.engine.simulation.lanes import Blocks, Column, Levels, Noise, Separate, table
 from thetascope.engine.simulation.simulation import Simulation, Tables, joined
@@ -79,7 +79,8 @@ def _shape(e: Experiment) -> tuple:
 def _divisions(e: Experiment, first: Experiment) -> tuple:
     """Return all that determines where base steps are divided, leaving out signals that the first experiment shares."""
     end = (e.steps + 1) * e.step
-    signals = [s for n, s in e.signals.items() if s is not first.signals[n]]
+    # process noise changes at the same times in all runs
+    signals = [s for n, s in e.signals.items() if s is not first.signals[n] and not n.startswith(PROCESS_NOISE)]
     signals += e.measurement.noises if e.measurement.faults else ()
     breaks = np.concatenate([s.breaks(0.0, end) for s in signals]) if signals else np.empty(0)
     return (e.measurement.sample_time, *sort_out(breaks, e.step)[1])
@@ -147,7 +148,7 @@ class _Lanes:
         outputs = [f"noise.{n}" for n in self.first.plant.outputs]
         if name in outputs:
             i = outputs.index(name)
-            if all(m.std[i] > 0 and not m.faults for m in measurements):
+            if all(m.std[i] > 0 and not m.faults and not m.correlation for m in measurements):
                 stds, seeds = [m.std[i] for m in measurements], [m.seed for m in measurements]
                 return Noise(self.blocks, i, stds, seeds, measurements[0].sample_time[i])
         signals = [s[name] for s in self.signals]
@@ -277,5 +278,5 @@ def _consecutive(places: list[int]) -> slice | list[int]:
 
 
 def with_seed(experiment: Experiment, seed: int) -> Experiment:
-    """Return the same experiment with another noise seed; random fault shapes keep their own seeds."""
-    return replace(experiment, measurement=replace(experiment.measurement, seed=seed))
+    """Return the same experiment with another seed of noise; random fault shapes keep their own seeds."""
+    return experiment.with_seed(seed)

@@ -1,16 +1,21 @@
 """The data of a simulation: the experiment as engine objects, its state, and the rows it records."""
 
-from dataclasses import dataclass, field
+import zlib
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from thetascope.engine.compiler.system import Program
+from thetascope.engine.compiler.system import DISCRETE, Program
+from thetascope.engine.inputs.coloured_noise import process_noise as process_noise_signal
 from thetascope.engine.inputs.sensors import Measurement, Memory
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.observers.support.declaration import Context, Observer
 from thetascope.engine.simulation.kernel_cost import Spent
 from thetascope.engine.simulation.loop import Loop, LoopRows
 from thetascope.messages import Message
+
+PROCESS_NOISE = "w."  # prefix of the inputs by which process noise enters the states of a true plant
 
 
 def leading_rows(states: np.ndarray, limits: np.ndarray | float) -> int:
@@ -35,10 +40,25 @@ class Estimator:
 
 
 @dataclass(frozen=True)
-class Experiment:
-    """All inputs of a run as engine objects. ``signals`` holds u.*, signal.*, theta.* and r.* by name.
+class Model:
+    """The plant that observers and the detector know, where it differs from the one that is simulated.
 
-    With a ``loop``, the inputs that controllers set have no signal.
+    ``parameters``: p.* of the model; ``process_noise``: w.* of the true plant with its standard deviation per √s;
+    ``loop``: the controllers around the model.
+    """
+
+    plant: Program
+    parameters: dict[str, float]
+    process_noise: dict[str, float]
+    loop: Loop | None
+
+
+@dataclass(frozen=True)
+class Experiment:
+    """All inputs of a run as engine objects. ``signals`` holds u.*, signal.*, theta.*, r.* and w.* by name.
+
+    With a ``loop``, the inputs that controllers set have no signal. ``plant``, ``parameters`` and ``loop`` are those of
+    the true plant, whose states begin with the model's states in their order.
     """
 
     plant: Program
@@ -54,6 +74,7 @@ class Experiment:
     substeps: int | None = None  # per base step; None: one, or as many as stiff gains need
     notes: tuple[Message, ...] = ()
     loop: Loop | None = None  # the controllers; None: an open loop
+    model: Model | None = None  # None: the true plant
 
     @property
     def applied(self) -> tuple[str, ...]:
@@ -65,6 +86,42 @@ class Experiment:
         """Return the names of the columns of known quantities in their order: u.*, signal.*, r.*."""
         plant = tuple(n for p in ("u.", "signal.") for n in self.plant.inputs if n.startswith(p))
         return plant + tuple(n for n in self.signals if n.startswith("r."))
+
+    @property
+    def modelled(self) -> "Experiment":
+        """Return the experiment as observers and the detector know it: the model in place of the truth."""
+        if self.model is None:
+            return self if self.measurement.modelled is self.measurement else self._with_known_sensors()
+        known = {name: signal for name, signal in self.signals.items() if not name.startswith(PROCESS_NOISE)}
+        return replace(
+            self._with_known_sensors(),
+            plant=self.model.plant,
+            parameters=self.model.parameters,
+            x0=self.x0[: len(self.model.plant.states)],
+            signals=known,
+            loop=self.model.loop,
+            model=None,
+        )
+
+    def _with_known_sensors(self) -> "Experiment":
+        return replace(self, measurement=self.measurement.modelled)
+
+    def with_seed(self, seed: int) -> "Experiment":
+        """Return the same experiment with another seed of noise; random fault shapes and parameters keep theirs."""
+        signals = self.signals
+        if self.model is not None:
+            signals = signals | disturbances(self.model.process_noise, self.step, self.plant.time == DISCRETE, seed)
+        return replace(self, signals=signals, measurement=replace(self.measurement, seed=seed))
+
+
+def disturbances(process_noise: Mapping[str, float], step: float, discrete: bool, seed: int) -> dict[str, Signal]:
+    """Return the signals w.* of process noise; ``process_noise``: standard deviations per √s by these names.
+
+    A discrete plant adds its input once per step, so its noise is that of the whole step.
+    """
+    scale = step if discrete else 1.0
+    keys = {name: (seed, 11, zlib.crc32(name.encode())) for name in process_noise}
+    return {name: process_noise_signal(std * scale, step, keys[name]) for name, std in process_noise.items()}
 
 
 @dataclass(frozen=True)
