@@ -12,10 +12,8 @@ samples: a header of HEADER (little endian), then `count` float32 values of each
 A slow viewer gets fewer, larger frames, whose `sequence` is that of the last frame they cover (0 if the server no
 longer knows it). Rows are skipped for a viewer that is too far behind (see Jump).
 
-A client that offers the subprotocols SUBPROTOCOL and TOKEN + its control token has control; other clients view. The
-token is not part of the address, so it does not appear in logs and histories.
-
-A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
+A client that offers the subprotocols SUBPROTOCOL and TOKEN + its control token has control; other clients view. An
+address, which logs and histories keep, does not contain the token. A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
 missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
 
 Sentences are messages {code, args, text}. `text` is in the viewer's language: `?lang=`, or else Accept-Language. So is
@@ -39,9 +37,7 @@ PROTOCOL_VERSION = 1
 HEADER = "<IIQII"
 SUBPROTOCOL = "thetascope"  # the one that the service selects
 TOKEN = "token."  # prefix of the offered subprotocol that carries the control token
-
 # ---- close codes (application range of RFC 6455) -------------------------------------------------------------
-
 CLOSE_NO_SESSION = 4404  # the session does not exist, or has ended
 CLOSE_ORIGIN = 4403  # the page comes from another origin
 CLOSE_TOKEN = 4401  # the control token is not this session's
