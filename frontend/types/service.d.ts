@@ -90,6 +90,36 @@ export interface AlarmOutcome {
   covers_since: number | null;
 }
 
+/** A quantity without memory that an equation determines, solved at every instant. */
+export interface AlgebraicVariable {
+  /** Name in the equations. */
+  name: string;
+  /** Unit in plain text, empty when dimensionless. */
+  unit: string;
+  /** Equation `left = right`, or an expression that is 0, in all quantities of the plant. */
+  equation: string;
+  /** First guess of the value, in states, inputs, parameters and definitions of these. */
+  guess: string;
+  /** Physical range [low, high]; observers saturate their model to it. */
+  domain: [number | null, number | null];
+  description: string;
+}
+
+/** A quantity without memory that an equation determines, solved at every instant. */
+export interface AlgebraicVariableInput {
+  /** Name in the equations. */
+  name: string;
+  /** Unit in plain text, empty when dimensionless. */
+  unit?: string;
+  /** Equation `left = right`, or an expression that is 0, in all quantities of the plant. */
+  equation: string;
+  /** First guess of the value, in states, inputs, parameters and definitions of these. */
+  guess?: string;
+  /** Physical range [low, high]; observers saturate their model to it. */
+  domain?: [number | null, number | null];
+  description?: string | {[name: string]: string};
+}
+
 /** The check of one assumption of an observer's theorem for the plant, the gains and the run. */
 export interface AssumptionCheck {
   name: Text;
@@ -1455,6 +1485,8 @@ export interface Plant {
   tables: (Table)[];
   /** Intermediate quantities, in order. */
   definitions: (Definition)[];
+  /** Quantities that equations determine at every instant. */
+  algebraic: (AlgebraicVariable)[];
   /** Right-hand side by state: its derivative, or its next value in discrete time. */
   dynamics: {[name: string]: string};
   /** The faults that can occur. */
@@ -1510,6 +1542,8 @@ export interface PlantInput {
   tables?: (TableInput)[];
   /** Intermediate quantities, in order. */
   definitions?: (DefinitionInput)[];
+  /** Quantities that equations determine at every instant. */
+  algebraic?: (AlgebraicVariableInput)[];
   /** Right-hand side by state: its derivative, or its next value in discrete time. */
   dynamics: {[name: string]: string};
   /** The faults that can occur. */

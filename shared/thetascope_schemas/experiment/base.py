@@ -65,6 +65,7 @@ FUNCTIONS = frozenset(
 """Functions of the expression language in thetascope.engine.language.builtins; a test compares the two lists."""
 
 MAX_TABLES = 40
+MAX_ALGEBRAIC = 12
 MAX_ROWS = 5000  # of one table of a plant
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Field, model_validator
 
 from thetascope_schemas.experiment.base import (
+    MAX_ALGEBRAIC,
     MAX_CHANNELS,
     MAX_PORTS,
     MAX_STATES,
@@ -144,6 +145,25 @@ class Definition(Strict):
     )
 
 
+class AlgebraicVariable(Strict):
+    """A quantity without memory that an equation determines, solved at every instant."""
+
+    model_config = example(name="i", unit="A", equation="v = R*i + V_T*log(1 + i/I_s)", guess="0.01", description="")
+
+    name: Name = Field(description="Name in the equations.")
+    unit: Unit = ""
+    equation: ExpressionText = Field(
+        description="Equation `left = right`, or an expression that is 0, in all quantities of the plant."
+    )
+    guess: ExpressionText = Field(
+        default="0", description="First guess of the value, in states, inputs, parameters and definitions of these."
+    )
+    domain: Bounds = Field(
+        default=UNBOUNDED, description="Physical range [low, high]; observers saturate their model to it."
+    )
+    description: Prose = ""
+
+
 class Channel(Strict):
     """One fault θ and its equations: coefficient·θ is added to each equation in `enters`."""
 
@@ -203,7 +223,7 @@ class Plant(Strict):
         ],
     )
     prose = Strict.prose | {"id"}
-    optional = frozenset({"tables", "references", "controllers"})
+    optional = frozenset({"tables", "algebraic", "references", "controllers"})
 
     id: Identifier = Field(description="Short name: lower-case letters, digits and hyphens.")
     title: Title = ""
@@ -222,6 +242,9 @@ class Plant(Strict):
     )
     definitions: tuple[Definition, ...] = Field(
         default=(), max_length=200, description="Intermediate quantities, in order."
+    )
+    algebraic: tuple[AlgebraicVariable, ...] = Field(
+        default=(), max_length=MAX_ALGEBRAIC, description="Quantities that equations determine at every instant."
     )
     dynamics: dict[Reference, ExpressionText] = Field(
         max_length=MAX_STATES,
@@ -280,8 +303,8 @@ class Plant(Strict):
 
     def declared(self) -> Iterator[tuple[str, str]]:
         """Yield the path and the value of every declared name."""
-        groups = ("states", "inputs", "outputs", "parameters", "signals", "tables", "definitions", "channels")
-        for group in (*groups, "references"):
+        quantities = ("states", "inputs", "outputs", "parameters", "signals", "tables", "algebraic", "definitions")
+        for group in (*quantities, "channels", "references"):
             for index, item in enumerate(getattr(self, group)):
                 yield f"{group}[{index}].name", item.name
         for index, controller in enumerate(self.controllers):

@@ -13,7 +13,7 @@ from thetascope.engine.compiler.autodiff import derivatives
 from thetascope.engine.compiler.graph import Graph, evaluate
 from thetascope.engine.compiler.lowering import Lowering
 from thetascope.engine.language.derivatives import derivative
-from thetascope.engine.language.lazy_sympy import functions
+from thetascope.engine.language.lazy_sympy import numerical
 from thetascope.engine.language.parser import parse
 from thetascope.engine.language.tables import Table
 
@@ -54,7 +54,7 @@ NUMERIC = [
 
 def gradient(expression: sympy.Expr, point: dict) -> list[float] | None:
     """The gradient where the expression is differentiable, from quotients in 300 digits; None elsewhere."""
-    called = expression.replace(functions.Interp, lambda x, table, side: sympy.Function(table.table.name)(x))
+    called = expression.replace(numerical.Interp, lambda x, table, side: sympy.Function(table.table.name)(x))
     f = sympy.lambdify([SYMBOLS[n] for n in "xyn"], called, NUMERIC)
     slopes = []
     with mpmath.workdps(300):

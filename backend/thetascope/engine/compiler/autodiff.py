@@ -9,8 +9,8 @@ import math
 import zlib
 from collections.abc import Callable, Iterable, Sequence
 
+from thetascope.engine.compiler.composite import piece_slope, root_slopes
 from thetascope.engine.compiler.graph import LEAVES, Graph, topological
-from thetascope.engine.compiler.interpolation import piece_slope
 
 Tangent = dict[str, int]  # variable → node of the derivative with respect to it; zeros are left out
 
@@ -31,6 +31,7 @@ class _Forward:
     def __init__(self, graph: Graph, names: set[str]):
         self.graph, self.names = graph, names
         self.tangents: dict[int, Tangent] = {}
+        self.roots: dict[int, list[Tangent]] = {}  # derivatives of the roots of each `solve` node
         self.poles: set[int] = set()  # nodes whose derivative may be infinite while exp of them is smooth
 
     def of(self, roots: Sequence[int]) -> list[Tangent]:
@@ -42,6 +43,13 @@ class _Forward:
                 self.tangents[i] = {args[0]: graph.const(1.0)} if args[0] in self.names else {}
             elif op in LEAVES:
                 self.tangents[i] = {}
+            elif op == "solve":
+                inner = [self.tangents[a] for a in args[1:]]
+                self.roots[i] = root_slopes(graph, i, inner) if any(inner) else []
+                self.tangents[i] = {}
+            elif op == "root":
+                slopes = self.roots[args[0]]
+                self.tangents[i] = slopes[int(graph.nodes[args[1]][1])] if slopes else {}
             else:
                 self.tangents[i] = self._through(i, op, args)
         return [self.tangents[r] for r in roots]

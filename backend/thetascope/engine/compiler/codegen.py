@@ -19,7 +19,8 @@ its first step. Whether a jump changes anything must then depend on held inputs.
 
 from dataclasses import dataclass
 
-from thetascope.engine.compiler.graph import topological
+from thetascope.engine.compiler.graph import Graph, equations, topological
+from thetascope.engine.compiler.instructions.newton import Solver
 from thetascope.engine.compiler.ir_builder import LIBM, Writer
 from thetascope.engine.compiler.system import DISCRETE, Program
 
@@ -90,6 +91,7 @@ class _Module:
         self.inline = fits_inline(program, layout)
         self.params = layout.shared_params(program)
         self.tables: dict[str, str] = {}  # definitions of global constants
+        self.solvers: dict[str, list[str]] = {}  # functions that solve equations, by name
 
     def text(self) -> str:
         """Return the IR text of the module."""
@@ -110,7 +112,12 @@ class _Module:
             f"attributes #3 = {{ noinline {wide} }}",
         ]
         functions = [] if self.inline else self._right_hand_side()
-        return "\n".join([*declared, *self.tables.values(), *functions, *body, *attributes])
+        solvers = [line for lines in self.solvers.values() for line in lines]
+        if solvers and suffix != "f64":  # they are scalar
+            declared += [f"declare double @llvm.{f}.f64(double)" for f in ("sqrt", "floor", "fabs")]
+            declared += ["declare double @llvm.copysign.f64(double, double)"]
+            declared += ["declare double @llvm.fma.f64(double, double, double)"]
+        return "\n".join([*declared, *self.tables.values(), *solvers, *functions, *body, *attributes])
 
     # ---- the values of one stage -------------------------------------------------------------------------------
 
@@ -137,10 +144,18 @@ class _Module:
         return self._nodes(w, leaves, where, memo, self.order, self.roots)
 
     def _nodes(
-        self, w: Writer, leaves: dict[str, str], where: dict, memo: dict[int, str], order: list[int], roots: list[int]
+        self,
+        w: Writer,
+        leaves: dict[str, str],
+        where: dict,
+        memo: dict,
+        order: list[int],
+        roots: list[int],
+        graph: Graph | None = None,
     ) -> list[str]:
-        """Emit the nodes ``order``, and return the values of ``roots``; the rest as in `_values`."""
-        graph = self.program.graph
+        """Emit the nodes ``order`` of the program's or another graph, and return the values of ``roots``; the rest as
+        in `_values`."""
+        graph = graph or self.program.graph
         for i in order:
             if i in memo:
                 continue
@@ -149,11 +164,30 @@ class _Module:
                 memo[i] = w.const(args[0])
             elif op == "table":
                 memo[i] = w.table(args[0])
+            elif op == "problem":
+                memo[i] = self._solver(args[0])
+            elif op == "root":
+                memo[i] = w.root(*memo[args[0]], int(graph.nodes[args[1]][1]))
             elif op == "var":
                 memo[i] = leaves[args[0]] if args[0] in leaves else self._leaf(w, args[0], where)
             else:
                 memo[i] = w.operation(op, [memo[a] for a in args])
         return [memo[r] for r in roots]
+
+    def _solver(self, text: str) -> Solver:
+        """Return the solver of equations, a function of the module that is written once."""
+        e = equations(text)
+        solver = Solver.of(text, len(e.g))
+        if solver.name not in self.solvers:
+            self.solvers[solver.name] = []
+
+            def emit(w: Writer, z: list[str] | None, given: list[str]) -> list[str]:
+                roots = e.start if z is None else [*e.g, *e.step, *e.size]
+                leaves = {f"a.{k}": a for k, a in enumerate(given)} | {f"z.{j}": b for j, b in enumerate(z or ())}
+                return self._nodes(w, leaves, {}, {}, topological(e.graph, roots), roots, e.graph)
+
+            self.solvers[solver.name] = solver.definition(Writer(1, self.tables), len(e.G[0]), emit)
+        return solver
 
     def _split(self, values: list[str]) -> tuple[list[str], list[str]]:
         """Return the values of the update and those of the emitted nodes."""

@@ -1,17 +1,23 @@
 """Hash-consed expression graph, the form of a System from which kernels are compiled.
 
-A node is a tuple ``(op, a, b, ...)`` whose arguments are indices of earlier nodes; the leaves are ``("const", value)``,
-``("var", name)`` and ``("table", rows)``. ``locate(x, grid)`` is the index of the piece of a table at x, and
-``piece(x, index, pieces)`` the value of that piece (engine/language/tables.py). Equal nodes are stored once, so common
-subexpressions are shared without a search. The value of a comparison is 1.0 or 0.0, so that every node but a table is a
-real number.
+A node is a tuple ``(op, a, b, ...)`` whose arguments are indices of earlier nodes. The leaves are ``("const", value)``,
+``("var", name)``, ``("table", rows)`` and ``("problem", equations)``. ``locate(x, grid)`` is the index of the piece of
+a table at x, and ``piece(x, index, pieces)`` the value of that piece (engine/language/tables.py); ``solve(problem, a,
+…)`` are the roots of equations, and ``root(solve, j)`` is one of them. Equal nodes are stored once, so common
+subexpressions are shared without a search. The value of a comparison is 1.0 or 0.0, so that every node that another
+operation may use is a real number.
 """
 
+import json
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
+
+from thetascope.engine.compiler.instructions.numpy_operations import NUMPY, newton
 
 UNARY_FUNCTIONS = (
     "sqrt",
@@ -29,7 +35,7 @@ UNARY_FUNCTIONS = (
     "floor",
     "abs",
 )
-LEAVES = ("const", "var", "table")
+LEAVES = ("const", "var", "table", "problem")
 
 
 class Graph:
@@ -174,7 +180,7 @@ class Graph:
             node = other.nodes[i]
             if node[0] == "const":
                 moved[i] = self.const(node[1])
-            elif node[0] == "table":
+            elif node[0] in ("table", "problem"):
                 moved[i] = self.raw(*node)
             elif node[0] == "var":
                 moved[i] = replace[node[1]] if node[1] in replace else self.var(node[1])
@@ -228,7 +234,7 @@ def contract(graph: Graph, roots: list[int], rank: Callable[[int], int] = lambda
         op, *args = graph.nodes[i]
         if op == "const":
             moved[i] = result.const(args[0])
-        elif op in ("var", "table"):
+        elif op in LEAVES:
             moved[i] = result.raw(op, *args)
         elif op in ("add", "sub"):
             moved[i] = _fuse(graph, result, moved, uses, rank, op, *args)
@@ -251,61 +257,6 @@ def _fuse(
     return result.raw("fma", x if op == "add" else result.raw("neg", x), y, moved[a])
 
 
-def _locate(x, grid: tuple[float, ...]):
-    return np.where(np.isnan(x), 0.0, np.searchsorted(grid, x, side="right"))
-
-
-def _piece(x, index, pieces: tuple[tuple[float, ...], ...]):
-    row = np.moveaxis(np.asarray(pieces)[np.asarray(index, dtype=int)], -1, 0)
-    s = x - row[0]
-    total = row[-1]
-    for c in row[-2:0:-1]:
-        total = total * s + c
-    return total
-
-
-def _spow(x, a):
-    return np.copysign(np.abs(x) ** a, x)
-
-
-# Evaluation of each operation on NumPy arrays, for checks, analyses and tests; runs use compiled kernels.
-NUMPY = {
-    "add": lambda a, b: a + b,
-    "sub": lambda a, b: a - b,
-    "mul": lambda a, b: a * b,
-    "div": lambda a, b: a / b,
-    "neg": lambda a: -a,
-    "fma": lambda a, b, c: a * b + c,
-    "min": lambda a, b: np.where(b < a, b, a),
-    "max": lambda a, b: np.where(b > a, b, a),
-    "sign": lambda a: np.where(a > 0, 1.0, np.where(a < 0, -1.0, a * 0.0)),
-    "lt": lambda a, b: np.where(a < b, 1.0, 0.0),
-    "le": lambda a, b: np.where(a <= b, 1.0, 0.0),
-    "and": lambda a, b: np.where((a != 0) & (b != 0), 1.0, 0.0),
-    "or": lambda a, b: np.where((a != 0) | (b != 0), 1.0, 0.0),
-    "where": lambda c, a, b: np.where(c != 0, a, b),
-    "pow": lambda a, b: a**b,
-    "spow": _spow,
-    "atan2": np.arctan2,
-    "sqrt": np.sqrt,
-    "sin": np.sin,
-    "cos": np.cos,
-    "tan": np.tan,
-    "asin": np.arcsin,
-    "acos": np.arccos,
-    "atan": np.arctan,
-    "sinh": np.sinh,
-    "cosh": np.cosh,
-    "tanh": np.tanh,
-    "exp": np.exp,
-    "log": np.log,
-    "floor": np.floor,
-    "abs": np.abs,
-    "locate": _locate,
-    "piece": _piece,
-}
-
-
 def evaluate(graph: Graph, roots: list[int], values: Mapping[str, object]) -> list:
     """Return the values of the roots; ``values`` maps variable names to numbers or arrays, which are broadcast."""
     computed: dict[int, object] = {}
@@ -318,6 +269,74 @@ def evaluate(graph: Graph, roots: list[int], values: Mapping[str, object]) -> li
                 computed[i] = np.asarray(values[node[1]], dtype=float)
             elif node[0] == "table":
                 computed[i] = node[1]
+            elif node[0] == "problem":
+                computed[i] = equations(node[1])
+            elif node[0] == "solve":
+                computed[i] = computed[node[1]].solved([computed[a] for a in node[2:]])
             else:
                 computed[i] = NUMPY[node[0]](*(computed[a] for a in node[1:]))
     return [computed[r] for r in roots]
+
+
+@dataclass(frozen=True)
+class Equations:
+    """Equations g(z, a) = 0 for n unknowns z at k given numbers a: nodes of a graph with variables ``z.j`` and ``a.k``.
+
+    ``start`` is the first guess of z (in a only), ``step`` J⁻¹g, ``size`` Σ|∂g/∂z z| + Σ|∂g/∂a a|, the size of the
+    terms of g, ``J`` is ∂g/∂z (n × n) and ``G`` is ∂g/∂a (n × k). ``names`` are those of the unknowns.
+    """
+
+    graph: Graph
+    start: list[int]
+    g: list[int]
+    step: list[int]
+    size: list[int]
+    J: list[list[int]]
+    G: list[list[int]]
+    names: tuple[str, ...]
+
+    def solved(self, given: list) -> np.ndarray:
+        """Return the roots (n, …) at given numbers or arrays by Newton's method; NaN where it does not converge."""
+        a = {f"a.{k}": value for k, value in enumerate(given)}
+        n, roots = len(self.g), [*self.g, *self.step, *self.size]
+        shape = np.broadcast_shapes(*(np.shape(v) for v in given))
+
+        def at(z: np.ndarray) -> np.ndarray:
+            parts = evaluate(self.graph, roots, a | {f"z.{j}": value for j, value in enumerate(z)})
+            return np.array([np.broadcast_to(p, shape) for p in parts], dtype=float).reshape(3, n, *shape)
+
+        start = evaluate(self.graph, self.start, a)
+        return newton(np.array([np.broadcast_to(s, shape) for s in start], dtype=float), at)
+
+
+@lru_cache(maxsize=256)
+def equations(text: str) -> Equations:
+    """Return the equations that `equations_text` wrote."""
+    data, graph = json.loads(text), Graph()
+    for node in nodes_from_json(data.pop("nodes")):
+        graph.raw(*node)
+    return Equations(graph, **data)
+
+
+def equations_text(e: Equations) -> str:
+    """Return equations as text, the content of a ``problem`` node."""
+    parts = {"names": e.names, "start": e.start, "g": e.g, "step": e.step, "size": e.size, "J": e.J, "G": e.G}
+    return json.dumps({"nodes": nodes_to_json(e.graph.nodes)} | parts, separators=(",", ":"))
+
+
+def nodes_to_json(nodes: Iterable[tuple]) -> list[list]:
+    """Return nodes as JSON values; numbers are hexadecimal floats, which are exact."""
+    return [[op, _hexadecimal(args[0])] if op in ("const", "table") else [op, *args] for op, *args in nodes]
+
+
+def nodes_from_json(nodes: Iterable[list]) -> list[tuple]:
+    """Return the nodes of `nodes_to_json`."""
+    return [(op, _numbers(args[0])) if op in ("const", "table") else (op, *args) for op, *args in nodes]
+
+
+def _hexadecimal(value: float | tuple) -> str | list:
+    return [_hexadecimal(v) for v in value] if isinstance(value, tuple) else value.hex()
+
+
+def _numbers(value: str | list) -> float | tuple:
+    return tuple(_numbers(v) for v in value) if isinstance(value, list) else float.fromhex(value)

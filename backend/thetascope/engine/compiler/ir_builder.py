@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Callable
 
+from thetascope.engine.compiler.instructions.newton import Solver
 from thetascope.engine.compiler.instructions.tables import Constants, locate, piece
 
 LIBM = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "exp", "log", "pow", "atan2")
@@ -112,6 +113,8 @@ class Writer:
             return self.intrinsic("fabs" if op == "abs" else op, args[0])
         if op in LIBM:
             return self.libm(op, *args)
+        if op == "solve":
+            return self.solve(*args)
         if op in ("locate", "piece"):
             return self.lane_by_lane(locate if op == "locate" else piece, args)
         return self._logic(op, args)
@@ -126,6 +129,24 @@ class Writer:
                 a if isinstance(a, Constants) else self.let(f"extractelement {self.type} {a}, i32 {lane}") for a in args
             ]
             value = write(self.let, *picked)
+            result = self.let(f"insertelement {self.type} {result}, double {value}, i32 {lane}")
+        return result
+
+    def solve(self, solver: Solver, *given: str) -> tuple[Solver, list[str]]:
+        """Append a call of a solver for each lane; return it and the roots of each lane."""
+        if self.lanes == 1:
+            return solver, [solver.call(self.let, *given)]
+        lanes = range(self.lanes)
+        picked = [[self.let(f"extractelement {self.type} {a}, i32 {lane}") for a in given] for lane in lanes]
+        return solver, [solver.call(self.let, *scalars) for scalars in picked]
+
+    def root(self, solver: Solver, roots: list[str], j: int) -> str:
+        """Append the selection of a root, and return it."""
+        if self.lanes == 1:
+            return solver.root(self.let, roots[0], j)
+        result = "poison"
+        for lane, of_lane in enumerate(roots):
+            value = solver.root(self.let, of_lane, j)
             result = self.let(f"insertelement {self.type} {result}, double {value}, i32 {lane}")
         return result
 

@@ -6,8 +6,9 @@ import math
 from collections.abc import Mapping, Set
 from functools import reduce
 
+from thetascope.engine.compiler.autodiff import derivatives
+from thetascope.engine.compiler.composite import interpolate
 from thetascope.engine.compiler.graph import LEAVES, UNARY_FUNCTIONS, Graph
-from thetascope.engine.compiler.interpolation import interpolate
 from thetascope.engine.language.lazy_sympy import sympy
 
 _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
@@ -127,6 +128,8 @@ class Lowering:
         name = e.func.__name__
         if name == "Interp":
             return interpolate(self.graph, self(e.args[0]), e.args[1].table, below=bool(e.args[2]))
+        if name == "Solution":
+            return self._solution(e)
         args = [self(a) for a in e.args]
         if name in ("Min", "Max"):
             return reduce(lambda a, b: self.graph.call(name.lower(), a, b), args)
@@ -138,6 +141,16 @@ class Lowering:
         if name not in _BY_NAME:
             raise ValueError(f"{name} is not a function of the engine")
         return self.graph.call(_BY_NAME[name], *args)
+
+    def _solution(self, e: sympy.Function) -> int:
+        """Return the node of a root of equations, or of a derivative of it."""
+        problem, j, order, *given = e.args
+        apart = Graph()
+        leaf, numbers = apart.raw("problem", problem.text), [apart.var(f"a.{k}") for k in range(len(given))]
+        node = apart.raw("root", apart.raw("solve", leaf, *numbers), apart.const(int(j)))
+        for k in order:
+            node = derivatives(apart, [node], [f"a.{k}"])[0].get(f"a.{k}", apart.const(0.0))
+        return self.graph.absorb(apart, [node], {f"a.{k}": self(a) for k, a in enumerate(given)})[node]
 
     def _backlash(self, x: int, dx: int, z: int, m1: int, m2: int, d1: int, d2: int) -> int:
         """Return the backlash operator of Zhou & Tan (6)–(9): m1·(x − D1) rising, m2·(x + D2) falling, otherwise z."""

@@ -107,7 +107,7 @@ class Program:
             "states": list(self.states),
             "inputs": list(self.inputs),
             "parameters": list(self.parameters),
-            "nodes": [_node_to_json(n) for n in self.graph.nodes],
+            "nodes": graphs.nodes_to_json(self.graph.nodes),
             "update": list(self.update),
             "outputs": self.outputs,
         }
@@ -116,8 +116,8 @@ class Program:
     def from_json(cls, data: dict) -> "Program":
         """Return the program of `to_json`."""
         graph = Graph()
-        for op, *args in data["nodes"]:
-            graph.raw(op, *_arguments(op, args))
+        for node in graphs.nodes_from_json(data["nodes"]):
+            graph.raw(*node)
         return cls(
             name=data["name"],
             time=data["time"],
@@ -134,25 +134,6 @@ class Program:
         position = {s: i for i, s in enumerate(self.states)}
         roots = [self.update[position[n[2:]]] if n.startswith("d.") else self.outputs[n] for n in names]
         return graphs.evaluate(self.graph, roots, values)
-
-
-def _node_to_json(node: tuple) -> list:
-    op, *args = node
-    return [op, _hexadecimal(args[0])] if op in ("const", "table") else [op, *args]
-
-
-def _hexadecimal(value: float | tuple) -> str | list:
-    """Return numbers, also in nested tuples, as hexadecimal floats, which are exact."""
-    return [_hexadecimal(v) for v in value] if isinstance(value, tuple) else value.hex()
-
-
-def _arguments(op: str, args: list) -> list:
-    """Return the arguments of a node of `_node_to_json`."""
-    return [_numbers(args[0])] if op in ("const", "table") else args
-
-
-def _numbers(value: str | list) -> float | tuple:
-    return tuple(_numbers(v) for v in value) if isinstance(value, list) else float.fromhex(value)
 
 
 def join(first: Program, second: Program, links: dict[str, tuple[str, str | None]]) -> Program:

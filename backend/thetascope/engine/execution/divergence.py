@@ -9,13 +9,16 @@ from functools import lru_cache
 
 import numpy as np
 
-from thetascope.engine.compiler.graph import evaluate
-from thetascope.engine.compiler.system import Program
+from thetascope.engine.compiler.graph import equations, evaluate, topological
+from thetascope.engine.compiler.system import CONTINUOUS, Program
 from thetascope.engine.observers.support.kalman_defaults import typical_sizes
 from thetascope.engine.observers.support.scales import HealthyRun
 from thetascope.engine.simulation.experiment import Estimator, Experiment, leading_rows
+from thetascope.engine.simulation.simulation import row_values
+from thetascope.messages import Message
 
 EXPLODED = 1e12  # times the scale
+_PLACES = 31  # points between two rows at which a lost root is searched
 _INFINITE = 1e150  # the square of a larger number is not finite
 _COVARIANCES = {"P": "p0", "Gamma": "gamma0", "S": "gamma0"}  # matrix → the gain with its initial diagonal
 
@@ -25,6 +28,53 @@ def finite_plant_rows(experiment: Experiment, states: np.ndarray) -> int:
     limits = EXPLODED * np.array(experiment.context.scales.extents)
     beyond = states.shape[1] - len(limits)  # states of the true plant that the model, and so its scales, lack
     return leading_rows(states, np.concatenate([limits, np.full(beyond, _INFINITE)]) if beyond else limits)
+
+
+def end_of_plant(
+    experiment: Experiment, index: np.ndarray, states: np.ndarray, y: np.ndarray
+) -> tuple[int, Message | None]:
+    """Return the number of leading rows in which the plant has finite values, and the cause where that is not all.
+
+    Args:
+        experiment: the experiment.
+        index: base steps of the rows (rows,).
+        states: the plant's states (rows, n).
+        y: its measured outputs (rows, m), which an algebraic variable without a value makes NaN before any state.
+    """
+    ended = finite_plant_rows(experiment, states)
+    solves = _solves(experiment.plant)
+    if solves:
+        ended = min(ended, leading_rows(y, np.full(y.shape[1], np.inf)))
+    if ended == len(states):
+        return ended, None
+    lost = _lost_root(experiment, solves, index, states, ended) if solves else None
+    return ended, lost or Message("diverged.plant")
+
+
+@lru_cache(maxsize=256)
+def _solves(program: Program) -> tuple[int, ...]:
+    """Return the nodes of a program that solve equations."""
+    nodes = topological(program.graph, [*program.update, *program.outputs.values()])
+    return tuple(i for i in nodes if program.graph.nodes[i][0] == "solve")
+
+
+def _lost_root(
+    experiment: Experiment, solves: tuple[int, ...], index: np.ndarray, states: np.ndarray, row: int
+) -> Message | None:
+    """Return the algebraic variable that has no value at a row, or between it and the row before; None if all have."""
+    e, graph = experiment, experiment.plant.graph
+    last = max(row - 1, 0)
+    at = row_values(e, index[[last]], states[[last]]) | {"t": index[[row]] * e.step}
+    span = (index[row] - index[last]) * e.step
+    rates = np.array([float(np.ravel(v)[0]) for v in evaluate(graph, list(e.plant.update), at)])
+    rates = np.where(np.isfinite(rates), rates, 0.0) * (e.plant.time == CONTINUOUS)
+    path = states[last] + np.linspace(0.0, 1.5, _PLACES)[:, None] * span * rates
+    at |= dict(zip(e.plant.states, path.T, strict=True))
+    for i, roots in zip(solves, evaluate(graph, list(solves), at), strict=True):
+        if not np.isfinite(roots).all():
+            names = equations(graph.nodes[graph.nodes[i][1]][1]).names
+            return Message("diverged.no-root", names=list(names))
+    return None
 
 
 def finite_observer_rows(estimator: Estimator, states: np.ndarray) -> int:

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from thetascope.engine.estimation.covariance import Spreads, latest, sigma_columns
-from thetascope.engine.execution.divergence import finite_observer_rows, finite_plant_rows
+from thetascope.engine.execution.divergence import end_of_plant, finite_observer_rows
 from thetascope.engine.execution.stages import Life, final_estimator, lives, parameters_over
 from thetascope.engine.model.result import CANNOT_TELL, Check, Diverged, ObserverReport, Result
 from thetascope.engine.observers.support.declaration import Observed
@@ -19,8 +19,6 @@ from thetascope.engine.simulation.loop import LoopRows
 from thetascope.engine.simulation.simulation import at_rows, loop_values, observed_values, row_numbers
 from thetascope.messages import Message
 
-PLANT_ESCAPES = Message("diverged.plant")
-
 
 def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dict[str, float]) -> Result:
     """Return the result of a run from its spans, in order."""
@@ -29,10 +27,10 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
     plant = np.concatenate([rows.plant for _, rows in parts])
     y = np.concatenate([rows.y for _, rows in parts])
     observer_lives = lives(parts)
-    ended = finite_plant_rows(first, plant)
+    ended, cause = end_of_plant(first, index, plant, y)
     diverged = None
-    if ended < len(plant):
-        diverged = Diverged(float(index[ended] * first.step), PLANT_ESCAPES)
+    if cause is not None:
+        diverged = Diverged(float(index[ended] * first.step), cause)
         plant[ended:], y[ended:] = np.nan, np.nan
     values = plant_values(parts, plant)
     columns = plant_columns(first, values, plant, y)

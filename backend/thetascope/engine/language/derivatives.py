@@ -20,7 +20,7 @@ import zlib
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING
 
-from thetascope.engine.language.lazy_sympy import functions, sympy
+from thetascope.engine.language.lazy_sympy import functions, numerical, sympy
 
 if TYPE_CHECKING:
     from sympy import Expr, ImmutableMatrix, Symbol
@@ -59,9 +59,9 @@ def real(e: Expr) -> Expr:
 
 def _resolved(slope: Expr) -> Expr:
     """Return a derivative with the limits along the direction written out."""
-    if not slope.has(functions.SignNext, functions.LessNext, functions.InterpNext):
+    if not slope.has(functions.SignNext, functions.LessNext, numerical.InterpNext):
         return slope
-    slope = slope.replace(functions.InterpNext, _interp_next)
+    slope = slope.replace(numerical.InterpNext, _interp_next)
     return slope.replace(functions.SignNext, _sign_next).replace(functions.LessNext, _less_next)
 
 
@@ -101,7 +101,7 @@ def _less_next(a: Expr, b: Expr) -> Expr:
 def _interp_next(x: Expr, table: Expr) -> Expr:
     """Return the value of a table at x; at a jump the one that x has next along the direction."""
     rate = _direction(x)
-    above, below = (functions.Interp(x, table, sympy.Integer(side)) for side in (0, 1))
+    above, below = (numerical.Interp(x, table, sympy.Integer(side)) for side in (0, 1))
     if rate.is_nonnegative:
         return above
     if rate.is_negative:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import sympy
 
+    from thetascope.engine.language import numerical_functions as numerical
     from thetascope.engine.language import sympy_functions as functions
 else:
 
@@ -23,5 +24,6 @@ else:
             return getattr(importlib.import_module(self._name), attribute)
 
     sympy, functions = _Lazy("sympy"), _Lazy("thetascope.engine.language.sympy_functions")
+    numerical = _Lazy("thetascope.engine.language.numerical_functions")
 
-__all__ = ["functions", "sympy"]
+__all__ = ["functions", "numerical", "sympy"]

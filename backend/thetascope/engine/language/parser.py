@@ -11,6 +11,7 @@ size.
 
 import ast
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -89,6 +90,14 @@ def parse(
     tree = reader.read(tokens)
     used = dict.fromkeys(token.text for token in tokens if token.kind == "name" and token.text != "pi")
     return Parsed(text, field, tuple(used), tree)
+
+
+def sides(equation: str) -> tuple[str, str]:
+    """Return the left and the right side of an equation, each at its place in the text; without =, "" on the right."""
+    place = re.search(r"(?<![<>=!])=(?!=)", equation)
+    if place is None:
+        return equation, ""
+    return equation[: place.start()], " " * place.end() + equation[place.end() :]
 
 
 class _Reader:

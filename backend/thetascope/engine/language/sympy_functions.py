@@ -10,47 +10,15 @@ Conditions are the real numbers 1 and 0.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from functools import partial
-from typing import ClassVar
 
 import sympy
-from sympy import Expr, Float, Function, Integer, Number, log
+from sympy import Expr, Float, Number, log
 
 from thetascope.engine.language import builtins
-from thetascope.engine.language.tables import Table, jumps
-
-ZERO, ONE = Integer(0), Integer(1)
-
-
-class Real(Function):
-    """Base of the real functions; `compute` evaluates them, with numbers only."""
-
-    is_real = True
-    is_extended_real = True
-    is_commutative = True
-    compute: ClassVar[Callable[..., float]]
-    """Evaluation with floats; raises ValueError or ArithmeticError outside the domain."""
-
-    @classmethod
-    def eval(cls, *args: Expr) -> Expr | None:
-        """Return the value if all arguments are numbers, NaN outside the domain, else None: unevaluated."""
-        if not all(isinstance(arg, Number) for arg in args):
-            return None
-        try:
-            value = cls.compute(*(float(arg) for arg in args))
-        except (ArithmeticError, ValueError):
-            return sympy.nan
-        return Integer(value) if isinstance(value, int) else Float(value)
-
-    @classmethod
-    def _should_evalf(cls, arg: Expr) -> int:
-        """Return −1: a double among the arguments does not start SymPy's search for a numerical routine."""
-        return -1
-
-    def fdiff(self, argindex: int = 1) -> Expr:
-        """Return the derivative with respect to an argument; 0 unless a subclass overrides it (piecewise constant)."""
-        return ZERO
+from thetascope.engine.language.numerical_functions import Interp
+from thetascope.engine.language.real_function import ONE, ZERO, Real
 
 
 class Less(Real):
@@ -288,71 +256,6 @@ class Backlash(Real):
         )
         up, down, memory = slopes[argindex - 1]
         return Where(rising, up, Where(falling, down, memory))
-
-
-class TableAtom(sympy.AtomicExpr):
-    """A table as an argument of `Interp`."""
-
-    is_real = True
-    is_extended_real = True
-    is_commutative = True
-
-    def __new__(cls, table: Table) -> TableAtom:
-        """Return the atom of a table."""
-        atom = super().__new__(cls)
-        atom.table = table
-        return atom
-
-    def _hashable_content(self) -> tuple:
-        return (self.table.digest,)
-
-    def __getnewargs__(self) -> tuple:
-        return (self.table,)
-
-    def _sympystr(self, printer: object) -> str:
-        return self.table.name
-
-    def _latex(self, printer: object) -> str:
-        return self.table.name
-
-    def sort_key(self, order: str | None = None) -> tuple:
-        """Return a key by which SymPy orders terms: equal tables have equal ones."""
-        return self.class_key(), (1, (self.table.digest,)), sympy.S.One.sort_key(), sympy.S.One
-
-
-class Interp(Real):
-    """Value of a table at x: Interp(x, table, side), at a point of its grid that above it (side 0) or below it (1)."""
-
-    nargs = (3,)
-
-    @classmethod
-    def eval(cls, *args: Expr) -> Expr | None:
-        """Return the value for a number, 0 for a table of zeros, else None: unevaluated."""
-        x, atom, side = args
-        if atom.table.is_zero:
-            return ZERO
-        return Float(atom.table.value(float(x), below=bool(side))) if isinstance(x, Number) else None
-
-    def _eval_derivative(self, symbol: Expr) -> Expr:
-        inner = self.args[0].diff(symbol)
-        return ZERO if inner == 0 else self.fdiff() * inner
-
-    def fdiff(self, argindex: int = 1) -> Expr:
-        """Return the slope at x; where it jumps, that of the side on which x is next."""
-        x, atom, side = self.args
-        slope = atom.table.slope()
-        return InterpNext(x, TableAtom(slope)) if jumps(slope.pieces) else Interp(x, TableAtom(slope), side)
-
-
-class InterpNext(Real):
-    """Value of a table with jumps at x, on the side that x has next along the direction of derivatives.py."""
-
-    nargs = (2,)
-
-    @classmethod
-    def eval(cls, *args: Expr) -> Expr | None:
-        """Return the value for a number, else None: unevaluated."""
-        return Interp(args[0], args[1], ZERO) if isinstance(args[0], Number) else None
 
 
 def in_pairs(pair: type[Real], *args: Expr) -> Expr:

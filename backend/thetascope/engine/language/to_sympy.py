@@ -11,7 +11,8 @@ from sympy import Add, Expr, Float, Integer, Mul, Number, Pow, Rational, S, Symb
 from thetascope.engine.errors import ExpressionError
 from thetascope.engine.language.derivatives import real
 from thetascope.engine.language.lexer import SPLIT
-from thetascope.engine.language.sympy_functions import BUILDERS, And_, Less, LessEqual, Or_, TableAtom, in_pairs
+from thetascope.engine.language.numerical_functions import TableAtom
+from thetascope.engine.language.sympy_functions import BUILDERS, And_, Less, LessEqual, Or_, in_pairs
 from thetascope.engine.language.syntax_tree import Node
 from thetascope.engine.language.tables import Table
 from thetascope.messages import Message

@@ -19,6 +19,7 @@ from thetascope.engine.language.derivatives import derivative
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.language.parser import parse
 from thetascope.engine.language.tables import tables_of
+from thetascope.engine.model.algebraic import check_start, solutions, variable
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -57,6 +58,20 @@ class Definition:
     high: Expr | None
 
 
+def expanded(definitions: Sequence[Definition], field: str) -> dict[Symbol, Expr]:
+    """Return definitions, each with the earlier ones written out. Raises SpecError if one becomes too large."""
+    written: dict[Symbol, Expr] = {}
+    sizes: dict[Symbol, int] = {}
+    for i, d in enumerate(definitions):
+        # counted before it is expanded: each definition may double the last one, and 30 doublings make 10⁹ nodes
+        sizes[d.symbol] = sum(sizes.get(part, 1) for part in sympy.preorder_traversal(d.expression))
+        if sizes[d.symbol] > _MOST_PARTS:
+            name = d.symbol.name
+            raise SpecError(f"{field}.{i}.expression", name, Message("expression.definition.large", most=_MOST_PARTS))
+        written[d.symbol] = d.expression.xreplace(written)
+    return written
+
+
 class Model:
     """The model of one plant. ``x``, ``u``, ``signals`` and ``parameters`` are tuples of real symbols without a prefix.
 
@@ -84,7 +99,11 @@ class Model:
             tuple(self._symbols[n] for n in names)
             for names in (self.states, self.inputs, self.signal_names, self.parameter_names)
         )
+        self.algebraic = tuple(a["name"] for a in data.get("algebraic", ()))
+        self._symbols |= {n: sympy.Symbol(n, real=True) for n in self.algebraic}
         self.definitions = tuple(self._definition(i, d) for i, d in enumerate(data["definitions"]))
+        if self.algebraic:
+            self.definitions = self._with_roots()
         self.f = sympy.Matrix([self.expression(data["dynamics"][s], f"dynamics.{s}") for s in self.states])
         self.h = sympy.Matrix(
             [self.expression(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])]
@@ -101,11 +120,29 @@ class Model:
     def _definition(self, i: int, data: Mapping) -> Definition:
         """Return the i-th definition, and declare its symbol for later expressions."""
         expression = self.expression(data["expression"], f"definitions.{i}.expression")
-        low, high = (
-            self._bound(b, f"definitions.{i}.domain.{k}") for k, b in enumerate(data.get("domain") or (None, None))
-        )
+        low, high = self._bounds(data, f"definitions.{i}")
         symbol = self._symbols[data["name"]] = sympy.Symbol(data["name"], real=True)
         return Definition(symbol, expression, low, high)
+
+    def _with_roots(self) -> tuple[Definition, ...]:
+        """Return the definitions, those of the algebraic variables before the ones that depend on them."""
+        dependent, before, after = {self._symbols[n] for n in self.algebraic}, [], []
+        for d in self.definitions:
+            (after if d.expression.free_symbols & dependent else before).append(d)
+            dependent |= {d.symbol} if d in after else set()
+        inner = expanded(after, "definitions")
+        allowed = {n: s for n, s in self._symbols.items() if s not in dependent}
+        entries = list(enumerate(self.data["algebraic"]))
+        unknowns = [variable(i, a, self._symbols, allowed, self.tables, inner) for i, a in entries]
+        bounds = {a["name"]: self._bounds(a, f"algebraic.{i}") for i, a in entries}
+        roots = [Definition(s, e, *bounds[s.name]) for s, e in solutions(unknowns)]
+        definitions = (*before, *roots, *after)
+        check_start(unknowns, [(d.symbol, d.expression) for d in definitions], self.data)
+        return definitions
+
+    def _bounds(self, data: Mapping, field: str) -> tuple[Expr | None, Expr | None]:
+        low, high = data.get("domain") or (None, None)
+        return self._bound(low, f"{field}.domain.0"), self._bound(high, f"{field}.domain.1")
 
     def _bound(self, bound: float | str | None, field: str) -> Expr | None:
         if bound is None:
@@ -152,17 +189,7 @@ class Model:
     @cached_property
     def expansion(self) -> dict[Symbol, Expr]:
         """Return the definitions, expanded to declared quantities. Raises SpecError if one becomes too large."""
-        written: dict[Symbol, Expr] = {}
-        sizes: dict[Symbol, int] = {}
-        for i, d in enumerate(self.definitions):
-            # counted before it is expanded: each definition may double the last one, and 30 doublings make 10⁹ nodes
-            sizes[d.symbol] = sum(sizes.get(part, 1) for part in sympy.preorder_traversal(d.expression))
-            if sizes[d.symbol] > _MOST_PARTS:
-                name = d.symbol.name
-                problem = Message("expression.definition.large", most=_MOST_PARTS)
-                raise SpecError(f"definitions.{i}.expression", name, problem)
-            written[d.symbol] = d.expression.xreplace(written)
-        return written
+        return expanded(self.definitions, "definitions")
 
     @cached_property
     def _slopes(self) -> dict[Symbol, dict[Symbol, Expr]]:

@@ -9,7 +9,7 @@ from contextlib import AbstractContextManager
 from decimal import Context, Decimal, DivisionByZero, InvalidOperation, Overflow, localcontext
 from operator import mul
 
-from thetascope.engine.compiler.graph import Graph, topological
+from thetascope.engine.compiler.graph import Equations, Graph, equations, topological
 from thetascope.engine.language.lazy_sympy import sympy
 
 DIGITS = 120
@@ -17,6 +17,7 @@ ARITHMETIC = Context(prec=DIGITS, traps=[InvalidOperation, DivisionByZero, Overf
 NO_VALUE = (ArithmeticError, ValueError)  # raised where a function has no value
 Coefficients = list[Decimal]
 
+_REFINEMENTS = 5  # 16 digits, each doubles them
 _ZERO, _ONE = Decimal(0), Decimal(1)
 _FLAT = {"lt", "le", "and", "or", "sign", "floor", "locate"}  # constant wherever they have a derivative
 
@@ -51,10 +52,13 @@ class Series:
         self.beside: dict[
             int, list[Coefficients]
         ] = {}  # the cosine of a sine, the denominator of an arctangent's slope
+        self.roots: dict[int, list[Coefficients]] = {}  # of each `solve` node
         self.still: set[int] = set()
         for i in self.order:
             op, *args = graph.nodes[i]
-            known = op in ("const", "table") or (args[0] in still if op == "var" else self.still.issuperset(args))
+            known = op in ("const", "table", "problem") or (
+                args[0] in still if op == "var" else self.still.issuperset(args)
+            )
             if known:
                 self.still.add(i)
         self.moving = len(self.order) - len(self.still)
@@ -69,14 +73,28 @@ class Series:
                 mine.append(values(args[0], k) if not k or i not in self.still else _ZERO)
             elif op == "const":
                 mine.append(exact(args[0]) if not k else _ZERO)
-            elif op == "table":
-                mine.append(_ZERO)
+            elif op in ("table", "problem", "solve"):
+                mine.append(_ZERO)  # only the nodes that use them have values
+            elif op == "root":
+                mine.append(self._roots(args[0], k)[int(self.graph.nodes[args[1]][1])][k])
             elif op in ("locate", "piece") and not (k and op == "locate"):
                 mine.append(self._of_table(op, k, args))
             elif k and (i in self.still or op in _FLAT):
                 mine.append(_ZERO)
             else:
                 mine.append(_coefficient(self, i, op, k, [self.at[a] for a in args]))
+
+    def _roots(self, solve: int, k: int) -> list[Coefficients]:
+        """Return the coefficients of the roots of equations up to order k."""
+        problem, *given = self.graph.nodes[solve][1:]
+        e = equations(self.graph.nodes[problem][1])
+        z = self.roots.setdefault(solve, [[] for _ in e.g])
+        if len(z[0]) == k:
+            known = {f"a.{i}": self.at[a] for i, a in enumerate(given)} | {f"z.{j}": c for j, c in enumerate(z)}
+            next_ = _roots_of_order_k(e, known, k) if k else _roots_at_point(e, known)
+            for coefficients, value in zip(z, next_, strict=True):
+                coefficients.append(value)
+        return z
 
     def _of_table(self, op: str, k: int, args: Sequence[int]) -> Decimal:
         """Return a coefficient of the index of a piece, or of a piece."""
@@ -94,6 +112,36 @@ class Series:
     def companions(self, i: int, count: int) -> list[Coefficients]:
         """Return the series that accompany a node, such as the cosine of a sine; empty at first."""
         return self.beside.setdefault(i, [[] for _ in range(count)])
+
+
+def _roots_at_point(e: Equations, known: Mapping[str, Coefficients]) -> list[Decimal]:
+    """Return the roots at a point: those in double precision, refined by Newton's method."""
+    z = [Decimal(float(v)) for v in e.solved([float(known[f"a.{i}"][0]) for i in range(len(e.G[0]))])]
+    for _ in range(_REFINEMENTS):
+        point = dict(known) | {f"z.{j}": [v] for j, v in enumerate(z)}
+        step = Series(e.graph, e.step, set())
+        step.extend(lambda name, k, point=point: point[name][k])
+        z = [v - step.at[i][0] for v, i in zip(z, e.step, strict=True)]
+    if not all(v.is_finite() for v in z):
+        raise ValueError("the equations have no solution that is found")
+    return z
+
+
+def _roots_of_order_k(e: Equations, known: Mapping[str, Coefficients], k: int) -> list[Decimal]:
+    """Return the k-th coefficients of the roots: −J⁻¹ times that of g with zeros in their place."""
+    padded = {name: [*c, _ZERO] if name.startswith("z.") else c for name, c in known.items()}
+    series = Series(e.graph, [*e.g, *(i for row in e.J for i in row)], set())
+    for _ in range(k + 1):
+        series.extend(lambda name, order: padded[name][order])
+    rows = [[*(series.at[i][0] for i in row), -series.at[g][k]] for row, g in zip(e.J, e.g, strict=True)]
+    for j in range(len(rows)):
+        pivot = max(range(j, len(rows)), key=lambda i: abs(rows[i][j]))
+        rows[j], rows[pivot] = rows[pivot], rows[j]
+        rows[j] = [v / rows[j][j] for v in rows[j]]
+        rows = [
+            row if i == j else [v - row[j] * w for v, w in zip(row, rows[j], strict=True)] for i, row in enumerate(rows)
+        ]
+    return [row[-1] for row in rows]
 
 
 def _coefficient(s: Series, i: int, op: str, k: int, a: list[Coefficients]) -> Decimal:

@@ -41,6 +41,7 @@ def mathematics(plant: Mapping) -> dict:
         ]
     kept["parameters"] = [{"name": p["name"], "value": p["value"]} for p in plant["parameters"]]
     kept["signals"] = [s["name"] for s in plant["signals"]]
+    kept["algebraic"] = [{k: v for k, v in a.items() if k not in _PROSE} for a in plant.get("algebraic", ())]
     kept["tables"] = [{k: v for k, v in t.items() if k not in _PROSE} for t in plant.get("tables", ())]
     return kept
 

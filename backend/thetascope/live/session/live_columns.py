@@ -11,9 +11,8 @@ from typing import Any, TypeGuard
 import numpy as np
 
 from thetascope.engine.estimation.covariance import Spreads, has_spread, latest, sigma_columns
-from thetascope.engine.execution.divergence import finite_plant_rows
+from thetascope.engine.execution.divergence import end_of_plant, finite_plant_rows
 from thetascope.engine.execution.result_columns import (
-    PLANT_ESCAPES,
     observer_columns,
     plant_columns,
     plant_values,
@@ -105,7 +104,8 @@ class LiveColumns:
         parts = _with(self.parts, experiment, rows)
         plant = np.concatenate([r.plant for _, r in parts])
         y = np.concatenate([r.y for _, r in parts])
-        ended = 0 if self.plant_lost else finite_plant_rows(experiment, plant)
+        index = np.concatenate([r.index for _, r in parts])
+        ended, cause = (0, None) if self.plant_lost else end_of_plant(experiment, index, plant, y)
         plant[ended:], y[ended:] = np.nan, np.nan
         values = plant_values(parts, plant)
         count = len(rows.index)
@@ -125,8 +125,8 @@ class LiveColumns:
         }
         data = np.stack([columns[n] for n in self.columns]) if count else np.empty((len(self.columns), 0))
         plant_lost = self.plant_lost
-        if plant_lost is None and ended < len(plant):
-            plant_lost = Diverged(float(np.asarray(values["t"])[ended]), PLANT_ESCAPES)
+        if cause is not None:
+            plant_lost = Diverged(float(np.asarray(values["t"])[ended]), cause)
         after = replace(self, parts=parts, lost=lost, plant_lost=plant_lost, spreads=latest(tables))
         return after._trimmed(experiment), ColumnBatch(data, tables, newest)
 

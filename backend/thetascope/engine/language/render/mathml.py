@@ -9,7 +9,7 @@ from collections.abc import Iterable, Mapping
 from html import escape
 
 from thetascope.engine.language.lexer import CONSTANTS
-from thetascope.engine.language.parser import Node, Parsed, parse
+from thetascope.engine.language.parser import Node, Parsed, parse, sides
 from thetascope.engine.language.render.mathml_symbols import DOT, is_word, symbol
 
 NAMED = {
@@ -210,12 +210,14 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
         ExpressionError: with the position in the text.
     """
     tables = [item["name"] for item in data.get("tables", ())]
-    names = ["t"] + [item["name"] for group in ("states", "inputs", "signals", "parameters") for item in data[group]]
+    groups = ("states", "inputs", "signals", "parameters", "algebraic")
+    names = ["t"] + [item["name"] for group in groups for item in data.get(group, ())]
     definitions = []
     for index, item in enumerate(data["definitions"]):
         text = expression(item["expression"], names, f"definitions.{index}.expression", tables)
         definitions.append(_line(item, symbol(item["name"]) + EQUALS + text))
         names.append(item["name"])
+    definitions += [_implicit(i, item, names, tables) for i, item in enumerate(data.get("algebraic", ()))]
     discrete = data["time"]["kind"] == "discrete"
     states, outputs = [], []
     for item in data["states"]:
@@ -225,6 +227,13 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
         text = expression(item["expression"], names, f"outputs.{index}.expression", tables)
         outputs.append(_line(item, symbol(item["name"]) + EQUALS + text + _faults(data, item["name"], names)))
     return {"states": states, "definitions": definitions, "outputs": outputs}
+
+
+def _implicit(index: int, item: Mapping, names: Iterable[str], tables: Iterable[str]) -> dict[str, str]:
+    """Return the equation that determines an algebraic variable."""
+    field = f"algebraic.{index}.equation"
+    left, right = (expression(s, names, field, tables) if s else "<mn>0</mn>" for s in sides(item["equation"]))
+    return _line(item, left + EQUALS + right)
 
 
 def _line(item: Mapping, inner: str) -> dict[str, str]:

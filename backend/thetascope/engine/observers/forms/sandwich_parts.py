@@ -50,8 +50,8 @@ def memory_names(data: Mapping) -> tuple[str, ...]:
     """Return the states that occur in an operator's Δx or z, but not in the x of any operator."""
     definitions = {d["name"]: d["expression"] for d in data["definitions"]}
     others = [*data["dynamics"].values(), *(o["expression"] for o in data["outputs"])]
-    groups = ("states", "inputs", "signals", "parameters")
-    names = {"t", *definitions, *(e["name"] for group in groups for e in data[group])}
+    groups = ("states", "inputs", "signals", "parameters", "algebraic")
+    names = {"t", *definitions, *(e["name"] for group in groups for e in data.get(group, ()))}
     tables = {table["name"] for table in data.get("tables", ())}
     driving: set[str] = set()
     remembered: set[str] = set()

@@ -12,6 +12,7 @@ from thetascope.engine.language.parser import Node, parse
 from thetascope.engine.language.syntax_tree import value_of
 from thetascope.engine.language.tables import Table, tables_of
 
+_OPTIONAL = ("tables", "algebraic")
 SLOWEST = 1e-3  # eigenvalues below this fraction of the largest count as integrators
 
 
@@ -23,7 +24,7 @@ def pace(model: Mapping) -> float:
     if not model:
         return 1.0
     parts = ("states", "inputs", "parameters", "signals", "definitions", "dynamics", "time")
-    used = {k: model[k] for k in parts} | {"tables": model.get("tables", ())}
+    used = {k: model[k] for k in parts} | {p: model.get(p, ()) for p in _OPTIONAL}
     return _pace(json.dumps(used, default=str))
 
 
@@ -31,7 +32,7 @@ def pace(model: Mapping) -> float:
 def _pace(text: str) -> float:
     model = json.loads(text)
     try:
-        A = _jacobian(model)
+        A = _jacobian_of_model(model) if model["algebraic"] else _jacobian(model)
     except (ArithmeticError, ValueError):  # the equations have no value at this point
         return 1.0
     if model["time"]["kind"] == "discrete":
@@ -42,6 +43,17 @@ def _pace(text: str) -> float:
     rates = rates[np.isfinite(rates)]
     moving = rates[rates > SLOWEST * rates.max()] if len(rates) else rates
     return float(moving.min()) if len(moving) and moving.min() > 0 else 1.0
+
+
+def _jacobian_of_model(model: Mapping) -> np.ndarray:
+    """Return ∂f/∂x of a plant with algebraic variables, which need SymPy."""
+    from thetascope.engine.model.plant_model import Model
+    from thetascope.engine.observers.support.linearisation import linearise
+
+    A = linearise(Model(model | {"id": "", "outputs": [], "channels": []}), (), {}, saturate=False).A
+    if not np.isfinite(A).all():
+        raise ValueError("the derivatives are not finite")
+    return A
 
 
 def _jacobian(model: Mapping) -> np.ndarray:
