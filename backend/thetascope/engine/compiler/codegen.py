@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 from thetascope.engine.compiler.graph import Graph, equations, topological
 from thetascope.engine.compiler.instructions.newton import Solver
-from thetascope.engine.compiler.ir_builder import LIBM, Writer
+from thetascope.engine.compiler.ir_builder import Writer, declarations
 from thetascope.engine.compiler.system import DISCRETE, Program
 
 # Nodes times stages. Above it the right-hand side becomes a separate function, called once per stage: compiling takes a
@@ -97,26 +97,9 @@ class _Module:
         """Return the IR text of the module."""
         w = Writer(self.layout.lanes, self.tables)
         body = self._main(w)
-        suffix, t = w.suffix, w.type
-        declared = [
-            f"declare double @{f}({', '.join(['double'] * (2 if f in ('pow', 'atan2') else 1))}) #0" for f in LIBM
-        ]
-        declared += [f"declare {t} @llvm.{f}.{suffix}({t})" for f in ("sqrt", "floor", "fabs")]
-        declared += [f"declare {t} @llvm.copysign.{suffix}({t}, {t})", f"declare {t} @llvm.fma.{suffix}({t}, {t}, {t})"]
-        # alignstack: a vector that is spilled from the registers stays within one cache line
-        wide = 'nounwind alignstack=64 "prefer-vector-width"="512" "min-legal-vector-width"="512"'
-        attributes = [
-            "attributes #0 = { nounwind willreturn memory(none) nobuiltin }",
-            "attributes #1 = { nounwind willreturn memory(none) nobuiltin }",
-            f"attributes #2 = {{ {wide} }}",
-            f"attributes #3 = {{ noinline {wide} }}",
-        ]
         functions = [] if self.inline else self._right_hand_side()
         solvers = [line for lines in self.solvers.values() for line in lines]
-        if solvers and suffix != "f64":  # they are scalar
-            declared += [f"declare double @llvm.{f}.f64(double)" for f in ("sqrt", "floor", "fabs")]
-            declared += ["declare double @llvm.copysign.f64(double, double)"]
-            declared += ["declare double @llvm.fma.f64(double, double, double)"]
+        declared, attributes = declarations(w, scalar=bool(solvers))
         return "\n".join([*declared, *self.tables.values(), *solvers, *functions, *body, *attributes])
 
     # ---- the values of one stage -------------------------------------------------------------------------------

@@ -178,3 +178,20 @@ class Writer:
         if op == "spow":
             return self.intrinsic("copysign", self.libm("pow", self.intrinsic("fabs", args[0]), args[1]), args[0])
         raise ValueError(f"no instruction for {op!r}")
+
+
+def declarations(w: Writer, scalar: bool) -> tuple[list[str], list[str]]:
+    """Return the declared functions and the attributes of a module; ``scalar``: it has scalar functions."""
+    declared = [f"declare double @{f}({', '.join(['double'] * (2 if f in ('pow', 'atan2') else 1))}) #0" for f in LIBM]
+    for kind, suffix in dict.fromkeys([(w.type, w.suffix), *[("double", "f64")] * scalar]):
+        declared += [f"declare {kind} @llvm.{f}.{suffix}({kind})" for f in ("sqrt", "floor", "fabs")]
+        declared += [f"declare {kind} @llvm.copysign.{suffix}({kind}, {kind})"]
+        declared += [f"declare {kind} @llvm.fma.{suffix}({kind}, {kind}, {kind})"]
+    # alignstack: a vector that is spilled from the registers stays within one cache line
+    wide = 'nounwind alignstack=64 "prefer-vector-width"="512" "min-legal-vector-width"="512"'
+    return declared, [
+        "attributes #0 = { nounwind willreturn memory(none) nobuiltin }",
+        "attributes #1 = { nounwind willreturn memory(none) nobuiltin }",
+        f"attributes #2 = {{ {wide} }}",
+        f"attributes #3 = {{ noinline {wide} }}",
+    ]
