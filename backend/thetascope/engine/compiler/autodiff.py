@@ -85,7 +85,8 @@ class _Forward:
         if op in ("mul", "fma"):
             return (self._next(args[1]), self._next(args[0]), self.graph.const(1.0))[: len(args)]
         if op == "piece":
-            slope = piece_slope(self.graph, *args, lambda: self._direction(args[0]))
+            x, index, pieces = args
+            slope = piece_slope(self.graph, x, index, pieces, lambda: self._direction(x))
             return slope, *(self.graph.const(0.0),) * 2
         return SLOPES[op](self.graph, i, *args) if op in SLOPES else None
 

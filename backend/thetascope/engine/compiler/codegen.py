@@ -150,7 +150,10 @@ class _Module:
             elif op == "problem":
                 memo[i] = self._solver(args[0])
             elif op == "root":
-                memo[i] = w.root(*memo[args[0]], int(graph.nodes[args[1]][1]))
+                solver, of_lanes = memo[args[0]]
+                memo[i] = w.root(solver, of_lanes, int(graph.nodes[args[1]][1]))
+            elif op == "solve":
+                memo[i] = w.solve(memo[args[0]], *(memo[a] for a in args[1:]))
             elif op == "var":
                 memo[i] = leaves[args[0]] if args[0] in leaves else self._leaf(w, args[0], where)
             else:
@@ -163,13 +166,14 @@ class _Module:
         solver = Solver.of(text, len(e.g))
         if solver.name not in self.solvers:
             self.solvers[solver.name] = []
+            apart = Writer(1, self.tables)
 
-            def emit(w: Writer, z: list[str] | None, given: list[str]) -> list[str]:
+            def emit(z: list[str] | None, given: list[str]) -> list[str]:
                 roots = e.start if z is None else [*e.g, *e.step, *e.size]
                 leaves = {f"a.{k}": a for k, a in enumerate(given)} | {f"z.{j}": b for j, b in enumerate(z or ())}
-                return self._nodes(w, leaves, {}, {}, topological(e.graph, roots), roots, e.graph)
+                return self._nodes(apart, leaves, {}, {}, topological(e.graph, roots), roots, e.graph)
 
-            self.solvers[solver.name] = solver.definition(Writer(1, self.tables), len(e.G[0]), emit)
+            self.solvers[solver.name] = solver.definition(apart, len(e.G[0]), emit)
         return solver
 
     def _split(self, values: list[str]) -> tuple[list[str], list[str]]:

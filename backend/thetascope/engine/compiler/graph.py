@@ -270,9 +270,9 @@ def evaluate(graph: Graph, roots: list[int], values: Mapping[str, object]) -> li
             elif node[0] == "table":
                 computed[i] = node[1]
             elif node[0] == "problem":
-                computed[i] = equations(node[1])
+                continue
             elif node[0] == "solve":
-                computed[i] = computed[node[1]].solved([computed[a] for a in node[2:]])
+                computed[i] = equations(graph.nodes[node[1]][1]).solved([computed[a] for a in node[2:]])
             else:
                 computed[i] = NUMPY[node[0]](*(computed[a] for a in node[1:]))
     return [computed[r] for r in roots]
@@ -335,7 +335,7 @@ def nodes_from_json(nodes: Iterable[list]) -> list[tuple]:
 
 
 def _hexadecimal(value: float | tuple) -> str | list:
-    return [_hexadecimal(v) for v in value] if isinstance(value, tuple) else value.hex()
+    return [_hexadecimal(v) for v in value] if isinstance(value, tuple) else float(value).hex()
 
 
 def _numbers(value: str | list) -> float | tuple:

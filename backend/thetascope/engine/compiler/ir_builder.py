@@ -113,8 +113,6 @@ class Writer:
             return self.intrinsic("fabs" if op == "abs" else op, args[0])
         if op in LIBM:
             return self.libm(op, *args)
-        if op == "solve":
-            return self.solve(*args)
         if op in ("locate", "piece"):
             return self.lane_by_lane(locate if op == "locate" else piece, args)
         return self._logic(op, args)

@@ -30,8 +30,9 @@ class Writer(Protocol):
         ...
 
 
-Emit = Callable[[Writer, list[str] | None, list[str]], list[str]]
-"""Appends the values of g, J⁻¹g and the sizes of the terms at z (3n in all), or the first guess where z is None."""
+Emit = Callable[[list[str] | None, list[str]], list[str]]
+"""Appends the values of g, J⁻¹g and the sizes of the terms at z (3n in all), or the first guess where z is None, for
+given numbers, and returns their names."""
 
 
 @dataclass(frozen=True)
@@ -60,9 +61,9 @@ class Solver:
         return let(f"extractvalue {self.type} {roots}, {j}")
 
     def definition(self, w: Writer, given: int, emit: Emit) -> list[str]:
-        """Return the lines of the function with this number of given numbers."""
+        """Return the lines of the function with this number of given numbers; ``emit`` appends to ``w``."""
         names = [f"%a{k}" for k in range(given)]
-        start = emit(w, None, names)
+        start = emit(None, names)
         w.put("br label %loop")
         w.lines.append("loop:")
         place = len(w.lines)
@@ -73,7 +74,7 @@ class Solver:
             w.let(f"fsub double {z}, {w.let(f'fmul double %factor, {d}')}")
             for z, d in zip(old["z"], old["d"], strict=True)
         ]
-        values = emit(w, trial, names)
+        values = emit(trial, names)
         g, step, size = values[:n], values[n : 2 * n], values[2 * n :]
         w.put(f"br i1 {self._done(w, trial, g, step, size)}, label %finish, label %next")
         w.lines.append("next:")

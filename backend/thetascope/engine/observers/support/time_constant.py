@@ -50,7 +50,7 @@ def _jacobian_of_model(model: Mapping) -> np.ndarray:
     from thetascope.engine.model.plant_model import Model
     from thetascope.engine.observers.support.linearisation import linearise
 
-    A = linearise(Model(model | {"id": "", "outputs": [], "channels": []}), (), {}, saturate=False).A
+    A = linearise(Model({**model, "id": "", "outputs": [], "channels": []}), (), {}, saturate=False).A
     if not np.isfinite(A).all():
         raise ValueError("the derivatives are not finite")
     return A
