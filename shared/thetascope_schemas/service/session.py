@@ -13,7 +13,9 @@ A slow viewer gets fewer, larger frames, whose `sequence` is that of the last fr
 longer knows it). Rows are skipped for a viewer that is too far behind (see Jump).
 
 A client that offers the subprotocols SUBPROTOCOL and TOKEN + its control token has control; other clients view. An
-address, which logs and histories keep, does not contain the token. A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
+address, which logs and histories keep, does not contain the token.
+
+A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
 missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
 
 Sentences are messages {code, args, text}. `text` is in the viewer's language: `?lang=`, or else Accept-Language. So is
