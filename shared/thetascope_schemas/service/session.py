@@ -12,11 +12,9 @@ samples: a header of HEADER (little endian), then `count` float32 values of each
 A slow viewer gets fewer, larger frames, whose `sequence` is that of the last frame they cover (0 if the server no
 longer knows it). Rows are skipped for a viewer that is too far behind (see Jump).
 
-A client that offers the subprotocols SUBPROTOCOL and TOKEN + its control token has control; other clients view. An
-address, which logs and histories keep, does not contain the token.
-
-A client that reconnects asks for `?after=<sequence>`. If the epoch in Hello is unchanged, it gets the rows that it
-missed; otherwise, or if the server no longer knows that frame, it gets all rows again.
+A client that offers the subprotocols SUBPROTOCOL and TOKEN + its control token has control; others view. Logs keep
+addresses, so these do not hold the token. A client that reconnects asks for `?after=<sequence>`: it gets the rows that
+it missed if the epoch in Hello is unchanged and the server still knows that frame, otherwise all rows again.
 
 Sentences are messages {code, args, text}. `text` is in the viewer's language: `?lang=`, or else Accept-Language. So is
 prose of the spec, such as titles; with `?lang=*` it is a map from language to text, and sentences are English.
