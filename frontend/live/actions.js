@@ -190,7 +190,7 @@ function kept(storage, name) {
 /** Whether this tab was presenting when it was loaded again. */
 export const presented = () => kept(sessionStorage, PRESENTED) === 'on';
 
-const DONE = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'observer-added', 'observer-removed']);
+const DONE = new Set(['inject', 'clear', 'gain', 'signal', 'noise', 'truth', 'observer-added', 'observer-removed']);
 
 /**
  * The address of the session as it is now: the short form while a library experiment is unchanged.

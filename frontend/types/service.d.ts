@@ -147,7 +147,7 @@ export interface Batch {
   id: number;
   type: 'batch';
   /** The commands without ids; a refusal names commands[i].field. */
-  commands: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset)[];
+  commands: (Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | Reset)[];
 }
 
 /** Calibration of the thresholds by simulation. */
@@ -250,7 +250,7 @@ export interface Clear {
   output?: string | null;
 }
 
-export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset | Seek | Batch;
+export type ClientMessage = Play | Pause | Step | Speed | Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow | Reset | Seek | Batch;
 
 /** The columns change from this row on, because an observer was added or removed; a new epoch begins. */
 export interface Columns {
@@ -614,7 +614,7 @@ export interface Event {
   type: 'event';
   row: number;
   t: number;
-  kind: 'inject' | 'clear' | 'fault-begins' | 'fault-ends' | 'gain' | 'signal' | 'noise' | 'observer-added' | 'observer-removed' | 'alarm' | 'alarm-over' | 'diverged' | 'rewound' | 'reset' | 'substeps';
+  kind: 'inject' | 'clear' | 'fault-begins' | 'fault-ends' | 'gain' | 'signal' | 'noise' | 'truth' | 'observer-added' | 'observer-removed' | 'alarm' | 'alarm-over' | 'diverged' | 'rewound' | 'reset' | 'substeps';
   /** Channel, output, observer label or signal; of "diverged", empty if it is the plant itself. */
   subject: string;
   /** Label of the observer that raised an alarm. */
@@ -680,7 +680,7 @@ export interface Experiment {
   truth: Truth;
   observers: (ObserverConfig)[];
   /** Changes during the run other than faults, in order of time. */
-  commands: (SetGain | SetSignal | SetNoise | AddObserver | RemoveObserver | SetSubsteps)[];
+  commands: (SetGain | SetSignal | SetNoise | SetTruth | AddObserver | RemoveObserver | SetSubsteps)[];
   /** Settings of the diagnosis. */
   diagnosis: DiagnosisSettings;
   figures: (Figure)[];
@@ -723,7 +723,7 @@ export interface ExperimentInput {
   truth?: TruthInput;
   observers?: (ObserverConfigInput)[];
   /** Changes during the run other than faults, in order of time. */
-  commands?: (SetGainInput | SetSignalInput | SetNoiseInput | AddObserverInput | RemoveObserverInput | SetSubstepsInput)[];
+  commands?: (SetGainInput | SetSignalInput | SetNoiseInput | SetTruthInput | AddObserverInput | RemoveObserverInput | SetSubstepsInput)[];
   /** Settings of the diagnosis. */
   diagnosis?: DiagnosisSettingsInput;
   figures?: (FigureInput)[];
@@ -802,6 +802,8 @@ export interface Facts {
   faults: (FaultNow)[];
   /** Measurement noise of the noisy outputs, by name. */
   noise: {[name: string]: Noise};
+  /** Where the simulated plant differs from the model. */
+  truth: Truth;
   /** Time in s at which the plant diverged; null: it has not. */
   broken: number | null;
   /** The detector's alarms up to that time, in order of time. */
@@ -2067,74 +2069,78 @@ export interface SessionState {
 export interface SetGain {
   /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
-  command: 'set-gain';
   /** Label of the observer. */
   observer: string;
   /** Name of the gain. */
   gain: string;
   /** The new value: a number, a list for a column, or a list of rows for a matrix. */
   value: number | (number)[] | ((number)[])[];
+  command: 'set-gain';
 }
 
 /** Change a gain of an observer. */
 export interface SetGainInput {
   /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
-  command: 'set-gain';
   /** Label of the observer. */
   observer: string;
   /** Name of the gain. */
   gain: string;
   /** The new value: a number, a list for a column, or a list of rows for a matrix. */
   value: number | (number)[] | ((number)[])[];
+  command: 'set-gain';
 }
 
 /** Set a gain of an observer from now on. */
 export interface SetGainNow {
   /** Number of the command, chosen by the client. */
   id: number;
-  type: 'set-gain';
+  /** Label of the observer. */
   observer: string;
+  /** Name of the gain. */
   gain: string;
+  /** The new value: a number, a list for a column, or a list of rows for a matrix. */
   value: number | (number)[] | ((number)[])[];
+  type: 'set-gain';
 }
 
 /** Change the measurement noise of one output. */
 export interface SetNoise {
   /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
-  command: 'set-noise';
   /** Name of the output. */
   output: string;
   /** Standard deviation, in the output's unit. */
   std: number;
   /** Time in s for which each drawn value is held. */
   sample_time: number;
+  command: 'set-noise';
 }
 
 /** Change the measurement noise of one output. */
 export interface SetNoiseInput {
   /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
-  command: 'set-noise';
   /** Name of the output. */
   output: string;
   /** Standard deviation, in the output's unit. */
   std: number;
   /** Time in s for which each drawn value is held. */
   sample_time?: number;
+  command: 'set-noise';
 }
 
 /** Set the measurement noise of an output from now on. */
 export interface SetNoiseNow {
   /** Number of the command, chosen by the client. */
   id: number;
-  type: 'set-noise';
+  /** Name of the output. */
   output: string;
   /** Standard deviation, in the output's unit. */
   std: number;
   /** Time in s for which each drawn value is held. */
   sample_time?: number;
+  type: 'set-noise';
 }
 
 /** One reference r: a set point of the controllers, which experiments and viewers set like an input. */
@@ -2167,29 +2173,30 @@ export interface SetPointInput {
 export interface SetSignal {
   /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
-  command: 'set-signal';
   /** Name of an input or a known signal of the plant. */
   name: string;
   signal: ConstantSignal | StepsSignal | PulseSignal | SineSignal | RampSignal | ChirpSignal | PrbsSignal | TableSignal | ExpressionSignal;
+  command: 'set-signal';
 }
 
 /** Replace an input or a known signal. The time of the new signal is that of the run, not counted from `at`. */
 export interface SetSignalInput {
   /** Time in s at which it takes effect, a multiple of the step. */
   at: number;
-  command: 'set-signal';
   /** Name of an input or a known signal of the plant. */
   name: string;
   signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
+  command: 'set-signal';
 }
 
 /** Set an input or known signal from now on. The signal's time is that of the session. */
 export interface SetSignalNow {
   /** Number of the command, chosen by the client. */
   id: number;
-  type: 'set-signal';
+  /** Name of an input or a known signal of the plant. */
   name: string;
   signal: ConstantSignalInput | StepsSignalInput | PulseSignalInput | SineSignalInput | RampSignalInput | ChirpSignalInput | PrbsSignalInput | TableSignalInput | ExpressionSignalInput;
+  type: 'set-signal';
 }
 
 /** Set the number of substeps of every integration step, for stiff gains. */
@@ -2206,6 +2213,33 @@ export interface SetSubstepsInput {
   at: number;
   command: 'set-substeps';
   substeps: number;
+}
+
+/** Change the true plant and its sensors; observers and the detector keep their model. */
+export interface SetTruth {
+  /** Time in s at which it takes effect, a multiple of the step. */
+  at: number;
+  /** The truth in full; its `states` stay as they were when the run began. */
+  truth: Truth;
+  command: 'set-truth';
+}
+
+/** Change the true plant and its sensors; observers and the detector keep their model. */
+export interface SetTruthInput {
+  /** Time in s at which it takes effect, a multiple of the step. */
+  at: number;
+  /** The truth in full; its `states` stay as they were when the run began. */
+  truth: TruthInput;
+  command: 'set-truth';
+}
+
+/** Set the true plant and its sensors from now on; observers and the detector keep their model. */
+export interface SetTruthNow {
+  /** Number of the command, chosen by the client. */
+  id: number;
+  /** The truth in full; its `states` stay as they were when the run began. */
+  truth: TruthInput;
+  type: 'set-truth';
 }
 
 /** The settling of an estimate after one step of a fault. */

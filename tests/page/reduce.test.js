@@ -15,6 +15,7 @@ const facts = {
   observers: [],
   faults: [],
   noise: {},
+  truth: {deviation: 0, parameters: {}, process_noise: {}, outputs: {}, states: [], dynamics: {}},
   broken: null,
   alarms: [],
   alarm_verdicts: [],

@@ -55,12 +55,12 @@ export function lines(log, plant, signs = {}, most = 200) {
 const gainOf = ({value}) => /** @type {Partial<GainSet> | null} */ (value)?.gain;
 
 /**
- * Whether a slider went on from a gain or a noise to the next.
+ * Whether a slider went on from a gain, a noise or a truth to the next.
  * @param {Event} event
  * @param {Event | undefined} next
  */
 const dragged = (event, next) =>
-  (event.kind === 'gain' || event.kind === 'noise') &&
+  ['gain', 'noise', 'truth'].includes(event.kind) &&
   next?.kind === event.kind &&
   next.subject === event.subject &&
   gainOf(next) === gainOf(event) &&
@@ -83,6 +83,7 @@ const OWN = new Set([
   'gain',
   'signal',
   'noise',
+  'truth',
   'observer-added',
   'observer-removed',
   'rewound',

@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from thetascope_schemas.experiment.base import Instant, NonNegative, Positive, Reference, Strict, example
+from thetascope_schemas.experiment.measurement import Truth
 from thetascope_schemas.experiment.observers import Gain, Label, ObserverConfig
 from thetascope_schemas.experiment.signals import Signal
 
@@ -18,36 +19,73 @@ class Timed(Strict):
     at: Instant = Field(description="Time in s at which it takes effect, a multiple of the step.")
 
 
-class SetGain(Timed):
-    """Change a gain of an observer."""
+class GainChange(Strict):
+    """A new value of a gain."""
 
-    model_config = example(at=12.5, command="set-gain", observer="adaptive", gain="rho", value=8)
+    model_config = example(observer="adaptive", gain="rho", value=8)
 
-    command: Literal["set-gain"] = "set-gain"
     observer: Label = Field(description="Label of the observer.")
     gain: Reference = Field(description="Name of the gain.")
     value: Gain = Field(description="The new value: a number, a list for a column, or a list of rows for a matrix.")
 
 
-class SetSignal(Timed):
+class SignalChange(Strict):
+    """A new input or known signal."""
+
+    model_config = example(name="u", signal={"kind": "constant", "value": 0.05})
+
+    name: Reference = Field(description="Name of an input or a known signal of the plant.")
+    signal: Signal
+
+
+class NoiseChange(Strict):
+    """New noise of an output."""
+
+    model_config = example(output="y", std=0.002, sample_time=0.01)
+
+    output: Reference = Field(description="Name of the output.")
+    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
+    sample_time: Positive = Field(default=0.01, description="Time in s for which each drawn value is held.")
+
+
+class TruthChange(Strict):
+    """A new truth."""
+
+    model_config = example(truth={"deviation": 0.02})
+
+    truth: Truth = Field(description="The truth in full; its `states` stay as they were when the run began.")
+
+
+class SetGain(GainChange, Timed):
+    """Change a gain of an observer."""
+
+    model_config = example(at=12.5, command="set-gain", observer="adaptive", gain="rho", value=8)
+
+    command: Literal["set-gain"] = "set-gain"
+
+
+class SetSignal(SignalChange, Timed):
     """Replace an input or a known signal. The time of the new signal is that of the run, not counted from `at`."""
 
     model_config = example(at=12.5, command="set-signal", name="u", signal={"kind": "constant", "value": 0.05})
 
     command: Literal["set-signal"] = "set-signal"
-    name: Reference = Field(description="Name of an input or a known signal of the plant.")
-    signal: Signal
 
 
-class SetNoise(Timed):
+class SetNoise(NoiseChange, Timed):
     """Change the measurement noise of one output."""
 
     model_config = example(at=12.5, command="set-noise", output="y", std=0.002, sample_time=0.01)
 
     command: Literal["set-noise"] = "set-noise"
-    output: Reference = Field(description="Name of the output.")
-    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(default=0.01, description="Time in s for which each drawn value is held.")
+
+
+class SetTruth(TruthChange, Timed):
+    """Change the true plant and its sensors; observers and the detector keep their model."""
+
+    model_config = example(at=12.5, command="set-truth", truth={"deviation": 0.02})
+
+    command: Literal["set-truth"] = "set-truth"
 
 
 class AddObserver(Timed):
@@ -78,7 +116,8 @@ class SetSubsteps(Timed):
 
 
 TimedCommand = Annotated[
-    SetGain | SetSignal | SetNoise | AddObserver | RemoveObserver | SetSubsteps, Field(discriminator="command")
+    SetGain | SetSignal | SetNoise | SetTruth | AddObserver | RemoveObserver | SetSubsteps,
+    Field(discriminator="command"),
 ]
 
 MAX_COMMANDS = 2000
@@ -87,10 +126,15 @@ MAX_COMMANDS = 2000
 __all__ = [
     "MAX_COMMANDS",
     "AddObserver",
+    "GainChange",
+    "NoiseChange",
     "RemoveObserver",
     "SetGain",
     "SetNoise",
     "SetSignal",
     "SetSubsteps",
+    "SetTruth",
+    "SignalChange",
     "TimedCommand",
+    "TruthChange",
 ]

@@ -25,7 +25,7 @@ from thetascope_schemas.experiment.base import (
     check_known,
     example,
 )
-from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, TimedCommand
+from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, SetTruth, TimedCommand
 from thetascope_schemas.experiment.controllers import check_multiple
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
@@ -305,6 +305,12 @@ class Experiment(Strict):
         check_known(self.signals, plant.names("signals"), "signals", "plant.signal.unknown")
         check_known(self.noise, plant.names("outputs"), "noise", "plant.output.unknown")
         self.truth.check(plant, self.noise, self.measurement, self.step)
+        for index, command in enumerate(self.commands):
+            if isinstance(command, SetTruth):
+                path = f"commands[{index}].truth"
+                command.truth.check(plant, self.noise, self.measurement, self.step, path)
+                if command.truth.states != self.truth.states:
+                    raise refuse("command.truth.states", f"{path}.states", [s.name for s in command.truth.states])
         for index, fault in enumerate(self.faults):
             kind, name = fault.site
             known = plant.names(f"{kind}s")

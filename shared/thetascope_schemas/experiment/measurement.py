@@ -150,39 +150,40 @@ class Truth(Strict):
         noise: Mapping[str, Noise],
         measurement: ContinuousMeasurement | SampledMeasurement,
         step: float,
+        path: str = "truth",
     ) -> None:
         """Refuse unknown and repeated names, values outside their bounds, and sample times that do not fit.
 
-        `step`: the integration step in s.
+        `step`: the integration step in s; `path`: path of the field.
         """
-        check_known(self.parameters, plant.names("parameters"), "truth.parameters", "plant.parameter.unknown")
+        check_known(self.parameters, plant.names("parameters"), f"{path}.parameters", "plant.parameter.unknown")
         for item in plant.parameters:
             if item.name in self.parameters:
-                check_within(self.parameters[item.name], item.bounds, f"truth.parameters.{item.name}", item.name)
+                check_within(self.parameters[item.name], item.bounds, f"{path}.parameters.{item.name}", item.name)
         taken = {name: field for field, name in plant.declared()}
         own = tuple(state.name for state in self.states)
         for index, name in enumerate(own):
-            field = f"truth.states[{index}].name"
+            field = f"{path}.states[{index}].name"
             if name in taken:
                 raise refuse("plant.name.repeated", field, name, name=name, by=taken[name])
             taken[name] = field
             if name not in self.dynamics:
-                raise refuse("plant.state.no-equation", "truth.dynamics", name, state=name)
+                raise refuse("plant.state.no-equation", f"{path}.dynamics", name, state=name)
         states = (*plant.names("states"), *own)
-        check_known(self.dynamics, states, "truth.dynamics", "truth.state.unknown")
-        check_known(self.process_noise, states, "truth.process_noise", "truth.state.unknown")
-        check_known(self.outputs, plant.names("outputs"), "truth.outputs", "plant.output.unknown")
+        check_known(self.dynamics, states, f"{path}.dynamics", "truth.state.unknown")
+        check_known(self.process_noise, states, f"{path}.process_noise", "truth.state.unknown")
+        check_known(self.outputs, plant.names("outputs"), f"{path}.outputs", "plant.output.unknown")
         for name, sensor in self.outputs.items():
             if sensor.correlation is not None and name not in noise:
-                field = f"truth.outputs.{name}.correlation"
+                field = f"{path}.outputs.{name}.correlation"
                 raise refuse("truth.correlation.no-noise", field, sensor.correlation, output=name)
             period = sensor.samples_every(noise.get(name), measurement, plant)
             if period is not None and plant.controllers:
                 part = next(p for p in ("period", "missing", "jitter") if getattr(sensor, p))
-                field, value = f"truth.outputs.{name}.{part}", getattr(sensor, part)
+                field, value = f"{path}.outputs.{name}.{part}", getattr(sensor, part)
                 raise refuse("truth.samples.closed-loop", field, value, output=name)
             if period is not None:
-                _check_samples(f"truth.outputs.{name}", name, sensor, period, step)
+                _check_samples(f"{path}.outputs.{name}", name, sensor, period, step)
 
 
 def _check_samples(field: str, output: str, sensor: TrueSensor, period: float, step: float) -> None:

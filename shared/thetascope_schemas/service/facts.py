@@ -8,6 +8,7 @@ from thetascope_schemas.experiment.base import Number, Strict, Text, example
 from thetascope_schemas.experiment.diagnosis import Alarm
 from thetascope_schemas.experiment.experiment import Noise
 from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.measurement import Truth
 from thetascope_schemas.experiment.observers import Gain, Label, ObserverConfig
 from thetascope_schemas.service.comparison import AlarmOutcome, FaultOutcome
 
@@ -36,6 +37,7 @@ EXAMPLE = {
     "observers": [_OBSERVER],
     "faults": [_FAULT],
     "noise": {"y": {"std": 0.001, "sample_time": 0.01}},
+    "truth": {"deviation": 0.02},
     "broken": None,
     "alarms": [],
     "alarm_verdicts": [],
@@ -95,6 +97,7 @@ class Facts(Strict):
     observers: tuple[ObserverNow, ...]
     faults: tuple[FaultNow, ...] = Field(description="All faults, past and future, in the order of the experiment.")
     noise: dict[str, Noise] = Field(description="Measurement noise of the noisy outputs, by name.")
+    truth: Truth = Field(default_factory=Truth, description="Where the simulated plant differs from the model.")
     broken: Number | None = Field(default=None, description="Time in s at which the plant diverged; null: it has not.")
     alarms: tuple[Alarm, ...] = Field(
         default=(), description="The detector's alarms up to that time, in order of time."

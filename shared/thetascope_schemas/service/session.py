@@ -24,12 +24,13 @@ from typing import Annotated, Literal
 
 from pydantic import BeforeValidator, Field, JsonValue
 
-from thetascope_schemas.experiment.base import Instant, NonNegative, Number, Positive, Reference, Strict, Text, example
+from thetascope_schemas.experiment.base import Instant, Number, Reference, Strict, example
+from thetascope_schemas.experiment.commands import GainChange, NoiseChange, SignalChange, TruthChange
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.faults import Fault
-from thetascope_schemas.experiment.observers import Gain, Label, ObserverConfig
-from thetascope_schemas.experiment.signals import Signal
+from thetascope_schemas.experiment.observers import Label, ObserverConfig
+from thetascope_schemas.service.event import Event
 from thetascope_schemas.service.facts import EXAMPLE, Facts
 from thetascope_schemas.service.run import AssumptionCheck
 
@@ -102,33 +103,32 @@ class Clear(Command):
     output: Reference | None = None
 
 
-class SetGainNow(Command):
+class SetGainNow(GainChange, Command):
     """Set a gain of an observer from now on."""
 
     model_config = example(type="set-gain", id=7, observer="adaptive", gain="rho", value=8)
     type: Literal["set-gain"] = "set-gain"
-    observer: Label
-    gain: Reference
-    value: Gain
 
 
-class SetSignalNow(Command):
+class SetSignalNow(SignalChange, Command):
     """Set an input or known signal from now on. The signal's time is that of the session."""
 
     model_config = example(type="set-signal", id=8, name="u", signal={"kind": "constant", "value": 0.05})
     type: Literal["set-signal"] = "set-signal"
-    name: Reference
-    signal: Signal
 
 
-class SetNoiseNow(Command):
+class SetNoiseNow(NoiseChange, Command):
     """Set the measurement noise of an output from now on."""
 
     model_config = example(type="set-noise", id=9, output="y", std=0.002, sample_time=0.01)
     type: Literal["set-noise"] = "set-noise"
-    output: Reference
-    std: NonNegative = Field(description="Standard deviation, in the output's unit.")
-    sample_time: Positive = Field(default=0.01, description="Time in s for which each drawn value is held.")
+
+
+class SetTruthNow(TruthChange, Command):
+    """Set the true plant and its sensors from now on; observers and the detector keep their model."""
+
+    model_config = example(type="set-truth", id=15, truth={"deviation": 0.02})
+    type: Literal["set-truth"] = "set-truth"
 
 
 class AddObserverNow(Command):
@@ -167,17 +167,19 @@ def unnumbered(command: object) -> object:
     return {"id": 0, **command} if isinstance(command, dict) else command
 
 
+SpecCommand = (
+    Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow
+)
+"""The commands that change the experiment from the present row on."""
+
 BatchMember = Annotated[
     Annotated[
-        Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow | Reset,
+        SpecCommand | Reset,
         Field(discriminator="type"),
     ],
     BeforeValidator(unnumbered),
 ]
 """A command of a batch, without an id: one that changes the experiment, or Reset."""
-
-SpecCommand = Inject | Clear | SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow
-"""The commands that change the experiment from the present row on."""
 
 
 class Batch(Command):
@@ -210,6 +212,7 @@ ClientMessage = Annotated[
     | SetGainNow
     | SetSignalNow
     | SetNoiseNow
+    | SetTruthNow
     | AddObserverNow
     | RemoveObserverNow
     | Reset
@@ -292,42 +295,6 @@ class Status(Strict):
     rate: Number | None = Field(description="Measured speed: simulated seconds per second.")
     viewers: int
     ended: bool = Field(default=False, description="The session has reached its last row, or the plant has diverged.")
-
-
-EventKind = Literal[
-    "inject",
-    "clear",
-    "fault-begins",
-    "fault-ends",
-    "gain",
-    "signal",
-    "noise",
-    "observer-added",
-    "observer-removed",
-    "alarm",
-    "alarm-over",
-    "diverged",
-    "rewound",
-    "reset",
-    "substeps",
-]
-
-
-class Event(Strict):
-    """An event for the log. It is never dropped."""
-
-    type: Literal["event"] = "event"
-    row: int
-    t: Number
-    kind: EventKind
-    subject: str = Field(
-        default="",
-        description='Channel, output, observer label or signal; of "diverged", empty if it is the plant itself.',
-    )
-    observer: str = Field(default="", description="Label of the observer that raised an alarm.")
-    fault: str = Field(default="", description="Id of the fault (inject, fault-begins, fault-ends).")
-    value: JsonValue = Field(default=None, description="Size, gain value, estimate …")
-    message: Text = Field(description="The event in a sentence.")
 
 
 class Columns(Strict):

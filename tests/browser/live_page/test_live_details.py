@@ -7,6 +7,18 @@ from tests.browser.live_helpers import opened, row, until
 PAUSED = "/?experiment=zhao-2012&t=12"
 
 
+def test_the_model_slider_moves_the_truth_and_shows_the_present_one(tab, page):
+    """Its value is the share in per cent; a command of another viewer moves it; the log tells it."""
+    live = opened(tab, "/?experiment=dc-motor&t=2")
+    field = live.locator(".model input.number")
+    field.fill("2")
+    field.press("Enter")
+    until(live, "thetascope.state.facts.truth.deviation === 0.02")
+    live.evaluate("thetascope.send({type: 'set-truth', truth: {deviation: 0.035}})")
+    until(live, "document.querySelector('.model input.number').value === '3.5'")
+    until(live, "thetascope.state.log.some((event) => event.kind === 'truth')")
+
+
 def test_the_noise_field_shows_the_present_noise(tab, page):
     """It follows commands, typing and the reset, also in another viewer's page."""
     live = opened(tab, PAUSED)

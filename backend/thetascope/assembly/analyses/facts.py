@@ -50,12 +50,13 @@ def facts(spec: ResolvedExperiment, t: float, at: float, detector: DetectorState
         at: time in s at which faults and commands count as acting: t of a run; the next row of a session.
     """
     observers = observers_at(spec, at, losses.observers)
-    judgement = detector.judgement
+    judgement, present = detector.judgement, after_commands(spec, at)
     return Facts(
         t=t,
         observers=observers,
         faults=faults_at(spec, at),
-        noise=after_commands(spec, at).noise,
+        noise=present.noise,
+        truth=present.truth,
         broken=losses.plant,
         alarms=tuple(detector.alarms),
         alarm_verdicts=tuple(AlarmOutcome(**vars(v)) for v in judgement.alarms) if judgement else (),

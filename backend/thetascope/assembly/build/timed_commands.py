@@ -10,6 +10,7 @@ from thetascope_schemas.experiment.commands import (
     SetNoise,
     SetSignal,
     SetSubsteps,
+    SetTruth,
     TimedCommand,
 )
 from thetascope_schemas.experiment.experiment import Noise
@@ -71,6 +72,10 @@ def _set_noise(spec: ResolvedExperiment, command: SetNoise) -> ResolvedExperimen
     return _with(spec, noise={**spec.noise, command.output: noise})
 
 
+def _set_truth(spec: ResolvedExperiment, command: SetTruth) -> ResolvedExperiment:
+    return _with(spec, truth=command.truth)
+
+
 def _add_observer(spec: ResolvedExperiment, command: AddObserver) -> ResolvedExperiment:
     if command.observer.label in [o.label for o in spec.observers]:
         label = command.observer.label
@@ -91,6 +96,7 @@ _APPLY = {
     SetGain: _set_gain,
     SetSignal: _set_signal,
     SetNoise: _set_noise,
+    SetTruth: _set_truth,
     AddObserver: _add_observer,
     RemoveObserver: _remove_observer,
     SetSubsteps: _set_substeps,

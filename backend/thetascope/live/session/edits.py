@@ -11,6 +11,7 @@ from thetascope_schemas.experiment.commands import (
     SetGain,
     SetNoise,
     SetSignal,
+    SetTruth,
     TimedCommand,
 )
 from thetascope_schemas.experiment.faults import Fault
@@ -22,15 +23,17 @@ from thetascope_schemas.service.session import (
     SetGainNow,
     SetNoiseNow,
     SetSignalNow,
+    SetTruthNow,
 )
 
-TimedNow = SetGainNow | SetSignalNow | SetNoiseNow | AddObserverNow | RemoveObserverNow
+TimedNow = SetGainNow | SetSignalNow | SetNoiseNow | SetTruthNow | AddObserverNow | RemoveObserverNow
 """The live commands that have a timed form."""
 
 _TIMED: dict[type[TimedNow], type[TimedCommand]] = {
     SetGainNow: SetGain,
     SetSignalNow: SetSignal,
     SetNoiseNow: SetNoise,
+    SetTruthNow: SetTruth,
     AddObserverNow: AddObserver,
     RemoveObserverNow: RemoveObserver,
 }
@@ -89,18 +92,30 @@ def with_command(
         here: the experiment before the command, without timed commands.
 
     Raises:
-        SpecError: the command does not fit the experiment.
+        SpecError, pydantic.ValidationError: the command does not fit the experiment.
     """
     timed = timed_command_of(command, at)
     if (too_often := spec.too_often(getattr(timed, "signal", timed))) is not None:
         field, interval, code, args = too_often
         raise SpecError(field, interval, Message(code, **args))
+    if isinstance(timed, SetTruth):
+        _check_truth(here, timed)
     after = changed(here, timed)
     earlier = [c for c in spec.commands if c.at <= at]
     if isinstance(timed, SetGain):  # of a slider that is dragged, the last value within one row counts
         earlier = [c for c in earlier if not _same_gain(c, timed)]
+    if isinstance(timed, SetTruth):
+        earlier = [c for c in earlier if not (isinstance(c, SetTruth) and c.at == timed.at)]
     later = [c for c in spec.commands if c.at > at]
     return spec.model_copy(update={"commands": (*earlier, timed, *later)}), after
+
+
+def _check_truth(here: ResolvedExperiment, command: SetTruth) -> None:
+    """Refuse a truth that does not fit the experiment, or that has other states than the plant that is running."""
+    if command.truth.states != here.truth.states:
+        names = [state.name for state in command.truth.states]
+        raise SpecError("truth.states", names, Message("command.truth.states"))
+    here.model_copy(update={"truth": command.truth, "figures": ()}).with_plant(here.plant)
 
 
 def _same_gain(command: TimedCommand, other: SetGain) -> bool:

@@ -21,7 +21,8 @@ from thetascope.messages import Message
 from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.diagnosis import Alarm, DiagnosisSettings, InputProposal, ObserverDiagnosis
-from thetascope_schemas.service.session import DiagnosisNow, Event, EventKind
+from thetascope_schemas.service.event import EventKind
+from thetascope_schemas.service.session import DiagnosisNow, Event
 
 _BATCHES_INSIDE = 8  # small batches of rows that wait until a larger one comes
 _BATCHES_OUTSIDE, _ROWS_OUTSIDE = 256, 20_000  # that may wait for somebody else to test them

@@ -16,19 +16,22 @@ from thetascope_schemas.experiment.commands import (
     SetNoise,
     SetSignal,
     SetSubsteps,
+    SetTruth,
     TimedCommand,
 )
 from thetascope_schemas.experiment.faults import Fault
+from thetascope_schemas.experiment.measurement import Truth
+from thetascope_schemas.service.event import EventKind
 from thetascope_schemas.service.session import (
     AddObserverNow,
     Clear,
     Event,
-    EventKind,
     Inject,
     RemoveObserverNow,
     SetGainNow,
     SetNoiseNow,
     SetSignalNow,
+    SetTruthNow,
     SpecCommand,
 )
 
@@ -102,6 +105,8 @@ def _described(command: SpecCommand | TimedCommand) -> tuple[EventKind, str, Jso
         case SetNoiseNow() | SetNoise():
             message = Message("event.noise", output=command.output, std=command.std)
             return "noise", command.output, command.std, message
+        case SetTruthNow() | SetTruth():
+            return "truth", "", command.truth.model_dump(mode="json"), _truth(command.truth)
         case AddObserverNow() | AddObserver():
             label = command.observer.label
             return "observer-added", label, command.observer.kind, Message("event.observer-added", observer=label)
@@ -109,6 +114,14 @@ def _described(command: SpecCommand | TimedCommand) -> tuple[EventKind, str, Jso
             message = Message("event.observer-removed", observer=command.label)
             return "observer-removed", command.label, None, message
     raise TypeError(type(command).__name__)
+
+
+def _truth(truth: Truth) -> Message:
+    if truth == Truth():
+        return Message("event.truth-none")
+    if truth == Truth(deviation=truth.deviation):
+        return Message("event.truth-deviation", percent=100 * truth.deviation)
+    return Message("event.truth")
 
 
 def _injected(fault: Fault) -> Message:

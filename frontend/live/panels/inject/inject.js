@@ -1,11 +1,11 @@
-// Inject a fault: a row for every channel, one for every output's measurement, and the noise.
+// Inject a fault: a row for every channel, one for every output's measurement, the noise, and the error of the model.
 
 import {childrenOf, fill, h, query} from '../../../common/dom.js';
 import {badges, called, split} from '../../../common/names.js';
 import {createRow} from './inject-row.js';
 import {wholeLines} from '../../../widgets/whole-lines.js';
 import {asOfNow, badge, heading, link, slider, throttled} from '../../../widgets/controls.js';
-import {logarithmic} from '../../../widgets/slider-scale.js';
+import {linear, logarithmic} from '../../../widgets/slider-scale.js';
 import {named, t} from '../../../i18n/words.js';
 
 /** @import {Plant} from '../../../pages/types.js' */
@@ -57,6 +57,7 @@ export function mount(element, app) {
       channels.map((row) => row.element),
       plant.channels.length === 0 && h('p', {class: 'soft'}, t('page.inject.no-channels')),
       plant.outputs.map((output, place) => [outputs[place].element, noiseRow(app, output, ends)]),
+      plant.parameters.length > 0 && modelRow(app, ends),
     );
     fill(element, heading(t('page.inject.title'), tag, toggle), list, more);
     showOutputs = show;
@@ -230,6 +231,62 @@ function noiseRow(app, output, ends) {
       h('span', {}, t('page.inject.noise'), ' ', h('i', {}, 'σ')),
       control.range,
       control.field,
+    ),
+  );
+}
+
+const MOST_OFF = 50; // per cent
+
+/**
+ * The share by which the parameters of the plant differ from the model that observers know, moved while time runs.
+ * @param {App} app
+ * @param {(() => void)[]} ends
+ */
+function modelRow(app, ends) {
+  /** @returns {Partial<service.Truth>} */
+  const truth = () => app.state.facts?.truth ?? {};
+  const percent = () => 100 * (truth().deviation ?? 0);
+  const send = throttled(async (/** @type {number} */ value) => {
+    try {
+      await app.send({type: 'set-truth', truth: {...truth(), deviation: value / 100}});
+    } catch (error) {
+      app.act.refused(error);
+      control.show(percent());
+    }
+  });
+  const control = slider({
+    name: t('page.inject.model-of'),
+    scale: linear(0, 10),
+    value: percent(),
+    low: 0,
+    high: MOST_OFF,
+    change: (value) => send(value),
+  });
+  ends.push(
+    app.subscribe(
+      (state) => [state.facts?.truth?.deviation ?? 0, state.role],
+      ([deviation, role]) => {
+        control.follow(100 * deviation);
+        control.disable(role === 'view');
+      },
+    ),
+  );
+  return h(
+    'div',
+    {
+      class: 'fault model',
+      role: 'group',
+      'aria-label': t('page.inject.model-of'),
+      title: t('page.inject.model-hint'),
+    },
+    badge(split('p'), {square: true}),
+    h(
+      'div',
+      {class: 'control'},
+      h('span', {}, t('page.inject.model')),
+      control.range,
+      control.field,
+      h('span', {}, '%'),
     ),
   );
 }
