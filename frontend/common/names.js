@@ -80,7 +80,8 @@ export const titleOf = (item) => named(item.title) || brief(item.description);
  */
 export function called(name, plant) {
   if (symbolic(name) || !plant) return plain(name);
-  const item = [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...plant.states].find(
+  const {channels, outputs, inputs, signals, states, references = []} = plant;
+  const item = [...channels, ...outputs, ...inputs, ...signals, ...references, ...states].find(
     (one) => one.name === name,
   );
   return (item && titleOf(item)) || plain(name);
@@ -93,7 +94,9 @@ export function called(name, plant) {
  */
 export function spoken(message, plant) {
   const names = plant
-    ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals].map((one) => one.name)
+    ? [...plant.channels, ...plant.outputs, ...plant.inputs, ...plant.signals, ...(plant.references ?? [])].map(
+        (one) => one.name,
+      )
     : [];
   return withoutBlanks(say(message).replace(NAME, (part) => (names.includes(part) ? called(part, plant) : part)));
 }

@@ -278,17 +278,19 @@ export interface Trace {
 
 /** One axis of the scope with its curves. */
 export interface Strip {
-  /** theta.theta1, x.x1, residual.y, excitation */
+  /** theta.theta1, x.x1, r.r, u.q, residual.y, excitation */
   name: string;
-  kind: 'theta' | 'state' | 'residual' | 'excitation';
+  kind: 'theta' | 'state' | 'loop' | 'residual' | 'excitation';
   /** Name to be set as mathematics. */
   symbol: string;
   /** Channel, state or output. */
   subject: string;
   title: string | {[language: string]: string};
   unit: string;
-  /** Column of the true value. */
+  /** Column of the true value; of a loop, the set point or the input that is set. */
   truth: string | null;
+  /** Column and name of a reading, beside a set point. */
+  reading?: {column: string; label: string};
   traces: Trace[];
   /** Values that are always within the axis. */
   base: [number, number] | null;

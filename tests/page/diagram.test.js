@@ -69,3 +69,13 @@ test('blocks follow each other within the picture, and every site is on its bloc
     });
   }
 });
+
+test('the controllers are between the plant and the observers, and their wires do not cross the blocks', () => {
+  const open = layout(plant());
+  assert.equal(open.loop, null);
+  const {loop, axis, foot, height} = layout(
+    plant({controllers: [{name: 'PI', period: 0.5, outputs: []}], references: [{name: 'r'}]}),
+  );
+  assert(loop && loop.y - loop.height / 2 > axis + 26 && foot - 23 > loop.y + loop.height / 2);
+  assert(loop.mark + 12 < loop.x && loop.mark - 12 > 13 && height > open.height);
+});

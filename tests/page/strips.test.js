@@ -99,3 +99,29 @@ test('the axis of a channel holds its typical size, on the side to which the fau
     assert.deepEqual([strip.base, strip.least], [base, 2]);
   }
 });
+
+test('a loop has a strip for each set point, with the reading of its unit, and for each input that is set', () => {
+  const closed = /** @type {Plant} */ (
+    /** @type {unknown} */ ({
+      ...plant(1),
+      outputs: [
+        {name: 'level', unit: 'cm', description: ''},
+        {name: 'flow', unit: 'l/s', description: ''},
+      ],
+      inputs: [
+        {name: 'q', unit: 'l/s', description: 'pump'},
+        {name: 'free', unit: '', description: ''},
+      ],
+      references: [{name: 'r', unit: 'cm', description: 'level'}],
+      controllers: [{outputs: [{input: 'q', saturation: [null, null]}]}],
+    })
+  );
+  const loop = stripsOf(state({plant: closed, columns: COLUMNS})).filter(({kind}) => kind === 'loop');
+  assert.deepEqual(
+    loop.map(({name, truth, reading}) => [name, truth, reading?.column]),
+    [
+      ['r.r', 'r.r', 'y.level'],
+      ['u.q', 'u.q', undefined],
+    ],
+  );
+});

@@ -44,7 +44,8 @@ export function wanted(strip, samples, t0, t1, whole = false) {
   };
   if (last > first) {
     const traces = strip.traces.flatMap(({column}) => bins(samples, column, first, last) ?? []);
-    if (strip.truth) take(quantiles(bins(samples, strip.truth, first, last), 0));
+    for (const column of [strip.truth, strip.reading?.column])
+      if (column) take(quantiles(bins(samples, column, first, last), 0));
     for (const found of traces) take(quantiles(found, whole ? 0 : TRIMMED));
     if (range && !whole) {
       const [bottom, top] = range;

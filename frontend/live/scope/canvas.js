@@ -186,6 +186,10 @@ function drawTraces(ctx, strip, {left, width, height}, view, range, colours, fai
       strip.log && strip.traces.length === 1 ? colours.ok : colours.observers[strip.traces[i].place % 6];
     draw(strip.traces[i].column, faint ? WHOLE : PIECE); // where pieces of a faint curve meet it would be less so
   }
+  if (strip.reading) {
+    ctx.strokeStyle = colours.soft;
+    draw(strip.reading.column, faint ? WHOLE : PIECE);
+  }
   if (strip.truth) {
     ctx.strokeStyle = colours.ink;
     ctx.lineWidth = 1.2 * colours.size;

@@ -230,6 +230,7 @@ function bandOf(banded, app, key) {
 const SPOKEN = ['band', 'triangle', 'tinted', 'dash']; // which marks lose their words first
 const GROUPS = [
   ['theta', 'channels'],
+  ['loop', 'loop'],
   ['state', 'states'],
   ['residual', 'residuals'],
   ['excitation', 'other'],

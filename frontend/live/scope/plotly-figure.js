@@ -5,6 +5,7 @@ import {brief, plain, symbolic} from '../../common/names.js';
 import {palette} from './canvas.js';
 import {plotlyLocale} from '../../i18n/plotly-locale.js';
 import {t} from '../../i18n/words.js';
+import {truthOf} from './values.js';
 
 /** @import {PlotlyFigure} from '../../types/globals.js' */
 /** @import {Alarm, FaultState, Palette, Samples, Strip} from '../types.js' */
@@ -269,7 +270,8 @@ function curvesOf(strip, axis, {samples, t0, t1, colours, listed, bands}) {
     ...strip.traces.map((trace) =>
       curve(trace.column, trace.label, {color: colours.observers[trace.place % 6], width: 1.4}),
     ),
-    ...(strip.truth ? [curve(strip.truth, t('page.scope.truth'), {color: colours.ink, width: 1.2, dash: 'dash'})] : []),
+    ...(strip.reading ? [curve(strip.reading.column, strip.reading.label, {color: colours.soft, width: 1.2})] : []),
+    ...(strip.truth ? [curve(strip.truth, truthOf(strip), {color: colours.ink, width: 1.2, dash: 'dash'})] : []),
   ];
 }
 

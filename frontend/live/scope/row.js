@@ -57,10 +57,14 @@ export function label(row, app) {
       'data-label': trace.label,
     }),
   );
-  row.values.style.setProperty('--lines', String(Math.ceil((own.length + (strip.truth ? 1 : 0)) / 2)));
+  row.values.style.setProperty(
+    '--lines',
+    String(Math.ceil((own.length + (strip.truth ? 1 : 0) + (strip.reading ? 1 : 0)) / 2)),
+  );
   fill(
     row.values,
     strip.truth && h('span', {class: 'truth'}),
+    strip.reading && h('span', {style: '--c:var(--soft)', 'data-label': strip.reading.label}),
     own,
     strip.log && own.length === 1 && h('span', {class: 'judged', style: '--c:var(--ok)', 'data-label': ''}),
   );

@@ -27,7 +27,8 @@ export function showValues(rows, app) {
       ? excitation
       : written(range.target ? {low: range.target[0], high: range.target[1]} : range);
     const shown = [
-      ...(strip.truth ? [{column: strip.truth, label: t('page.scope.truth'), fallen: null}] : []),
+      ...(strip.truth ? [{column: strip.truth, label: truthOf(strip), fallen: null}] : []),
+      ...(strip.reading ? [{...strip.reading, fallen: null}] : []),
       ...strip.traces,
     ];
     const words = shown.map(({column, fallen, label}, i) => {
@@ -44,6 +45,12 @@ export function showValues(rows, app) {
       canvas.setAttribute('aria-label', t('page.text.values', {title: canvas.dataset.name, values: words.join(', ')}));
   }
 }
+
+/** The name of a strip's dashed curve. @param {Strip} strip */
+export const truthOf = ({kind, name}) =>
+  kind !== 'loop'
+    ? t('page.scope.truth')
+    : t(name.startsWith('r.') ? 'page.plant.set-point-short' : 'page.scope.applied');
 
 /** @param {Element | undefined} cell @param {string} words */
 const put = (cell, words) => {

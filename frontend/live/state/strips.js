@@ -1,5 +1,5 @@
-// Which strips a session has and what each of them draws: one per fault channel, per state, per output's residual, and
-// the excitation.
+// Which strips a session has and what each of them draws: one per fault channel, per set point and input of a loop, per
+// state, per output's residual, and the excitation.
 
 /** @import {DerivedColumn, FaultState, ObserverState, Plant, State, Strip, Trace} from '../types.js' */
 
@@ -67,6 +67,7 @@ export function stripsOf({plant, columns, observers, faults, checks, strips: cho
   /** @type {UsualStrip[]} */
   const all = [
     ...channelStrips(plant, known, faults, traces),
+    ...loopStrips(plant),
     ...stateStrips(plant, traces),
     ...residualStrips(plant, noise, known, observers, traces),
     ...excitationStrip(known, observers, checks, traces),
@@ -126,6 +127,40 @@ function channelStrips(plant, known, faults, traces) {
     [...order.filter((strip) => strip.stirred), ...order.filter((strip) => !strip.stirred)].slice(0, MOST_CHANNELS),
   );
   return drafts.map((strip) => ({...strip, usual: first.has(strip) || strip.stirred === true}));
+}
+
+/**
+ * The set points, each with the reading of its unit, and the inputs that controllers set.
+ * @param {Plant} plant
+ * @returns {UsualStrip[]}
+ */
+function loopStrips(plant) {
+  if (!plant.controllers?.length) return [];
+  const controlled = new Set(plant.controllers.flatMap(({outputs}) => outputs.map(({input}) => input)));
+  const items = [
+    ...plant.references.map((one) => ({...one, column: `r.${one.name}`})),
+    ...plant.inputs.filter(({name}) => controlled.has(name)).map((one) => ({...one, column: `u.${one.name}`})),
+  ];
+  return items.map(({name, unit, description, column}) => {
+    const read = plant.outputs.filter((one) => column.startsWith('r.') && one.unit === unit);
+    return {
+      name: column,
+      kind: 'loop',
+      symbol: name,
+      subject: name,
+      title: description ?? '',
+      unit,
+      truth: column,
+      ...(read.length === 1 ? {reading: {column: `y.${read[0].name}`, label: read[0].name}} : {}),
+      traces: [],
+      base: null,
+      least: 0,
+      log: false,
+      threshold: null,
+      weight: 0.9,
+      usual: true,
+    };
+  });
 }
 
 /** @param {Plant} plant @param {MakeTraces} traces */

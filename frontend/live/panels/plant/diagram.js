@@ -10,7 +10,9 @@ import {NAME} from '../../../common/names.js';
  * @typedef {Site & {x: number, y: number}} Spot
  * @typedef {Block & {x: number, y: number, width: number, height: number, top: number, columns: number,
  *   spots: Spot[]}} Box
- * @typedef {{blocks: Box[], axis: number, foot: number, height: number, left: number, right: number}} Layout
+ * @typedef {{x: number, y: number, width: number, height: number, mark: number}} Loop
+ * @typedef {{blocks: Box[], axis: number, foot: number, height: number, left: number, right: number,
+ *   loop: Loop | null}} Layout   `loop`: the controllers; `mark`: the place of their saturation
  * @typedef {{id: 'actuator'|'plant'|'l1'|'hysteresis'|'l2'|'sensor', states: string[], sites: Site[]}} Block
  */
 
@@ -134,10 +136,14 @@ export function layout(plant) {
   const half = HALF;
   const axis = top + half + 2;
   const boxes = placed.map((one) => ({...one, y: axis - half, height: 2 * half, top, spots: spots(one, top)}));
-  const lines = Math.max(plant.inputs.length, plant.outputs.length, 1);
-  const foot = axis + half + 12 + 14 * lines + 22; // the names are beside the wires, above the observers
+  const closed = (plant.controllers ?? []).length > 0;
+  const lines = Math.max(plant.inputs.length, plant.outputs.length, plant.references?.length ?? 0, 1);
+  /** @type {Loop | null} */
+  const loop = closed ? {x: WIDTH / 2 - 46, y: axis + half + 32, width: 92, height: 34, mark: 55} : null;
+  const under = loop ? loop.y + loop.height / 2 : axis + half;
+  const foot = under + 12 + 14 * lines + 22; // the names are beside the wires, above the observers
   const last = boxes[boxes.length - 1];
-  return {blocks: boxes, axis, foot, height: foot + 24, left, right: last.x + last.width / 2};
+  return {blocks: boxes, axis, foot, height: foot + 24, left, right: last.x + last.width / 2, loop};
 }
 
 /**

@@ -3,6 +3,8 @@
 import {fill} from '../../../common/dom.js';
 import {badges, called} from '../../../common/names.js';
 import {HALF, layout, WIDTH} from './diagram.js';
+import {atLimit, controllers} from './loop-picture.js';
+import {setPoints} from './set-points.js';
 import {open} from '../dialogs/open-dialog.js';
 import {asOfNow, heading, link, steady} from '../../../widgets/controls.js';
 import {letters, s} from '../../../widgets/svg.js';
@@ -16,6 +18,10 @@ import {named, t} from '../../../i18n/words.js';
 export function mount(element, app) {
   /** @type {Value[]} */
   let values = [];
+  /** @type {Limited[]} */
+  let limits = [];
+  /** @type {() => void} ends the subscriptions of the set points */
+  let end = () => {};
   /** @type {Map<string, Drawn>} */
   let sites = new Map();
   const tag = asOfNow(app);
@@ -25,15 +31,23 @@ export function mount(element, app) {
       element,
       heading(t('page.plant.title'), tag, plant && link(t('page.plant.equations'), () => open('equations'))),
       plant && picture(plant),
+      plant && points(plant),
     );
     light();
   };
   /** @param {Plant} plant */
   const picture = (plant) => {
     const drawing = drawPlant(plant, app);
-    ({values, sites} = drawing);
+    ({values, sites, limits} = drawing);
     tick();
     return drawing.svg;
+  };
+  /** @param {Plant} plant */
+  const points = (plant) => {
+    end();
+    const rows = setPoints(plant, app);
+    ({end} = rows);
+    return rows.elements;
   };
   /**
    * Amber: a fault acts there; a vermilion ring: an alarm names it, dashed where others explain the data equally
@@ -64,6 +78,11 @@ export function mount(element, app) {
       const now = app.latest(column);
       node.textContent = Number.isFinite(now) ? steady(now, Math.max(Math.abs(now), scale), 3) : '';
     }
+    const full = limits.filter((one) => atLimit(one, app.latest(one.column)));
+    for (const {mark, label} of limits) {
+      mark.classList.toggle('on', full.length > 0);
+      label.textContent = full.length ? t('page.plant.at-limit') : t('page.plant.saturation');
+    }
   };
   app.subscribe((state) => [state.plant, state.language], draw);
   app.subscribe((state) => state.observers.map((one) => one.colour).join(), draw);
@@ -85,6 +104,7 @@ function drawPlant(plant, app) {
   const sites = new Map();
   /** @type {Value[]} */
   const values = [];
+  const loop = place.loop && controllers(place, place.loop, plant, app);
   const parts = place.blocks.map((box) => block(box, plant));
   const buttons = place.blocks.flatMap((box) => box.spots.map((spot) => button(spot, short, app, sites)));
   const svg = s(
@@ -105,15 +125,17 @@ function drawPlant(plant, app) {
       ),
     ),
     wires(place, plant, values, named),
+    loop?.parts ?? [],
     parts,
     watchers(place, app),
     buttons,
   );
-  return {svg, values, sites};
+  return {svg, values, sites, limits: loop?.limits ?? []};
 }
 
 /** @typedef {{column: string, node: SVGElement, scale: number}} Value   a present value beside its wire */
 /** @typedef {{group: SVGElement, title: string, onChannel: boolean}} Drawn   a fault site */
+/** @typedef {{column: string, low: number, high: number, mark: SVGElement, label: SVGElement}} Limited   an input */
 /** @typedef {{name: string, unit: string, description: string, default?: number}} Port */
 
 /**
@@ -123,7 +145,7 @@ function drawPlant(plant, app) {
  * @param {Value[]} values
  * @param {(words: string) => string} named
  */
-function wires({blocks, axis, foot, left, right}, plant, values, named) {
+function wires({blocks, axis, foot, left, right, loop}, plant, values, named) {
   /** @param {string} d */
   const wire = (d) => s('path', {class: 'wire', d, 'marker-end': 'url(#tip)'});
   const between = blocks
@@ -133,11 +155,13 @@ function wires({blocks, axis, foot, left, right}, plant, values, named) {
   const parts = [...between, out, ...list(plant.outputs, 'y.', right - 7, foot, 'end', values, named)];
   if (blocks[0].id === 'actuator') {
     const x = 13;
+    const controlled = new Set(plant.controllers?.flatMap(({outputs}) => outputs.map(({input}) => input)));
+    if (plant.inputs.some(({name}) => !controlled.has(name)))
+      parts.push(wire(`M2 ${axis}H${left - 1}`), s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}));
     parts.push(
-      wire(`M2 ${axis}H${left - 1}`),
-      wire(`M${x} ${axis}V${foot}H${WIDTH / 2 - 56}`),
-      s('circle', {cx: x, cy: axis, r: 1.8, class: 'knot'}),
+      wire(`M${x} ${loop ? loop.y : axis}V${foot}H${WIDTH / 2 - 56}`),
       ...list(plant.inputs, 'u.', x + 7, foot, 'start', values, named),
+      ...list(plant.references ?? [], 'r.', WIDTH / 2 - 5, foot, 'end', values, named),
     );
     if (plant.inputs.length > 1)
       parts.push(
