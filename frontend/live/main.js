@@ -3,18 +3,18 @@
 import {get} from '../common/api.js';
 import {query} from '../common/dom.js';
 import {actions, addressOf, presented} from './actions.js';
-import {SPEEDS} from '../widgets/number-format.js';
 import {mountDesk} from './ui/presentation.js';
 import {Edge, createLoop} from './loop.js';
 import {mountHysteresis} from './scope/hysteresis.js';
 import {Arrivals} from './net/missed-rows.js';
 import {mountNotice} from './ui/notice.js';
 import {mountPanels} from './mount-panels.js';
+import {openingSpeed} from './state/opening-speed.js';
 import * as permalink from './state/permalink.js';
 import {reduce} from './state/reduce.js';
 import {Samples} from './state/samples.js';
 import {mountScope} from './scope/scope.js';
-import {create, fork, kept, library, look} from './net/session.js';
+import {create, end, fork, kept, library, look} from './net/session.js';
 import {connect, Refused} from './net/socket.js';
 import {createStore, initial} from './state/store.js';
 import {derivedColumns, stripsOf} from './state/strips.js';
@@ -39,9 +39,6 @@ import {named, say, speak, t} from '../i18n/words.js';
  */
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
-const PLAYED_IN = 50; // s in which a horizon should pass, so that an hour-long experiment is played faster
-const AWAITED = 10; // s after which the first fault should come
-const BRISK = 100; // the fastest that a session begins with
 const ADDRESS = 5000; // ms between updates of the address while time runs
 
 const store = createStore({...initial, theme: window.theme.now, language: chosenLanguage()}, reduce);
@@ -89,6 +86,14 @@ const app = /** @type {App} */ (
 );
 /** @type {{language: Language, answer: Promise<Catalogue>} | null} */
 let catalogue = null;
+
+let turns = 0; // sessions asked for
+
+/** Ask for another session. Returns whether it is still the newest one asked for: the answers of others are dropped. */
+function turn() {
+  const mine = (turns += 1);
+  return () => mine === turns;
+}
 
 // ---- joining and leaving a session
 // ---------------------------------------------------------------------------------------
@@ -185,20 +190,27 @@ const link = {
   token: () => token,
   /** Begin a session with an experiment of the library or a spec. */
   async begin({experiment = null, spec = null, t = 0, play = true, then}) {
+    const wanted = turn();
     try {
       const opened = await create({...(spec ? {spec} : {experiment}), play, t});
-      join({id: opened.id, control: opened.token, experiment, plain: spec === null, fresh: true, then});
+      if (wanted()) join({id: opened.id, control: opened.token, experiment, plain: spec === null, fresh: true, then});
+      else await end(opened.id, opened.token);
     } catch (error) {
-      failed(error);
+      if (wanted()) failed(error);
     }
   },
   async fork(at) {
     const {session, experiment, begunPlain} = store.state;
+    if (session === null) return;
+    const wanted = turn();
     const now = at ?? app.samples.now;
     try {
       await writeAddress();
-      if (session === null) return;
       const opened = await fork(session, token, at);
+      if (!wanted()) {
+        await end(opened.id, opened.token);
+        return;
+      }
       const parent = {id: session, t: now};
       kept.write({id: opened.id, token: opened.token, address: '', experiment, plain: begunPlain, parent});
       history.pushState({session: opened.id}, '', location.href); // the browser's Back leads to the first one
@@ -219,19 +231,23 @@ const link = {
    * @param {string} id
    */
   async visit(id) {
+    const wanted = turn();
     await writeAddress();
+    if (!wanted()) return;
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
-    if (!(await arrive(() => rejoin(id)))) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
+    const joined = await arrive(() => rejoin(id, wanted));
+    if (!joined && wanted()) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
   },
 };
 
 /**
- * Join a session that this tab has had before, if it is still there.
+ * Join a session that this tab has had before, if it is still there and still wanted.
  * @param {string} id
+ * @param {() => boolean} wanted
  */
-async function rejoin(id) {
+async function rejoin(id, wanted) {
   const known = kept.of(id);
-  if (!(await look(id).catch(() => null))) return false;
+  if (!(await look(id).catch(() => null)) || !wanted()) return false;
   join({
     id,
     control: known?.token ?? null,
@@ -303,29 +319,21 @@ addEventListener('pagehide', () => {
   if (mine?.id === store.state.session) kept.write({...mine, address: location.search + location.hash});
 });
 
-/**
- * The speed that a session begins with: the first fault is soon there, and the whole is over in a minute.
- * @param {Pick<Experiment, 'horizon' | 'faults'>} spec
- */
-function openingSpeed({horizon, faults}) {
-  const first = Math.min(...faults.map(({onset}) => onset).filter((onset) => onset > 0));
-  const wanted = Math.min(BRISK, Math.max(horizon / PLAYED_IN, Number.isFinite(first) ? first / AWAITED : 0));
-  return SPEEDS.findLast((speed) => speed !== null && speed <= wanted) ?? SPEEDS[0];
-}
-
 /** Open the session of the address; without one, the first experiment, already running. */
 async function open() {
+  const wanted = turn();
   /** @type {Awaited<ReturnType<typeof permalink.read>>} */
   let request;
   try {
     request = await permalink.read(location);
   } catch {
-    return failed({title: t('page.notice.damaged-link'), detail: ''});
+    return wanted() ? failed({title: t('page.notice.damaged-link'), detail: ''}) : undefined;
   }
   const mine = kept.read();
   const here = location.search + location.hash;
   const own = [history.state?.session, mine?.address === here && here && mine.id].find((id) => id && kept.of(id));
-  if (own && (await rejoin(own))) return undefined;
+  if (own && (await rejoin(own, wanted))) return undefined;
+  if (!wanted()) return undefined;
   if (request.session)
     return join({
       id: request.session,
@@ -339,8 +347,10 @@ async function open() {
     : undefined;
   try {
     const spec = await permalink.specOf(request, library);
+    if (!wanted()) return undefined;
     if (spec) {
       const opened = await create({spec, t: request.t, play: false});
+      if (!wanted()) return await end(opened.id, opened.token);
       return join({
         id: opened.id,
         control: opened.token,
@@ -351,7 +361,7 @@ async function open() {
       });
     }
   } catch (error) {
-    return failed(error);
+    return wanted() ? failed(error) : undefined;
   }
   if (request.experiment) return link.begin({experiment: request.experiment, t: request.t, play: !linked, then});
   return link.begin({experiment: FIRST.experiment, t: FIRST.t, play: true});

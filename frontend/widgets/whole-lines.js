@@ -16,14 +16,29 @@ const LOST = 80; // px of room that may stay empty below the last whole line; a 
 /** @type {Set<Kept>} */
 const kept = new Set();
 let pending = 0;
-const soon = () => {
+let wanted = true; // whatever the lists hold
+let fitted = ''; // the shape that the lists were fitted in
+/** @param {boolean} [whatever]   also if the lists keep their shape */
+const soon = (whatever = true) => {
+  wanted ||= whatever;
   pending ||= requestAnimationFrame(() => {
     pending = 0;
-    fitAll();
+    if (wanted || shape() !== fitted) fitAll();
   });
 };
-const resized = new ResizeObserver(soon);
-addEventListener('resize', soon);
+const resized = new ResizeObserver(() => soon());
+addEventListener('resize', () => soon());
+
+/** The heights of all lists, and the ends of their lines. */
+const shape = () =>
+  [...kept]
+    .map(({list, lines}) => [
+      list.clientHeight,
+      list.scrollHeight,
+      list.scrollTop,
+      ...lines().map((line) => bottom(line, list)),
+    ])
+    .join('|');
 
 /**
  * End a scrolling list with a whole line. `lines()` returns its lines from the top. Returns a button for the card that
@@ -42,11 +57,14 @@ export function wholeLines(list, lines, app) {
   });
   const one = {list, more, lines: () => lines().filter((line) => line.offsetHeight > 0)};
   kept.add(one);
-  list.addEventListener('scroll', () => count(one), {passive: true});
+  list.addEventListener('scroll', () => show(one, below(one)), {passive: true});
   new MutationObserver((changes) => {
-    if (changes.some(matters)) soon();
+    if (changes.some(matters)) soon(false);
   }).observe(list, {childList: true, subtree: true, attributeFilter: ['hidden', 'open']});
-  app.subscribe((state) => [state.language, state.presentation], soon);
+  app.subscribe(
+    (state) => [state.language, state.presentation],
+    () => soon(),
+  );
   return more;
 }
 
@@ -65,6 +83,7 @@ const matters = ({type, addedNodes, removedNodes}) =>
 const bottom = (line, list) => line.getBoundingClientRect().bottom - list.getBoundingClientRect().top;
 
 function fitAll() {
+  wanted = false;
   for (const {list} of kept)
     // a capped list does not grow with its card
     for (const one of [list, list.closest('.card')]) if (one?.isConnected) resized.observe(one);
@@ -75,12 +94,15 @@ function fitAll() {
   const whole = new Map(free.map((one) => [one, lastWhole(one)]));
   for (const [{list}, end] of whole) if (end) cap(list, end);
   for (const [one, end] of whole) if (end && grows(one.list)) refit(one); // they get the room that the others left
-  for (const {one, top, line} of before) {
-    if (one.list.scrollTop !== top) one.list.scrollTop = top; // higher for a moment, it may have been scrolled less
+  for (const {one, top} of before) if (top > 0 && one.list.scrollTop !== top) one.list.scrollTop = top; // higher for a moment, it may have been less
+  for (const {one, line} of before) {
     const out = line ? bottom(line, one.list) - one.list.clientHeight : 0;
     if (out > 0) one.list.scrollTop += out; // a line that is in use stays whole
-    count(one);
   }
+  // all are counted before the first number is written: a layout each would take longer than everything else
+  const counts = before.map(({one}) => /** @type {const} */ ([one, below(one)]));
+  fitted = shape();
+  for (const [one, lines] of counts) show(one, lines);
 }
 
 /**
@@ -131,10 +153,15 @@ function cap(list, height) {
   if (card instanceof HTMLElement && !card.matches('.desk .card')) card.style.flexShrink = height === null ? '' : '0';
 }
 
-/** @param {Kept} kept */
-function count({list, lines, more}) {
-  const below = lines().filter((line) => bottom(line, list) > list.clientHeight + 2).length;
-  more.hidden = below === 0;
-  const words = below ? t('page.text.more-lines', {n: below}) : '';
+/**
+ * How many lines follow below the visible part.
+ * @param {Kept} kept
+ */
+const below = ({list, lines}) => lines().filter((line) => bottom(line, list) > list.clientHeight + 2).length;
+
+/** @param {Kept} kept @param {number} count */
+function show({more}, count) {
+  more.hidden = count === 0;
+  const words = count ? t('page.text.more-lines', {n: count}) : '';
   if (more.textContent !== words) more.textContent = words;
 }

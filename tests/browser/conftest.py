@@ -122,11 +122,14 @@ INSIGHT = """(() => {
 
 
 def visit(context, server: str, path: str, width: int, height: int, theme: str):
-    """Return a new page of a context at a path of the server, with .watch of the errors on it."""
+    """Return a new page of a context at a path of the server, with .watch of the errors on it.
+
+    It prefers reduced motion: axes jump instead of gliding, so that nothing depends on the time of a frame.
+    """
     opened = context.new_page()
     opened.set_default_timeout(60_000)
     opened.set_viewport_size({"width": width, "height": height})
-    opened.emulate_media(color_scheme=theme)
+    opened.emulate_media(color_scheme=theme, reduced_motion="reduce")
     opened.watch = Watch(opened, server)
     opened.add_init_script(INSIGHT)
     opened.goto(server + path)

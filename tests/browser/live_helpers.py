@@ -86,6 +86,13 @@ def rested(page) -> None:
     page.evaluate(RESTED)
 
 
+def reload(page) -> None:
+    """Load a page again by its own script, as a command of the browser may overtake the page's last entry of the
+    history, and then loads the one before."""
+    with page.expect_navigation():
+        page.evaluate("void location.reload()")
+
+
 def row(page, name: str):
     """Return the row of the inject panel for a channel or output."""
     return page.locator(f"#fault-{name}")

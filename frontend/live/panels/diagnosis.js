@@ -62,6 +62,7 @@ export function mount(element, app) {
     place();
   };
   const place = () => {
+    if (!element.classList.contains('unfolded')) return;
     const column = (element.parentElement ?? element).getBoundingClientRect();
     element.style.setProperty('--below', `${verdict.offsetTop + verdict.offsetHeight}px`);
     element.style.setProperty('--room', `${column.bottom - verdict.getBoundingClientRect().bottom - 8}px`);

@@ -85,6 +85,7 @@ export class Scope {
     this.seen = ''; // the rows and times that the axes were last fitted to
     this.atOnce = true;
     this.still = ''; // the rows and times that are drawn
+    this.measured = false; // the canvases have the size of their places
     /** @type {string | null} the observer whose name is pointed at */
     this.pointed = null;
     /** @type {Place | null} of the time axis */
@@ -99,7 +100,10 @@ export class Scope {
     fill(root, this.title, this.head, this.plots, this.empty);
     mountHead(this.head, app, this);
     this.pointer = mountPointer(this.plots, app, this);
-    new ResizeObserver(() => this.measure()).observe(this.list);
+    new ResizeObserver(() => {
+      this.measured = false;
+      app.wake();
+    }).observe(this.list);
   }
 
   /** Rebuild the rows after a change of the strips; rows that remain keep their axes. */
@@ -121,7 +125,7 @@ export class Scope {
       this.list.replaceChildren(...wanted);
     }
     this.showUnresolved();
-    this.measure();
+    this.measured = false; // in the next frame, when every panel has changed
     this.showEmpty();
     this.aimed = 0;
     this.still = '';
@@ -151,11 +155,13 @@ export class Scope {
 
   restyle() {
     this.colours = palette();
-    this.measure();
+    this.measured = false;
+    this.app.wake();
   }
 
   /** Fit the canvases to their places. */
   measure() {
+    this.measured = true;
     const ratio = Math.min(3, devicePixelRatio || 1);
     const crowded = [...this.rows.values()].some(
       ({element, values}) => values.childElementCount * LINE * this.colours.size > element.clientHeight,
@@ -172,7 +178,6 @@ export class Scope {
       if (this.place) this.pointer.measure(box.left - plots.left + this.place.left, this.place.width);
     }
     this.still = '';
-    this.app.wake();
   }
 
   /**
@@ -192,6 +197,7 @@ export class Scope {
   draw(now) {
     const {app} = this;
     const {state, samples, ghost} = app;
+    if (!this.measured) this.measure();
     const moving = app.edge.move(
       now,
       samples.now,

@@ -1,6 +1,6 @@
 """A fork and its parent: compared in one table, and one click or Back away from each other."""
 
-from tests.browser.live_helpers import APP, ready, send, state, until
+from tests.browser.live_helpers import APP, ready, reload, send, state, until
 
 
 def forked(page):
@@ -55,7 +55,7 @@ def test_back_and_the_legend_lead_to_the_first_session_and_to_the_fork(page):
     both."""
     opened, parent = forked(page)
     fork = state(opened, "session")
-    opened.go_back()
+    opened.evaluate("history.back()")
     until(opened, f"{APP}.state.session === {parent!r} && {APP}.state.connection === 'live'")
     ready(opened)
     assert state(opened, "role") == "control" and abs(state(opened, "t") - 30) < 0.02
@@ -63,7 +63,7 @@ def test_back_and_the_legend_lead_to_the_first_session_and_to_the_fork(page):
     until(opened, f"{APP}.state.session === {fork!r} && {APP}.state.origin !== null")
     assert state(opened, "parent")["id"] == parent and state(opened, "role") == "control"
     until(opened, f"history.state?.session === {fork!r}")
-    opened.reload()
+    reload(opened)
     ready(opened)
     assert state(opened, "session") == fork and state(opened, "role") == "control"
     until(opened, f"{APP}.state.origin !== null && document.querySelector('#panel-comparison .origin .link') !== null")

@@ -5,7 +5,7 @@ import zlib
 
 import pytest
 
-from tests.browser.live_helpers import APP, last_row, ready, send, state, until
+from tests.browser.live_helpers import APP, last_row, ready, reload, send, state, until
 
 PAUSED = "/?experiment=zhao-2012&t=12"
 
@@ -51,7 +51,7 @@ def test_loading_the_page_again_keeps_the_session_and_its_control(page):
     changed(opened)
     session = state(opened, "session")
     until(opened, f"location.hash.startsWith('#s=') && location.href === await {APP}.act.link()")
-    opened.reload()
+    reload(opened)
     ready(opened)
     assert state(opened, "session") == session and state(opened, "role") == "control"
     send(opened, "{type: 'clear'}")
@@ -258,3 +258,33 @@ def test_rows_that_were_not_sent_are_fetched_in_order(tab):
     }"""
     )
     assert wrong == 0 and tries == 3
+
+
+def test_the_newest_choice_of_a_session_wins(tab):
+    """A session that was asked for earlier and is answered later is ended, and never replaces the newer one."""
+    opened = tab(PAUSED)
+    ready(opened)
+    ends = opened.evaluate("""async () => {
+      const {fetch: ask} = window;
+      const posts = [], deleted = [];
+      let answer;
+      const held = new Promise((done) => { answer = done; });
+      window.fetch = async (address, options) => {
+        if (options?.method === 'DELETE') deleted.push(String(address));
+        if (options?.method !== 'POST' || !String(address).endsWith('/api/sessions')) return ask(address, options);
+        posts.push(ask(address, options));
+        if (posts.length === 1) await held;
+        return posts.at(posts.length === 1 ? 0 : -1);
+      };
+      const spec = thetascope.state.spec;
+      const first = thetascope.act.openSpec(spec, {t: 3});
+      await thetascope.act.openSpec(spec, {t: 5});
+      const second = thetascope.state.session;
+      answer();
+      await first;
+      window.fetch = ask;
+      return [thetascope.state.session === second, deleted.length];
+    }""")
+    assert ends == [True, 1]
+    ready(opened)
+    assert abs(state(opened, "t") - 5) < 0.02

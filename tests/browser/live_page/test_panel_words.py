@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.browser.live_helpers import opened, rested, until
+from tests.browser.live_helpers import opened, reload, rested, until
 
 #: With more than a thousand rows.
 PAUSED = "/?experiment=zhao-2012&t=12"
@@ -54,7 +54,7 @@ def test_in_chinese_no_english_word_of_the_page_is_left(page):
     chinese = set(live.evaluate(SPOKEN))
     same = english & chinese
     assert {word for word in same if not any(name in word for name in NAMES)} == set()
-    live.reload()
+    reload(live)
     until(live, "document.querySelector('#panel-inject h2')?.textContent === '注入故障'")
 
 

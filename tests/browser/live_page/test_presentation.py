@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.browser.live_helpers import opened, rested, row, until
+from tests.browser.live_helpers import opened, reload, rested, row, until
 from tests.browser.test_accessibility import UNFOLD, serious, with_faults
 
 TABS = {"inject": "I", "observers": "O", "comparison": "M", "log": "G", "try": "Y"}
@@ -201,14 +201,14 @@ def test_a_reload_keeps_the_presentation(page):
     live = presented(page)
     until(live, "history.state?.session !== undefined")
     session = live.evaluate("thetascope.state.session")
-    live.reload()
+    reload(live)
     until(
         live,
         f"window.thetascope?.state.session === '{session}' && thetascope.state.presentation && "
         f"document.querySelector('.desk .fault') !== null",
     )
     live.keyboard.press("p")
-    live.reload()
+    reload(live)
     until(live, "window.thetascope?.state.spec !== null && document.querySelector('#panel-inject .fault') !== null")
     assert not live.evaluate("thetascope.state.presentation") and live.is_visible(".pages")
 

@@ -55,7 +55,7 @@ def test_the_library_is_listed_and_a_choice_opens(page):
     opened.click(".chooser li a[href*='shen-hu-2015-noise-free']")
     opened.wait_for_url("**/runs/?experiment=shen-hu-2015-noise-free")
     assert opened.locator(".chooser a[aria-current]").count() == 1
-    opened.go_back()
+    opened.evaluate("history.back()")
     opened.wait_for_selector(".chooser li:first-child a[aria-current]")
     assert "noise-free" not in opened.url
 

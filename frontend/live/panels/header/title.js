@@ -91,7 +91,7 @@ export function mount(element, app) {
   new ResizeObserver(fit).observe(element);
 
   app.subscribe(
-    (state) => [state.spec?.title, state.plant, state.observers.length, state.language],
+    (state) => [named(state.spec?.title), state.plant, state.observers.length, state.language],
     () => {
       const {spec, plant, observers} = app.state;
       name.textContent = spec ? named(plant?.title) || named(spec.title) || spec.id : t('page.text.loading');
