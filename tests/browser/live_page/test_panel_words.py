@@ -144,7 +144,7 @@ def test_other_plants_fill_the_same_panels(tab, experiment):
     live = opened(tab, f"/?experiment={experiment}&t=1")
     sites = live.evaluate("thetascope.state.plant.channels.length + thetascope.state.plant.outputs.length")
     assert live.locator("svg.plant .site").count() == sites
-    assert live.locator("#panel-inject .fault:not(.noise)").count() == sites
+    assert live.locator("#panel-inject .fault:not(.noise, .model)").count() == sites
     outside = live.evaluate(
         "(() => { const box = document.querySelector('svg.plant').getBoundingClientRect();"
         " return [...document.querySelectorAll('svg.plant text, svg.plant .site')].filter((one) => { const r = "

@@ -19,6 +19,8 @@ export function mount(element, app) {
   /** @type {Map<string, InjectRow>} */
   let rows = new Map();
   let open = false; // the rows of measurement faults
+  /** @type {Plant | null} whose rows these are */
+  let shown = null;
   /** @type {(() => void)[]} of subscriptions that the rows hold */
   const ends = [];
   /** @type {(open: boolean) => void} shows the rows of measurement faults, or hides them */
@@ -27,12 +29,19 @@ export function mount(element, app) {
   const more = wholeLines(list, () => childrenOf(list), app);
   const tag = asOfNow(app);
 
-  const build = async () => {
-    const {plant} = app.state;
-    const {faults} = await app.catalogue;
-    if (plant !== app.state.plant) return;
+  /** Show nothing of the last plant while the shapes of faults are awaited. */
+  const clear = () => {
     rows = new Map();
     for (const end of ends.splice(0)) end();
+    fill(list);
+  };
+  const build = async () => {
+    const {plant} = app.state;
+    if (plant !== shown) clear();
+    shown = plant;
+    const {faults} = await app.catalogue;
+    if (plant !== app.state.plant) return;
+    clear();
     if (!plant) return fill(element, heading(t('page.inject.title')));
     const channels = channelRows(app, plant, faults, rows);
     const outputs = outputRows(app, plant, faults, rows);
