@@ -17,6 +17,7 @@ from thetascope.diagnosis.isolation.decision_state import (
 )
 from thetascope.diagnosis.isolation.first_order import first_order_scan
 from thetascope.diagnosis.isolation.known_faults import (
+    BEFORE,
     LEAST,
     SOON,
     assign_finding,
@@ -279,12 +280,12 @@ def accept_leader(state: DecisionState, evidence: Evidence, choice: RankedExplan
 
 
 def _window_begin(state: DecisionState, old: tuple[TentativeEvent, ...], new: list[TentativeEvent]) -> int:
-    """Return the decision from which data are needed: as long before the new events as after them, without cutting a
-    rise in two."""
+    """Return the decision from which data are needed: as long before the new events as after them, at least BEFORE,
+    without cutting a rise in two."""
     onset = min(entry.event.onset_decision for entry in new)
     faults = {entry.finding for entry in new}
     related = (e.event.onset_decision for e in old if e.event.is_drift or e.finding in faults)
-    first = min([onset, *related]) - (state.at - onset)
+    first = min([onset, *related]) - max(state.at - onset, BEFORE)
     for event in sorted((entry.event for entry in old), key=lambda e: -e.onset):
         first = first if event.is_over(first) else min(first, event.onset_decision)
     return first

@@ -17,15 +17,21 @@ from thetascope.diagnosis.isolation.decision_state import (
 )
 from thetascope.diagnosis.isolation.first_order import onset_interval
 from thetascope.diagnosis.isolation.likelihood_fit import Explanation
-from thetascope.diagnosis.isolation.onset_uncertainty import onset_uncertainty
-from thetascope.diagnosis.isolation.ramp_uncertainty import shape_variance
+from thetascope.diagnosis.isolation.onset_uncertainty import step_uncertainty
 from thetascope.diagnosis.isolation.replay import ReplayWindow
+from thetascope.diagnosis.isolation.size_uncertainty import (
+    base_deviation,
+    passed_on,
+    rise_variance,
+    shape_inflation,
+    size_deviation,
+)
 from thetascope.diagnosis.yield_points import Steps
 
-LARGEST_INFLATION = 3.0  # of the deviation of a rise that is still going on, against one of known shape
 GONE = 0.2  # of its size: a fault whose estimate falls below this is over
 LEAST = 4  # decisions that isolation takes at least: over one, a single outlier resembles any fault
 SOON = 20  # decisions after a fault was isolated during which it is not taken to have changed
+BEFORE = 64  # decisions before an onset, at least, that are kept: the first estimate of an onset may be late
 RECENT = 100  # decisions: an output that fails again within this time was faulty throughout
 
 
@@ -58,9 +64,7 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
         if i is None:  # merged into another event, which will be estimated again
             continue
         deviation, shift = (yield from _deviation(state, evidence, window, fit, k, i, before)), 0.0
-        if not event.rise_time:
-            state, shift, onset_deviation = yield from _with_onset_interval(state, evidence, fit, k, i)
-            deviation = float(np.hypot(deviation, onset_deviation))
+        # whether it is over does not depend on when it began
         vanished_size = _size_if_vanished(
             state, event, i, deviation, before.get(i, state.findings[i]), state.at - fit.onset
         )
@@ -70,6 +74,11 @@ def commit_fit(state: DecisionState, evidence: Evidence, fit: Explanation) -> St
                 state, i, with_settled_size(replace(before.get(i, state.findings[i]), size=vanished_size))
             )
         else:
+            if not event.rise_time:
+                own = next(entry.own for entry in entries if entry.event == event)
+                state, shift, deviation = yield from _with_onset_interval(
+                    state, evidence, fit, k, i, own, before, deviation
+                )
             size = float(known.level[event.channel]) + shift
             initial = state.findings[i].initial or (size, deviation)
             finding = replace(state.findings[i], size=size, deviation=deviation, initial=initial)
@@ -129,82 +138,57 @@ def _deviation(
     """Return the standard deviation of the present size of event `k` of a fit, which belongs to finding `i`."""
     assert state.tentative is not None
     event, base = fit.events[k], state.tentative.base
-    known_before = [f for f in before.values() if f.channel is not None]
-    deviation, v = _size_deviation(state, evidence, fit, k, known_before)
+    deviation, v = size_deviation(evidence, state.at, fit, k, list(before.values()))
     if 0 < event.rise_time < np.inf:
-        shape = yield from _shape_deviation(state, evidence, fit, k)
-        if shape:
-            deviation = float(np.hypot(deviation, shape))
+        without = yield from _window_before(state, evidence, fit)
+        variance = yield from rise_variance(without, fit.events, k)
+        if variance:
+            deviation = float((variance + passed_on(fit, k, list(before.values()), variance)) ** 0.5)
         else:
-            inflated = deviation * _shape_inflation(window, event, deviation, v)
+            inflated = deviation * shape_inflation(window, event, deviation, v)
             deviation = max(state.findings[i].deviation, inflated)
-    if base.slope[event.channel] or base.asymptote[event.channel]:  # the level that it started from is uncertain too
-        deviation = float(np.hypot(deviation, before.get(i, state.findings[i]).deviation))
-    return deviation
+    return float(np.hypot(deviation, base_deviation(base, event, before.get(i, state.findings[i]))))
 
 
-def _size_deviation(
-    state: DecisionState, evidence: Evidence, fit: Explanation, k: int, known: list[Finding]
-) -> tuple[float, float]:
-    """Return (deviation, v): the standard deviation of the value reached by event `k` for a known shape, and the
-    noise's v.
-
-    v (`WindowNoise`) is taken between that of two thirds of the settling time and that of the whole length, by where
-    the information comes from: a response that begins abruptly weighs fast noise more than its length suggests.
-    `known`: the faults known before, whose errors pass on to this one.
-    """
-    event, noise = fit.events[k], evidence.thresholds.noise
-    settling, long = (
-        float(noise.v[noise.nearest(n), event.channel])
-        for n in (2 * evidence.thresholds.settle // 3, state.at - fit.onset)
-    )
-    v = long + float(fit.early[k]) * max(settling - long, 0.0)
-    others = sum((fit.passed[k, f.channel] * f.deviation) ** 2 for f in known if f.channel != event.channel)
-    variance = max(v * fit.covariance[k, k], 0.0)
-    # older errors are partly compensated by the state estimate, hence the limit
-    return float(np.sqrt(variance + min(others, variance)) * abs(event.unit_value(state.at))), v
-
-
-def _shape_deviation(state: DecisionState, evidence: Evidence, fit: Explanation, k: int) -> Steps[float]:
-    """Return the standard deviation of the value reached by event `k` due to its estimated shape; 0 where it is not
-    determined.
-
-    The shape is determined at its ends, where noise is white, unlike over the whole rise.
-    """
+def _window_before(state: DecisionState, evidence: Evidence, fit: Explanation) -> Steps[ReplayWindow]:
+    """Return the window of the tentative events in which those of a fit are not known."""
     assert state.tentative is not None
     tentative = state.tentative
     others = tuple(e for e in tentative.events if e not in fit.events)
     yield
-    window = ReplayWindow.of(evidence, tentative.base, others, tentative.begin, state.at, state.trusted_outputs)
-    variance = yield from shape_variance(window, fit.events, k)
-    return variance**0.5
+    return ReplayWindow.of(evidence, tentative.base, others, tentative.begin, state.at, state.trusted_outputs)
 
 
 def _with_onset_interval(
-    state: DecisionState, evidence: Evidence, fit: Explanation, k: int, i: int
+    state: DecisionState,
+    evidence: Evidence,
+    fit: Explanation,
+    k: int,
+    i: int,
+    own: bool,
+    before: dict[int, Finding],
+    deviation: float,
 ) -> Steps[tuple[DecisionState, float, float]]:
     """Return the state with the interval of the onset of finding `i`, and the correction and the deviation of its
-    size due to the onset of step `k`."""
+    size, for step `k`.
+
+    Args:
+        state, evidence, fit, k, i, before: as in `_deviation`.
+        own: whether the finding was raised for this event.
+        deviation: that of the size for a known onset, which is returned if the onset's uncertainty is not known.
+    """
     assert state.tentative is not None
-    tentative, event, finding = state.tentative, fit.events[k], state.findings[i]
-    others = tuple(e for e in tentative.events if e not in fit.events)
-    yield
-    window = ReplayWindow.of(evidence, tentative.base, others, tentative.begin, state.at, state.trusted_outputs)
-    width = finding.onset_to - finding.onset_from if finding.onset == event.onset else 1.0
-    uncertain = yield from onset_uncertainty(window, fit.events, k, width)
+    finding, event = state.findings[i], fit.events[k]
+    window = yield from _window_before(state, evidence, fit)
+    width = finding.onset_to - finding.onset_from if own else 1.0
+    uncertain = yield from step_uncertainty(window, fit.events, k, width)
     if uncertain is None:
-        return state, 0.0, 0.0
-    if finding.onset == event.onset:
-        finding = replace(finding, onset_from=uncertain.earliest, onset_to=uncertain.latest)
-    return with_finding(state, i, finding), uncertain.shift, uncertain.variance**0.5
-
-
-def _shape_inflation(window: ReplayWindow, event: Event, deviation: float, v: float) -> float:
-    """Return the factor by which the deviation of a rise grows because its shape is estimated: its size shows only
-    after its end."""
-    end = min(int(event.onset + event.rise_time * (2 if event.exponential else 1)), window.end - 1)
-    J = float(window.future.ww[max(end - window.begin, 0), event.channel, event.channel])
-    return float(np.clip((v / max(J, 1e-300)) ** 0.5 / max(deviation, 1e-300), 1.0, LARGEST_INFLATION))
+        return state, 0.0, deviation
+    if own:
+        finding = replace(finding, onset=uncertain.onset, onset_from=uncertain.earliest, onset_to=uncertain.latest)
+    variance = uncertain.variance + passed_on(fit, k, list(before.values()), uncertain.variance)
+    base = base_deviation(state.tentative.base, event, before.get(i, finding))
+    return with_finding(state, i, finding), uncertain.shift, float(np.hypot(variance**0.5, base))
 
 
 def _merge_ramp(tentative: TentativeEvents, fit: Explanation) -> TentativeEvents:
@@ -362,7 +346,7 @@ def earliest_replay(state: DecisionState, evidence: Evidence) -> int:
 
 def drop_stale(state: DecisionState, evidence: Evidence) -> DecisionState:
     """Return the state with tentative events left as they are if data from their beginning are no longer available."""
-    tentative, begin = state.tentative, earliest_replay(state, evidence)
+    tentative, begin = state.tentative, max(evidence.oldest, state.at - LONGEST - BEFORE)
     if tentative is None or tentative.begin >= begin:
         return state
     if all(entry.event.onset_decision > begin for entry in tentative.entries):

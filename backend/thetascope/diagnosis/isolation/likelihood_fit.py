@@ -21,7 +21,7 @@ _GAINED = 0.5  # energy: a round that gains less is the last one
 _STEPS = (-2, -1, 1, 2)  # multiples of a step by which onsets and ends of rises are shifted in one round,
 _MOVES = 4  # and the largest number of rounds with one step
 _FRACTIONS = (12, 48)  # of a rise time: the steps of ramps and exponentials, coarse and fine
-_EQUAL = 1e-3  # difference of costs that counts as none
+EQUAL = 1e-3  # difference of costs that counts as none
 
 
 @dataclass(frozen=True)
@@ -238,5 +238,5 @@ def _best(present: tuple[FitBatch, int], batch: FitBatch | None, own: list[int])
     show."""
     fits = [present, *((batch, i) for i in own if batch is not None)]
     least = min(f.cost[i] for f, i in fits)
-    cheapest = (fit for fit in fits if fit[0].cost[fit[1]] <= least + _EQUAL)
+    cheapest = (fit for fit in fits if fit[0].cost[fit[1]] <= least + EQUAL)
     return max(cheapest, key=lambda fit: fit[0].hypotheses[fit[1]][0].onset)

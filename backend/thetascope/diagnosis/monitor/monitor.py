@@ -15,9 +15,11 @@ from thetascope.diagnosis.detection.thresholds import Thresholds
 from thetascope.diagnosis.detection.window_tests import LONGEST, WindowSums
 from thetascope.diagnosis.isolation.decision_state import DecisionState, Evidence
 from thetascope.diagnosis.isolation.decision_step import advance_decisions
+from thetascope.diagnosis.isolation.known_faults import BEFORE
 from thetascope.diagnosis.residuals.backward_pass import BackwardPass
 from thetascope.diagnosis.residuals.filter_bank import FilterBank
 from thetascope.diagnosis.residuals.innovation_filter import LARGEST, InnovationFilter, Innovations
+from thetascope.diagnosis.residuals.score_noise import ScoreNoise
 from thetascope.diagnosis.residuals.segment import Segment
 from thetascope.diagnosis.yield_points import Steps
 
@@ -51,11 +53,13 @@ class Monitor:
     def __init__(self, filter_: InnovationFilter, thresholds: Thresholds, stride: int):
         self.filter, self.thresholds, self.stride = filter_, thresholds, stride
         self.bank, self.backward_pass = FilterBank(filter_), BackwardPass(filter_)
+        self.score_noise = ScoreNoise(self.backward_pass)
 
     def prepare(self) -> None:
         """Compile the kernels of isolation in advance: this takes up to a second."""
         self.bank.prepare()
         self.backward_pass.prepare()
+        self.score_noise.prepare()
 
     def begin(self) -> MonitorState:
         """Return the state before the first row."""
@@ -140,6 +144,7 @@ class Monitor:
             self.filter,
             self.bank,
             self.backward_pass,
+            self.score_noise,
             self.thresholds.bounds,
             self.stride,
             first,
@@ -149,8 +154,8 @@ class Monitor:
         )
 
     def _without_old_data(self, state: MonitorState) -> MonitorState:
-        """Return the state without data older than the longest window."""
-        sums = state.sums.recent(LONGEST + 1)
+        """Return the state without data older than the longest window and what has to be known before it."""
+        sums = state.sums.recent(LONGEST + BEFORE + 1)
         cut = sums.first - state.sums.first
         rows = cut * self.stride
         return replace(state, sums=sums, states=state.states[cut:], table=state.table[rows:], t=state.t[rows:])

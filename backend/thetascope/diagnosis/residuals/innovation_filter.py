@@ -8,6 +8,7 @@ import numpy as np
 
 from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import NEVER, Layout, Segments, kernel
+from thetascope.engine.compiler.system import DISCRETE
 from thetascope.engine.estimation.covariance import holds, noise_stds
 from thetascope.engine.estimation.kalman_innovations import AHEAD, innovations
 from thetascope.engine.inputs.sensors import Measurement
@@ -55,6 +56,7 @@ class InnovationFilter:
         stds: (m,), standard deviations of the noise.
         stuck_after: (m,), rows of equal values after which an output is stuck; ∞ where no noise is declared.
         interval: time between rows, s.
+        acts_directly: (p,), whether a channel's fault shows in whole rows: it acts on an output, or in discrete time.
     """
 
     def __init__(self, experiment: Experiment, context: Context, doubt: float = DOUBT):
@@ -74,6 +76,10 @@ class InnovationFilter:
         ]
         courses = tuple(f"{name}.{j}" for name, j in self._courses)
         self.names = tuple(sorted(given - set(courses)))
+        self.acts_directly = np.full(self.p, experiment.plant.time == DISCRETE)
+        for k in range(self.m):
+            direct = (self.program.outputs[f"D.{k}.{j}"] for j in range(self.p))
+            self.acts_directly |= np.array([self.program.graph.value(node) != 0.0 for node in direct], dtype=bool)
         self.layout = Layout(held=(*self.names, *courses), emitted=outputs)
         self.interval = experiment.every * experiment.step
         self._fresh = [self.names.index(f"fresh.{k}") for k in range(self.m)]
