@@ -178,10 +178,6 @@ class Truth(Strict):
                 field = f"{path}.outputs.{name}.correlation"
                 raise refuse("truth.correlation.no-noise", field, sensor.correlation, output=name)
             period = sensor.samples_every(noise.get(name), measurement, plant)
-            if period is not None and plant.controllers:
-                part = next(p for p in ("period", "missing", "jitter") if getattr(sensor, p))
-                field, value = f"{path}.outputs.{name}.{part}", getattr(sensor, part)
-                raise refuse("truth.samples.closed-loop", field, value, output=name)
             if period is not None:
                 _check_samples(f"{path}.outputs.{name}", name, sensor, period, step)
 

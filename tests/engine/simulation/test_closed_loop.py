@@ -117,3 +117,31 @@ def test_blocks_change_no_bit(fault: str, period: float | None, sampling: float 
     for chunk in (10, 70, 990):
         for one, other in zip(whole, rows_of(engine, chunk=chunk), strict=True):
             assert one.tobytes() == other.tobytes()
+
+
+@pytest.mark.parametrize("period", [None, 0.25])
+@pytest.mark.parametrize("jitter", [0.0, 0.07])
+def test_late_and_lost_samples_reach_the_plant(period: float | None, jitter: float):
+    """Where the true sensor loses samples or is late, the controller reads what observers read."""
+    sensor = {"period": 0.2, "missing": 0.3, "jitter": jitter}
+    changes = {"truth": {"outputs": {"y": sensor}}, "noise": {"y": {"std": 0.01, "sample_time": 0.5}}, "seed": 4}
+    engine = prepare(experiment(level(period), **changes)).engine
+    level_, y, u, e = rows_of(engine)
+    for one, other in zip((level_, y, u, e), rows_of(engine, chunk=70), strict=True):
+        assert one.tobytes() == other.tobytes()
+    taken = engine.measurement.sampled_by[0].taken(0, engine.steps + 1)
+    noise = 0.01 * random_streams.normal(noise_key(4, 0), 0, 200)
+    rows = np.arange(len(y)) * engine.every
+    latest = taken[np.searchsorted(taken, rows, side="right") - 1]
+    on_row = latest % engine.every == 0
+    sampled = level_[latest[on_row] // engine.every] + noise[(latest[on_row] * 0.01 / 0.5 + 1e-9).astype(int)]
+    np.testing.assert_allclose(y[on_row], sampled, rtol=1e-12)
+    assert 0.6 < len(taken) / (engine.steps / 20) < 0.8
+    if period is None:
+        r = np.array([set_point_of_three(t) for t in rows * 0.01])
+        np.testing.assert_allclose(u, np.clip(2 * (r - y) + 0.5 * e + 0.5, 0, 2), rtol=1e-12)
+
+
+def set_point_of_three(t: float) -> float:
+    """Return the usual set point of `experiment`."""
+    return 1.3 if 20 <= t < 40 else 1.0

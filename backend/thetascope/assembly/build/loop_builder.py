@@ -6,7 +6,6 @@ import numpy as np
 
 from thetascope.assembly.build.step_counts import multiple
 from thetascope.engine.inputs.sensors import Measurement
-from thetascope.engine.model.closed_loop import MEASUREMENT
 from thetascope.engine.model.true_plant import true_states
 from thetascope.engine.programs.program_store import closed_loop_program
 from thetascope.engine.simulation.loop import Loop
@@ -27,12 +26,14 @@ def loop_of(
     plant = spec.plant
     if not plant.controllers:
         return None
-    every = {} if measurement.sample_every is None else {MEASUREMENT: measurement.sample_every}
+    samplings = zip(plant.names("outputs"), measurement.sampled_by, strict=True)
+    sampled = tuple(name for name, sampling in samplings if sampling is not None)
+    every = {}
     for i, controller in enumerate(plant.controllers):
         if controller.period is not None:
             every[f"due.{controller.name}"] = multiple(controller.period, step, f"plant.controllers[{i}].period")
     quantisers = len(measurement.resolutions()[0])
-    program = closed_loop_program(data, measurement.sample_every is not None, quantisers)
+    program = closed_loop_program(data, sampled, quantisers)
     given = {} if nominal else spec.initial
     start = {f"c.{s.name}": given.get(s.name, s.initial) for c in plant.controllers for s in c.states}
     start |= {f"u.{u.name}": u.default for u in plant.inputs}  # before the first instant

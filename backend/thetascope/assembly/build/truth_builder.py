@@ -28,11 +28,14 @@ def with_truth(model: Engine, spec: ResolvedExperiment) -> Engine:
         return model
     noise = {f"{PROCESS_NOISE}{name}": std for name, std in truth.process_noise.items() if std > 0}
     added = {name: sensor.adds for name, sensor in truth.outputs.items() if sensor.adds is not None}
-    plant, loop, measured = model.plant, model.loop, true_measurement(model.measurement, spec, model.step)
+    plant, data = model.plant, spec.plant.model_dump(mode="json")
+    measured = true_measurement(model.measurement, spec, model.step)
+    known_loop = loop_of(spec, data, model.step, measured.modelled)
     if noise or added or truth.dynamics:
         states, disturbed = [s.name for s in truth.states], [n.removeprefix(PROCESS_NOISE) for n in noise]
-        data = true_data(spec.plant.model_dump(mode="json"), states, truth.dynamics, added, disturbed)
-        plant, loop = plant_program(data).program, loop_of(spec, data, model.step, measured)
+        data = true_data(data, states, truth.dynamics, added, disturbed)
+        plant = plant_program(data).program
+    loop = loop_of(spec, data, model.step, measured)
     return replace(
         model,
         plant=plant,
@@ -41,7 +44,7 @@ def with_truth(model: Engine, spec: ResolvedExperiment) -> Engine:
         x0=np.concatenate([model.x0, [float(s.initial) for s in truth.states]]),
         measurement=measured,
         signals=model.signals | disturbances(noise, model.step, spec.plant.time.kind == "discrete", spec.seed),
-        model=Model(model.plant, model.parameters, noise, model.loop),
+        model=Model(model.plant, model.parameters, noise, known_loop),
     )
 
 

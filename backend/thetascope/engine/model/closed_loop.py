@@ -3,13 +3,14 @@
 The plant's equations stay as they are; the inputs that controllers set become expressions or states of the System.
 
     clean.y = h + Ψθ      noisy.y = clean.y + noise.y      faulty.y = noisy.y after the sensor's faults
-    y.y     = faulty.y, or with sampled measurement a state that takes faulty.y at the sample instants
+    y.y     = faulty.y, or where the sensor takes samples a state that takes faulty.y at its instants
     u.q     = the saturated law of a continuous controller, or a state that a sampled controller sets at its instants
 
 Stuck readings, lost samples and delays enter through the inputs ``take.y`` and ``given.y`` (where ``take.y`` is 1 the
-reading is ``given.y``), quantisation through ``resolution.y.i`` (0: none). At an instant, the input ``due.measurement``
+reading is ``given.y``), quantisation through ``resolution.y.i`` (0: none). At an instant, the input ``due.y.<output>``
 or ``due.<controller>`` is 1 and the states *jump*: first y is sampled, then the controllers act in their order. The
-outputs ``jump.<state>`` are the states after that. Between instants, these states have no derivative.
+outputs ``jump.<state>`` are the states after that. Between instants, these states have no derivative. Before its first
+sample, a reading is the output at the beginning.
 
 All quantities of one instant are ordered by what they depend on. If that is not possible, an input depends on itself
 through a measured output without any state in between, an *algebraic loop*, which is refused.
@@ -17,7 +18,7 @@ through a measured output without any state in between, an *algebraic loop*, whi
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -32,7 +33,7 @@ from thetascope.messages import Message
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
 
-MEASUREMENT = "due.measurement"
+SAMPLE = "due.y."  # and the output's name
 JUMP = "jump."
 
 
@@ -74,12 +75,12 @@ class _Equations:
         return SpecError(place, names[0], Message("controller.algebraic-loop", path=" → ".join(names)))
 
 
-def closed_loop(data: Mapping, sampled: bool, quantisers: int) -> System:
+def closed_loop(data: Mapping, sampled: Sequence[str], quantisers: int) -> System:
     """Return the closed loop of a plant with controllers.
 
     Args:
         data: the plant, or the true plant, as plain data.
-        sampled: whether the measurement is sampled.
+        sampled: names of the outputs whose sensors take samples.
         quantisers: most faults of quantisation on one output.
 
     Raises SpecError for a controller that reads a true state, and for an algebraic loop.
@@ -88,8 +89,8 @@ def closed_loop(data: Mapping, sampled: bool, quantisers: int) -> System:
 
 
 class _Writer:
-    def __init__(self, model: Model, sampled: bool, quantisers: int):
-        self.model, self.sampled, self.quantisers = model, sampled, quantisers
+    def __init__(self, model: Model, sampled: Sequence[str], quantisers: int):
+        self.model, self.sampled, self.quantisers = model, tuple(sampled), quantisers
         self.controllers = model.data["controllers"]
         self.y = {n: _symbol("y", n) for n in model.outputs}
         self.u = {n: _symbol("u", n) for n in model.inputs}
@@ -168,25 +169,28 @@ class _Writer:
                 rounded = floor(reading / step + sympy.Rational(1, 2)) * step
                 reading = Where(Less(sympy.Integer(0), step), rounded, reading)
             self.flow.set(faulty, reading)
-            if not self.sampled:
+            if name not in self.sampled:
                 self.flow.set(self.y[name], faulty, name)
 
     # ---- instants ----------------------------------------------------------------------------------------------------
 
     def _jumps(self, states: list[Symbol]) -> tuple[list[tuple[Symbol, Expr]], dict[str, Expr]]:
         """Return the quantities after the readings of an instant, and the states after it, by ``jump.<state>``."""
-        from thetascope.engine.language.sympy_functions import Where
+        from thetascope.engine.language.sympy_functions import LessEqual, Where
 
         after: list[tuple[Symbol, Expr]] = []
         present: dict[Symbol, Symbol] = {}  # the latest value of each quantity that has changed
 
-        def change(symbol: Symbol, due: str, value: Expr) -> Symbol:
+        def change(symbol: Symbol, due: str, value: Expr, otherwise: Symbol | None = None) -> Symbol:
             fresh = sympy.Symbol(f"after.{symbol.name}", real=True)
-            after.append((fresh, Where(sympy.Symbol(due, real=True), value, symbol)))
+            after.append((fresh, Where(sympy.Symbol(due, real=True), value, otherwise or symbol)))
             return fresh
 
-        if self.sampled:
-            present |= {s: change(s, MEASUREMENT, _symbol("faulty", n)) for n, s in self.y.items()}
+        for name in self.sampled:
+            y, fresh = self.y[name], _symbol("faulty", name)
+            before = sympy.Symbol(f"before.{y.name}", real=True)
+            after.append((before, Where(LessEqual(y, y), y, fresh)))  # NaN: there was no sample yet
+            present[y] = change(y, f"{SAMPLE}{name}", fresh, before)
         for i, controller in enumerate(self.controllers):
             if not self.is_sampled(controller):
                 continue
@@ -210,7 +214,7 @@ class _Writer:
             self.flow.set(d.symbol, d.expression.xreplace(swap))
         self._measure()
         update: dict[Symbol, Expr] = {}
-        held: list[Symbol] = list(self.y.values()) if self.sampled else []
+        held: list[Symbol] = [self.y[name] for name in self.sampled]
         for i, controller in enumerate(self.controllers):
             for kind, symbol, value in self._laws(i):
                 if self.is_sampled(controller):
@@ -251,10 +255,10 @@ class _Writer:
         )
 
 
-def dues(data: Mapping, sampled: bool) -> tuple[str, ...]:
-    """Return the names of the inputs that are 1 at the instants of the measurement and of the sampled controllers."""
+def dues(data: Mapping, sampled: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the inputs that are 1 at the instants of sensors and of sampled controllers."""
     controllers = tuple(f"due.{c['name']}" for c in data["controllers"] if c["period"] is not None)
-    return ((MEASUREMENT,) if sampled else ()) + controllers
+    return (*(f"{SAMPLE}{name}" for name in sampled), *controllers)
 
 
 def _symbol(prefix: str, name: str) -> Symbol:

@@ -57,7 +57,7 @@ def plant_program(plant: Mapping) -> Written:
     return _written(["plant", mathematics(plant)], write)
 
 
-def closed_loop_program(plant: Mapping, sampled: bool, quantisers: int) -> Program:
+def closed_loop_program(plant: Mapping, sampled: tuple[str, ...], quantisers: int) -> Program:
     """Return the program of a plant with its measurement and controllers (`engine.model.closed_loop`).
 
     Raises SpecError for controllers that cannot be simulated.

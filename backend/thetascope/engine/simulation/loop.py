@@ -5,16 +5,18 @@ and delays replace a reading by one that is known before a span begins; a span e
 another one within it (the onset of a freeze, a delay after its first period).
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.inputs.input_tables import Tables
+from thetascope.engine.inputs.sampling import Sampling
 from thetascope.engine.inputs.sensors import Measurement, Memory
 from thetascope.engine.inputs.signals import Signal, constant
 from thetascope.engine.inputs.time_grid import Grid
+from thetascope.engine.model.closed_loop import SAMPLE
 from thetascope.engine.programs.call_plan import plan
 
 _LONGEST = 4096  # steps of a span with faults that replace readings
@@ -31,7 +33,7 @@ class Loop:
         program: the closed loop (`engine.model.closed_loop`); its first states are the plant's.
         start: (c,), initial values of the other states.
         applied: the inputs ``u.*`` that controllers set.
-        every: base steps between the instants of each input ``due.*``.
+        every: base steps between the instants of each sampled controller, by its input ``due.*``.
         quantisers: faults of quantisation per output that the program provides for.
     """
 
@@ -57,14 +59,12 @@ class Loop:
         states = {n: rows.states[:, j] for j, n in enumerate(self.states)}
         return {**dict.fromkeys(self.program.inputs, 0.0), **values, **states}
 
-    def instants(self, a: float, b: float, step: float) -> np.ndarray:
-        """Return all instants in (a, b), in s."""
-        parts = [
-            np.arange(int(np.floor(a / (q * step))), int(np.ceil(b / (q * step))) + 1) for q in self.every.values()
-        ]
-        times = [k * (q * step) for k, q in zip(parts, self.every.values(), strict=True)]
-        found = np.concatenate(times) if times else np.empty(0)
-        return found[(found > a) & (found < b)]
+    def instants(self, a: float, b: float, step: float, samplings: Sequence[Sampling | None]) -> np.ndarray:
+        """Return all instants of controllers and of sensors that take samples in (a, b), in s."""
+        first, last = max(0, int(np.floor(a / step))), int(np.ceil(b / step)) + 1
+        each = [Sampling(q) for q in self.every.values()] + [s for s in samplings if s is not None]
+        times = np.concatenate([np.empty(0), *(s.taken(first, last) for s in each)]) * step
+        return times[(times > a) & (times < b)]
 
 
 @dataclass(frozen=True)
@@ -179,14 +179,14 @@ class LoopRun:
         """Return a span in which replaced readings are ``given`` (NaN: read the output). With ``measured`` False, y are
         the noisy outputs without faults."""
         program, m = self.loop.program, len(self.names)
-        signals = self._signals()
+        signals, sampled = self._signals(), bool(self.loop.every) or any(self.measurement.sampled_by)
         replacing = () if given is None else tuple(f"{k}.{n}" for k in ("take", "given") for n in self.names)
         for name in replacing:
             signals.pop(name)
         tables = Tables(grid, signals, self.stages)
         outputs = [f"{k}.{n}" for k in ("noisy", "y") for n in self.names]
         roots = tuple(program.outputs[n] for n in (*outputs, *self.loop.applied))
-        jump = tuple(program.outputs[f"jump.{s}"] for s in program.states) if self.loop.every else ()
+        jump = tuple(program.outputs[f"jump.{s}"] for s in program.states) if sampled else ()
         call = plan(program, roots, tables.kinds, replacing, jump)
         staged = tables.staged(call.staged) if call.staged or not replacing else None
         if given is not None:
@@ -211,6 +211,7 @@ class LoopRun:
         if not self._memo:
             zero = constant(0.0)
             self._memo |= self.signals | dict.fromkeys(self.loop.every, zero)
+            self._memo |= {f"{SAMPLE}{name}": zero for name in self.names}
             for i, name in enumerate(self.names):
                 self._memo |= {f"noise.{name}": self.measurement.noises[i], f"take.{name}": zero, f"given.{name}": zero}
             for name, steps in zip(self.names, self.measurement.resolutions(self.loop.quantisers), strict=True):
@@ -224,9 +225,13 @@ class LoopRun:
         start = (s.t + s.index * s.h) / grid.h
         nearest = np.rint(start)
         on_grid = np.abs(start - nearest) < _ON_GRID
+        samplings = zip((f"{SAMPLE}{n}" for n in self.names), self.measurement.sampled_by, strict=True)
+        taken = {n: s.taken(grid.first, grid.last) for n, s in samplings if s is not None and n in names}
         for j, name in enumerate(names):
             if name in self.loop.every:
                 held[:, j] = on_grid & (nearest % self.loop.every[name] == 0)
+            elif name in taken:
+                held[:, j] = on_grid & np.isin(nearest, taken[name])
         return held
 
 

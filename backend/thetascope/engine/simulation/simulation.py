@@ -155,7 +155,8 @@ class Simulation:
         parts = [s.breaks(a, b) for s in self.experiment.signals.values() if s.level is None]
         parts.append(self.experiment.measurement.breaks(a, b, self.experiment.signals.values()))
         if self.experiment.loop is not None:
-            parts.append(self.experiment.loop.instants(a, b, self.experiment.step))
+            samplings = self.experiment.measurement.sampled_by
+            parts.append(self.experiment.loop.instants(a, b, self.experiment.step, samplings))
         return np.concatenate(parts)
 
     def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
