@@ -1,7 +1,7 @@
 """Controllers: they read the measured outputs and set points, and set inputs of the plant."""
 
-from collections.abc import Iterator
-from typing import Annotated
+from collections.abc import Iterator, Sequence
+from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field, model_validator
 
@@ -154,3 +154,10 @@ def check_multiple(interval: float, step: float, field: str) -> None:
     if count < 1 or abs(interval / step - count) > 1e-6 * max(1, count):
         near = max(1, count) * step
         raise refuse("experiment.time.no-multiple", field, interval, time=interval, step=step, near=near)
+
+
+def set_reference(references: Sequence[str]) -> dict[str, Any]:
+    """Return the remedy, as {code, args}, for a signal that is given to an input that a controller sets."""
+    if not references:
+        return {"code": "controller.reference.none", "args": {}}
+    return {"code": "controller.reference.set", "args": {"references": list(references)}}

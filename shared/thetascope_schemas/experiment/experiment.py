@@ -26,7 +26,7 @@ from thetascope_schemas.experiment.base import (
     example,
 )
 from thetascope_schemas.experiment.commands import MAX_COMMANDS, AddObserver, SetTruth, TimedCommand
-from thetascope_schemas.experiment.controllers import check_multiple
+from thetascope_schemas.experiment.controllers import check_multiple, set_reference
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 from thetascope_schemas.experiment.faults import Fault
 from thetascope_schemas.experiment.figures import Figure
@@ -296,8 +296,8 @@ class Experiment(Strict):
         check_known(self.initial, starting, "initial", "plant.state.unknown")
         for name in plant.controlled:
             if name in self.inputs:
-                names = plant.names("references")
-                raise refuse("controller.input.set", f"inputs.{name}", name, name=name, references=names)
+                remedy = set_reference(plant.names("references"))
+                raise refuse("controller.input.set", f"inputs.{name}", name, name=name, remedy=remedy)
         check_known(self.inputs, [item.name for item in plant.commanded], "inputs", "plant.input.unknown")
         for index, controller in enumerate(plant.controllers):
             if controller.period is not None:

@@ -90,8 +90,14 @@ def test_an_algebraic_loop_is_refused_with_its_path():
 
 def test_a_controlled_input_has_no_signal():
     """Giving one is refused, and the references are named."""
-    with pytest.raises(ValidationError, match=r"controller\.input\.set.*references=\[r\]"):
-        experiment(inputs={"q": {"kind": "constant", "value": 1}})
+    data = {"plant": level(), "horizon": 60, "inputs": {"q": {"kind": "constant", "value": 1}}}
+    for references, remedy in ((level()["references"], "reference instead: r"), ([], "declare a reference")):
+        law = [{"input": "q", "expression": "1 - y"}]
+        data["plant"] |= {"references": references, "controllers": [{"name": "p", "outputs": law}]}
+        with pytest.raises(ValidationError) as refusal:
+            Experiment.model_validate(data)
+        error = field_errors(refusal.value.errors(include_url=False), data, words())[0]
+        assert error.field == "inputs.q" and remedy in error.remedy
 
 
 def test_controllers_act_one_after_the_other_at_an_instant():

@@ -13,6 +13,7 @@ from thetascope_schemas.experiment.commands import (
     SetTruth,
     TimedCommand,
 )
+from thetascope_schemas.experiment.controllers import set_reference
 from thetascope_schemas.experiment.experiment import Noise
 from thetascope_schemas.texts.refusal import suggestion
 
@@ -54,8 +55,8 @@ def _set_signal(spec: ResolvedExperiment, command: SetSignal) -> ResolvedExperim
     plant = spec.plant
     commanded = tuple(item.name for item in plant.commanded)
     if command.name in plant.controlled:
-        names = plant.names("references")
-        raise SpecError("name", command.name, Message("controller.input.set", name=command.name, references=names))
+        remedy = Message.from_data(set_reference(plant.names("references")))
+        raise SpecError("name", command.name, Message("controller.input.set", name=command.name), remedy)
     if command.name in commanded:
         return _with(spec, inputs={**spec.inputs, command.name: command.signal})
     if command.name in plant.names("signals"):
