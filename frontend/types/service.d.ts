@@ -1523,6 +1523,7 @@ export interface PlantEquations {
   states: (EquationLine)[];
   definitions: (EquationLine)[];
   outputs: (EquationLine)[];
+  controllers: (EquationLine)[];
 }
 
 /** A plant x' = f(x,u,φ,t) + Σ coefficient·θ, y = h(x,u,φ,t) + Σ coefficient·θ (x(k+1) in discrete time). */

@@ -116,6 +116,7 @@ function plantPart(answer, plant) {
     answer.definitions.length > 0 && [h('h4', {}, t('page.equations.with')), lines(answer.definitions)],
     h('h4', {}, t('page.equations.measured')),
     lines(answer.outputs),
+    answer.controllers.length > 0 && [h('h4', {}, t('page.equations.controllers')), lines(answer.controllers)],
     faults.length > 0 && [h('h4', {}, t('page.equations.faults')), h('ul', {class: 'where'}, faults)],
     plant.time.kind === 'discrete' && h('p', {class: 'soft'}, t('page.equations.next-sample', {s: plant.time.period})),
   );

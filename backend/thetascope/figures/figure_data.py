@@ -11,7 +11,7 @@ from thetascope.figures.html_symbols import HAT, escape, symbol, wrap
 from thetascope.figures.strips import Abscissa, Line
 from thetascope.messages import Message, text_of
 
-KINDS = {"x": "states", "theta": "channels", "y": "outputs", "u": "inputs", "signal": "signals"}
+KINDS = {"x": "states", "theta": "channels", "y": "outputs", "u": "inputs", "signal": "signals", "r": "references"}
 
 
 class FigureData:

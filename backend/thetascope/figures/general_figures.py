@@ -138,7 +138,8 @@ def _errors(run: FigureData) -> list[Strip]:
 
 def _inputs(run: FigureData) -> list[Strip]:
     strips = []
-    for kind, items in (("u", run.plant.inputs), ("signal", run.plant.signals)):
+    plant = run.plant
+    for kind, items in (("r", plant.references), ("u", plant.inputs), ("signal", plant.signals)):
         for item in items:
             line = Line(run.values(f"{kind}.{item.name}"), symbol(item.name), run.theme.ink, framing=True)
             strips.append(Strip(run.time, symbol(item.name), run.caption(kind, item.name), [line], height=72))

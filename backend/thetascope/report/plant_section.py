@@ -5,6 +5,7 @@ from collections.abc import Iterator
 from markupsafe import Markup
 
 from thetascope.report.words import ReportContext, expression, mark, number, symbol, unit
+from thetascope_schemas.experiment.controllers import Controller
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.experiment.plant import Plant
 
@@ -70,6 +71,22 @@ def _equations(report: ReportContext, plant: Plant) -> Iterator[tuple[Markup, Ma
     for output in plant.outputs:
         right = expression(output.expression) + _faults(plant, output.name, ("sensor",))
         yield symbol(output.name), right, output.unit
+    for controller in plant.controllers:
+        yield from _laws(report, plant, controller)
+
+
+def _laws(report: ReportContext, plant: Plant, controller: Controller) -> Iterator[tuple[Markup, Markup, Markup | str]]:
+    """Yield the lines of a controller: its definitions, the inputs that it sets with their limits, its states."""
+    stepwise = controller.period is not None or plant.time.kind == "discrete"
+    note = report.text(controller.title) or controller.name
+    for item in controller.definitions:
+        yield symbol(item.name), expression(item.expression), note
+        note = ""
+    for item in controller.outputs:
+        yield symbol(item.input), expression(item.expression), note or _domain(report, item.saturation)
+        note = ""
+    for state in controller.states:
+        yield symbol(state.name) + (mark("next") if stepwise else "′"), expression(controller.dynamics[state.name]), ""
 
 
 def _domain(report: ReportContext, domain: tuple[float | str | None, float | str | None]) -> Markup | str:

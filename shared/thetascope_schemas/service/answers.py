@@ -177,6 +177,7 @@ class PlantEquations(Strict):
     states: tuple[EquationLine, ...]
     definitions: tuple[EquationLine, ...]
     outputs: tuple[EquationLine, ...]
+    controllers: tuple[EquationLine, ...]
 
 
 class NumberedEquation(Strict):

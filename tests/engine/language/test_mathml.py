@@ -70,8 +70,9 @@ def test_every_plant_of_the_library_has_its_equations(id):
     made = plant_equations(plant)
     assert [item["name"] for item in made["states"]] == [state["name"] for state in plant["states"]]
     assert len(made["definitions"]) == len(plant["definitions"]) and len(made["outputs"]) == len(plant["outputs"])
-    faults = 0
-    for item in (*made["states"], *made["definitions"], *made["outputs"]):
+    faults, laws = 0, sum(len(c["definitions"]) + len(c["outputs"]) + len(c["states"]) for c in plant["controllers"])
+    assert len(made["controllers"]) == laws
+    for item in (*made["states"], *made["definitions"], *made["outputs"], *made["controllers"]):
         Tree.fromstring(item["math"])
         faults += item["math"].count('class="fault"')
     assert faults == sum(len(channel["enters"]) for channel in plant["channels"])

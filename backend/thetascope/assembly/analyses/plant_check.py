@@ -3,7 +3,7 @@
 from thetascope.engine.errors import SpecError
 from thetascope.engine.observability.identifiability import Structure, structure
 from thetascope.engine.observers.registry import kinds, observer
-from thetascope.engine.programs.program_store import plant_program
+from thetascope.engine.programs.program_store import closed_loop_program, plant_program
 from thetascope.messages import Message, text_of
 from thetascope_schemas import Plant
 
@@ -20,6 +20,8 @@ def check_plant(plant: Plant, language: str = "en") -> dict:
     data = plant.model_dump(mode="json")
     model = Model(data)
     plant_program(data)
+    if plant.controllers:
+        closed_loop_program(data, (), 1)
     names = [c.name for c in plant.channels]
     return {
         "id": plant.id,

@@ -5,7 +5,7 @@ sort terms and split roots, but a reader wants to recognise the equation of the 
 time.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from html import escape
 
 from thetascope.engine.language.lexer import CONSTANTS
@@ -203,8 +203,8 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
         data: the plant as plain data (the dump of thetascope_schemas' Plant).
 
     Returns:
-        ``states``, ``definitions``, ``outputs``: for each equation ``name``, ``unit``, ``description`` and ``math``,
-        MathML in which the term of a fault (a column of Φ or Ψ times θ) has the class ``fault``.
+        ``states``, ``definitions``, ``outputs``, ``controllers``: for each equation ``name``, ``unit``, ``description``
+        and ``math``, MathML in which the term of a fault (a column of Φ or Ψ times θ) has the class ``fault``.
 
     Raises:
         ExpressionError: with the position in the text.
@@ -226,7 +226,36 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
     for index, item in enumerate(data["outputs"]):
         text = expression(item["expression"], names, f"outputs.{index}.expression", tables)
         outputs.append(_line(item, symbol(item["name"]) + EQUALS + text + _faults(data, item["name"], names)))
-    return {"states": states, "definitions": definitions, "outputs": outputs}
+    controllers = [line for i in range(len(data.get("controllers", ()))) for line in _controller(data, i, tables)]
+    return {"states": states, "definitions": definitions, "outputs": outputs, "controllers": controllers}
+
+
+def _controller(data: Mapping, index: int, tables: Iterable[str]) -> Iterator[dict[str, str]]:
+    """Yield the definitions, laws and states of a controller; the first line has its title."""
+    controller, field = data["controllers"][index], f"controllers.{index}"
+    groups = ("outputs", "inputs", "signals", "parameters", "references")
+    names = ["t"] + [item["name"] for group in groups for item in data.get(group, ())]
+    names += [item["name"] for one in data["controllers"] for item in one["states"]]
+    title = {"description": controller.get("title") or controller["name"]}
+    for j, item in enumerate(controller["definitions"]):
+        text = expression(item["expression"], names, f"{field}.definitions.{j}.expression", tables)
+        yield _line({**item, **title}, symbol(item["name"]) + EQUALS + text)
+        title = {}
+        names.append(item["name"])
+    units = {item["name"]: item.get("unit", "") for item in data["inputs"]}
+    for j, item in enumerate(controller["outputs"]):
+        text, (low, high) = item["expression"], item["saturation"]
+        text = text if low is None else f"max({text}, {low})"
+        text = text if high is None else f"min({text}, {high})"
+        right = expression(text, names, f"{field}.outputs.{j}.expression", tables)
+        line = {"name": item["input"], "unit": units[item["input"]], **title}
+        yield _line(line, symbol(item["input"]) + EQUALS + right)
+        title = {}
+    steps = controller["period"] is not None or data["time"]["kind"] == "discrete"
+    for item in controller["states"]:
+        text = controller["dynamics"][item["name"]]
+        right = expression(text, names, f"{field}.dynamics.{item['name']}", tables)
+        yield _line(item, _rate(item["name"], steps) + EQUALS + right)
 
 
 def _implicit(index: int, item: Mapping, names: Iterable[str], tables: Iterable[str]) -> dict[str, str]:
