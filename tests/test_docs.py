@@ -13,11 +13,12 @@ from urllib.request import Request, urlopen
 import pytest
 import yaml
 
+from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import check_plant
 from thetascope.engine.language.builtins import FUNCTIONS
 from thetascope.settings import PREFIX, Settings
-from thetascope_schemas import Plant
+from thetascope_schemas import Plant, ResolvedExperiment
 from tools.document_observers import FILE, counted, page
 from tools.list_licences import pinned
 
@@ -62,6 +63,18 @@ def test_the_example_of_a_plant_is_valid():
     report = check_plant(plant)
     assert plant.id == "leaky-tank"
     assert "adaptive-kalman" in str(report)
+
+
+def test_the_loop_of_the_example_runs():
+    """The controller in docs/plant-format.md closes the loop of the example: a biased sensor moves the true level."""
+    text = blocks(ROOT / "docs" / "plant-format.md", "yaml")
+    controllers = next(block for block in text if block.startswith("references:"))
+    plant = Plant.model_validate(yaml.safe_load(text[0]) | yaml.safe_load(controllers))
+    bias = [{"channel": "offset", "shape": "step", "onset": 200, "size": 1.0}]
+    data = {"plant": plant, "horizon": 500, "step": 0.1, "faults": bias, "diagnosis": {"enabled": False}}
+    run = simulate(ResolvedExperiment.model_validate(data))
+    assert run.column("y.y")[-1] == pytest.approx(20, abs=0.01)
+    assert run.column("x.h")[-1] == pytest.approx(19, abs=0.01)
 
 
 def test_every_function_of_the_language_is_described():
