@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from thetascope.assembly.build.gains import present_gains
 
 from tests.simulate import simulate
 from thetascope import library
+from thetascope.assembly.analyses.gains import present_gains
 from thetascope.engine.observers.registry import kinds
 from thetascope_schemas import Plant, ResolvedExperiment
 from thetascope_schemas.experiment.signals import TableSignal
