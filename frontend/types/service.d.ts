@@ -1491,6 +1491,8 @@ export interface Plant {
   algebraic: (AlgebraicVariable)[];
   /** Right-hand side by state: its derivative, or its next value in discrete time. */
   dynamics: {[name: string]: string};
+  /** Changes of states at conditions, in order (continuous time). */
+  events: (StateEvent)[];
   /** The faults that can occur. */
   channels: (Channel)[];
   /** Set points of the controllers. */
@@ -1549,6 +1551,8 @@ export interface PlantInput {
   algebraic?: (AlgebraicVariableInput)[];
   /** Right-hand side by state: its derivative, or its next value in discrete time. */
   dynamics: {[name: string]: string};
+  /** Changes of states at conditions, in order (continuous time). */
+  events?: (StateEvent)[];
   /** The faults that can occur. */
   channels?: (ChannelInput)[];
   /** Set points of the controllers. */
@@ -2355,6 +2359,14 @@ export interface State {
   /** Size of a typical change, in the state's unit; null: found in a simulation without faults. */
   scale: number | null;
   description: string;
+}
+
+/** New values of states where a condition holds at the end of a step: a relay that switches, a ball that bounces. */
+export interface StateEvent {
+  /** Condition, examined at the end of every step of the integration. */
+  when: string;
+  /** New value by state, from the values before. */
+  set: {[name: string]: string};
 }
 
 /** One state variable. */

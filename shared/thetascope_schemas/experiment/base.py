@@ -66,6 +66,7 @@ FUNCTIONS = frozenset(
 
 MAX_TABLES = 40
 MAX_ALGEBRAIC = 12
+MAX_EVENTS = 20
 MAX_ROWS = 5000  # of one table of a plant
 
 

@@ -8,6 +8,7 @@ from pydantic import AfterValidator, Field, model_validator
 from thetascope_schemas.experiment.base import (
     MAX_ALGEBRAIC,
     MAX_CHANNELS,
+    MAX_EVENTS,
     MAX_PORTS,
     MAX_STATES,
     MAX_TABLES,
@@ -164,6 +165,17 @@ class AlgebraicVariable(Strict):
     description: Prose = ""
 
 
+class StateEvent(Strict):
+    """New values of states where a condition holds at the end of a step: a relay that switches, a ball that bounces."""
+
+    model_config = example(when="h < 0 and v < 0", set={"h": 0, "v": "-e*v"})
+
+    when: ExpressionText = Field(description="Condition, examined at the end of every step of the integration.")
+    set: dict[Reference, ExpressionText] = Field(
+        min_length=1, max_length=MAX_STATES, description="New value by state, from the values before."
+    )
+
+
 class Channel(Strict):
     """One fault θ and its equations: coefficient·θ is added to each equation in `enters`."""
 
@@ -223,7 +235,7 @@ class Plant(Strict):
         ],
     )
     prose = Strict.prose | {"id"}
-    optional = frozenset({"tables", "algebraic", "references", "controllers"})
+    optional = frozenset({"tables", "algebraic", "events", "references", "controllers"})
 
     id: Identifier = Field(description="Short name: lower-case letters, digits and hyphens.")
     title: Title = ""
@@ -249,6 +261,9 @@ class Plant(Strict):
     dynamics: dict[Reference, ExpressionText] = Field(
         max_length=MAX_STATES,
         description="Right-hand side by state: its derivative, or its next value in discrete time.",
+    )
+    events: tuple[StateEvent, ...] = Field(
+        default=(), max_length=MAX_EVENTS, description="Changes of states at conditions, in order (continuous time)."
     )
     channels: tuple[Channel, ...] = Field(default=(), max_length=MAX_CHANNELS, description="The faults that can occur.")
     references: tuple[SetPoint, ...] = Field(
@@ -286,6 +301,10 @@ class Plant(Strict):
         for index, definition in enumerate(self.definitions):
             named = [limit for limit in definition.domain if isinstance(limit, str)]
             check_known(named, parameters, f"definitions[{index}].domain", "plant.parameter.unknown")
+        for index, event in enumerate(self.events):
+            if self.time.kind == "discrete":
+                raise refuse("plant.events.discrete", f"events[{index}]", event.when)
+            check_known(event.set, self.names("states"), f"events[{index}].set", "plant.state.unknown")
         for index, channel in enumerate(self.channels):
             known = self.names(*_ENTERED[channel.kind])
             check_known(channel.enters, known, f"channels[{index}].enters", f"plant.channel.enters-{channel.kind}")

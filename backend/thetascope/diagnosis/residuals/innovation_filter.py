@@ -14,7 +14,7 @@ from thetascope.engine.estimation.kalman_innovations import AHEAD, innovations
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.observers.support.declaration import Context
-from thetascope.engine.observers.support.kalman_defaults import DOUBT, process_noise, state_scales
+from thetascope.engine.observers.support.kalman_defaults import DOUBT, process_noise, state_scales, uncertain_scales
 from thetascope.engine.simulation.experiment import Experiment
 from thetascope.engine.simulation.simulation import at_rows
 
@@ -114,7 +114,7 @@ class InnovationFilter:
     def start(self) -> np.ndarray:
         """Return the initial state: x̂ as observers assume it, V = 0, P from the scales of the states."""
         first = np.array([s.get("initial", 0.0) for s in self.context.model["states"]])
-        P = np.diag(np.array(state_scales(self.context)) ** 2)
+        P = np.diag(np.array(uncertain_scales(self.context)) ** 2)
         return np.concatenate([first, np.zeros(self.n * self.p), P[np.triu_indices(self.n)]])
 
     def table(

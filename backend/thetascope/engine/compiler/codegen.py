@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from thetascope.engine.compiler.graph import Graph, equations, topological
 from thetascope.engine.compiler.instructions.newton import Solver
 from thetascope.engine.compiler.ir_builder import Writer, declarations
-from thetascope.engine.compiler.system import DISCRETE, Program
+from thetascope.engine.compiler.system import BEGIN, DISCRETE, WIDTH, Program
 
 # Nodes times stages. Above it the right-hand side becomes a separate function, called once per stage: compiling takes a
 # third of the time, and runs are equally fast, because most values are in memory either way.
@@ -59,20 +59,8 @@ def emit(program: Program, layout: Layout) -> str:
 
 
 _POINTERS = (
-    "seg_steps",
-    "seg_first",
-    "seg_t",
-    "seg_index",
-    "seg_h",
-    "held",
-    "lane_held",
-    "staged",
-    "lane_staged",
-    "params",
-    "lane_params",
-    "state",
-    "out",
-    "emitted",
+    *("seg_steps", "seg_first", "seg_t", "seg_index", "seg_h", "held", "lane_held", "staged", "lane_staged"),
+    *("params", "lane_params", "state", "out", "emitted"),
 )
 _HEAD = (
     f"define void @run(i64 %segments, {', '.join(f'ptr noalias %{p}' for p in _POINTERS)}, i64 %every) #2 {{",
@@ -129,15 +117,14 @@ class _Module:
     def _nodes(
         self,
         w: Writer,
-        leaves: dict[str, str],
+        leaves: dict,
         where: dict,
         memo: dict,
         order: list[int],
         roots: list[int],
         graph: Graph | None = None,
     ) -> list[str]:
-        """Emit the nodes ``order`` of the program's or another graph, and return the values of ``roots``; the rest as
-        in `_values`."""
+        """Emit nodes of the program's or another graph, and return the values of ``roots``; else as `_values`."""
         graph = graph or self.program.graph
         for i in order:
             if i in memo:
@@ -162,24 +149,21 @@ class _Module:
 
     def _solver(self, text: str) -> Solver:
         """Return the solver of equations, a function of the module that is written once."""
-        e = equations(text)
+        e, apart = equations(text), Writer(1, self.tables)
         solver = Solver.of(text, len(e.g))
+
+        def emit(z: list[str] | None, given: list[str]) -> list[str]:
+            roots = e.start if z is None else [*e.g, *e.step, *e.size]
+            leaves = {f"a.{k}": a for k, a in enumerate(given)} | {f"z.{j}": b for j, b in enumerate(z or ())}
+            return self._nodes(apart, leaves, {}, {}, topological(e.graph, roots), roots, e.graph)
+
         if solver.name not in self.solvers:
-            self.solvers[solver.name] = []
-            apart = Writer(1, self.tables)
-
-            def emit(z: list[str] | None, given: list[str]) -> list[str]:
-                roots = e.start if z is None else [*e.g, *e.step, *e.size]
-                leaves = {f"a.{k}": a for k, a in enumerate(given)} | {f"z.{j}": b for j, b in enumerate(z or ())}
-                return self._nodes(apart, leaves, {}, {}, topological(e.graph, roots), roots, e.graph)
-
             self.solvers[solver.name] = solver.definition(apart, len(e.G[0]), emit)
         return solver
 
     def _split(self, values: list[str]) -> tuple[list[str], list[str]]:
         """Return the values of the update and those of the emitted nodes."""
-        n = len(self.program.states)
-        return values[:n], values[n:]
+        return values[: len(self.program.states)], values[len(self.program.states) :]
 
     # ---- the loop ----------------------------------------------------------------------------------------------
 
@@ -329,7 +313,16 @@ class _Module:
         inner = [w.add(a, b) for a, b in zip(k2, k3, strict=True)]
         k4 = self._stage(w, 3, z, end, segment, scratch)
         total = [w.fma(w.const(2.0), a, w.add(b, c)) for a, b, c in zip(inner, k1, k4, strict=True)]
-        return [w.fma(sixth, k, s) for k, s in zip(total, state, strict=True)]
+        new = [w.fma(sixth, k, s) for k, s in zip(total, state, strict=True)]
+        return self._after(w, state, new, end, segment) if self.program.after else new
+
+    def _after(self, w: Writer, begin: list[str], end: list[str], t: str, segment: dict) -> list[str]:
+        """Append the events of a step, and return the states at its end with them."""
+        roots, leaves = list(self.program.after), {"t": w.splat(t), WIDTH: segment["h"]}
+        leaves |= {f"{BEGIN}{name}": a for name, a in zip(self.program.states, begin, strict=True)}
+        leaves |= dict(zip(self.program.states, end, strict=True))
+        where = self._where(w, self.stages - 1, segment, "%at")
+        return self._nodes(w, leaves, where, dict(segment["memo"]), topological(self.program.graph, roots), roots)
 
     def _stage(self, w: Writer, stage: int, z: list[str], t: str, segment: dict, scratch: dict) -> list[str]:
         """Append one stage at the states z and time t, store its emitted nodes, and return the update."""

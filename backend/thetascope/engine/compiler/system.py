@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     import sympy
 
 CONTINUOUS, DISCRETE = "continuous", "discrete"
+WIDTH, BEGIN = "step.width", "begin."
+"""The name of the width of a step, and the prefix of the states at its beginning, in the equations of its end."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +27,8 @@ class System:
 
     ``update`` holds one expression per state: its derivative (continuous time) or its next value (discrete time).
     ``definitions`` are intermediate quantities in order; later ones, the update and the outputs may use them.
+    ``after`` holds one expression per state, its value at the end of a step with the plant's events, or nothing; it
+    may also use the states at the beginning of the step, ``begin.<state>``, and its width ``step.width``.
     Symbols are matched by name. ``t`` is time in seconds and is always available.
     """
 
@@ -36,16 +40,19 @@ class System:
     update: tuple["sympy.Expr", ...]
     outputs: dict[str, "sympy.Expr"] = field(default_factory=dict)
     definitions: tuple[tuple["sympy.Symbol", "sympy.Expr"], ...] = ()
+    after: tuple["sympy.Expr", ...] = ()
 
     def lower(self) -> "Program":
         """Return the Program. Raises ValueError for a symbol that is not a state, input, parameter, definition or t."""
         from thetascope.engine.compiler.lowering import Lowering
 
         known = {s.name for s in (*self.states, *self.inputs, *self.parameters)} | {"t"}
+        if self.after:
+            known |= {WIDTH, *(f"{BEGIN}{s.name}" for s in self.states)}
         lowering = Lowering(Graph(), known, {s.name for s in self.parameters}, self._ranks())
         for symbol, expression in self.definitions:
             lowering.define(symbol, expression)
-        roots = [lowering(e) for e in (*self.update, *self.outputs.values())]
+        roots = [lowering(e) for e in (*self.update, *self.outputs.values(), *self.after)]
         graph, roots = graphs.contract(lowering.graph, roots, lowering.rank)
         n = len(self.states)
         return Program(
@@ -56,7 +63,8 @@ class System:
             parameters=tuple(s.name for s in self.parameters),
             graph=graph,
             update=tuple(roots[:n]),
-            outputs=dict(zip(self.outputs, roots[n:], strict=True)),
+            outputs=dict(zip(self.outputs, roots[n:], strict=False)),
+            after=tuple(roots[n + len(self.outputs) :]),
         )
 
     def _ranks(self) -> dict[str, int]:
@@ -72,7 +80,8 @@ class System:
 
 @dataclass(frozen=True, eq=False)
 class Program:
-    """A lowered System. ``update`` and ``outputs`` are node indices of ``graph``. Equal digests mean equality."""
+    """A lowered System. ``update``, ``outputs`` and ``after`` are node indices of ``graph``. Equal digests mean
+    equality."""
 
     name: str
     time: str
@@ -82,6 +91,7 @@ class Program:
     graph: Graph
     update: tuple[int, ...]
     outputs: dict[str, int]
+    after: tuple[int, ...] = ()
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Program) and self.digest == other.digest
@@ -110,7 +120,7 @@ class Program:
             "nodes": graphs.nodes_to_json(self.graph.nodes),
             "update": list(self.update),
             "outputs": self.outputs,
-        }
+        } | ({"after": list(self.after)} if self.after else {})
 
     @classmethod
     def from_json(cls, data: dict) -> "Program":
@@ -127,6 +137,7 @@ class Program:
             graph=graph,
             update=tuple(data["update"]),
             outputs=dict(data["outputs"]),
+            after=tuple(data.get("after", ())),
         )
 
     def evaluate(self, names: list[str] | tuple[str, ...], values: dict) -> list:
@@ -143,7 +154,7 @@ def join(first: Program, second: Program, links: dict[str, tuple[str, str | None
     The equations stay unchanged, so the joined program computes the same bits as the two separate ones.
     """
     graph = Graph()
-    moved = graph.absorb(first.graph, (*first.update, *first.outputs.values()))
+    moved = graph.absorb(first.graph, (*first.update, *first.outputs.values(), *first.after))
     feed, noises = {}, []
     for name, (output, noise) in links.items():
         node = moved[first.outputs[output]]
@@ -151,7 +162,15 @@ def join(first: Program, second: Program, links: dict[str, tuple[str, str | None
             node = graph.raw("add", node, graph.var(noise))
             noises.append(noise)
         feed[name] = node
-    later = graph.absorb(second.graph, (*second.update, *second.outputs.values()), feed)
+    later = graph.absorb(second.graph, (*second.update, *second.outputs.values(), *second.after), feed)
+    after: tuple[int, ...] = ()
+    if first.after or second.after:
+        sides = ((first, moved), (second, later))
+        after = tuple(
+            index[node] if p.after else graph.var(state)
+            for p, index in sides
+            for state, node in zip(p.states, p.after or p.update, strict=True)
+        )
     inputs = dict.fromkeys((*first.inputs, *noises, *(i for i in second.inputs if i not in links)))
     return Program(
         name=f"{first.name}+{second.name}",
@@ -162,5 +181,6 @@ def join(first: Program, second: Program, links: dict[str, tuple[str, str | None
         graph=graph,
         update=tuple(moved[u] for u in first.update) + tuple(later[u] for u in second.update),
         # of equal names the first program's output is kept: y.* is the measurement, not an observer's estimate of it
+        after=after,
         outputs={**{k: later[v] for k, v in second.outputs.items()}, **{k: moved[v] for k, v in first.outputs.items()}},
     )

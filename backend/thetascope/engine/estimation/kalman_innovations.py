@@ -23,7 +23,7 @@ from functools import lru_cache
 
 from thetascope.engine.compiler.autodiff import derivatives
 from thetascope.engine.compiler.graph import Graph
-from thetascope.engine.compiler.system import DISCRETE, Program
+from thetascope.engine.compiler.system import BEGIN, DISCRETE, WIDTH, Program
 from thetascope.engine.estimation.covariance_equations import total
 from thetascope.engine.programs.program_store import derived
 
@@ -69,6 +69,8 @@ class _Writer:
         else:
             G = self._times(E, G)
             prior = [g.add(x, total(g, list(zip(row, f, strict=True)))) for x, row in zip(self.prior, E, strict=True)]
+        if plant.after:
+            prior, F, G = self._events(prior, F, G)
         moved = [[g.mul(b, g.var(f"profile.{j}")) for j, b in enumerate(row)] for row in G]
         V = [
             [g.add(total(g, [(F[i][k], self.V[k][j]) for k in range(n)]), moved[i][j]) for j in range(p)]
@@ -117,6 +119,24 @@ class _Writer:
         g = self.graph
         middle = g.add(g.var("t"), g.mul(g.const(0.5), g.var("interval")))
         return {i: g.var(f"{AHEAD}{i}") for i in self.known} | {"t": middle}
+
+    def _events(self, end: list[int], F: Matrix, G: Matrix) -> tuple[list[int], Matrix, Matrix]:
+        """Return the state, F and G with the events on the way from the present estimate to the next row."""
+        plant, g = self.plant, self.graph
+        source, begins = Graph(plant.graph.nodes), [f"{BEGIN}{s}" for s in plant.states]
+        slopes = derivatives(source, plant.after, (*plant.states, *begins))
+        here = dict(zip(plant.states, end, strict=True)) | dict(zip(begins, self.prior, strict=True))
+        here |= {WIDTH: g.var("interval")} | {t: g.var(f"known.{j}") for j, t in enumerate(self.theta)} | self._ahead()
+        moved = g.absorb(source, [*plant.after, *(node for row in slopes for node in row.values())], here)
+        zero = g.const(0.0)
+        at_end, at_begin = (
+            [[moved[row[s]] if s in row else zero for s in names] for row in slopes] for names in (plant.states, begins)
+        )
+        F = [
+            [g.add(a, b) for a, b in zip(*rows, strict=True)]
+            for rows in zip(self._times(at_end, F), at_begin, strict=True)
+        ]
+        return [moved[i] for i in plant.after], F, self._times(at_end, G)
 
     def _linear(self, roots: list[int], replaced: Mapping[str, int] | None = None) -> tuple[list[int], Matrix, Matrix]:
         """Return values and Jacobians in x and θ (times its profile) at the present estimate, ``self.prior``, θ₀."""

@@ -69,6 +69,7 @@ def parse(
     field: str = "expression",
     degrees: Mapping[str, int] | None = None,
     tables: Iterable[str] = (),
+    condition: bool = False,
 ) -> Parsed:
     """Return the checked expression of a text.
 
@@ -78,6 +79,7 @@ def parse(
         field: path of the field, for error messages.
         degrees: `Parsed.degree` of each name for which an expression will be substituted.
         tables: the names of the tables in which it may interpolate.
+        condition: the text is a condition, as the first argument of `where`.
 
     Raises:
         ExpressionError: with the position, the problem and the remedy.
@@ -87,7 +89,7 @@ def parse(
     known = frozenset(tables)
     tokens = Scanner(text, frozenset(names), FUNCTIONS, field, known).tokens()
     reader = _Reader(text, field, degrees or {}, known)
-    tree = reader.read(tokens)
+    tree = reader.read(tokens, condition)
     used = dict.fromkeys(token.text for token in tokens if token.kind == "name" and token.text != "pi")
     return Parsed(text, field, tuple(used), tree)
 
@@ -109,8 +111,8 @@ class _Reader:
         self.starts: list[int] = []  # position in the text of each character that is passed to Python's parser
         self.ends: list[int] = []
 
-    def read(self, tokens: list[Token]) -> Node:
-        """Return the tree of the tokens. Raises ExpressionError."""
+    def read(self, tokens: list[Token], condition: bool = False) -> Node:
+        """Return the tree of the tokens, a number or a condition. Raises ExpressionError."""
         pieces = []
         for token in tokens:
             piece = ("**" if token.text == "^" else token.text) + " "
@@ -129,7 +131,7 @@ class _Reader:
         except (ValueError, MemoryError, RecursionError, OverflowError):
             start, end, problem, remedy = 0, len(self.text), Message("expression.deep"), SPLIT
         else:
-            return self.number(tree, 0)
+            return self.condition(tree, 0) if condition else self.number(tree, 0)
         raise ExpressionError(self.field, self.text, start, end, problem, remedy)
 
     def place(self, node: ast.expr) -> tuple[int, int]:

@@ -231,6 +231,8 @@ class _Writer:
         states = {**plant, **own, **kept}
         flow = self.flow.ordered(self.fields)
         after, jumps = self._jumps(list(states))
+        events, more = model.after_events()
+        moved = dict(zip([swap[s] for s in model.x], events, strict=False))
         controlled = {o["input"] for c in self.controllers for o in c["outputs"]}
         measured = {f"{k}.{n}": _symbol(k, n) for k in ("noisy", "y") for n in model.outputs}
         applied = {f"u.{n}": self.u[n] for n in model.inputs if n in controlled}
@@ -251,7 +253,8 @@ class _Writer:
             parameters=tuple(swap[s] for s in model.parameters),
             update=tuple(states.values()),
             outputs={**measured, **applied, **jumps},
-            definitions=(*flow, *after),
+            definitions=(*flow, *after, *more),
+            after=tuple(moved.get(s, s) for s in states) if events else (),
         )
 
 

@@ -13,13 +13,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from thetascope.engine.compiler.system import CONTINUOUS, DISCRETE, System
+from thetascope.engine.compiler.system import BEGIN, CONTINUOUS, DISCRETE, System
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.derivatives import derivative
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.language.parser import parse
 from thetascope.engine.language.tables import tables_of
 from thetascope.engine.model.algebraic import check_start, solutions, variable
+from thetascope.engine.model.events import Event, events_of_step
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -109,6 +110,7 @@ class Model:
             [self.expression(o["expression"], f"outputs.{i}.expression") for i, o in enumerate(data["outputs"])]
         )
         self.channels = tuple(self._channel(i, c) for i, c in enumerate(data["channels"]))
+        self.events = tuple(self._event(i, e) for i, e in enumerate(data.get("events", ())))
         self.disturbances: tuple[Symbol, ...] = ()  # further inputs of a true plant
 
     # ---- reading the text ----------------------------------------------------------------------------------------
@@ -148,6 +150,11 @@ class Model:
         if bound is None:
             return None
         return self.expression(bound, field) if isinstance(bound, str) else sympy.Float(bound)
+
+    def _event(self, i: int, data: Mapping) -> Event:
+        condition = parse(data["when"], self._symbols, f"events.{i}.when", tables=self.tables, condition=True)
+        values = {self._symbols[s]: self.expression(text, f"events.{i}.set.{s}") for s, text in data["set"].items()}
+        return Event(condition.sympy(self._symbols, self.tables), values)
 
     def _channel(self, i: int, data: Mapping) -> Channel:
         enters = {
@@ -231,6 +238,7 @@ class Model:
         """Return the plant with its faults: states x.*, inputs u.*, signal.*, theta.*, parameters p.*, outputs y.*."""
         f, h = self.with_faults()
         swap = self.prefixed
+        after, more = self.after_events()
         return System(
             name=self.id,
             time=self.time,
@@ -239,8 +247,37 @@ class Model:
             parameters=tuple(swap[s] for s in self.parameters),
             update=tuple(e.xreplace(swap) for e in f),
             outputs={f"y.{name}": e.xreplace(swap) for name, e in zip(self.outputs, h, strict=True)},
-            definitions=tuple((d.symbol, d.expression.xreplace(swap)) for d in self.definitions),
+            definitions=(*((d.symbol, d.expression.xreplace(swap)) for d in self.definitions), *more),
+            after=after,
         )
+
+    def after_events(self) -> tuple[tuple[Expr, ...], list[tuple[Symbol, Expr]]]:
+        """Return the states after the events at the end of a step, in prefixed symbols, none without events; and the
+        definitions that they use."""
+        more: dict[Symbol, Expr] = {}
+
+        def let(name: str, value: Expr) -> Expr:
+            if value.is_Number or value.is_Symbol:
+                return value
+            symbol = sympy.Symbol(f"after.{name}", real=True)
+            more[symbol] = value
+            return symbol
+
+        if not self.events:
+            return (), []
+        definitions = [(d.symbol, d.expression) for d in self.definitions]
+        end = {s: self.prefixed[s] for s in self.x}
+        begin = {s: sympy.Symbol(f"{BEGIN}{e.name}", real=True) for s, e in end.items()}
+        f, _ = self.with_faults()
+
+        def rate(x: list[Expr]) -> list[Expr]:
+            inside = {**self.prefixed, **dict(zip(self.x, x, strict=True))}
+            for symbol, expression in definitions:
+                inside[symbol] = let(f"rate.{symbol.name}", expression.xreplace(inside))
+            return [e.xreplace(inside) for e in f]
+
+        moved = events_of_step(self.events, definitions, (begin, end), self.prefixed, let, rate)
+        return tuple(moved), list(more.items())
 
     @property
     def theta(self) -> tuple[Symbol, ...]:

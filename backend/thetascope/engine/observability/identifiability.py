@@ -15,6 +15,7 @@ from random import Random
 
 from thetascope.engine.compiler import cache
 from thetascope.engine.compiler.system import DISCRETE, Program
+from thetascope.engine.model.events import modes
 from thetascope.engine.observability.exact_rank import TOLERANCE, rank
 from thetascope.engine.observability.observability_matrix import Found, Lie, Point, TooLarge
 from thetascope.engine.observability.taylor import NO_VALUE, exact, precise
@@ -107,7 +108,7 @@ def structure(plant: Mapping, channels: tuple[str, ...] | None = None) -> Struct
 
 def _structure(plant: Mapping, channels: tuple[str, ...]) -> Structure:
     program = plant_program(plant).program
-    states = tuple(s["name"] for s in plant["states"])
+    states = tuple(s["name"] for s, mode in zip(plant["states"], modes(plant), strict=True) if not mode)
     n, size = len(states), len(states) + len(channels)
     found, why, switches = _found(plant, program, channels)
     if why:
@@ -134,7 +135,8 @@ def _found(plant: Mapping, program: Program, channels: tuple[str, ...]) -> tuple
     findings = []
     with precise():
         try:
-            lie = Lie(program, channels)
+            moving = [s for s, mode in zip(program.states, modes(plant), strict=True) if not mode]
+            lie = Lie(program, channels, tuple(moving))
             for draw in range(len(WIDTHS) * _DRAWS):
                 try:
                     findings.append(lie.at(generic(plant, program, draw, WIDTHS[draw % len(WIDTHS)], lie.orders)))

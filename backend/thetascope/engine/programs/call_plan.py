@@ -36,7 +36,7 @@ def plan(
         given: inputs that follow the staged signals in each staged row.
         jump: nodes that the states jump to at the head of every segment.
     """
-    used = variables(program.graph, [*program.update, *emitted, *jump]) - set(given)
+    used = variables(program.graph, [*program.update, *program.after, *emitted, *jump]) - set(given)
     held = tuple(sorted(n for n, is_held in signals if n in used and is_held))
     staged = tuple(sorted(n for n, is_held in signals if n in used and not is_held))
     layout = Layout(held=held, staged=staged + given, emitted=emitted, jump=jump)

@@ -13,8 +13,10 @@ from dataclasses import dataclass
 
 from thetascope.engine.compiler import cache
 from thetascope.engine.compiler.system import CONTINUOUS, DISCRETE, Program, System
+from thetascope.engine.errors import SpecError
 from thetascope.engine.observers.support.declaration import Observer
 from thetascope.engine.observers.support.draft import Size
+from thetascope.messages import Message
 
 _PROSE = ("title", "description", "source", "unit", "typical", "scale")
 _CONTROL = ("references", "controllers")
@@ -41,6 +43,7 @@ def mathematics(plant: Mapping) -> dict:
         ]
     kept["parameters"] = [{"name": p["name"], "value": p["value"]} for p in plant["parameters"]]
     kept["signals"] = [s["name"] for s in plant["signals"]]
+    kept["events"] = list(plant.get("events", ()))
     kept["algebraic"] = [{k: v for k, v in a.items() if k not in _PROSE} for a in plant.get("algebraic", ())]
     kept["tables"] = [{k: v for k, v in t.items() if k not in _PROSE} for t in plant.get("tables", ())]
     return kept
@@ -89,6 +92,8 @@ def observer_program(
         from thetascope.engine.observers.support.draft import Draft
 
         time = {"continuous": CONTINUOUS, "discrete": DISCRETE, "plant": plant["time"]["kind"]}[kind.time]
+        if plant.get("events") and not kind.takes_events:
+            raise SpecError("observers.kind", kind.id, Message("observer.events", kind=kind.id))
         draft = Draft(Model(plant), channels, dict(gains), options, time)
         kind.write(draft)
         return Written(draft.system(kind.id).lower(), draft.facts)

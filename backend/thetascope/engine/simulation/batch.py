@@ -88,7 +88,7 @@ def _divisions(e: Experiment, first: Experiment) -> tuple:
 
 def _in_lanes(e: Experiment) -> bool:
     simulation = Simulation(e)
-    return simulation.joined and not simulation.sampled
+    return simulation.joined and not simulation.sampled and not e.plant.after
 
 
 def _one_by_one(experiments: Sequence[Experiment], cancelled: Callable[[], bool] | None) -> Batch:

@@ -103,6 +103,7 @@ OBSERVER = Observer(
     source="Zhang 2002, IEEE TAC 47(3), 525–529; Zhang & Clavel 2001, CDC; Kalman & Bucy 1961",
     gains=(Q, R_INTENSITY, P0_QUIET, LAMBDA, GAMMA0_QUIET, BOUND, WINDOW, DELTA),
     options=(FORGETTING_OPTION,),
+    takes_events=True,
     write=write,
     checks=checks,
     diagnostics=diagnostics,

@@ -129,6 +129,7 @@ OBSERVER = Observer(
     source="Zhang 2018, Automatica 93, 333–342; Joseph's form: Bucy & Joseph 1968",
     gains=(Q, R_VARIANCE, P0, LAMBDA, GAMMA0, BOUND, WINDOW, DELTA),
     options=(SUBSTEPS, FORGETTING_OPTION),
+    takes_events=True,
     write=write,
     checks=checks,
     diagnostics=diagnostics,

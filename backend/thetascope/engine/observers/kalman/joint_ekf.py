@@ -102,6 +102,7 @@ OBSERVER = Observer(
     source="Jazwinski 1970; Ljung 1979, IEEE TAC 24(1), 36–50",
     gains=GAINS,
     options=(SUBSTEPS,),
+    takes_events=True,
     write=write,
     checks=checks,
     diagnostics=diagnostics,

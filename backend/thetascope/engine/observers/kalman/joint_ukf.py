@@ -109,6 +109,7 @@ OBSERVER = Observer(
     source="Julier & Uhlmann 1997; Wan & van der Merwe 2000",
     gains=(*GAINS, *SPREAD),
     options=(SUBSTEPS,),
+    takes_events=True,
     write=write,
     checks=checks,
     diagnostics=diagnostics,

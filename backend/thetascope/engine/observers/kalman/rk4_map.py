@@ -14,7 +14,7 @@ from thetascope.engine.compiler.system import DISCRETE
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.observers.support.declaration import Context, Option
 from thetascope.engine.observers.support.draft import Draft
-from thetascope.engine.observers.support.matrices import Matrix, block, eye, zeros
+from thetascope.engine.observers.support.matrices import Matrix, block, column, eye, zeros
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -51,6 +51,7 @@ def flow(d: Draft, name: str, x: Matrix, theta: Matrix) -> Flow:
     S: Matrix | None = block([[eye(n), zeros(n, p)]])
     for i, start, length in _substeps(d):
         x, S = _step(d, f"{name}.{i}", x, S, theta, start, length)
+        x, S = _events(d, f"{name}.{i}", x, S, start + length)
     assert S is not None
     return Flow(x, S[:, :n], S[:, n:])
 
@@ -62,7 +63,17 @@ def carried(d: Draft, name: str, x: Matrix, theta: Matrix) -> Matrix:
         return d.let(f"{name}.x", at.f + at.Phi @ theta)
     for i, start, length in _substeps(d):
         x, _ = _step(d, f"{name}.{i}", x, None, theta, start, length)
+        x, _ = _events(d, f"{name}.{i}", x, None, start + length)
     return x
+
+
+def _events(d: Draft, name: str, x: Matrix, S: Matrix | None, end: Rational) -> tuple[Matrix, Matrix | None]:
+    """Return x and S after the plant's events at the end of a substep."""
+    if not d.model.events:
+        return x, S
+    moved, slopes = d.events_at(f"{name}.events", list(x), end, S)
+    after = column(moved)
+    return after, S if S is None else Matrix(sympy.ImmutableMatrix(slopes), "", d)
 
 
 def _substeps(d: Draft) -> list[tuple[int, Rational, Rational]]:

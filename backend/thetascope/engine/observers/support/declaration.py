@@ -217,6 +217,7 @@ class Observer:
     options: tuple[Option, ...] = ()
     time: str = "continuous"  # "discrete": works at a sample period; "plant": in the plant's own time
     estimates_theta: bool = True
+    takes_events: bool = False  # its theory allows for states that jump
     diagnostics: Callable[[Observed], dict[str, np.ndarray]] = lambda run: {}
     equations: tuple[tuple[str, str], ...] = ()
     where: tuple[tuple[str, Message], ...] = ()

@@ -9,8 +9,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, overload
 
-from thetascope.engine.compiler.system import CONTINUOUS, System
+from thetascope.engine.compiler.system import BEGIN, CONTINUOUS, System
 from thetascope.engine.language.lazy_sympy import sympy
+from thetascope.engine.model.events import Sensitivity, events_at_end, events_of_step
 from thetascope.engine.model.plant_model import Model, symbols
 from thetascope.engine.observers.support.matrices import Matrix, Product, column, expression, symbols_matrix, symmetric
 from thetascope.engine.observers.support.model_at import END, MIDDLE, NOW, START, ModelAt, Points
@@ -297,6 +298,7 @@ class Draft:
         gains = [sympy.Symbol(s, real=True) for g, size in self.gains.items() for s in gain_symbols(g, size)]
         if self.time != CONTINUOUS:
             gains.append(self.period)
+        after = self._after_events(name)
         return System(
             name=name,
             time=self.time,
@@ -306,7 +308,49 @@ class Draft:
             update=tuple(self._update[s] for s in self._states),
             outputs=dict(self._outputs) | {f"init.{s.name}": self._initial[s] for s in self._states},
             definitions=self.definitions,
+            after=after,
         )
+
+    def _after_events(self, name: str) -> tuple[Expr, ...]:
+        """Return the states after the plant's events, examined at x̂; none without events or at a sample period."""
+        if not self.model.events or self.time != CONTINUOUS:
+            return ()
+        estimate = symbols("xh", self.model.states)
+        if not set(estimate) <= set(self._states):
+            raise ValueError(f"{name} takes events, but does not estimate every state")
+        model, theta = self.model, list(symbols("thetah", self.channels))
+        end = dict(zip(model.x, estimate, strict=True))
+        begin = {s: sympy.Symbol(f"{BEGIN}{e.name}", real=True) for s, e in end.items()}
+        definitions = [(d.symbol, d.expression) for d in model.definitions]
+
+        def rate(x: list[Expr]) -> Sequence[Expr]:
+            at = self.at(x, theta if set(theta) <= set(self._states) else None)
+            known = column(theta) if set(theta) <= set(self._states) else column([0] * len(theta))
+            return list(at.f + at.Phi @ known) if theta else list(at.f)
+
+        def let(part: str, value: Expr) -> Expr:
+            return self._let(f"end.{part}", value)
+
+        moved = events_of_step(model.events, definitions, (begin, end), self._points.known(model, START), let, rate)
+        after = dict(zip(estimate, moved, strict=True))
+        return tuple(after.get(s, s) for s in self._states)
+
+    def events_at(
+        self, name: str, x: Iterable[Expr], when: str | Rational = START, S: Matrix | None = None
+    ) -> tuple[list[Expr], list[list[Expr]]]:
+        """Return the estimate x (n×1) after the plant's events, and its sensitivity S (n×q) after them.
+
+        ``name`` is unique in the draft; inputs and signals are those at an instant.
+        """
+        model = self.model
+        states = dict(zip(model.x, map(expression, x), strict=True))
+        definitions = [(d.symbol, d.expression) for d in model.definitions]
+        sensitivity = None if S is None else Sensitivity(S.entries.tolist(), model.jacobian)
+
+        def let(part: str, value: Expr) -> Expr:
+            return self._let(f"{name}.{part}", value)
+
+        return events_at_end(model.events, definitions, states, self._points.known(model, when), let, sensitivity)
 
 
 def gain_symbols(name: str, size: Size) -> list[str]:

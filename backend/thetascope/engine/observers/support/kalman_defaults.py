@@ -4,6 +4,7 @@ The defaults are multiples of the scales and the rate of the plant's healthy run
 size and of the declared noise. They are admissible for every plant and give a working start, not a tuned filter.
 """
 
+from thetascope.engine.model.events import modes
 from thetascope.engine.observers.support.declaration import Context, Gain, Option
 from thetascope.messages import Message
 
@@ -18,6 +19,11 @@ _SAMPLES = 0.2  # of a time constant: the shortest that λ and the window assume
 def state_scales(c: Context) -> list[float]:
     """Return the size of a change of each state, see `Scales`."""
     return list(c.scales.states)
+
+
+def uncertain_scales(c: Context) -> list[float]:
+    """Return the scales of the states, 0 for those that only events change: they follow from the other states."""
+    return [0.0 if mode else s for mode, s in zip(modes(c.model), state_scales(c), strict=True)]
 
 
 def output_scales(c: Context) -> list[float]:
@@ -55,11 +61,11 @@ def noise_std(c: Context) -> list[float]:
 
 def process_noise(c: Context) -> list[float]:
     """Return the default intensity of process noise of every state, from its scale and the plant's time constant."""
-    return [pace(c) * (DOUBT * s) * (DOUBT * s) for s in state_scales(c)]
+    return [pace(c) * (DOUBT * s) * (DOUBT * s) for s in uncertain_scales(c)]
 
 
 def _state_noise(c: Context) -> list[float]:
-    return [pace(c) * (MISFIT * s) ** 2 for s in state_scales(c)]
+    return [pace(c) * (MISFIT * s) ** 2 for s in uncertain_scales(c)]
 
 
 def _noise_intensity(c: Context) -> list[float]:
@@ -119,7 +125,7 @@ P0_QUIET = Gain(
 P0 = Gain(
     "p0",
     Message("gain.initial-p"),
-    lambda c: [s * s for s in state_scales(c)],
+    lambda c: [s * s for s in uncertain_scales(c)],
     size="n",
     symbol="P(0)",
     unit=Message("unit.state-squared"),

@@ -72,7 +72,7 @@ class Points:
         self._count += 1
         mark = f"m{self._count}"
         estimate = [expression(e) for e in x]
-        plain: dict[Symbol, Expr] = dict(zip(model.x, estimate, strict=True)) | self._known(model, when)
+        plain: dict[Symbol, Expr] = dict(zip(model.x, estimate, strict=True)) | self.known(model, when)
         inside = dict(plain)
         if saturate:
             for s, e in zip(model.x, estimate, strict=True):
@@ -90,7 +90,7 @@ class Points:
         Phi, Psi = (Matrix(M(self.channels).applyfunc(put)) for M in (model.Phi, model.Psi))
         return ModelAt(column(f), column(h), Phi, Psi, lambda: self._jacobians(model, theta, put), put)
 
-    def _known(self, model: Model, when: str | Rational) -> dict[Symbol, Expr]:
+    def known(self, model: Model, when: str | Rational) -> dict[Symbol, Expr]:
         """Return inputs, known signals, parameters and t at an instant."""
         instants = {START: sympy.S.Zero, MIDDLE: sympy.S.Half, END: sympy.S.One, NOW: sympy.S.One}
         fraction = instants[when] if isinstance(when, str) else when
