@@ -175,3 +175,23 @@ def test_a_default_gain_follows_the_noise(tab):
     until(live, f"{shown} === 1e-8")
     live.evaluate("thetascope.send({type: 'set-noise', output: 'y', std: 0.01, sample_time: 0.01})")
     until(live, f"{shown} === 1e-6")
+
+
+def test_the_loop_is_drawn_and_its_set_point_can_be_moved(tab):
+    """The picture has the controller and lights the saturation; the set point and the applied input are curves."""
+    live = opened(tab, "/?experiment=loop-sensor&t=100")
+    assert "PI" in live.locator("svg.plant").text_content()
+    strips = live.evaluate("[...document.querySelectorAll('[data-strip]')].map((one) => one.dataset.strip)")
+    assert {"r.r", "u.q"} <= set(strips)
+    field = live.locator(".set-point input.number")
+    field.fill("45")
+    field.press("Enter")
+    until(live, "thetascope.state.log.some((event) => event.kind === 'signal')")
+    live.evaluate("thetascope.act.step(4)")
+    until(live, "thetascope.latest('r.r') === 45 && thetascope.latest('u.q') === 100")
+    until(live, "document.querySelector('.plant .limit.on title')?.textContent.includes('limit')")
+    assert field.input_value() == "45"
+    refused = live.evaluate(
+        "thetascope.send({type: 'set-signal', name: 'q', signal: {kind: 'constant', value: 1}}).catch(() => 'refused')"
+    )
+    assert refused == "refused"
