@@ -26,15 +26,13 @@ from thetascope.engine.compiler.system import CONTINUOUS, System
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.language.parser import parse
+from thetascope.engine.model.loop_names import JUMP, SAMPLE
 from thetascope.engine.model.plant_model import Model, clock
 from thetascope.engine.model.true_plant import model_of
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
     from sympy import Expr, Symbol
-
-SAMPLE = "due.y."  # and the output's name
-JUMP = "jump."
 
 
 @dataclass

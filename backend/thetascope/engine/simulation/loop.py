@@ -16,7 +16,7 @@ from thetascope.engine.inputs.sampling import Sampling
 from thetascope.engine.inputs.sensors import Measurement, Memory
 from thetascope.engine.inputs.signals import Signal, constant
 from thetascope.engine.inputs.time_grid import Grid
-from thetascope.engine.model.closed_loop import SAMPLE
+from thetascope.engine.model.loop_names import JUMP, SAMPLE
 from thetascope.engine.programs.call_plan import plan
 
 _LONGEST = 4096  # steps of a span with faults that replace readings
@@ -186,7 +186,7 @@ class LoopRun:
         tables = Tables(grid, signals, self.stages)
         outputs = [f"{k}.{n}" for k in ("noisy", "y") for n in self.names]
         roots = tuple(program.outputs[n] for n in (*outputs, *self.loop.applied))
-        jump = tuple(program.outputs[f"jump.{s}"] for s in program.states) if sampled else ()
+        jump = tuple(program.outputs[f"{JUMP}{s}"] for s in program.states) if sampled else ()
         call = plan(program, roots, tables.kinds, replacing, jump)
         staged = tables.staged(call.staged) if call.staged or not replacing else None
         if given is not None:
