@@ -22,8 +22,9 @@ from thetascope.engine.programs.program_store import mathematics, plant_program
 
 IMPORT = """
 import importlib, pkgutil, sys, thetascope
+made = ("sympy_functions", "to_sympy", "numerical_functions", "real_function")
 for module in pkgutil.walk_packages(thetascope.__path__, "thetascope."):
-    if module.name not in ("thetascope.engine.language.sympy_functions", "thetascope.engine.language.to_sympy"):
+    if module.name not in [f"thetascope.engine.language.{name}" for name in made]:
         importlib.import_module(module.name)
 print("sympy" in sys.modules)
 """
