@@ -128,18 +128,21 @@ class LoopRun:
         """Return the span over a grid from a state (plant and loop) and the measurement's memory."""
         if self.measurement.direct or not self.measurement.replaced(grid).any():
             return self._piece(grid, state, memory, None)
-        spans, first = [], 0
-        while first < grid.count:
-            steps = grid.part(first, min(grid.count, first + _LONGEST), self.every)
-            known, given = self._known(steps, memory)
-            if known:
-                steps = steps.part(0, known, self.every)
-                span = self._piece(steps, state, memory, given[:known])
-            else:
-                steps = steps.part(0, 1, self.every)
-                span = self._trials(steps, state, memory)
-            spans.append(span)
-            state, memory, first = span.state, span.memory, first + steps.count
+        spans: list[LoopSpan] = []
+        ahead = _LONGEST  # steps that are tried, about twice those that were known last
+        for begin in range(0, grid.count, _LONGEST):
+            block, first = grid.part(begin, min(grid.count, begin + _LONGEST), self.every), 0
+            while first < block.count:
+                steps = block.part(first, min(block.count, first + ahead), self.every)
+                known, given = self._known(steps, memory)
+                ahead = min(_LONGEST, max(8, 2 * known))
+                if known:
+                    steps = steps if known == steps.count else steps.part(0, known, self.every)
+                    spans.append(self._piece(steps, state, memory, given[:known]))
+                else:
+                    steps = steps.part(0, 1, self.every)
+                    spans.append(self._trials(steps, state, memory))
+                state, memory, first = spans[-1].state, spans[-1].memory, first + steps.count
         joined = {n: np.concatenate([getattr(s, n) for s in spans]) for n in ("rows", "y", "u", "left")}
         return LoopSpan(state=state, memory=memory, **joined)
 
