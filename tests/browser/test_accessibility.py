@@ -20,7 +20,7 @@ DIALOGS = {"equations": "e", "share": "s", "keys": "?"}
 #: Name → (begin, end, the part of the page that changes).
 STATES = {
     "as it opens": ("0", "0", "body"),
-    "unfolded": (UNFOLD, UNFOLD, "body"),
+    "unfolded": (UNFOLD, UNFOLD, ".left, .right"),
     "export": (
         "document.querySelector('.actions button:nth-child(2)').click()",
         "document.querySelector('dialog[open]').close()",

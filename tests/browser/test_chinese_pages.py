@@ -143,7 +143,7 @@ def test_records_and_plants_have_no_english_sentence(page):
 def test_a_run_and_its_report_have_no_english_sentence(page):
     """The page of a run, folds open and the first figures drawn, then its report;
     a sandwich system and a comparison."""
-    runs = chinese(page, "/runs/?experiment=zhou-tan-2012")
+    runs = chinese(page, "/runs/?experiment=zhou-tan-2012", height=300)
     seen = english(runs)
     for experiment in ("zhou-tan-2012", "zhao-2012-observers"):
         if experiment not in runs.url:

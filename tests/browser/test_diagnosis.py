@@ -148,40 +148,6 @@ def test_a_proposed_input_is_applied(tab):
     until(live, "/Applied/.test(document.querySelector('.proposal').textContent)")
 
 
-def test_a_run_shows_its_diagnosis(page):
-    """The page of runs has the summary, a line per finding, the detector first, and its numbers."""
-    run = page("/runs/?experiment=zhao-2012")
-    run.click("button.run")
-    run.wait_for_selector(".verdicts .verdict", timeout=120_000)
-    assert "3 faults, all identified" in run.locator(".verdicts .verdict").inner_text()
-    assert run.locator(".verdicts .finding.found").count() == 3
-    first = run.locator(".measures tbody tr").first.inner_text().split()
-    assert first[:5] == ["detector", "3", "0", "0", "0"]
-    summary = run.evaluate(
-        "fetch('/api/runs/' + new URLSearchParams(location.search).get('run')).then((a) => a.json()).then((a) => "
-        "a.summary)"
-    )
-    adaptive = next(one for one in summary["comparison"]["observers"] if one["label"] == "adaptive")
-    row = run.locator(".measures tbody tr", has_text="adaptive").first.inner_text().split()
-    assert [int(n) for n in row[1:5]] == [
-        adaptive[name] for name in ("found", "missed", "false_alarms", "isolation_errors")
-    ]
-    run.evaluate("document.querySelectorAll('.verdicts details').forEach((one) => { one.open = true; })")
-    text = run.locator(".verdicts").inner_text()
-    assert (
-        "one false alarm in 100 h" in text
-        and f"{summary['diagnosis']['detector']['calibration']['thresholds']['glr']:.3g}" in text
-    )
-    assert run.locator(".verdicts .group").count() == len(adaptive["rmse"]) and "distinguishable" in text
-    for width in (1180, 1440):  # three columns leave the findings little room: no digit may be cut off
-        run.set_viewport_size({"width": width, "height": 900})
-        widths = run.locator(".finding .amount").evaluate_all(
-            "(all) => all.map((one) => [one.clientWidth, one.firstChild.getBoundingClientRect().width])"
-        )
-        assert all(room >= needed - 1 for room, needed in widths)
-    assert run.watch.errors == [] and run.watch.foreign == []
-
-
 def test_faults_below_the_noise_are_called_unresolvable(tab):
     """At the literal noise of the paper the page says that θ₁ and θ₂ cannot be resolved, also at their strips."""
     live = opened(tab, "/?experiment=zhao-2012-variance-as-printed&t=30")

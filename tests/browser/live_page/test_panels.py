@@ -308,3 +308,25 @@ def test_the_diagnosis_states_its_time_while_looking_back(tab):
     assert tag.inner_text() == "now, 30.0\u202fs"
     live.evaluate("thetascope.act.look(null)")
     tag.wait_for(state="hidden")
+
+
+def test_no_row_of_the_last_plant_is_left_while_the_next_one_is_awaited(tab):
+    """Until the shapes of faults have arrived the panel is empty: it never injects into another plant."""
+    live = opened(tab, PAUSED)
+    spec = live.evaluate("fetch('/api/experiments/dc-motor?lang=*').then((answer) => answer.json())")
+    live.evaluate("""() => {
+      const {fetch: ask} = window;
+      const held = new Promise((done) => { window.release = done; });
+      window.fetch = async (address, options) => {
+        if (String(address).includes('/api/catalogue')) await held;
+        return ask(address, options);
+      };
+    }""")
+    live.evaluate("thetascope.act.language('zh')")
+    live.evaluate("(spec) => thetascope.act.openSpec(spec, {t: 1})", spec)
+    until(live, "thetascope.state.plant?.id === 'dc-motor'")
+    rested(live)
+    assert live.locator("#panel-inject .fault").count() == 0
+    live.evaluate("release()")
+    live.wait_for_selector("#fault-load_torque")
+    assert live.locator("#fault-theta1").count() == 0
