@@ -29,20 +29,20 @@ def service(data: Path, **settings: object) -> Iterator[str]:
         yield line.split(" at ")[1].split("/ ")[0]
     finally:
         process.terminate()
-        process.wait(20)
+        process.wait(60)
         process.stdout.close()
 
 
 @pytest.fixture(scope="session")
 def address(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
     """Return the address of one service for tests without settings of their own; bodies are limited to 200 kB."""
-    with service(tmp_path_factory.mktemp("service"), max_body="200k", wait=20) as started:
+    with service(tmp_path_factory.mktemp("service"), max_body="200k", wait=60) as started:
         yield started
 
 
 @pytest.fixture
 def client(address: str) -> Iterator[Client]:
-    with Client(address, timeout=30) as made:
+    with Client(address, timeout=120) as made:
         yield made
 
 
@@ -55,7 +55,7 @@ def run(address: str) -> dict:
 
 def until(condition) -> None:
     """Wait until a condition of the service holds."""
-    deadline = time.monotonic() + 30
+    deadline = time.monotonic() + 120
     while not condition():
         assert time.monotonic() < deadline
         time.sleep(0.02)

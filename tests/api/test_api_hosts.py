@@ -17,7 +17,7 @@ from thetascope_schemas.service.session import CLOSE_ORIGIN
 
 def status(address: str, method: str, path: str, host: str | None = None, **headers: str) -> tuple[int, dict]:
     """Return the status and the JSON of an answer to a request with these headers and without a body."""
-    connection = HTTPConnection(urlsplit(address).netloc, timeout=20)
+    connection = HTTPConnection(urlsplit(address).netloc, timeout=120)
     headers = {name.replace("_", "-"): value for name, value in headers.items()}
     connection.request(method, path, headers={**headers, **({} if host is None else {"Host": host})})
     answer = connection.getresponse()

@@ -15,7 +15,7 @@ JSON = {"Content-Type": "application/json"}
 @pytest.fixture
 def send(address):
     """Send a raw request; return status, headers and the problem document."""
-    connection = HTTPConnection(urlsplit(address).netloc, timeout=20)
+    connection = HTTPConnection(urlsplit(address).netloc, timeout=120)
 
     def send_one(method: str, path: str, body: object = None, headers: dict | None = None) -> tuple[int, dict, dict]:
         body = json.dumps(body) if isinstance(body, dict | list) else body
@@ -108,7 +108,7 @@ def test_a_run_request_reports_its_own_fields(send):
 
 def test_a_body_with_too_large_a_content_length_is_refused_before_it_is_read(address):
     """The answer comes after the headers alone."""
-    connection = HTTPConnection(urlsplit(address).netloc, timeout=5)
+    connection = HTTPConnection(urlsplit(address).netloc, timeout=120)
     connection.putrequest("POST", "/api/runs")
     connection.putheader("Content-Type", "application/json")
     connection.putheader("Content-Length", str(10**9))
@@ -120,7 +120,7 @@ def test_a_body_with_too_large_a_content_length_is_refused_before_it_is_read(add
 
 def test_a_body_over_the_limit_in_chunks_is_cut_off(address):
     """Without a Content-Length the bytes are counted."""
-    connection = HTTPConnection(urlsplit(address).netloc, timeout=5)
+    connection = HTTPConnection(urlsplit(address).netloc, timeout=120)
     chunks = (b" " * 10_000 for _ in range(25))
     connection.request("POST", "/api/runs", chunks, JSON, encode_chunked=True)
     answer = connection.getresponse()

@@ -1,19 +1,27 @@
 """A real server on a free port and a real browser. A missing browser is an error with its remedy, never a skip."""
 
+import json
 import os
 import re
+import signal
 import socket
 import subprocess
 import sys
 import time
 import urllib.request
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tools import browser as browser_tool
+
+try:
+    import fcntl
+except ImportError:  # Windows: every worker has a server of its own
+    fcntl = None
 
 ROOT = Path(__file__).parents[2]
 ARGUMENTS = [
@@ -52,10 +60,18 @@ def free_port() -> int:
         return probe.getsockname()[1]
 
 
-@pytest.fixture(scope="session")
-def server(tmp_path_factory) -> Iterator[str]:
-    """Yield the address of a server with an empty store; it is stopped by its process id."""
-    port, folder = free_port(), tmp_path_factory.mktemp("served")
+def answers(address: str) -> bool:
+    """Return whether the service at an address is up."""
+    try:
+        urllib.request.urlopen(f"{address}/api/health", timeout=10).close()
+    except OSError:
+        return False
+    return True
+
+
+def started(folder: Path) -> tuple[str, int]:
+    """Start a service with an empty store; return its address and the id of its process."""
+    port = free_port()
     environment = {
         **os.environ,
         "THETASCOPE_DATA": str(folder),
@@ -67,23 +83,46 @@ def server(tmp_path_factory) -> Iterator[str]:
     with (folder / "log").open("w") as log:
         process = subprocess.Popen([sys.executable, "-c", code], cwd=ROOT, env=environment, stdout=log, stderr=log)
     address = f"http://127.0.0.1:{port}"
-    try:
-        for _ in range(300):
-            try:
-                urllib.request.urlopen(f"{address}/api/health", timeout=2).close()
-                break
-            except OSError:
-                if process.poll() is not None:
-                    break
-                time.sleep(0.1)
-        else:
-            process.terminate()
-        if process.poll() is not None:
+    end = time.monotonic() + 180  # a busy machine is slow
+    while not answers(address):
+        if process.poll() is not None or time.monotonic() > end:
+            process.kill()
             pytest.fail(f"the server did not start: {(folder / 'log').read_text()[-2000:]}")
-        yield address
-    finally:
-        process.terminate()
-        process.wait(20)
+        time.sleep(0.1)
+    return address, process.pid
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep the other workers of this run out."""
+    with (folder / "lock").open("w") as lock:
+        if fcntl:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+@pytest.fixture(scope="session")
+def server(tmp_path_factory, request) -> Iterator[str]:
+    """Yield the address of a server that the workers of this run share, so that each kernel is compiled once.
+
+    The first worker starts it, and the last one to leave stops it by its process id.
+    """
+    base = tmp_path_factory.getbasetemp()
+    own = tmp_path_factory.mktemp("served")
+    shared = base.parent if fcntl and hasattr(request.config, "workerinput") else own
+    users, running = shared / "server-users", shared / "server.json"
+    with locked(shared):
+        if not (running.exists() and answers(json.loads(running.read_text())[0])):
+            running.write_text(json.dumps(started(own)))
+        users.mkdir(exist_ok=True)
+        (users / own.parent.name).touch()
+    address, pid = json.loads(running.read_text())
+    yield address
+    with locked(shared):
+        (users / own.parent.name).unlink()
+        if not any(users.iterdir()):
+            running.unlink()
+            os.kill(pid, signal.SIGTERM)
 
 
 class Watch:
@@ -127,7 +166,7 @@ def visit(context, server: str, path: str, width: int, height: int, theme: str):
     It prefers reduced motion: axes jump instead of gliding, so that nothing depends on the time of a frame.
     """
     opened = context.new_page()
-    opened.set_default_timeout(60_000)
+    opened.set_default_timeout(180_000)
     opened.set_viewport_size({"width": width, "height": height})
     opened.emulate_media(color_scheme=theme, reduced_motion="reduce")
     opened.watch = Watch(opened, server)
@@ -175,7 +214,7 @@ RENEW = """async ([path, theme]) => {
   store.dispatch({type: 'set', notice: null, desk: 'inject'});
   history.pushState(null, '', path);
   dispatchEvent(new PopStateEvent('popstate'));
-  const end = performance.now() + 60_000;
+  const end = performance.now() + 180_000;
   while (thetascope.state.session === session && thetascope.state.connection !== 'failed' && performance.now() < end)
     await new Promise((done) => setTimeout(done, 10));
   scrollTo(0, 0);

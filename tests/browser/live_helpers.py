@@ -32,7 +32,7 @@ WAITS = """(async () => {
 })()"""
 
 
-def until(page, expression: str, seconds: float = 60.0):
+def until(page, expression: str, seconds: float = 180.0):
     """Return the value of an expression on the page as soon as it is true, also if the page is loaded again meanwhile.
 
     Playwright's own `wait_for_function` evaluates text, which the page's content policy forbids. The limit is for a
@@ -75,7 +75,7 @@ def ready(page, rows: int = 2) -> None:
 #: The page asks for no further frame, and has drawn two since: axes have come to rest, sizes follow from sizes.
 RESTED = """(async () => {
   const drawn = () => new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
-  const end = performance.now() + 60_000;
+  const end = performance.now() + 180_000;
   await drawn();
   for (let calm = 0; calm < 2 && performance.now() < end; await drawn()) calm = window.framesAsked ? 0 : calm + 1;
 })()"""

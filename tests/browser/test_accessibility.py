@@ -140,9 +140,9 @@ def diagnosed(kept_page):
     before = {shape: serious(shown(*shape)) for shape in RECORDS}
     page = shown(*RECORDS[0])
     page.click("button:text-is('Simulate a record')")
-    page.wait_for_selector(".buttons [role=status]:has-text('The record is a run')", timeout=60_000)
+    page.wait_for_selector(".buttons [role=status]:has-text('The record is a run')")
     page.click("button.run")
-    page.wait_for_selector(".found", timeout=60_000)
+    page.wait_for_selector(".found")
     return shown, before
 
 
@@ -158,7 +158,7 @@ def test_axe_finds_nothing_serious_on_the_page_of_plants(page):
     shown = page("/plants/", width=390, height=844)
     shown.wait_for_selector(".plant-card")
     shown.evaluate("for (const one of document.querySelectorAll('.plant-card')) one.open = true")
-    shown.wait_for_selector(".plant-card:last-of-type math", timeout=60_000)
+    shown.wait_for_selector(".plant-card:last-of-type math")
     shown.evaluate(AXE)
     found = {}
     for font in FONTS:

@@ -126,7 +126,7 @@ def test_rank_and_condition_along_the_run(tab):
     live = started(tab)
     live.click("#panel-diagnosis button:text-is('Detectability')")
     live.click(".trajectory button")
-    live.wait_for_selector(".trajectory tbody tr:nth-child(4)", timeout=30_000)
+    live.wait_for_selector(".trajectory tbody tr:nth-child(4)")
     rows = live.locator(".trajectory tbody tr").all_inner_texts()
     assert all("5 / 5" in row and float(row.split()[-1]) > 1 for row in rows)
     assert "rank: 5 of 5" in live.inner_text(".trajectory p >> nth=0") and live.watch.errors == []
@@ -139,7 +139,7 @@ def test_a_proposed_input_is_applied(tab):
     live.evaluate("thetascope.act.step(2000)")
     live.locator("#panel-diagnosis .heading-links button").first.click()
     live.click(".proposal button")
-    live.wait_for_selector(".proposal .press:not(.quiet-press)", timeout=30_000)
+    live.wait_for_selector(".proposal .press:not(.quiet-press)")
     assert "voltage" in live.locator(".proposal").inner_text()
     live.click(".proposal .press:not(.quiet-press)")
     until(live, "thetascope.state.spec.commands.filter((one) => one.command === 'set-signal').length === 2")

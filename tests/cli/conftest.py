@@ -42,6 +42,6 @@ def process(tmp_path: Path) -> Callable[..., subprocess.CompletedProcess]:
 
     def run_one(*arguments: str, **options: object) -> subprocess.CompletedProcess:
         command = [sys.executable, "-m", "thetascope.cli.main", *arguments]
-        return subprocess.run(command, check=False, capture_output=True, text=True, timeout=60, **options)
+        return subprocess.run(command, check=False, capture_output=True, text=True, timeout=300, **options)
 
     return run_one

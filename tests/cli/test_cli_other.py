@@ -77,7 +77,7 @@ def loaded(arguments: list[str], heavy: set[str]) -> set[str]:
         f"assert not code\nprint('LOADED', *({heavy} & set(sys.modules)))"
     )
     done = subprocess.run(
-        [sys.executable, "-c", probe], cwd=ROOT, capture_output=True, text=True, timeout=60, check=False
+        [sys.executable, "-c", probe], cwd=ROOT, capture_output=True, text=True, timeout=300, check=False
     )
     assert done.returncode == 0, done.stderr
     return set(done.stdout.rpartition("LOADED")[2].split())
@@ -107,5 +107,5 @@ def test_serve_reports_an_unusable_store(process, tmp_path, monkeypatch):
 def test_a_pipe_that_closes_early_is_not_an_error():
     """`thetascope list | head -1`."""
     shell = f"{sys.executable} -m thetascope.cli.main list | head -1"
-    done = subprocess.run(shell, shell=True, cwd=ROOT, capture_output=True, text=True, timeout=60, check=False)
+    done = subprocess.run(shell, shell=True, cwd=ROOT, capture_output=True, text=True, timeout=300, check=False)
     assert done.stdout.startswith("EXPERIMENT") and "Traceback" not in done.stderr and "BrokenPipe" not in done.stderr

@@ -163,18 +163,17 @@ def test_invalid_settings_and_damaged_stores_are_reported(call, tmp_path, monkey
 
 
 def test_ctrl_c_stops_a_long_run_with_exit_code_130(tmp_path):
-    """Within seconds and without a traceback."""
+    """It ends without a traceback."""
     (tmp_path / "e.json").write_text(json.dumps(long_data()))
     # Where the tests run in the background of a shell, SIGINT is ignored by all that they start.
     code = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-    code += "from thetascope.cli.main import main; sys.exit(main())"
+    code += "from thetascope.cli import main, terminal; terminal._PLAIN_EVERY = 0; sys.exit(main.main())"
     command = [sys.executable, "-c", code, "run", str(tmp_path / "e.json"), "--no-store"]
     process = subprocess.Popen(command, cwd=ROOT, stderr=subprocess.PIPE, text=True)
     try:
-        with pytest.raises(subprocess.TimeoutExpired):
-            process.wait(2)
+        assert "%" in process.stderr.readline()  # it runs, and reports its progress
         process.send_signal(signal.SIGINT)
-        _, error = process.communicate(timeout=10)
+        _, error = process.communicate(timeout=120)
     finally:
         process.kill()
     assert process.returncode == 130

@@ -11,7 +11,7 @@ from thetascope.runs.jobs.manager import RunManager
 from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
 from thetascope_schemas.experiment.experiment import Experiment
 
-SECONDS = 30
+SECONDS = 120
 ONE = 150_000  # bytes: room for one result of the small experiment (1001 rows of 10 columns), not for two
 
 

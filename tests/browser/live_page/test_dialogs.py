@@ -67,7 +67,7 @@ def test_an_export_waits_for_a_long_run(page):
 
     live.route("**/save", accepted)
     live.click(EXPORT)
-    with live.expect_download(timeout=20_000) as download:
+    with live.expect_download() as download:
         live.click("dialog[open] button:text-is('Specification')")
     spec = json.loads(download.value.path().read_text())
     assert spec["id"] == "zhao-2012" and download.value.suggested_filename.startswith("zhao-2012-")
@@ -81,7 +81,7 @@ def test_a_viewer_downloads_the_displayed_data(tab, page):
     until(viewer, "window.thetascope?.state.role === 'view' && thetascope.samples.rows > 300")
     viewer.click(EXPORT)
     assert viewer.locator("dialog[open] button:text-is('Specification')").count() == 0
-    with viewer.expect_download(timeout=20_000) as download:
+    with viewer.expect_download() as download:
         viewer.click("dialog[open] button:text-is('CSV')")
     head, first = download.value.path().read_text().splitlines()[:2]
     assert head.startswith("t,") and first.startswith("0") and viewer.watch.errors == []

@@ -108,7 +108,7 @@ def test_the_session_is_downloaded(tab):
     rows = list(csv.reader(io.StringIO(Path(waiting.value.path()).read_text())))
     assert rows[0][:2] == ["t", "u.u"] and "adaptive.theta.theta3" in rows[0] and len(rows) > 1000
     for words, suffix in (("Report", ".html"), ("Specification", ".json"), ("SVG", ".svg")):
-        with live.expect_download(timeout=60_000) as waiting:
+        with live.expect_download() as waiting:
             live.click(f"dialog button:text-is('{words}')")
         assert waiting.value.suggested_filename.endswith(suffix)
 

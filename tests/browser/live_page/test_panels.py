@@ -58,12 +58,12 @@ def test_every_shape_can_be_injected_with_its_first_values(tab, subject, shapes)
     for shape in shapes:
         menu.select_option(shape)
         button.click()
-        button.and_(live.locator(".clear")).wait_for(timeout=10_000)
+        button.and_(live.locator(".clear")).wait_for()
         last = live.evaluate("thetascope.state.faults.at(-1)")
         assert (last["subject"], last["shape"]) == (subject, shape)
         live.evaluate("thetascope.act.step(2)")
         button.click()
-        button.and_(live.locator(":not(.clear)")).wait_for(timeout=10_000)
+        button.and_(live.locator(":not(.clear)")).wait_for()
         live.evaluate("thetascope.act.step(1)")
         assert row(live, subject).locator(".refused").inner_text() == ""
 
