@@ -161,3 +161,19 @@ def test_an_observer_added_during_the_run_is_in_report_and_figures(client):
     names = [one["name"] for one in client.get(run["links"]["figures"])["figures"]]
     drawn = {name: json.dumps(client.get(f"{run['links']['figures']}/{name}")) for name in names}
     assert "errors" in drawn and "late" in drawn["errors"] and "late" in drawn["faults"]
+
+
+def test_names_in_any_script_are_columns_and_paths(client):
+    """A plant with Greek and Chinese names runs; columns are asked for in any spelling, and changes by path act."""
+    plant = {
+        "id": "greek",
+        "states": [{"name": "ω"}],
+        "inputs": [{"name": "力", "default": 1.0}],
+        "outputs": [{"name": "y_ω", "expression": "ω"}],
+        "parameters": [{"name": "τ₁", "value": 1.0}],
+        "dynamics": {"ω": "(力 - ω)/τ1"},
+    }
+    run = client.post("/api/runs", {"plant": plant, "horizon": 1.0, "step": 0.01, "parameters": {"τ₁": 0.5}})
+    columns = client.data(run["id"], ["t", "x.ω", "u.力", "y.y_ω"])
+    assert list(columns) == ["t", "x.ω", "u.力", "y.y_ω"]
+    np.testing.assert_allclose(columns["x.ω"], 1 - np.exp(-2 * columns["t"]), atol=1e-8)

@@ -103,6 +103,18 @@ def test_the_error_of_a_bouncing_ball_falls_with_the_square_of_the_step():
     assert errors[1] < errors[0] / 50
 
 
+def test_events_act_with_the_steps_that_the_run_chooses():
+    """Without given substeps the ball bounces, too, at least as exactly, and every counted bounce is one."""
+    counting = copy.deepcopy(BALL)
+    counting["states"].append({"name": "n"})
+    counting["dynamics"]["n"] = "0"
+    counting["events"][0]["set"]["n"] = "n + 1"
+    result = simulate({"plant": counting, "horizon": 2.5, "step": 1e-2, "record": 0.01})
+    exact = np.array([bounced(t) for t in result.column("t")])
+    assert np.abs(result.column("x.h") - exact).max() < 2e-3
+    assert result.column("x.n")[-1] == 4
+
+
 def test_an_integrator_that_fires_agrees_with_located_events():
     """Spikes, an adapting threshold and a counter under a sine agree with solve_ivp, restarted at each event."""
     sine = {"kind": "sine", "amplitude": 1.0, "frequency": 0.3, "offset": 2.0}
