@@ -14,6 +14,7 @@ from thetascope.assembly import prepare
 from thetascope.assembly.analyses.plant_check import check_plant
 from thetascope.engine.compiler.system import Program
 from thetascope.engine.errors import SpecError
+from thetascope.engine.language.render.mathml import plant_equations
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import Result
 from thetascope.engine.observers.registry import kinds
@@ -212,3 +213,12 @@ def test_events_of_unknown_states_and_in_discrete_time_are_refused(plant: dict[s
     with pytest.raises(ValidationError) as caught:
         Plant.model_validate(plant)
     assert field_errors(caught.value.errors(), plant)[0].field.startswith("events[0]")
+
+
+def test_the_equations_show_events_and_algebraic_variables():
+    """An event is shown as a new value with its condition, an implicit equation as left = right."""
+    plant = Plant.model_validate(BALL | {"algebraic": [{"name": "z", "equation": "z^3 = h"}]})
+    lines = plant_equations(plant.model_dump(mode="json"))["definitions"]
+    assert [line["name"] for line in lines] == ["z", "h", "v"]
+    assert "<mo>=</mo>" in lines[0]["math"]
+    assert all("<mo>+</mo></msup>" in line["math"] and "if " in line["math"] for line in lines[1:])

@@ -218,6 +218,7 @@ def plant_equations(data: Mapping) -> dict[str, list[dict[str, str]]]:
         definitions.append(_line(item, symbol(item["name"]) + EQUALS + text))
         names.append(item["name"])
     definitions += [_implicit(i, item, names, tables) for i, item in enumerate(data.get("algebraic", ()))]
+    definitions += [line for i, event in enumerate(data.get("events", ())) for line in _event(i, event, names, tables)]
     discrete = data["time"]["kind"] == "discrete"
     states, outputs = [], []
     for item in data["states"]:
@@ -263,6 +264,17 @@ def _implicit(index: int, item: Mapping, names: Iterable[str], tables: Iterable[
     field = f"algebraic.{index}.equation"
     left, right = (expression(s, names, field, tables) if s else "<mn>0</mn>" for s in sides(item["equation"]))
     return _line(item, left + EQUALS + right)
+
+
+def _event(index: int, event: Mapping, names: Iterable[str], tables: Iterable[str]) -> list[dict[str, str]]:
+    """Return the new value of each state that an event changes, with its condition: x⁺ = … if …."""
+    parsed = parse(event["when"], names, f"events.{index}.when", tables=tables, condition=True)
+    condition = row("<mspace width='1em'/>", "<mtext>if </mtext>", Writer(parsed).write())
+    lines = []
+    for name, text in event["set"].items():
+        value = expression(str(text), names, f"events.{index}.set.{name}", tables)
+        lines.append(_line({"name": name}, f"<msup>{symbol(name)}<mo>+</mo></msup>" + EQUALS + value + condition))
+    return lines
 
 
 def _line(item: Mapping, inner: str) -> dict[str, str]:
