@@ -9,8 +9,12 @@ from pathlib import Path
 import pytest
 from markupsafe import Markup, escape
 
+from tests.engine.loops import experiment as loop_experiment
+from tests.engine.loops import level
+from tests.simulate import simulate
 from thetascope.engine.model.result import Check
 from thetascope.figures.figure_data import FigureData
+from thetascope.figures.general_figures import build
 from thetascope.figures.html_symbols import symbol
 from thetascope.messages import Message
 from thetascope.report import words
@@ -345,3 +349,18 @@ def test_the_buttons_of_the_figures_are_in_the_reports_language(experiment, resu
     page = (Path(__file__).parents[2] / "frontend/i18n/plotly-locale.js").read_text(encoding="utf-8")
     assert words["Download plot as a PNG"] == "下载为 PNG 图片"
     assert list(words) and set(words) == set(re.findall(r"^    '?(.+?)'?: t\('page\.plotly", page, re.MULTILINE))
+
+
+def test_the_controllers_of_a_loop_are_described():
+    """Their laws with limits, set points among the inputs, and the initial values of their states."""
+    spec = loop_experiment(level(0.5), horizon=5)
+    page = Page(report(simulate(spec), spec, spec.plant, {"id": "loop", "created": "2025-01-01", "versions": {}}))
+    text = " ".join("".join(page.text).split())
+    assert "limited to [0, 2]" in text and "e(0) = 0" in text and "Kp" in text
+
+
+def test_the_inputs_of_a_loop_are_drawn_with_the_set_points():
+    """The figure of inputs has the set point and the applied input."""
+    spec = loop_experiment(level(0.5), horizon=5)
+    strips = json.dumps(build(FigureData(simulate(spec), spec, spec.plant, "light"), "inputs"), default=str)
+    assert "<i>r</i>" in strips and "<i>q</i>" in strips

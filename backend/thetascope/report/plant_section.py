@@ -83,20 +83,26 @@ def _laws(report: ReportContext, plant: Plant, controller: Controller) -> Iterat
         yield symbol(item.name), expression(item.expression), note
         note = ""
     for item in controller.outputs:
-        yield symbol(item.input), expression(item.expression), note or _domain(report, item.saturation)
+        yield (
+            symbol(item.input),
+            expression(item.expression),
+            note or _domain(report, item.saturation, "report.saturation"),
+        )
         note = ""
     for state in controller.states:
         yield symbol(state.name) + (mark("next") if stepwise else "′"), expression(controller.dynamics[state.name]), ""
 
 
-def _domain(report: ReportContext, domain: tuple[float | str | None, float | str | None]) -> Markup | str:
+def _domain(
+    report: ReportContext, domain: tuple[float | str | None, float | str | None], code: str = "report.domain"
+) -> Markup | str:
     if domain == (None, None):
         return ""
     low, high = (
         open_side if limit is None else symbol(limit) if isinstance(limit, str) else number(limit)
         for limit, open_side in zip(domain, ("−∞", "∞"), strict=True)
     )
-    return report.say("report.domain", low=low, high=high)
+    return report.say(code, low=low, high=high)
 
 
 def _faults(plant: Plant, equation: str, kinds: tuple[str, ...]) -> Markup:
@@ -118,7 +124,7 @@ def _quantities(report: ReportContext, plant: Plant, spec: Experiment) -> list[t
     ]
     initial = [
         Markup("{}(0) = {}{}").format(symbol(s.name), number(spec.initial.get(s.name, s.initial), 6), unit(s.unit))
-        for s in plant.states
+        for s in (*plant.states, *(state for controller in plant.controllers for state in controller.states))
     ]
     groups = ((report.say("report.parameters"), parameters), (report.say("report.start"), initial))
     return [(name, report.joined(items)) for name, items in groups if items]
