@@ -5,9 +5,10 @@ that changes other states is a reset, such as the bounce of a ball.
 
 Conditions are examined at the end of every step. An event whose condition was false at the beginning is located within
 the step: the margin of its condition (b − a of a < b, the least of margins joined by `and`, the largest of those joined
-by `or`) and the states count as linear over the step, the earliest event of the step acts there, and one Euler step
-covers the rest. The error of the states is of second order in the step. All other events whose conditions hold act at
-the end of the step, in their order; the values of one event are computed together, and later events see them.
+by `or`) and the states count as linear over the step, the earliest event of the step acts there, and one Euler step,
+implicit in each state's own decay, covers the rest. The error of the states is of second order in the step. All other
+events whose conditions hold act at the end of the step, in their order; the values of one event are computed together,
+and later events see them.
 """
 
 from __future__ import annotations
@@ -151,14 +152,14 @@ def events_of_step(
     ends: tuple[Mapping[Symbol, Expr], Mapping[Symbol, Expr]],
     known: Mapping[Symbol, Expr],
     let: Callable[[str, Expr], Expr],
-    rate: Callable[[list[Expr]], Sequence[Expr]],
+    rate: Callable[[list[Expr]], Sequence[tuple[Expr, Expr]]],
 ) -> list[Expr]:
     """Return the states at the end of a step with its events.
 
     Args:
         events, definitions, known, let: as in `_Chain`.
         ends: the states at the beginning and, without events, at the end of the step.
-        rate: the right-hand side at given states.
+        rate: the right-hand side f at given states, and ∂f_i/∂x_i.
     """
     chain, (begin, end) = _Chain(events, definitions, known, let), ends
     before, after = chain.margins("begin", begin), chain.margins("end", end)
@@ -180,10 +181,12 @@ def events_of_step(
     rest = let("rest", (1 - share) * sympy.Symbol(WIDTH, real=True))
     rates = rate(list(moved.values()))
     happens = let("happens", functions.Less(first, never))
-    arrived = {
-        s: let(f"arrived.{s.name}", functions.Where(happens, moved[s] + rest * r, end[s]))
-        for s, r in zip(end, rates, strict=True)
-    }
+    arrived = {}
+    for s, (f, slope) in zip(end, rates, strict=True):
+        decay = let(f"decay.{s.name}", rest * functions.Max(-slope, zero))
+        # of second order for slow states (the trapezoidal rule), stable for fast ones (the implicit Euler rule)
+        damping = let(f"damping.{s.name}", 1 + functions.Max(decay / 2, decay - sympy.S.Half))
+        arrived[s] = let(f"arrived.{s.name}", functions.Where(happens, moved[s] + rest * f / damping, end[s]))
 
     def others(k: int, condition: Expr) -> Expr:
         return functions.And_(condition, functions.Less(located[k], sympy.S.Half))

@@ -270,11 +270,13 @@ class Model:
         begin = {s: sympy.Symbol(f"{BEGIN}{e.name}", real=True) for s, e in end.items()}
         f, _ = self.with_faults()
 
-        def rate(x: list[Expr]) -> list[Expr]:
+        slopes = self.jacobian(f)
+
+        def rate(x: list[Expr]) -> list[tuple[Expr, Expr]]:
             inside = {**self.prefixed, **dict(zip(self.x, x, strict=True))}
             for symbol, expression in definitions:
                 inside[symbol] = let(f"rate.{symbol.name}", expression.xreplace(inside))
-            return [e.xreplace(inside) for e in f]
+            return [(f[i].xreplace(inside), slopes[i, i].xreplace(inside)) for i in range(self.n)]
 
         moved = events_of_step(self.events, definitions, (begin, end), self.prefixed, let, rate)
         return tuple(moved), list(more.items())

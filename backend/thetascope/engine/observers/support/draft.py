@@ -323,10 +323,11 @@ class Draft:
         begin = {s: sympy.Symbol(f"{BEGIN}{e.name}", real=True) for s, e in end.items()}
         definitions = [(d.symbol, d.expression) for d in model.definitions]
 
-        def rate(x: list[Expr]) -> Sequence[Expr]:
-            at = self.at(x, theta if set(theta) <= set(self._states) else None)
-            known = column(theta) if set(theta) <= set(self._states) else column([0] * len(theta))
-            return list(at.f + at.Phi @ known) if theta else list(at.f)
+        def rate(x: list[Expr]) -> list[tuple[Expr, Expr]]:
+            known = theta if set(theta) <= set(self._states) else [sympy.S.Zero] * len(theta)
+            at = self.at(x, known)
+            f = at.f + at.Phi @ column(known) if theta else at.f
+            return [(e, at.A[i, i]) for i, e in enumerate(f)]
 
         def let(part: str, value: Expr) -> Expr:
             return self._let(f"end.{part}", value)
