@@ -10,6 +10,7 @@ from itertools import pairwise
 from pathlib import Path
 from urllib.request import Request, urlopen
 
+import numpy as np
 import pytest
 import yaml
 
@@ -18,7 +19,7 @@ from thetascope import library
 from thetascope.assembly import check_plant
 from thetascope.engine.language.builtins import FUNCTIONS
 from thetascope.settings import PREFIX, Settings
-from thetascope_schemas import Plant, ResolvedExperiment
+from thetascope_schemas import Experiment, Plant, ResolvedExperiment
 from tools.document_observers import FILE, counted, page
 from tools.list_licences import pinned
 
@@ -55,6 +56,13 @@ def test_the_page_on_observers_is_current():
     """docs/observers.md is up to date; `make docs` writes it."""
     current = FILE.read_text(encoding="utf-8") == page()  # apart, so that a failure does not print the page
     assert current, "run make docs"
+
+
+def test_the_example_of_a_truth_runs():
+    """The experiment in docs/truth.md is accepted, and its simulated plant has the additional state."""
+    data = yaml.safe_load(blocks(ROOT / "docs" / "truth.md", "yaml")[0])
+    spec = library.resolve(Experiment.model_validate(data | {"horizon": 60, "observers": []}))
+    assert np.isfinite(simulate(spec).column("x.pump")).all()
 
 
 def test_the_example_of_a_plant_is_valid():

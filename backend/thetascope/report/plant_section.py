@@ -35,7 +35,7 @@ def plant_section(report: ReportContext) -> Markup:
 
 
 def timeline(report: ReportContext) -> Markup:
-    """Return the faults in the order of their onset, and the noise."""
+    """Return the faults in the order of their onset, the noise, and how the true plant differs from the model."""
     spec = report.run.spec
     rows = []
     for fault in sorted(spec.faults, key=lambda fault: fault.onset):
@@ -56,7 +56,38 @@ def timeline(report: ReportContext) -> Markup:
         for name, n in spec.noise.items()
     ]
     head = [report.say(f"report.head.{name}") for name in ("fault-on", "shape", "details", "from", "until")]
-    return report.render("timeline.html", faults=report.table(head, rows, 2), noise=report.joined(noise))
+    return report.render(
+        "timeline.html",
+        faults=report.table(head, rows, 2),
+        noise=report.joined(noise),
+        truth=report.joined(list(_truth(report, spec))),
+    )
+
+
+def _truth(report: ReportContext, spec: Experiment) -> Iterator[Markup]:
+    """Yield the ways in which the simulated plant differs from the model."""
+    truth = spec.truth
+    if truth.deviation:
+        yield report.say("report.truth.deviation", percent=number(100 * truth.deviation))
+    for name, value in truth.parameters.items():
+        yield Markup("{} = {}").format(symbol(name), number(value, 6))
+    for name, std in truth.process_noise.items():
+        yield report.say("report.truth.process-noise", state=symbol(name), std=number(std))
+    for name, sensor in truth.outputs.items():
+        if sensor.correlation is not None:
+            yield report.say("report.truth.correlation", output=symbol(name), time=number(sensor.correlation))
+        if sensor.period is not None:
+            yield report.say("report.truth.period", output=symbol(name), time=number(sensor.period))
+        if sensor.missing:
+            yield report.say("report.truth.missing", output=symbol(name), percent=number(100 * sensor.missing))
+        if sensor.jitter:
+            yield report.say("report.truth.jitter", output=symbol(name), time=number(sensor.jitter))
+        if sensor.adds is not None:
+            yield report.say("report.truth.adds", name=symbol(name), added=expression(sensor.adds))
+    own = {state.name for state in truth.states}
+    for name, text in truth.dynamics.items():
+        kind = "report.truth.state" if name in own else "report.truth.adds"
+        yield report.say(kind, name=symbol(name), added=expression(text))
 
 
 def _equations(report: ReportContext, plant: Plant) -> Iterator[tuple[Markup, Markup, Markup | str]]:

@@ -65,6 +65,7 @@ class Tally:
 
     name: Message
     without: int = 0  # runs without faults that had an alarm
+    false: int = 0  # alarms in runs without faults
     before: int = 0  # runs with faults that had an alarm before the first fault
     found: dict[str, int] = field(default_factory=dict)  # by channel
     alternative: dict[str, int] = field(default_factory=dict)  # of these, named as an alternative
@@ -131,6 +132,7 @@ def trial(
                     tally.count(alarms, faults)
                 else:
                     tally.without += bool(alarms)
+                    tally.false += len(alarms)
         if progress is not None:
             progress((k + 1) / seeds)
     return Trial(seeds, faults, list(tallies.values()))
