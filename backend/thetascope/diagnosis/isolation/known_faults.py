@@ -29,6 +29,7 @@ from thetascope.diagnosis.isolation.size_uncertainty import (
 from thetascope.diagnosis.yield_points import Steps
 
 GONE = 0.2  # of its size: a fault whose estimate falls below this is over
+CERTAIN = 2.0  # standard deviations of that size: what it exceeds zero by more than this is certain
 LEAST = 4  # decisions that isolation takes at least: over one, a single outlier resembles any fault
 SOON = 20  # decisions after a fault was isolated during which it is not taken to have changed
 BEFORE = 64  # decisions before an onset, at least, that are kept: the first estimate of an onset may be late
@@ -95,7 +96,9 @@ def _size_if_vanished(
     others = tuple(e for e in state.tentative.events if e != event)
     size = float(known.level[event.channel])
     previous = float(state.tentative.base.plus(others, event.onset).level[event.channel])
-    least = max(GONE * abs(previous or before.size), 3.0 * deviation)
+    # a first estimate may be many times too large, with an interval that says so
+    certain = max(abs(previous or before.size) - CERTAIN * before.deviation, 0.0)
+    least = max(GONE * certain, 3.0 * deviation)
     # a fault that was isolated a moment ago is not over yet, unless another event changed it
     settled = state.at - state.findings[i].raised_at >= SOON or any(
         entry.finding == i and not entry.own for entry in entries
