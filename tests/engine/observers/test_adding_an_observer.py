@@ -115,7 +115,7 @@ def test_it_is_documented(luenberger):
     section = document_observers.section(luenberger)
     assert "Luenberger, IEEE TAC" in section and "A − LC stable" in section
     assert "a matrix, one row per state and one column per output" in section
-    assert document_observers.counted("Twelve observers and ten plants") == "Thirteen observers and ten plants"
+    assert document_observers.counted("Twelve observers").startswith("Thirteen observers")
 
 
 def test_the_catalogue_and_the_form_contain_it(luenberger):
