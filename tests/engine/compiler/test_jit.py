@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 import sympy
 
+from thetascope.engine.compiler import jit
 from thetascope.engine.compiler.codegen import fits_inline
 from thetascope.engine.compiler.jit import NEVER, Layout, Segments, kernel
 from thetascope.engine.compiler.system import Program, System
+from thetascope.engine.programs import evaluate_rows
 
 
 def program(time: str = "continuous") -> Program:
@@ -158,3 +160,25 @@ def test_discrete_programs_map_the_state_once_per_step(inputs):
         values = dict(zip(p.states, x, strict=True)) | {"u": inputs["u"][0], "w": w[i], "k": 2.0, "t": i * 0.1}
         x = np.array([float(v) for v in p.evaluate(["d.x", "d.v"], values)])
         np.testing.assert_allclose(out[i], x, rtol=1e-14)
+
+
+def test_code_that_is_compiled_fast_rounds_like_code_that_runs_fast(monkeypatch):
+    """A large program along 500 rows has the same bits from both of LLVM's code generators."""
+    program = chained(40)
+    names = [f"d.{state}" for state in program.states]
+    draw = np.random.default_rng(3)
+    values = {n: draw.uniform(0.5, 2.0, 500) for n in (*program.states, *program.inputs, *program.parameters)}
+    compile_to_object, used, results = jit._object_code, [], []
+    monkeypatch.setattr(jit.cache, "read", lambda *key: None)
+    for quick in (True, False):
+
+        def chosen(text: str, optimised: bool, fast: bool, quick: bool = quick) -> bytes:
+            used.append(fast)
+            return compile_to_object(text, optimised, quick)
+
+        monkeypatch.setattr(jit, "_object_code", chosen)
+        evaluate_rows._kernel.cache_clear()
+        kernel.cache_clear()
+        results.append(evaluate_rows.probe(program, names, values | {"t": np.arange(500.0)}))
+    assert used == [True, True]  # it is large, so a run compiles it fast
+    assert np.isfinite(results[0]).all() and results[0].tobytes() == results[1].tobytes()

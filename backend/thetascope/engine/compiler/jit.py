@@ -37,11 +37,21 @@ class Segments:
 @lru_cache(maxsize=1)
 def _machine() -> llvm.TargetMachine:
     """Return LLVM's target machine for this processor."""
+    return _target_machine(2)
+
+
+@lru_cache(maxsize=1)
+def _quick_machine() -> llvm.TargetMachine:
+    """Return the target machine that generates code fast."""
+    return _target_machine(0)
+
+
+def _target_machine(level: int) -> llvm.TargetMachine:
     llvm.initialize_native_target()
     llvm.initialize_native_asmprinter()
     target = llvm.Target.from_default_triple()
     return target.create_target_machine(
-        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=2
+        cpu=llvm.get_host_cpu_name(), features=llvm.get_host_cpu_features().flatten(), opt=level
     )
 
 
@@ -59,8 +69,10 @@ class Kernel:
     def __init__(self, program: Program, layout: Layout):
         self.program, self.layout = program, layout
         key = hashlib.sha256(repr((program.digest, layout, platform_key())).encode()).hexdigest()
-        # optimising a large straight-line function takes long and gains nothing
-        self._engine = load(key, lambda: emit(program, layout), optimised=fits_inline(program, layout))
+        # Optimising a large straight-line function takes long and gains nothing. One without states, which is evaluated
+        # once a row and not at every stage of every step, is not worth the time of LLVM's slower code generator either.
+        small = fits_inline(program, layout)
+        self._engine = load(key, lambda: emit(program, layout), small, quick=not small and not program.states)
         self._run = _SIGNATURE(self._engine.get_function_address("run"))
 
     def __call__(
@@ -114,12 +126,15 @@ def kernel(program: Program, layout: Layout) -> Kernel:
     return Kernel(program, layout)
 
 
-def load(key: str, text: Callable[[], str], optimised: bool = True) -> llvm.ExecutionEngine:
-    """Return a loaded module: machine code from the object cache, else compiled from the IR text and stored there."""
+def load(key: str, text: Callable[[], str], optimised: bool = True, quick: bool = False) -> llvm.ExecutionEngine:
+    """Return a loaded module: machine code from the object cache, else compiled from the IR text and stored there.
+
+    ``quick``: compile fast instead of to fast code; the code rounds in the same way.
+    """
     with _lock:
         code = cache.read("kernel", key)
         if code is None:
-            code = _object_code(text(), optimised)
+            code = _object_code(text(), optimised, quick)
             cache.write("kernel", key, code)
         engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
         engine.add_object_file(llvm.ObjectFileRef.from_data(code))
@@ -127,13 +142,13 @@ def load(key: str, text: Callable[[], str], optimised: bool = True) -> llvm.Exec
         return engine
 
 
-def _object_code(text: str, optimised: bool) -> bytes:
+def _object_code(text: str, optimised: bool, quick: bool) -> bytes:
     """Compile IR text to object code."""
     module = llvm.parse_assembly(text)
     if optimised:
         builder = llvm.create_pass_builder(_machine(), llvm.create_pipeline_tuning_options(speed_level=2))
         builder.getModulePassManager().run(module, builder)
-    return _machine().emit_object(module)
+    return (_quick_machine() if quick else _machine()).emit_object(module)
 
 
 def _machine_for_engine() -> llvm.TargetMachine:
