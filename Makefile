@@ -7,7 +7,8 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python; do \
 BIN := .venv/bin
 HERE = $(if $(PYTHON),,$(error Python 3.11 or newer is needed, and no python3 here is. Install one, or name it: make run PYTHON=/path/to/python3.11))
 
-# Three workers on two cores: a browser test waits for half of its time.
+# Three workers on two cores: a browser test waits for half of its time. Compiled modules are kept even where the
+# environment forbids it: tests start many processes.
 WORKERS ?= $(shell "$(PYTHON)" -c 'import os; print(((os.cpu_count() or 1) * 3 + 1) // 2)')
 
 # A browser is opened where there is a screen; elsewhere a text browser would take the terminal.
@@ -24,7 +25,7 @@ run: ## Serve the page; the address is printed
 test: ## Check everything, in a browser too
 	$(HERE)@$(PYTHON) tools/environment.py dev
 	@browser=$$($(BIN)/python tools/browser.py) || exit 1; \
-	THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(or $(ARGS),-n $(WORKERS) --dist worksteal)
+	PYTHONDONTWRITEBYTECODE= THETASCOPE_BROWSER="$$browser" exec $(BIN)/python -m pytest $(or $(ARGS),-n $(WORKERS) --dist worksteal)
 
 lint: ## Check style and types
 	$(HERE)@$(PYTHON) tools/environment.py dev

@@ -66,9 +66,10 @@ def install(level: str) -> None:
     """Install the level, then record it and the levels that it includes."""
     pip = create()
     print(f"set-up: installing {LEVELS[level]} into .venv (once; a minute or so)", flush=True)
-    # Python compiles a module when it is first imported; compiling every module of every package would take almost as
-    # long as the rest of the installation.
-    call(*pip, "install", "--no-compile", "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
+    # Tests compile the modules that they import, once; compiling every module of every package would take almost as
+    # long as the rest of the installation. Users get compiled modules, also where Python may not write them later.
+    compiled = [] if level == "run" else ["--no-compile"]
+    call(*pip, "install", *compiled, "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
     call(*pip, "install", "--no-deps", "--no-build-isolation", "--editable", str(ROOT))
     if level != "run":
         print("set-up: installing the tools of package-lock.json into node_modules", flush=True)
