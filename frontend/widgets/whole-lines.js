@@ -94,7 +94,8 @@ function fitAll() {
   const whole = new Map(free.map((one) => [one, lastWhole(one)]));
   for (const [{list}, end] of whole) if (end) cap(list, end);
   for (const [one, end] of whole) if (end && grows(one.list)) refit(one); // they get the room that the others left
-  for (const {one, top} of before) if (top > 0 && one.list.scrollTop !== top) one.list.scrollTop = top; // higher for a moment, it may have been less
+  // a list that was higher for a moment may have scrolled less
+  for (const {one, top} of before) if (top > 0 && one.list.scrollTop !== top) one.list.scrollTop = top;
   for (const {one, line} of before) {
     const out = line ? bottom(line, one.list) - one.list.clientHeight : 0;
     if (out > 0) one.list.scrollTop += out; // a line that is in use stays whole

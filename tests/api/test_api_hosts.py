@@ -12,6 +12,8 @@ from tests.api.conftest import service
 from tests.api.streams import closed, opened, watching
 from thetascope.api.http.hosts import AllowedHosts
 from thetascope.client import ServiceError
+from thetascope.server.app import create_app
+from thetascope.settings import Settings
 from thetascope_schemas.service.session import CLOSE_ORIGIN
 
 
@@ -87,6 +89,12 @@ def test_names_of_the_setting_are_accepted(tmp_path):
 def test_loopback_names_and_numbers_are_allowed(host, allowed):
     """Without a setting only names that no name server can change are accepted."""
     assert AllowedHosts().allows(host) is (allowed and host != "::1")
+
+
+def test_a_service_answers_to_the_name_on_which_it_listens(tmp_path):
+    """`thetascope serve --host lab-pc` prints the address http://lab-pc:8000/, which has to work."""
+    hosts = create_app(Settings(data=tmp_path, host="lab-pc")).state.hosts
+    assert hosts.allows("lab-pc:8000") and not hosts.allows("evil.example")
 
 
 def test_clients_that_are_no_browsers_send_no_origin():

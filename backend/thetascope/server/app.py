@@ -14,9 +14,9 @@ from starlette.responses import Response
 from thetascope import __version__, library
 from thetascope.api.http import openapi, problems, static_pages
 from thetascope.api.http.answers import json_response
+from thetascope.api.http.browser_security import Security
 from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import ContentLanguage
-from thetascope.api.http.security_headers import Security
 from thetascope.api.http.services import Services, Use
 from thetascope.api.routes import (
     catalogue,
@@ -63,7 +63,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         redoc_url=None,
     )
     app.add_middleware(ContentLanguage)
-    app.state.hosts = AllowedHosts(settings.hosts)
+    app.state.hosts = AllowedHosts(settings.hosts, settings.host)
     app.add_middleware(Security, hosts=app.state.hosts)
     problems.install(app)
     openapi.install(app)

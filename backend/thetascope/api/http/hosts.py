@@ -14,20 +14,24 @@ ANY = "*"
 
 
 class AllowedHosts:
-    """The host names of this service: loopback names, addresses as numbers, and those of the setting.
+    """The host names of this service: loopback names, addresses as numbers, the one it listens on, and the setting's.
 
     An address as numbers cannot be rebound: no name server is asked for it.
     """
 
-    def __init__(self, setting: str = "") -> None:
-        """Take the text of the setting: names separated by commas; `*.example.org` includes all names below it."""
+    def __init__(self, setting: str = "", own: str = "") -> None:
+        """Take the text of the setting and the name on which the service listens.
+
+        The setting has names separated by commas; `*.example.org` includes all names below it.
+        """
+        self._own = own.lower()
         self._names = [name.strip().lower() for name in setting.split(",") if name.strip()]
 
     def allows(self, host: str) -> bool:
         """Return whether the value of a `Host` header, with or without a port, names this service."""
         name = name_of(host)
         return name is not None and (
-            _is_address(name) or name == "localhost" or name.endswith(".localhost") or self._lists(name)
+            _is_address(name) or name in ("localhost", self._own) or name.endswith(".localhost") or self._lists(name)
         )
 
     def may_change(self, headers: Headers) -> bool:

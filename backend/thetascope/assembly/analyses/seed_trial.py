@@ -51,7 +51,7 @@ class Coverage:
     held: int = 0
 
     def count(self, interval: tuple[float, float] | None, truth: float | None) -> None:
-        """Add an interval, unless there is none or its truth is not a number."""
+        """Add an interval if it is known and its truth is a number."""
         if interval is not None and truth is not None:
             low, high = interval
             slack = 1e-9 * max(abs(low), abs(high))  # rounding of a bound that is exactly the truth

@@ -40,7 +40,7 @@ class Proposal:
         level: smallest eigenvalue that it reaches, over one window, in (typical fault / its standard deviation)².
         before: the same for the present input.
         needed: the level that the required accuracy needs.
-        text: the proposal, or why there is none.
+        text: the proposal, or the reason why no input is proposed.
     """
 
     input: str | None

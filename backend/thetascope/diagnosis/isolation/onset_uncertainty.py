@@ -165,7 +165,7 @@ def _simulated(scores: Scores, others: Scores | None, true: int, size: float) ->
 
     Args:
         scores: of steps at the onsets that are tried.
-        others: of the other events, whose sizes are fitted too; None: there is none.
+        others: of the other events, whose sizes are fitted too; None without other events.
         true, size: the place of the true onset, and the true size.
     """
     response, noise = scores.response, scores.noise
@@ -220,7 +220,7 @@ def _vertex(x: np.ndarray, y: np.ndarray, best: int) -> float:
 
 
 def _crossing(onsets: np.ndarray, excess: np.ndarray, inside: int, outside: int, best: int) -> float:
-    """Return where `excess` crosses zero between two neighbours; the first where there is no second.
+    """Return where `excess` crosses zero between two neighbours; the first if the second was not tried.
 
     Its root above the best onset is nearly linear.
     """

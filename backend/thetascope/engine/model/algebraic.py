@@ -69,7 +69,10 @@ def solutions(unknowns: Sequence[Variable]) -> list[tuple[Symbol, Expr]]:
 
 
 def _matching(unknowns: Sequence[Variable]) -> list[int]:
-    """Return for each equation the position of the unknown that it determines. Raises SpecError if there is none."""
+    """Return for each equation the position of the unknown that it determines.
+
+    Raises SpecError if an equation determines no unknown.
+    """
     occurs = [[j for j, u in enumerate(unknowns) if u.symbol in e.equation.free_symbols] for e in unknowns]
     equation_of: dict[int, int] = {}
 

@@ -77,7 +77,7 @@ class _Reader:
         return f"<msub>{base}{below}</msub>" if below else f"<msup>{base}{above}</msup>" if above else base
 
     def script(self, mark: str, letters: dict[str, str]) -> str:
-        """Return an index or exponent, as _{…} or ^{…} or in Unicode's small characters; empty if there is none."""
+        """Return an index or exponent, as _{…} or ^{…} or in Unicode's small characters; empty without one."""
         if self.peek() == mark:
             self.at += 1
             if self.peek() != "{":

@@ -1,4 +1,4 @@
-"""Headers that restrict how browsers may use this service on behalf of other sites."""
+"""Restrict what browsers do with this service on behalf of other sites: headers, host names, origins."""
 
 from starlette.datastructures import Headers, MutableHeaders
 from starlette.requests import Request
