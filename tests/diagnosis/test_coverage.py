@@ -38,20 +38,43 @@ def test_the_onset_of_an_actuator_fault_lies_between_rows():
     assert found["onset_from"] < found["onset"] < found["onset_to"]
 
 
-def test_the_response_of_scores_to_noise_is_that_of_the_filter():
-    """A change of one measurement changes Σ w ν of a linear filter as the adjoint pass says, in any row."""
-    prepared = prepare(library.resolve(experiment("integral loop")))
+def _filter_along(name: str, count: int):
+    """Return (monitor, table, times, backward inputs) of the filter along the first rows of a plant's run."""
+    prepared = prepare(library.resolve(experiment(name)))
     engine = prepared.stages[0].experiment
     detector = run_to_end(prepare_detector(engine, engine.context, detector_settings(prepared.spec), ""))
     filter_, (now, rows) = detector.filter, next(iter(spans_of(engine, 1)))
-    table = filter_.table(rows.index, rows.y, row_values(now, rows.index, rows.plant), now.signals)[:400]
-    t = rows.index[:400] * engine.step
-    known, trusted, w = np.zeros(filter_.p), np.ones(filter_.m), np.random.default_rng(0).normal(size=(1, 400, 1))
-    inputs = detector.backward_pass.backward_inputs(filter_.start(), filter_.held(known, table), t, trusted)
-    responses = run_to_end(detector.score_noise.weights(inputs, t, w))[0, -400:] / filter_.stds[0]
+    table = filter_.table(rows.index, rows.y, row_values(now, rows.index, rows.plant), now.signals)[:count]
+    t, known = rows.index[:count] * engine.step, np.zeros(filter_.p)
+    held = filter_.held(known, table)
+    return detector, table, t, detector.backward_pass.backward_inputs(filter_.start(), held, t, np.ones(filter_.m))
+
+
+def test_the_response_of_scores_to_noise_is_that_of_the_filter():
+    """A change of one measurement changes Σ w ν of a linear filter as the adjoint pass says, in any row."""
+    detector, table, t, inputs = _filter_along("integral loop", 400)
+    filter_, known, w = detector.filter, np.zeros(detector.filter.p), np.random.default_rng(0).normal(size=(1, 400, 1))
+    weights = run_to_end(detector.score_programs.noise_weights(inputs, t, w))
+    responses = weights[0, -400:] / filter_.stds[0]
     before = filter_.run(filter_.start(), known, table, t).nu
     for row in (0, 1, 57, 200, 398, 399):
         changed = table.copy()
         changed[row, filter_.names.index("measured.y.y")] += 1.0
         change = (w[0] * (filter_.run(filter_.start(), known, changed, t).nu - before)).sum()
         assert change == pytest.approx(responses[row], rel=1e-8, abs=1e-8)
+
+
+@pytest.mark.parametrize("name", ["leak of two tanks", "stirred tank reactor"])
+def test_the_response_to_a_course_is_that_of_the_filter(name):
+    """Ω of eleven courses of θ, which begin in different rows, is in each channel the one that the filter computes."""
+    detector, table, t, inputs = _filter_along(name, 300)
+    filter_, rng = detector.filter, np.random.default_rng(1)
+    courses = rng.normal(size=(11, 300)) * (np.arange(300) >= rng.integers(20, 299, size=(11, 1)))
+    for channel in range(filter_.p):
+        responses = run_to_end(detector.score_programs.responses(inputs, channel, courses))
+        for course, response in zip(courses, responses, strict=True):
+            profile = np.zeros((300, filter_.p))
+            profile[:, channel] = course
+            state = filter_.without_sensitivity(filter_.start())
+            omega = filter_.run(state, np.zeros(filter_.p), table, t, profile).omega[:, :, channel]
+            np.testing.assert_allclose(response, omega, rtol=1e-10, atol=1e-12 * np.abs(omega).max())

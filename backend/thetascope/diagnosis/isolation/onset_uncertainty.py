@@ -18,7 +18,7 @@ first row. A fault that acts on an output directly, or in discrete time, shows i
 row earlier, since a fault that begins between two rows shows in the second one.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -26,15 +26,16 @@ import numpy as np
 from thetascope.diagnosis.isolation.decision_state import Event
 from thetascope.diagnosis.isolation.likelihood_fit import EQUAL, fit_sizes, pseudo_inverse
 from thetascope.diagnosis.isolation.replay import ReplayWindow
-from thetascope.diagnosis.residuals.score_noise import Scores
+from thetascope.diagnosis.residuals.scores import LinearisedFilter, Scores
 from thetascope.diagnosis.yield_points import Steps
 
 _POINTS = 8  # onsets that are tried on either side of the best one at first
 _ROUNDS = 10  # in which onsets are added, at most
-_ADDED = 3  # onsets that are added at each end of the interval, until it is resolved,
+_ADDED = 4  # onsets that are added at each end of the interval, until it is resolved,
 _APART = 2.5  # or beyond the last one; their distance, in steps
 _STEEP = 1.0  # in levels: the rise of E from the interval to the next onset above which more are needed
 _FINEST = 1 / 64  # rows: the least distance of onsets that are tried
+_REGULAR = 3.84  # the level of a regular likelihood, at which E is resolved before the level is simulated
 _SAMPLES = 4000  # simulated errors
 _JITTER = 1e-12  # added to their correlation, which is singular where the fault does not show at all
 _CONFIDENCE = 0.95
@@ -64,86 +65,122 @@ def step_uncertainty(
     """
     if window.is_initial(events[k].onset_decision, True):
         return None
-    row = 1 / window.evidence.rows_per_decision
-    whole_rows = bool(window.evidence.filter.acts_directly[events[k].channel])
-    step = max(1, round(width / row / _POINTS)) * row if whole_rows else max(width / _POINTS, row / 4)
-    onsets = _within(window, events[k].onset + step * np.arange(-_POINTS, _POINTS + 1))
+    search = _Search(window, events, k)
+    onsets = search.within(events[k].onset + search.first_step(width) * np.arange(-_POINTS, _POINTS))
     if len(onsets) < 2:
         return None
-    others = None
-    if len(events) > 1:
-        others = yield from window.scores(events, [_course(window, e) for i, e in enumerate(events) if i != k])
-    profile, rounds = (yield from _evaluate(window, events, k, onsets)), 0
-    while True:
-        rounds += 1
-        best = profile.best
-        if not profile.scores.response[best].any():
-            return None
-        level, variance = _simulated(profile.scores, others, best, float(profile.size[best]))
-        excess = profile.energy - profile.energy[best] - level
-        added = _within(window, _missing(profile.onsets, excess, level, row, whole_rows))
-        if rounds == _ROUNDS or not len(added):
-            return _result(profile, excess, events[k].size, variance, row, whole_rows)
-        more = yield from _evaluate(window, events, k, added)
+    profile = yield from search.evaluate(onsets, np.full(len(onsets), events[k].size))
+    level, variance, simulated = _REGULAR, 0.0, 0
+    for last in range(_ROUNDS - 1, -1, -1):
+        added = search.within(_missing(profile, level, search)) if last else onsets[:0]
+        if not len(added) and simulated < len(profile.onsets):
+            scores = yield from search.scores(profile.onsets)
+            if not scores.response[profile.best].any():
+                return None
+            yield
+            level, variance = _simulated(scores, search.others, profile.best, float(profile.size[profile.best]))
+            simulated = len(profile.onsets)
+            added = search.within(_missing(profile, level, search)) if last else added
+        if not len(added):
+            break
+        more = yield from search.evaluate(added, np.interp(added, profile.onsets, profile.size))
         profile = profile.joined(more)
+    return _result(profile, profile.excess(level), events[k].size, variance, search)
 
 
-def _within(window: ReplayWindow, onsets: np.ndarray) -> np.ndarray:
-    """Return the onsets at which a fault shows within a window."""
-    return onsets[(onsets > window.begin + 1 / window.evidence.rows_per_decision) & (onsets < window.end - 1)]
+class _Search:
+    """Evaluates steps that begin at any time in place of event `k`.
 
+    Attributes:
+        row: the length of a row in decisions.
+        whole_rows: whether the fault shows in whole rows.
+        others: scores of the other events, once `scores` was called; None without other events.
+    """
 
-def _evaluate(window: ReplayWindow, events: tuple[Event, ...], k: int, onsets: np.ndarray) -> Steps["_Profile"]:
-    """Return E and the size of event `k` at some onsets."""
-    row = 1 / window.evidence.rows_per_decision
-    whole_rows = bool(window.evidence.filter.acts_directly[events[k].channel])
-    options = [_begun(events[k], float(o), row, whole_rows) for o in onsets]
-    fits = yield from fit_sizes(window, [tuple(o if i == k else e for i, e in enumerate(events)) for o in options])
-    scores = yield from window.scores(events, [_course(window, o) for o in options])
-    return _Profile(onsets, fits.energy * window.noise_unit, fits.size[:, k], scores)
+    def __init__(self, window: ReplayWindow, events: tuple[Event, ...], k: int):
+        self._window, self._events, self._k = window, events, k
+        self.row = 1 / window.evidence.rows_per_decision
+        self.whole_rows = bool(window.evidence.filter.acts_directly[events[k].channel])
+        self.others: Scores | None = None
+        self._filter: LinearisedFilter | None = None
+        self._scored: tuple[np.ndarray, Scores] | None = None
 
+    def first_step(self, width: float) -> float:
+        """Return the distance of the onsets that are tried first; `width`: see `step_uncertainty`."""
+        if self.whole_rows:
+            return max(1, round(width / self.row / _POINTS)) * self.row
+        return max(width / _POINTS, self.row / 4)
 
-def _course(window: ReplayWindow, event: Event) -> tuple[int, np.ndarray]:
-    return event.channel, event.course(window.times)
+    def within(self, onsets: np.ndarray) -> np.ndarray:
+        """Return the onsets at which a fault shows within the window."""
+        return onsets[(onsets > self._window.begin + self.row) & (onsets < self._window.end - 1)]
 
+    def evaluate(self, onsets: np.ndarray, sizes: np.ndarray) -> Steps["_Profile"]:
+        """Return E and the fitted size at some onsets; `sizes`: (onsets,), first guesses."""
+        before, after = self._events[: self._k], self._events[self._k + 1 :]
+        steps = [self._begun(float(o), float(size)) for o, size in zip(onsets, sizes, strict=True)]
+        fits = yield from fit_sizes(self._window, [(*before, step, *after) for step in steps])
+        return _Profile(onsets, fits.energy * self._window.noise_unit, fits.size[:, self._k])
 
-def _begun(event: Event, onset: float, row: float, whole_rows: bool) -> Event:
-    """Return a step that begins at any time; between two rows it rises within one row."""
-    return replace(event, onset=onset) if whole_rows else replace(event, onset=onset - row, rise_time=row)
+    def _begun(self, onset: float, size: float) -> Event:
+        """Return a step that begins at any time; between two rows it rises within one row."""
+        channel = self._events[self._k].channel
+        return Event(channel, onset, 0.0, size) if self.whole_rows else Event(channel, onset - self.row, self.row, size)
+
+    def scores(self, onsets: np.ndarray) -> Steps[Scores]:
+        """Return the scores of steps at some onsets, ascending, those of the last call among them."""
+        times, events = self._window.times, self._events
+        if self._filter is None:
+            yield
+            self._filter = self._window.linearised(events)
+            rest = [e for i, e in enumerate(events) if i != self._k]
+            if rest:
+                courses = np.array([e.course(times) for e in rest])
+                self.others = yield from self._filter.scores([e.channel for e in rest], courses)
+        new = onsets if self._scored is None else onsets[~np.isin(onsets, self._scored[0])]
+        since = times - new[:, None]
+        courses = (since >= 0) * 1.0 if self.whole_rows else np.clip(since / self.row + 1.0, 0.0, 1.0)
+        scores = yield from self._filter.scores([events[self._k].channel] * len(new), courses)
+        if self._scored is not None:
+            scores = self._scored[1].joined(scores).of(np.argsort(np.concatenate([self._scored[0], new])))
+        self._scored = onsets, scores
+        return scores
 
 
 @dataclass(frozen=True)
 class _Profile:
-    """E and the fitted size at onsets (onsets,), ascending, and the scores of steps at them."""
+    """E and the fitted size at onsets (onsets,), ascending."""
 
     onsets: np.ndarray
     energy: np.ndarray
     size: np.ndarray
-    scores: Scores
 
     @property
     def best(self) -> int:
         """The place of the least energy; of equal ones the last, since earlier the fault would not show."""
         return int(np.flatnonzero(self.energy <= self.energy.min() + EQUAL)[-1])
 
+    def excess(self, level: float) -> np.ndarray:
+        """Return E less its minimum and a level."""
+        return self.energy - self.energy[self.best] - level
+
     def joined(self, other: "_Profile") -> "_Profile":
         """Return the profile at the onsets of both."""
-        order = np.argsort(np.concatenate([self.onsets, other.onsets]), kind="stable")
-        onsets, energy, size = (
-            np.concatenate([getattr(self, name), getattr(other, name)])[order] for name in ("onsets", "energy", "size")
-        )
-        return _Profile(onsets, energy, size, self.scores.joined(other.scores).of(order))
+        onsets = np.concatenate([self.onsets, other.onsets])
+        order = np.argsort(onsets)
+        energy, size = np.concatenate([self.energy, other.energy]), np.concatenate([self.size, other.size])
+        return _Profile(onsets[order], energy[order], size[order])
 
 
-def _missing(onsets: np.ndarray, excess: np.ndarray, level: float, row: float, whole_rows: bool) -> np.ndarray:
+def _missing(profile: _Profile, level: float, search: _Search) -> np.ndarray:
     """Return the onsets to add: where the interval does not end yet, and between its ends and the onsets next to it.
 
     Args:
-        onsets: (onsets,), those tried.
-        excess: (onsets,), not above zero inside the interval.
+        profile: E at the onsets tried.
         level: of E at the ends of the interval above its minimum.
-        row, whole_rows: as in `_begun`.
+        search: tells rows.
     """
+    onsets, excess, row, whole_rows = profile.onsets, profile.excess(level), search.row, search.whole_rows
     inside, finest = np.flatnonzero(excess <= 0), row if whole_rows else row * _FINEST
     added: list[float] = []
     for here, side in ((int(inside[0]), -1), (int(inside[-1]), 1)):
@@ -172,33 +209,31 @@ def _simulated(scores: Scores, others: Scores | None, true: int, size: float) ->
     if others is not None:
         share = response @ others.response.T @ pseudo_inverse(others.response @ others.response.T)
         response, noise = response - share @ others.response, noise - share @ others.noise
-    D = np.maximum(np.einsum("ij,ij->i", response, response), 1e-300)
+    root = np.sqrt(np.maximum(np.einsum("ij,ij->i", response, response), 1e-300))  # of J(τ, τ)
     scale = np.maximum(np.sqrt(np.einsum("ij,ij->i", noise, noise)), 1e-300)
     noise = noise / scale[:, None]
-    correlation = noise @ noise.T + _JITTER * np.eye(len(D))
-    errors = _normal(len(D)) @ np.linalg.cholesky(correlation).T * scale
-    s = size * (response @ response[true]) + errors
-    explained = s**2 / D
-    best = explained.argmax(axis=1)
-    above = explained.max(axis=1) - explained[:, true]
-    fitted = np.take_along_axis(s, best[:, None], axis=1)[:, 0] / D[best]
+    correlation = noise @ noise.T + _JITTER * np.eye(len(root))
+    scaled = (np.linalg.cholesky(correlation) * (scale / root)[:, None]) @ _normal(len(root))  # s/√J
+    scaled += (size * (response @ response[true]) / root)[:, None]
+    explained = scaled**2
+    best = explained.argmax(axis=0), np.arange(_SAMPLES)
+    above = explained[best] - explained[true]
+    fitted = scaled[best] / root[best[0]]
     return float(np.quantile(above, _CONFIDENCE)), float(np.mean((fitted - size) ** 2))
 
 
 @lru_cache(maxsize=64)
 def _normal(count: int) -> np.ndarray:
-    """Return standard normal numbers (samples, count), always the same."""
-    return np.random.default_rng(count).standard_normal((_SAMPLES, count))
+    """Return standard normal numbers (count, samples), always the same."""
+    return np.random.default_rng(count).standard_normal((_SAMPLES, count)).T.copy()
 
 
-def _result(
-    profile: _Profile, excess: np.ndarray, fitted: float, variance: float, row: float, whole_rows: bool
-) -> StepUncertainty:
+def _result(profile: _Profile, excess: np.ndarray, fitted: float, variance: float, search: _Search) -> StepUncertainty:
     """Return the interval in which `excess` (onsets,) is not above zero, and the best onset with its size."""
-    onsets, best = profile.onsets, profile.best
+    onsets, best, row = profile.onsets, profile.best, search.row
     inside = np.flatnonzero(excess <= 0)
     first, last = int(inside[0]), int(inside[-1])
-    if whole_rows:  # rows that were not tried may belong to it
+    if search.whole_rows:  # rows that were not tried may belong to it
         earliest = onsets[first - 1] if first else onsets[first] - row
         latest = max(onsets[last + 1] - row, onsets[last]) if last + 1 < len(onsets) else onsets[last]
         shift = float(profile.size[best]) - fitted

@@ -9,9 +9,8 @@ from thetascope.diagnosis.detection.window_tests import ThetaBounds
 from thetascope.diagnosis.isolation.decision_state import Event, Evidence, KnownTheta
 from thetascope.diagnosis.residuals.backward_pass import FutureInformation
 from thetascope.diagnosis.residuals.filter_bank import BankResult, HypothesisCourses
-from thetascope.diagnosis.residuals.score_noise import Scores
+from thetascope.diagnosis.residuals.scores import LinearisedFilter
 from thetascope.diagnosis.residuals.segment import ReplayResult, Segment
-from thetascope.diagnosis.yield_points import Steps
 from thetascope.engine.estimation.hypothesis_bank import COURSE
 
 _FADE = COURSE.index("fade")
@@ -139,23 +138,12 @@ class ReplayWindow:
         hypotheses = HypothesisCourses(courses, bounds.low, bounds.high, onset * 1.0, early_until)
         return self.segment.run_bank(states, start, hypotheses, self.trusted_outputs, stops)
 
-    def scores(self, events: tuple[Event, ...], courses: list[tuple[int, np.ndarray]]) -> Steps[Scores]:
-        """Return the scores of a hypothesis with respect to courses of θ.
-
-        Args:
-            events: the hypothesis, all events in different channels.
-            courses: (channel, course (rows,)) of each score.
-        """
-        d, p = self.times, len(self.base.level)
-        change, profiles = np.zeros((len(d), p)), []
+    def linearised(self, events: tuple[Event, ...]) -> LinearisedFilter:
+        """Return the filter under a hypothesis, whose events are all in different channels."""
+        change = np.zeros((len(self.times), len(self.base.level)))
         for e in events:
-            change[:, e.channel] = e.size * e.course(d)
-        for channel, course in courses:
-            profiles.append(np.zeros((len(d), p)))
-            profiles[-1][:, channel] = course
-        channels = [channel for channel, _ in courses]
-        state = self.replay.states[0]
-        return (yield from self.segment.scores(state, change, profiles, channels, self.trusted_outputs))
+            change[:, e.channel] = e.size * e.course(self.times)
+        return self.segment.linearised(self.replay.states[0], change, self.trusted_outputs)
 
     @property
     def times(self) -> np.ndarray:

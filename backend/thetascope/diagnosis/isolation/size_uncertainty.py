@@ -27,8 +27,12 @@ def rise_variance(window: ReplayWindow, events: tuple[Event, ...], k: int) -> St
     shifted = [_shifted(events[k], part * a, part * b) for a, b in ((1, 0), (-1, 0), (0, 1), (0, -1))]
     slopes = [(a.course(d) - b.course(d)) * size / (2 * part) for a, b in (shifted[:2], shifted[2:])]
     reached = [(a.unit_value(end) - b.unit_value(end)) * size / (2 * part) for a, b in (shifted[:2], shifted[2:])]
-    courses = [(e.channel, e.course(d)) for e in events] + [(events[k].channel, slope) for slope in slopes]
-    scores = yield from window.scores(events, courses)
+    courses, channels = (
+        [*(e.course(d) for e in events), *slopes],
+        [*(e.channel for e in events), *[events[k].channel] * 2],
+    )
+    yield
+    scores = yield from window.linearised(events).scores(channels, np.array(courses))
     J = scores.response @ scores.response.T
     scale = np.sqrt(np.maximum(np.diag(J), 1e-300))
     if np.linalg.det(J / np.outer(scale, scale)) < 1e-9:

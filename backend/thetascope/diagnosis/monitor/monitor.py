@@ -19,7 +19,7 @@ from thetascope.diagnosis.isolation.known_faults import BEFORE
 from thetascope.diagnosis.residuals.backward_pass import BackwardPass
 from thetascope.diagnosis.residuals.filter_bank import FilterBank
 from thetascope.diagnosis.residuals.innovation_filter import LARGEST, InnovationFilter, Innovations
-from thetascope.diagnosis.residuals.score_noise import ScoreNoise
+from thetascope.diagnosis.residuals.scores import ScorePrograms
 from thetascope.diagnosis.residuals.segment import Segment
 from thetascope.diagnosis.yield_points import Steps
 
@@ -53,13 +53,13 @@ class Monitor:
     def __init__(self, filter_: InnovationFilter, thresholds: Thresholds, stride: int):
         self.filter, self.thresholds, self.stride = filter_, thresholds, stride
         self.bank, self.backward_pass = FilterBank(filter_), BackwardPass(filter_)
-        self.score_noise = ScoreNoise(self.backward_pass)
+        self.score_programs = ScorePrograms(self.backward_pass)
 
     def prepare(self) -> None:
         """Compile the kernels of isolation in advance: this takes up to a second."""
         self.bank.prepare()
         self.backward_pass.prepare()
-        self.score_noise.prepare()
+        self.score_programs.prepare()
 
     def begin(self) -> MonitorState:
         """Return the state before the first row."""
@@ -144,7 +144,7 @@ class Monitor:
             self.filter,
             self.bank,
             self.backward_pass,
-            self.score_noise,
+            self.score_programs,
             self.thresholds.bounds,
             self.stride,
             first,

@@ -13,8 +13,7 @@ from thetascope.diagnosis.detection.window_tests import ThetaBounds
 from thetascope.diagnosis.residuals.backward_pass import BackwardPass
 from thetascope.diagnosis.residuals.filter_bank import BankResult, FilterBank, HypothesisCourses
 from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter, Innovations, bounded
-from thetascope.diagnosis.residuals.score_noise import ScoreNoise, Scores
-from thetascope.diagnosis.yield_points import Steps
+from thetascope.diagnosis.residuals.scores import LinearisedFilter, ScorePrograms
 
 
 @dataclass(frozen=True)
@@ -41,7 +40,7 @@ class Segment:
     """Rows that follow a decision.
 
     Args:
-        filter_, bank, backward_pass, score_noise: the filter, and the programs derived from it.
+        filter_, bank, backward_pass, score_programs: the filter, and the programs derived from it.
         bounds: bounds of θ.
         stride: rows in one decision.
         begin: the decision before the first row.
@@ -55,7 +54,7 @@ class Segment:
         filter_: InnovationFilter,
         bank: FilterBank,
         backward_pass: BackwardPass,
-        score_noise: ScoreNoise,
+        score_programs: ScorePrograms,
         bounds: ThetaBounds,
         stride: int,
         begin: int,
@@ -64,7 +63,7 @@ class Segment:
         known: Callable[[np.ndarray], np.ndarray],
     ):
         self._filter, self._bank, self._backward_pass, self._bounds = filter_, bank, backward_pass, bounds
-        self._score_noise = score_noise
+        self._score_programs = score_programs
         self._stride, self._begin, self._table, self._t = stride, begin, table, t
         self._d = np.arange(begin * stride, begin * stride + len(t)) / stride
         self.known = known(self._d)
@@ -123,35 +122,18 @@ class Segment:
         """Return the inputs of the backward pass over all rows, the filter having begun in `state`."""
         return self._backward_pass.backward_inputs(state, self._held, self._t, trusted_outputs)
 
-    def scores(
-        self,
-        state: np.ndarray,
-        change: np.ndarray,
-        profiles: list[np.ndarray],
-        channels: list[int],
-        trusted_outputs: np.ndarray,
-    ) -> Steps[Scores]:
-        """Return the scores of a hypothesis with respect to courses of θ.
+    def linearised(self, state: np.ndarray, change: np.ndarray, trusted_outputs: np.ndarray) -> LinearisedFilter:
+        """Return the filter under a hypothesis.
 
         Args:
             state: the filter's state before the first row.
             change: (rows, p), the hypothesis: θ less the known θ₀.
-            profiles: courses (rows, p) of θ, one for each score.
-            channels: the channel of each course.
             trusted_outputs: (m,), the outputs that the filter uses.
         """
         known = np.clip(self.known + change, self._bounds.low, self._bounds.high)
-        fresh = self._filter.without_sensitivity(state)
-        omega, nu = np.empty((len(profiles), len(self._t), self._filter.m)), np.empty(0)
-        for k, (profile, channel) in enumerate(zip(profiles, channels, strict=True)):
-            yield
-            held = self._filter.held(known, self._table, profile)
-            run = self._filter.run_held(fresh, held, self._t, trusted_outputs)
-            omega[k], nu = bounded(run.omega[:, :, channel]) * trusted_outputs, bounded(run.nu) * trusted_outputs
-        held = self._filter.held(known, self._table)
+        held, fresh = self._filter.held(known, self._table), self._filter.without_sensitivity(state)
         inputs = self._backward_pass.backward_inputs(fresh, held, self._t, trusted_outputs)
-        noise = yield from self._score_noise.weights(inputs, self._t, omega)
-        return Scores(nu.ravel(), omega.reshape(len(omega), -1), noise)
+        return LinearisedFilter(self._score_programs, inputs, self._t, trusted_outputs)
 
     @property
     def times(self) -> np.ndarray:
