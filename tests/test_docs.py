@@ -17,6 +17,7 @@ import yaml
 from tests.simulate import simulate
 from thetascope import library
 from thetascope.assembly import check_plant
+from thetascope.engine.compiler import cache
 from thetascope.engine.language.builtins import FUNCTIONS
 from thetascope.settings import PREFIX, Settings
 from thetascope_schemas import Experiment, Plant, ResolvedExperiment
@@ -110,8 +111,9 @@ def test_the_counts_of_the_readme_are_correct():
 
 
 def own(folder: Path) -> dict[str, str]:
-    """Return an environment without files of the user."""
-    return {"THETASCOPE_DATA": str(folder / "data"), "PATH": "/usr/bin:/bin", "HOME": str(folder), "LANG": "C.UTF-8"}
+    """Return an environment without files of the user; kernels are those that the tests compile."""
+    given = {"THETASCOPE_DATA": str(folder / "data"), "THETASCOPE_CACHE": str(cache.folder())}
+    return given | {"PATH": "/usr/bin:/bin", "HOME": str(folder), "LANG": "C.UTF-8"}
 
 
 PROGRAM = Path(sys.executable).parent / "thetascope"

@@ -149,12 +149,20 @@ def context(browser) -> Iterator:
 
 
 #: How many frames the page has asked for that are not drawn yet, and the addresses of modules beside live/main.js.
+#: Without a graphics card a curve that moves sixty times a second takes most of a core: the page is drawn up to fifteen
+#: times. Tests wait for frames of the browser, `drawn`.
 INSIGHT = """(() => {
   const ask = window.requestAnimationFrame.bind(window);
+  let last = -Infinity;
+  window.drawn = () => new Promise((done) => { ask(() => setTimeout(done)); });
   window.framesAsked = 0;
   window.requestAnimationFrame = (draw) => {
     window.framesAsked += 1;
-    return ask((now) => { window.framesAsked -= 1; draw(now); });
+    return setTimeout(() => ask((now) => {
+      last = performance.now();
+      window.framesAsked -= 1;
+      draw(now);
+    }), Math.max(0, last + 66 - performance.now()));
   };
   window.moduleAt = (path) => new URL(path, document.querySelector('script[type=module]').src);
 })()"""

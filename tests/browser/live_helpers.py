@@ -74,7 +74,6 @@ def ready(page, rows: int = 2) -> None:
 
 #: The page asks for no further frame, and has drawn two since: axes have come to rest, sizes follow from sizes.
 RESTED = """(async () => {
-  const drawn = () => new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
   const end = performance.now() + 180_000;
   await drawn();
   for (let calm = 0; calm < 2 && performance.now() < end; await drawn()) calm = window.framesAsked ? 0 : calm + 1;

@@ -11,7 +11,7 @@ AXE = (Path(axe_playwright_python.__file__).parent / "axe.min.js").read_text() +
 UNFOLD = "for (const one of document.querySelectorAll('.lights, .heading .link[aria-expanded], .dots')) one.click()"
 #: Colours that fade have their final values: axe measures the contrast of the present ones.
 FADED = """(async () => {
-  await new Promise((done) => { requestAnimationFrame(() => setTimeout(done)); });
+  await drawn();
   await Promise.all(document.getAnimations().filter((one) => one.effect?.getComputedTiming().endTime < Infinity)
     .map((one) => one.finished.catch(() => {})));
 })()"""

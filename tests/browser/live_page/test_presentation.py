@@ -57,7 +57,7 @@ WRONG = """(() => {
 
 
 #: Two frames: sizes that follow from sizes are settled then.
-DRAWN = "new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 20))))"
+DRAWN = "(async () => { await drawn(); await drawn(); await new Promise((done) => setTimeout(done, 20)); })()"
 
 
 def presented(page, path: str = "/?experiment=zhao-2012&t=24", **more):

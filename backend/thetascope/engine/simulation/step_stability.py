@@ -48,11 +48,7 @@ def _largest(jacobian: np.ndarray) -> np.ndarray:
     from scipy.sparse.linalg import ArpackError, eigs
 
     try:
-        begin = np.ones(len(jacobian))
-        # pyright infers the type of tol from its default, 0
-        options = {"k": 6, "which": "LM", "v0": begin, "tol": 1e-3}
-        eigenvalues = eigs(jacobian, return_eigenvectors=False, **options)  # pyright: ignore[reportArgumentType]
-        return np.asarray(eigenvalues)
+        return eigs(jacobian, k=6, which="LM", v0=np.ones(len(jacobian)), tol=1e-3, return_eigenvectors=False)
     except ArpackError:
         return np.linalg.eigvals(jacobian)
 

@@ -100,8 +100,7 @@ def _riccati(moved: np.ndarray) -> np.ndarray | None:
         Q = gamma * np.outer(c, c) + epsilon * np.eye(size)
         H = np.block([[drift, gamma * np.outer(b, b)], [-Q, -drift.T]])
         try:
-            # three values, since it sorts
-            _, U, stable = scipy.linalg.schur(H, sort="lhp")  # pyright: ignore[reportAssignmentType]
+            _, U, stable = scipy.linalg.schur(H, sort="lhp")
         except np.linalg.LinAlgError:  # eigenvalues too near the imaginary axis to be separated: ε is too large
             continue
         if stable == size and np.linalg.cond(U[:size, :size]) < 1e12:
