@@ -11,7 +11,7 @@ import numpy as np
 
 from thetascope import library
 from thetascope.assembly import prepare
-from thetascope.engine.inputs.input_tables import Tables
+from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables
 from thetascope.engine.inputs.time_grid import cut
 from thetascope.engine.programs.call_plan import plan
 from thetascope.engine.simulation.experiment import Experiment
@@ -55,7 +55,7 @@ def kernels_alone(e: Experiment) -> tuple[Callable[[], np.ndarray], tuple[str, .
     signals = e.signals | {"noise.y.y": e.measurement.noises[0]}
     breaks = np.concatenate([s.breaks(0.0, e.steps * e.step) for s in signals.values()])
     grid = cut(0, e.steps, e.step, breaks, e.every, 1)
-    tables = Tables(grid, signals, 4)
+    tables = Tables(grid, signals, RUNGE_KUTTA)
     call_of, values = plan(program, (), tables.kinds), e.parameters | e.estimators[0].parameters
     params, table = np.array([values[p] for p in call_of.params]), tables.held(call_of.held)
     run, out = call_of.kernel, np.empty((e.steps // e.every, len(program.states)))

@@ -2,6 +2,20 @@
 // Bodies of requests and commands have optional fields where the schema has a default; answers and events have all
 // fields.
 
+/** The accuracy that the integration reached: estimated errors relative to the scale of each state. */
+export interface Accuracy {
+  /** Largest error of a plant state, propagated along the run; 1: unknown. */
+  plant: number;
+  /** Largest error of an observer's estimate, over about 100 steps. */
+  observers: number;
+  /** Error of the plant that the steps were chosen for. */
+  tolerance: number;
+  /** The same for observers. */
+  observer_tolerance: number;
+  /** Most implicit substeps of a step; 0: none were needed. */
+  implicit: number;
+}
+
 /** A command was executed; it takes effect from this row on. */
 export interface Ack {
   type: 'ack';
@@ -673,7 +687,7 @@ export interface Experiment {
   step: number;
   /** Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows. */
   record: number | null;
-  /** Substeps of each integration step; null: one, or more if stiff gains need them. */
+  /** Substeps of each integration step; null: as many as its accuracy needs. */
   substeps: number | null;
   measurement: ContinuousMeasurement | SampledMeasurement;
   /** Where the simulated plant differs from the model that observers know. */
@@ -716,7 +730,7 @@ export interface ExperimentInput {
   step?: number;
   /** Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows. */
   record?: number | null;
-  /** Substeps of each integration step; null: one, or more if stiff gains need them. */
+  /** Substeps of each integration step; null: as many as its accuracy needs. */
   substeps?: number | null;
   measurement?: ContinuousMeasurementInput | SampledMeasurementInput;
   /** Where the simulated plant differs from the model that observers know. */
@@ -1993,6 +2007,8 @@ export interface RunSummary {
   step: number;
   /** Substeps of each integration step. */
   substeps: number;
+  /** Accuracy of the integration; null for fixed substeps and in discrete time. */
+  accuracy: Accuracy | null;
   /** Divergence of the plant itself. */
   diverged: Divergence | null;
   observers: (ObserverSummary)[];

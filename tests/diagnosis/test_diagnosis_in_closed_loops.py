@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from thetascope.engine.simulation.opened import opened
 
 from tests.engine.loops import experiment, level
 from tests.simulate import simulate
@@ -12,7 +13,6 @@ from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.engine.errors import SpecError
 from thetascope.engine.execution.run_experiment import spans_of
 from thetascope.engine.observability.empirical_gramian import empirical
-from thetascope.engine.simulation.opened import opened
 from thetascope.engine.simulation.simulation import row_values
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 

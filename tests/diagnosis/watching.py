@@ -35,7 +35,7 @@ class Watching:
         """Return the monitor's state after a whole run."""
         experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
         watched = self.made.begin()
-        for now, rows in spans_of(experiment, 1):
+        for now, rows in spans_of(experiment):
             watched = run_to_end(advance_over_rows(self.made, watched, now, rows))
         return watched
 
@@ -46,7 +46,7 @@ class Watching:
     def rows(self, seed: int = 1, faults: bool = True) -> tuple[np.ndarray, np.ndarray]:
         """Return the filter's inputs along a run, and the times."""
         experiment = with_seed(self.engine if faults else healthy(self.engine), seed)
-        parts = list(spans_of(experiment, 1))
+        parts = list(spans_of(experiment))
         tables = [
             self.made.filter.table(rows.index, rows.y, row_values(now, rows.index, rows.plant), now.signals)
             for now, rows in parts

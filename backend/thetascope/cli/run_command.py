@@ -173,7 +173,8 @@ def outcome(finished: Finished, say: Words) -> str:
         for c in o.checks
         if c.verdict == "fails"
     ]
-    return "\n".join([*lines, *(say.text(note) for note in result.notes)]).rstrip()
+    accuracy = [result.accuracy_message] if result.accuracy_message is not None else []
+    return "\n".join([*lines, *(say.text(note) for note in (*result.notes, *accuracy))]).rstrip()
 
 
 def side_by_side(comparison: Comparison, measures: dict[str, dict], say: Words) -> list[str]:

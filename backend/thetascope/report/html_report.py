@@ -129,6 +129,12 @@ def _alarms(own: ReportContext) -> list[Markup]:
     return lines
 
 
+def _accuracy(own: ReportContext) -> list[tuple[Markup, Markup | str]]:
+    """Return the row that states the accuracy of the integration, if it was measured."""
+    sentence = own.run.result.accuracy_message
+    return [] if sentence is None else [(own.say("report.reproduce.accuracy"), own.text(sentence))]
+
+
 def _reproduce(own: ReportContext, run_meta: Mapping[str, Any]) -> Markup:
     result, spec = own.run.result, own.run.spec
     command = run_meta.get("command")
@@ -141,6 +147,7 @@ def _reproduce(own: ReportContext, run_meta: Mapping[str, Any]) -> Markup:
             (own.say("report.reproduce.created"), run_meta.get("created", "–")),
             (own.say("report.reproduce.seed"), spec.seed),
             (own.say("report.reproduce.step"), own.say("report.reproduce.steps", **steps)),
+            *_accuracy(own),
             (own.say("report.reproduce.versions"), ", ".join(f"{name} {version}" for name, version in known.items())),
         ],
         save_as="" if command else own.say("report.reproduce.save", file=mark("code", f"{spec.id}.json")),

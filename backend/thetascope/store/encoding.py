@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
+from thetascope.engine.model.result import Accuracy, Check, Diverged, ObserverReport, Result
 from thetascope.messages import Message
 
 
@@ -21,6 +21,7 @@ def encode(result: Result) -> tuple[str, np.ndarray]:
         "seconds": result.seconds,
         "costs": result.costs,
         "diagnosis": result.diagnosis,
+        "accuracy": result.accuracy and vars(result.accuracy),
     }
     return json.dumps(head, default=plain), np.ascontiguousarray(result.data, dtype="<f8")
 
@@ -40,6 +41,7 @@ def decode(head: str, data: bytes, rows: int) -> Result:
         seconds=values["seconds"],
         costs=values.get("costs", {}),
         diagnosis=values.get("diagnosis"),
+        accuracy=Accuracy(**values["accuracy"]) if values.get("accuracy") else None,
     )
 
 

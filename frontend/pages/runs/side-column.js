@@ -41,10 +41,10 @@ export function mountSide(root, store) {
 }
 
 /**
- * Notes of the run, and the divergence of the plant itself.
+ * Notes of the run, the divergence of the plant itself, and the accuracy of the integration.
  * @param {RunSummary} summary
  */
-function troubles({diverged, notes}) {
+function troubles({diverged, notes, accuracy}) {
   const lines = [
     ...(diverged
       ? [
@@ -56,8 +56,17 @@ function troubles({diverged, notes}) {
         ]
       : []),
     ...notes.map((note) => h('p', {}, say(note))),
+    ...(accuracy ? [h('p', {}, t('page.runs.accuracy', rounded(accuracy)))] : []),
   ];
   return lines.length ? card(t('page.runs.notes'), lines) : null;
+}
+
+/**
+ * Estimated errors with one digit.
+ * @param {{plant: number, observers: number}} accuracy
+ */
+function rounded({plant, observers}) {
+  return {plant: plant.toPrecision(1), observers: observers.toPrecision(1)};
 }
 
 /**

@@ -119,7 +119,7 @@ class Experiment(Strict):
         default=None, description="Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows."
     )
     substeps: Annotated[int, Field(ge=1, le=64)] | None = Field(
-        default=None, description="Substeps of each integration step; null: one, or more if stiff gains need them."
+        default=None, description="Substeps of each integration step; null: as many as its accuracy needs."
     )
     measurement: ContinuousMeasurement | SampledMeasurement = Field(
         default_factory=ContinuousMeasurement, discriminator="mode"

@@ -155,6 +155,18 @@ class ObserverSummary(Strict):
     )
 
 
+class Accuracy(Strict):
+    """The accuracy that the integration reached: estimated errors relative to the scale of each state."""
+
+    model_config = example(plant=3.2e-10, observers=4.5e-8, tolerance=1e-6, observer_tolerance=1e-4, implicit=0)
+
+    plant: Number = Field(ge=0, description="Largest error of a plant state, propagated along the run; 1: unknown.")
+    observers: Number = Field(ge=0, description="Largest error of an observer's estimate, over about 100 steps.")
+    tolerance: Number = Field(gt=0, description="Error of the plant that the steps were chosen for.")
+    observer_tolerance: Number = Field(gt=0, description="The same for observers.")
+    implicit: int = Field(default=0, ge=0, description="Most implicit substeps of a step; 0: none were needed.")
+
+
 class RunSummary(Strict):
     """The results of a run without its data."""
 
@@ -164,6 +176,9 @@ class RunSummary(Strict):
     rows: int = Field(ge=0, description="Number of recorded times.")
     step: Number = Field(description="Step of the integration in s.")
     substeps: int = Field(default=1, ge=1, description="Substeps of each integration step.")
+    accuracy: Accuracy | None = Field(
+        default=None, description="Accuracy of the integration; null for fixed substeps and in discrete time."
+    )
     diverged: Divergence | None = Field(default=None, description="Divergence of the plant itself.")
     observers: tuple[ObserverSummary, ...] = ()
     facts: Facts | None = Field(

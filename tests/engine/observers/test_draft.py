@@ -5,7 +5,7 @@ import pytest
 import sympy
 
 from thetascope import library
-from thetascope.engine.compiler.numeric import numbers
+from thetascope.engine.compiler.lowering import numbers
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.observers.registry import kinds, observer
 from thetascope.engine.observers.support.draft import Draft

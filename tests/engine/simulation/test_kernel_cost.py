@@ -6,7 +6,7 @@ import pytest
 from tests.engine.plants import adaptive, engine
 from thetascope.engine.execution import run_experiment as running
 from thetascope.engine.execution.run_experiment import alone, run
-from thetascope.engine.simulation.kernel_cost import costs, divided, operations
+from thetascope.engine.programs.kernel_cost import costs, divided, operations
 from thetascope.engine.simulation.simulation import Simulation
 
 EKF = {"label": "ekf", "kind": "joint-ekf", "options": {"channels": "force", "period": 0.05}}
@@ -35,9 +35,9 @@ def test_the_first_observer_costs_as_much_as_its_twin(monkeypatch):
 
 def test_one_observer_alone_is_measured_in_the_run_itself():
     """No second kernel is compiled without a comparison, nor for a very large observer."""
-    assert alone(engine(), 1) == {}
+    assert alone(engine()) == {}
     two = engine(observers=[adaptive(), adaptive("twin")])
-    assert set(alone(two, 1)) == {"adaptive"}
+    assert set(alone(two)) == {"adaptive"}
 
 
 def test_the_time_of_one_kernel_is_divided_by_operations():

@@ -16,14 +16,14 @@ STAGES = {
     "validation": (changes.edits, "checked", "inject", {"fault": FAULT}),
     "adapting the experiment": (changes, "adapted", "set-noise", {"output": "y", "std": 0.002}),
     "entering the stage": (changes, "carry", "add-observer", {"observer": {"label": "ekf", "kind": "joint-ekf"}}),
-    "the substeps of a gain": (changes, "substeps_at", "set-gain", GAIN),
-    "adding substeps": (changes, "add_substeps", "set-gain", GAIN),
+    "the check of a gain": (changes, "check_moves", "set-gain", GAIN),
+    "the stage of a gain": (changes, "adopt", "set-gain", GAIN),
     "the event": (changes.log_events, "command_event", "clear", {}),
     "simulating again": (rewind, "advance", "seek", {"t": 1.5}),
     "the spec after going back": (rewind, "adopt", "seek", {"t": 1.0}),
     "the second command of a batch": (
         changes,
-        "substeps_at",
+        "check_moves",
         "batch",
         {"commands": [{"type": "inject", "fault": FAULT}, {"type": "set-gain", **GAIN}]},
     ),
@@ -76,8 +76,6 @@ def test_a_command_that_fails_half_way_leaves_every_observable_as_it_was(stage, 
         raise HalfWay(stage)
 
     with monkeypatch.context() as patch:
-        if stage == "adding substeps":
-            patch.setattr(changes, "substeps_at", lambda *_: 4)
         patch.setattr(module, name, fail)
         with pytest.raises(HalfWay):
             do(session, kind, **fields)

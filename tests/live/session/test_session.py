@@ -285,13 +285,13 @@ def test_a_link_reopens_the_session():
 
 
 def test_stiff_gains_take_substeps_that_the_saved_run_takes_too():
-    """With λ raised until Γ is stiff the session takes substeps, notes them, and its saved run agrees bit for bit."""
+    """With λ raised until Γ is stiff the session takes substeps, and its saved run takes the same bit for bit."""
     session, pieces = Session(zhao()), []
     advance(session, 100, pieces)
     do(session, "set-gain", observer="adaptive", gain="lambda", value=20.0)
     advance(session, 300, pieces)
-    assert any(c.command == "set-substeps" for c in session.spec.commands)
     assert_same(pieces, session)
+    assert prepare(session.spec).run().substeps > 1
 
 
 def test_a_discrete_plant_runs_live():

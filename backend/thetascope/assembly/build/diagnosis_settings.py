@@ -63,7 +63,7 @@ def inspector(
             round(span(spec) / spec.step),
         )
         columns = {n: result.data[i] for i, n in enumerate(result.names) if ".theta." in n or ".sigma." in n}
-        run_diagnosis = run_to_end(diagnose(parts, columns, result.substeps, request), check)
+        run_diagnosis = run_to_end(diagnose(parts, columns, request), check)
         confidence = spec.diagnosis.confidence
         report = {
             "detector": detector_report(run_diagnosis, confidence, spec.diagnosis.accuracy, span(spec)),

@@ -17,9 +17,10 @@ from thetascope.diagnosis.sentences import joined
 from thetascope.engine.inputs.signals import constant, signal
 from thetascope.engine.observability.identifiability import Structure, structure
 from thetascope.engine.observers.support.kalman_defaults import pace, state_scales
+from thetascope.engine.simulation.controlled import simulation_of
 from thetascope.engine.simulation.experiment import Experiment, State
 from thetascope.engine.simulation.loop import LoopRows
-from thetascope.engine.simulation.simulation import Simulation, row_values
+from thetascope.engine.simulation.simulation import row_values
 from thetascope.messages import Message
 
 SWINGS = (0.25, 0.1, 0.04)  # to each side, as shares of the input's range
@@ -171,7 +172,7 @@ class _Trial:
         count = 2 * self.half * e.every
         past = None if e.loop is None else np.empty((0, len(e.applied)))
         state = State(self.k, self.x.copy(), (), e.measurement.start(), self.loop, past)
-        parts = [rows for _, rows in Simulation(e, e.substeps or 1).spans(count, state)]
+        parts = [rows for _, rows in simulation_of(e).spans(count, state)]
         loops = [r.loop for r in parts if r.loop is not None]
         index = np.concatenate([r.index for r in parts])
         plant, y = np.concatenate([r.plant for r in parts]), np.concatenate([r.y for r in parts])

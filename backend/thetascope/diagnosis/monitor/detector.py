@@ -22,9 +22,10 @@ from thetascope.engine.estimation.covariance import noise_stds
 from thetascope.engine.inputs.signals import constant
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.simulation.batch import with_seed
+from thetascope.engine.simulation.controlled import Repeated
 from thetascope.engine.simulation.experiment import Experiment
 from thetascope.engine.simulation.loop import LoopRows
-from thetascope.engine.simulation.simulation import Simulation, row_values
+from thetascope.engine.simulation.simulation import row_values
 from thetascope.messages import Message
 
 DECISIONS = 2000  # in the horizon, about
@@ -151,10 +152,10 @@ def _simulate_thresholds(
     plain = _noisy(replace(healthy(experiment), steps=min(experiment.steps, _LONGEST)), filter_)
     seeds = int(np.clip(_STEPS // max(plain.steps, 10 * plain.steps // plain.every), *SEEDS))
     known = np.array([float(plain.signals[c](np.zeros(1), np.zeros(1))[0]) for c in filter_.channels])
-    runs, settle, ready, count = [], 0, 0, 0
+    runs, settle, ready, count, repeated = [], 0, 0, 0, Repeated()
     for seed in range(seeds):
         yield
-        table, t = _filter_inputs(with_seed(plain, _SEED + seed), filter_)
+        table, t = _filter_inputs(with_seed(plain, _SEED + seed), filter_, repeated)
         run = filter_.run(filter_.start(), known, table, t)
         count = len(t) // stride
         rows = count * stride
@@ -179,9 +180,11 @@ def _noisy(experiment: Experiment, filter_: InnovationFilter) -> Experiment:
     return replace(experiment, measurement=replace(m, std=std, sample_time=tuple(hold)))
 
 
-def _filter_inputs(experiment: Experiment, filter_: InnovationFilter) -> tuple[np.ndarray, np.ndarray]:
+def _filter_inputs(
+    experiment: Experiment, filter_: InnovationFilter, repeated: Repeated
+) -> tuple[np.ndarray, np.ndarray]:
     """Return the filter's inputs (rows, inputs) and times (rows,) of a simulated run."""
-    parts = [rows for _, rows in Simulation(experiment, experiment.substeps or 1).spans(experiment.steps + 1)]
+    parts = list(repeated.spans(experiment))
     index = np.concatenate([r.index for r in parts])
     loops = [r.loop for r in parts if r.loop is not None]
     loop = LoopRows.concatenated(loops) if loops else None

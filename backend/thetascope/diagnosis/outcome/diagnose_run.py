@@ -22,9 +22,10 @@ from thetascope.diagnosis.yield_points import Steps
 from thetascope.engine.compiler import cache
 from thetascope.engine.errors import Unwatchable
 from thetascope.engine.estimation.covariance import Spreads, has_spread, latest, sigma_columns
-from thetascope.engine.execution.run_experiment import Parts, spans_of
+from thetascope.engine.execution.run_experiment import Parts
 from thetascope.engine.observers.support.kalman_defaults import typical_sizes
 from thetascope.engine.simulation.batch import with_seed
+from thetascope.engine.simulation.controlled import Repeated
 from thetascope.engine.simulation.experiment import Estimator, Experiment, Rows
 from thetascope.engine.simulation.simulation import row_values
 from thetascope.messages import Message
@@ -122,15 +123,12 @@ def with_noise_of(detector: Detector, experiment: Experiment, doubt: float) -> D
     return Detector(filter_, detector.thresholds, detector.stride)
 
 
-def diagnose(
-    parts: Parts, columns: dict[str, np.ndarray], substeps: int, request: DiagnosisRequest
-) -> Steps[RunDiagnosis]:
+def diagnose(parts: Parts, columns: dict[str, np.ndarray], request: DiagnosisRequest) -> Steps[RunDiagnosis]:
     """Return the diagnosis of a run.
 
     Args:
         parts: its spans, each with the experiment as it was then.
         columns: the columns of its result by name (rows,).
-        substeps: the substeps that it was simulated with.
         request: the settings.
     """
     first = replace(parts[0][0].modelled, steps=request.steps)
@@ -142,7 +140,7 @@ def diagnose(
         except Unwatchable as error:
             detector, note = None, error.reason
     stride = detector.stride if detector else max(1, first.steps // first.every // 1000)
-    observers = yield from _diagnose_estimates(first, columns, substeps, request, stride)
+    observers = yield from _diagnose_estimates(first, columns, request, stride)
     return RunDiagnosis(detector, state, observers, stride * first.every * first.step, note)
 
 
@@ -163,13 +161,13 @@ def _monitor_run(detector: Detector, parts: Parts, doubt: float) -> Steps[Monito
 
 
 def _diagnose_estimates(
-    first: Experiment, columns: dict[str, np.ndarray], substeps: int, request: DiagnosisRequest, stride: int
+    first: Experiment, columns: dict[str, np.ndarray], request: DiagnosisRequest, stride: int
 ) -> Steps[tuple[EstimateDiagnosis, ...]]:
     """Return the diagnosis by each observer's estimates; observers that were added later have none."""
     tested = [e for e in first.estimators if has_spread(e) and e.since == 0]
     tests: dict[str, CalibratedTest] = {}
     if tested:
-        tests = yield from _calibrated_tests(first, substeps, request, stride)
+        tests = yield from _calibrated_tests(first, request, stride)
     diagnoses = []
     for estimator in first.estimators:
         label, channels = estimator.label, estimator.channels
@@ -186,9 +184,7 @@ def _diagnose_estimates(
     return tuple(diagnoses)
 
 
-def _calibrated_tests(
-    first: Experiment, substeps: int, request: DiagnosisRequest, stride: int
-) -> Steps[dict[str, CalibratedTest]]:
+def _calibrated_tests(first: Experiment, request: DiagnosisRequest, stride: int) -> Steps[dict[str, CalibratedTest]]:
     """Return the test of each observer's estimates by label, from the cache or from runs without faults."""
     name = stored_name(request.estimates_key)
     stored = cache.read("judgement", name)
@@ -196,7 +192,7 @@ def _calibrated_tests(
         return {label: CalibratedTest.from_json(data) for label, data in json.loads(stored).items()}
     interval, rate = stride * first.every * first.step, request.detector.false_alarms
     tests = {}
-    runs = yield from _healthy_runs(first, substeps, stride)
+    runs = yield from _healthy_runs(first, stride)
     for label, (theta, sigma) in runs.items():
         z = _normalised(theta, sigma)
         tests[label] = observer_tests.prepare(z, request.test, interval, rate, _start_of_test(z))
@@ -227,26 +223,26 @@ def _start_of_test(z: np.ndarray) -> int:
 Estimates = dict[str, tuple[np.ndarray, np.ndarray]]  # θ̂ − θ and σ by observer
 
 
-def _healthy_runs(first: Experiment, substeps: int, stride: int) -> Steps[Estimates]:
+def _healthy_runs(first: Experiment, stride: int) -> Steps[Estimates]:
     """Return θ̂ − θ and σ (runs, decisions, channels) of runs without faults, one run per step."""
     plain = replace(healthy(first), estimators=first.estimators, steps=min(first.steps, _STEPS))
     count = int(np.clip(_TOTAL // max(plain.steps, 1), *_RUNS))
-    runs = []
+    runs, repeated = [], Repeated()
     for k in range(count):
         yield
-        runs.append(_estimates(with_seed(plain, _SEED + k), substeps, stride))
+        runs.append(_estimates(with_seed(plain, _SEED + k), stride, repeated))
     return {
         label: (np.stack([run[label][0] for run in runs]), np.stack([run[label][1] for run in runs]))
         for label in runs[0]
     }
 
 
-def _estimates(experiment: Experiment, substeps: int, stride: int) -> Estimates:
+def _estimates(experiment: Experiment, stride: int, repeated: Repeated) -> Estimates:
     """Return θ̂ − θ and σ (decisions, channels) of one simulated run."""
     theta: dict[str, list[np.ndarray]] = {}
     spreads: Spreads = {}
     sigma: dict[str, list[np.ndarray]] = {}
-    for _, rows in spans_of(experiment, substeps):
+    for rows in repeated.spans(experiment):
         values = row_values(experiment, rows.index, rows.plant, rows.loop)
         columns, tables = sigma_columns(experiment, rows, values, spreads)
         spreads = latest(tables)

@@ -19,6 +19,7 @@ its first step. Whether a jump changes anything must then depend on held inputs.
 
 from dataclasses import dataclass
 
+from thetascope.engine.compiler import implicit_method
 from thetascope.engine.compiler.graph import Graph, equations, topological
 from thetascope.engine.compiler.instructions.newton import Solver
 from thetascope.engine.compiler.ir_builder import Writer, declarations
@@ -41,16 +42,27 @@ class Layout:
     emitted: tuple[int, ...] = ()  # node indices
     lanes: int = 1
     jump: tuple[int, ...] = ()  # node indices, one for each state, or none
+    implicit: bool = False  # the method of implicit_method.py in place of the classical Runge–Kutta method
 
     def shared_params(self, program: Program) -> tuple[str, ...]:
         """Return the parameters that have one value for all lanes, in the program's order."""
         return tuple(p for p in program.parameters if p not in self.lane_params)
 
 
+def stages_of(program: Program, layout: Layout) -> int:
+    """Return the number of stages of a step: 1 in discrete time."""
+    if program.time == DISCRETE:
+        return 1
+    return len(implicit_method.C) if layout.implicit else 4
+
+
 def fits_inline(program: Program, layout: Layout) -> bool:
     """Return whether a program is small enough to inline its right-hand side in the loop at every stage."""
-    stages = 1 if program.time == DISCRETE else 4
-    return stages * len(topological(program.graph, [*program.update, *layout.emitted])) <= INLINE_LIMIT
+    if layout.implicit:  # they run rarely: a short compilation matters more
+        return False
+    return (
+        stages_of(program, layout) * len(topological(program.graph, [*program.update, *layout.emitted])) <= INLINE_LIMIT
+    )
 
 
 def emit(program: Program, layout: Layout) -> str:
@@ -75,7 +87,7 @@ class _Module:
         self.program, self.layout = program, layout
         self.roots = [*program.update, *layout.emitted]
         self.order = topological(program.graph, self.roots)
-        self.stages = 1 if program.time == DISCRETE else 4
+        self.stages = stages_of(program, layout)
         self.inline = fits_inline(program, layout)
         self.params = layout.shared_params(program)
         self.tables: dict[str, str] = {}  # definitions of global constants
@@ -86,9 +98,14 @@ class _Module:
         w = Writer(self.layout.lanes, self.tables)
         body = self._main(w)
         functions = [] if self.inline else self._right_hand_side()
+        functions += self._more_functions()
         solvers = [line for lines in self.solvers.values() for line in lines]
         declared, attributes = declarations(w, scalar=bool(solvers))
         return "\n".join([*declared, *self.tables.values(), *solvers, *functions, *body, *attributes])
+
+    def _more_functions(self) -> list[str]:
+        """Return the lines of further functions that the loop calls."""
+        return []
 
     # ---- the values of one stage -------------------------------------------------------------------------------
 

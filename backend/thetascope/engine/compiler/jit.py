@@ -13,6 +13,7 @@ import numpy as np
 
 from thetascope.engine.compiler import cache
 from thetascope.engine.compiler.codegen import Layout, emit, fits_inline
+from thetascope.engine.compiler.codegen_implicit import emit_implicit
 from thetascope.engine.compiler.system import Program
 
 _lock = threading.Lock()  # one thread at a time uses LLVM's compiler; compiled kernels run in parallel
@@ -72,7 +73,8 @@ class Kernel:
         # Optimising a large straight-line function takes long and gains nothing. One without states, which is evaluated
         # once a row and not at every stage of every step, is not worth the time of LLVM's slower code generator either.
         small = fits_inline(program, layout)
-        self._engine = load(key, lambda: emit(program, layout), small, quick=not small and not program.states)
+        generate = emit_implicit if layout.implicit else emit
+        self._engine = load(key, lambda: generate(program, layout), small, quick=not small and not program.states)
         self._run = _SIGNATURE(self._engine.get_function_address("run"))
 
     def __call__(
@@ -118,6 +120,32 @@ class Kernel:
             at(emitted),
             every,
         )
+
+    def advance_each(
+        self,
+        segments: Segments,
+        states: np.ndarray,
+        params: np.ndarray,
+        held: np.ndarray,
+        staged: np.ndarray,
+        emitted: np.ndarray,
+    ) -> None:
+        """Advance each row of ``states`` (segments × states) through one segment; all segments have equally many steps.
+
+        held, staged and emitted as for a call, for all segments together.
+        """
+        arrays = (segments.steps, segments.first, segments.t, segments.index, segments.h, held, staged, states, emitted)
+        assert all(a.flags.c_contiguous for a in arrays), "addresses of rows are computed"
+        count, nothing = len(states), np.zeros(max(1, states.shape[1]))
+        places = [a.__array_interface__["data"][0] for a in arrays]
+        widths = [a.nbytes // count for a in arrays]
+        given, out = params.__array_interface__["data"][0], nothing.__array_interface__["data"][0]
+        run = self._run
+        for steps, due, t, index, h, own, table, state, emits in zip(
+            *(range(p, p + count * w, w) if w else [p] * count for p, w in zip(places, widths, strict=True)),
+            strict=True,
+        ):
+            run(1, steps, due, t, index, h, own, None, table, None, given, None, state, out, emits, 1)
 
 
 @lru_cache(maxsize=256)

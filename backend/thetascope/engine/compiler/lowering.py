@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Set
+from collections.abc import Iterable, Mapping, Set
 from functools import reduce
+
+import numpy as np
 
 from thetascope.engine.compiler.autodiff import derivatives
 from thetascope.engine.compiler.composite import interpolate
-from thetascope.engine.compiler.graph import LEAVES, UNARY_FUNCTIONS, Graph
+from thetascope.engine.compiler.graph import LEAVES, UNARY_FUNCTIONS, Graph, evaluate
 from thetascope.engine.language.lazy_sympy import sympy
 
 _BY_NAME = {name: name for name in UNARY_FUNCTIONS} | {
@@ -163,3 +165,24 @@ class Lowering:
 
 def _is_reciprocal(e: sympy.Expr) -> bool:
     return e.is_Pow and e.exp.is_number and bool(e.exp.is_negative) and e.base != sympy.E
+
+
+def numbers(
+    expressions: Iterable[sympy.Expr],
+    values: Mapping[str, float],
+    definitions: Iterable[tuple[sympy.Symbol, sympy.Expr]] = (),
+) -> np.ndarray:
+    """Return the values of expressions at a point, one each.
+
+    Args:
+        expressions: SymPy expressions, for example the entries of a matrix row by row.
+        values: the value of each free symbol by name.
+        definitions: intermediate results that the expressions may use, in order.
+
+    Raises ValueError for a symbol that has neither a value nor a definition.
+    """
+    lowering = Lowering(Graph(), set(values))
+    for symbol, expression in definitions:
+        lowering.define(symbol, expression)
+    roots = [lowering(e) for e in expressions]
+    return np.array([float(v) for v in evaluate(lowering.graph, roots, values)])

@@ -3,24 +3,34 @@
 Columns are NaN after a divergence and while an observer is absent.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from functools import reduce
 
 import numpy as np
 
 from thetascope.engine.estimation.covariance import Spreads, latest, sigma_columns
 from thetascope.engine.execution.divergence import end_of_plant, finite_observer_rows
 from thetascope.engine.execution.stages import Life, final_estimator, lives, parameters_over
-from thetascope.engine.model.result import CANNOT_TELL, Check, Diverged, ObserverReport, Result
+from thetascope.engine.model.result import (
+    CANNOT_TELL,
+    OBSERVER_TOLERANCE,
+    TOLERANCE,
+    Accuracy,
+    Check,
+    Diverged,
+    ObserverReport,
+    Result,
+)
 from thetascope.engine.observers.support.declaration import Observed
 from thetascope.engine.programs.evaluate_rows import probe
+from thetascope.engine.programs.kernel_cost import costs
 from thetascope.engine.simulation.experiment import PROCESS_NOISE, Experiment, Rows
-from thetascope.engine.simulation.kernel_cost import costs
 from thetascope.engine.simulation.loop import LoopRows
 from thetascope.engine.simulation.simulation import at_rows, loop_values, observed_values, row_numbers
 from thetascope.messages import Message
 
 
-def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dict[str, float]) -> Result:
+def gather(parts: Sequence[tuple[Experiment, Rows]], seconds: dict[str, float]) -> Result:
     """Return the result of a run from its spans, in order."""
     first = parts[0][0]
     index = np.concatenate([rows.index for _, rows in parts])
@@ -48,11 +58,29 @@ def gather(parts: Sequence[tuple[Experiment, Rows]], substeps: int, seconds: dic
     data = np.empty((len(columns), len(index)))
     for row, column in zip(data, columns.values(), strict=True):
         row[:] = column
-    notes = first.notes
-    if substeps > 1:
-        notes += (Message("run.substeps", n=substeps),)
+    known = [rows.accuracy for _, rows in parts if rows.accuracy is not None]
+    accuracy = reduce(Accuracy.with_part, known) if known else None
+    substeps = max([accuracy.substeps if accuracy else 1, *(e.substeps or 1 for e, _ in parts)])
     spent = costs(rows.spent for _, rows in parts)
-    return Result(tuple(columns), data, tuple(reports.values()), diverged, first.step, substeps, notes, seconds, spent)
+    observers = tuple(reports.values())
+    notes = (*first.notes, *_notes(substeps, accuracy))
+    return Result(
+        tuple(columns), data, observers, diverged, first.step, substeps, notes, seconds, spent, accuracy=accuracy
+    )
+
+
+def _notes(substeps: int, accuracy: Accuracy | None) -> Iterator[Message]:
+    """Yield the notes on the steps of a run: substeps, implicit steps, an accuracy that misses the tolerance."""
+    if substeps > 1:
+        yield Message("run.substeps", n=substeps)
+    if accuracy is None:
+        return
+    if accuracy.implicit:
+        yield Message("run.implicit", n=accuracy.implicit)
+    if accuracy.plant > TOLERANCE:
+        yield Message("run.inaccurate.plant", error=accuracy.plant, tolerance=TOLERANCE)
+    if accuracy.observers > OBSERVER_TOLERANCE:
+        yield Message("run.inaccurate.observers", error=accuracy.observers, tolerance=OBSERVER_TOLERANCE)
 
 
 def confidence(parts: Sequence[tuple[Experiment, Rows]], values: dict) -> dict[str, np.ndarray]:
@@ -168,12 +196,15 @@ def _cause(names: tuple[str, ...], states: np.ndarray, first_bad: int) -> Messag
     """Return the likely cause of a divergence, by the kind of the state that grew most before row ``first_bad``."""
     window = states[max(0, first_bad - 20) : first_bad + 1]
     with np.errstate(all="ignore"):
+        if not np.isfinite(window[-1]).all() and (np.abs(window[:-1]) <= _CALM * np.abs(window[0])).all():
+            return Message("diverged.too-fast")
         growth = np.nan_to_num(np.abs(window), nan=np.inf, posinf=np.inf).max(axis=0)
     worst = names[int(np.argmax(growth))]
     code = _CAUSES.get(worst.split(".")[0])
     return Message(code) if code else Message("diverged.state", state=worst)
 
 
+_CALM = 10.0  # growth over some rows of a state that does not diverge
 _CAUSES = {
     "Gamma": "diverged.gamma",
     "S": "diverged.parameter-covariance",

@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from thetascope.engine.simulation.controlled import simulation_of
 from thetascope.engine.simulation.experiment import Experiment, Rows, State
 from thetascope.engine.simulation.initial_states import observer_states
 from thetascope.engine.simulation.simulation import Simulation
@@ -15,14 +16,19 @@ from thetascope.engine.simulation.simulation import Simulation
 
 @dataclass(frozen=True)
 class Stage:
-    """``experiment`` holds from base step ``k`` until the next stage."""
+    """``experiment`` holds from base step ``k`` until the next stage.
+
+    ``commanded``: whether a timed command begins it; stages of a session may also begin with an injected fault.
+    """
 
     k: int
     experiment: Experiment
+    commanded: bool = True
 
 
-def carry(state: State, old: Experiment, new: Experiment) -> State:
-    """Return the state from which the new experiment continues: observers keep theirs, added ones start here."""
+def carry(state: State, old: Experiment, stage: Stage) -> State:
+    """Return the state from which a new stage continues: observers keep theirs, added ones start here."""
+    new = stage.experiment
     kept = {e.label: (e, s) for e, s in zip(old.estimators, state.observers, strict=True)}
     observers: list[np.ndarray] = []
     at, seen = state.plant[:, None], None
@@ -32,24 +38,22 @@ def carry(state: State, old: Experiment, new: Experiment) -> State:
             observers.append(before[1])
         else:
             if new.loop is not None and seen is None:
-                seen = Simulation(new, new.substeps or 1).known_at(state)
+                seen = Simulation(new).known_at(state)
             observers.append(observer_states([new], i, state.k, at, seen)[:, 0].copy())
-    return replace(state, observers=tuple(observers))
+    control = state.control.restarted(state.k) if state.control is not None and stage.commanded else state.control
+    return replace(state, observers=tuple(observers), control=control)
 
 
-def spans(stages: Sequence[Stage], count: int, substeps: int) -> Iterator[tuple[State, Experiment, Rows]]:
-    """Advance from t = 0 by ``count`` base steps through the stages, in chunks.
-
-    ``substeps`` applies where a stage's experiment does not specify them.
-    """
+def spans(stages: Sequence[Stage], count: int) -> Iterator[tuple[State, Experiment, Rows]]:
+    """Advance from t = 0 by ``count`` base steps through the stages, in chunks."""
     state = None
     for i, stage in enumerate(stages):
         end = min(count, stages[i + 1].k) if i + 1 < len(stages) else count
-        simulation = Simulation(stage.experiment, stage.experiment.substeps or substeps)
-        state = simulation.initial() if state is None else carry(state, stages[i - 1].experiment, stage.experiment)
+        simulated = simulation_of(stage.experiment)
+        state = simulated.initial() if state is None else carry(state, stages[i - 1].experiment, stage)
         if end <= state.k:
             continue
-        for after, rows in simulation.spans(end - state.k, state):
+        for after, rows in simulated.spans(end - state.k, state):
             state = after
             yield after, stage.experiment, rows
 

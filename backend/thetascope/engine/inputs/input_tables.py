@@ -5,16 +5,21 @@ import numpy as np
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.inputs.time_grid import Grid
 
+RUNGE_KUTTA = (0.0, 0.5, 0.5, 1.0)  # where the stages of the classical method are, in steps
+
 
 class Tables:
-    """Tables of signals over one time grid; ``stages`` is the number of stages per step (4, or 1 in discrete time)."""
+    """Tables of signals over one time grid.
 
-    def __init__(self, grid: Grid, signals: dict[str, Signal], stages: int):
-        self.grid, self.signals, self.stages = grid, signals, stages
+    ``places``: where the stages of a step are, in steps; (0,) in discrete time.
+    """
+
+    def __init__(self, grid: Grid, signals: dict[str, Signal], places: tuple[float, ...]):
+        self.grid, self.signals, self.places, self.stages = grid, signals, places, len(places)
 
     def extended(self, more: dict[str, Signal]) -> "Tables":
         """Return tables that have further signals."""
-        return Tables(self.grid, self.signals | more, self.stages)
+        return Tables(self.grid, self.signals | more, self.places)
 
     @property
     def kinds(self) -> tuple[tuple[str, bool], ...]:
@@ -38,8 +43,18 @@ class Tables:
         table = np.empty((g.count, self.stages, len(names)))
         for j, name in enumerate(names):
             signal = self.signals[name]
-            table[:, 0, j] = signal(g.start, g.anchor)
-            if self.stages == 4:
-                table[:, 1, j] = table[:, 2, j] = signal(0.5 * (g.start + g.end), g.anchor)
-                table[:, 3, j] = signal(g.end, g.anchor)
+            values: dict[float, np.ndarray] = {}
+            for stage, place in enumerate(self.places):
+                if place not in values:
+                    values[place] = signal(_times(g, place), g.anchor)
+                table[:, stage, j] = values[place]
         return table
+
+
+def _times(grid: Grid, place: float) -> np.ndarray:
+    """Return the times in s at one place within every step: 0 at its start, 1 at its end."""
+    if place in (0.0, 1.0):
+        return grid.end if place else grid.start
+    if place == 0.5:
+        return 0.5 * (grid.start + grid.end)
+    return grid.start + place * (grid.end - grid.start)

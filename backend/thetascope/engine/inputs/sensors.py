@@ -10,8 +10,10 @@ from typing import Any
 
 import numpy as np
 
+from thetascope.engine.compiler import implicit_method
 from thetascope.engine.inputs import random_streams
 from thetascope.engine.inputs.coloured_noise import coloured_noise
+from thetascope.engine.inputs.input_tables import RUNGE_KUTTA
 from thetascope.engine.inputs.sampling import Sampling
 from thetascope.engine.inputs.signals import Signal, constant, gated, total
 from thetascope.engine.inputs.signals import _random_held as random_held
@@ -20,7 +22,8 @@ from thetascope.engine.inputs.time_grid import Grid
 ADDITIVE = ("outliers", "noise-burst")
 # Order in which these faults act on a value.
 ORDER = {"delay": 0, "stuck": 1, "freeze": 1, "dropout": 1, "quantisation": 2}
-_STAGES = {4: np.array([0.0, 0.5, 0.5, 1.0]), 1: np.zeros(1)}  # by number of stages: their places within a step
+# by number of stages: their places within a step
+_STAGES = {len(places): np.array(places) for places in ((0.0,), RUNGE_KUTTA, implicit_method.C)}
 
 
 def noise_key(seed: int, output: int) -> tuple[int, int, int]:

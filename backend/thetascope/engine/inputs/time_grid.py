@@ -1,6 +1,6 @@
 """Time grid: equal base steps, split at discontinuities, and arranged in segments for the kernels."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,6 +15,7 @@ class Grid:
     """Segments over base steps [first, last) of h seconds, and the times of all steps, computed on first use.
 
     A base step consists of ``substeps`` steps, or of more if it is split at discontinuities. ``whole``: none is split.
+    Within a segment every ``spacing``-th step after the first recorded one is recorded; ``records`` rows in all.
     """
 
     segments: Segments
@@ -23,6 +24,8 @@ class Grid:
     h: float
     substeps: int
     whole: bool
+    spacing: int
+    records: int
 
     @cached_property
     def count(self) -> int:
@@ -82,9 +85,9 @@ class Grid:
         passed = np.maximum(0, -(-(low - s.first + 1) // every)) * every  # recorded ones among the steps left out
         due = np.where(s.first == NEVER, NEVER, s.first + passed - low)
         columns = (high - low, due, s.t, s.index + low, s.h)
-        return Grid(
-            Segments(*(np.ascontiguousarray(c[kept]) for c in columns)), self.first, self.last, self.h, 1, False
-        )
+        segments = Segments(*(np.ascontiguousarray(c[kept]) for c in columns))
+        part = Grid(segments, self.first, self.last, self.h, 1, False, every, 0)
+        return replace(part, records=part.recorded(every))
 
     def recorded(self, every: int) -> int:
         """Return the number of rows that are recorded, where every ``every``-th step of a segment is."""
@@ -111,7 +114,15 @@ def distinct(values: np.ndarray) -> np.ndarray:
     return values[keep]
 
 
-def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substeps: int) -> Grid:
+def cut(
+    first: int,
+    last: int,
+    h: float,
+    breaks: np.ndarray,
+    every: int,
+    substeps: int,
+    stops: np.ndarray | None = None,
+) -> Grid:
     """Return the grid over base steps [first, last) of h seconds.
 
     Args:
@@ -120,23 +131,29 @@ def cut(first: int, last: int, h: float, breaks: np.ndarray, every: int, substep
         breaks: times of discontinuities in s, in any order, repeats allowed.
         every: every ``every``-th base step is recorded.
         substeps: steps within a base step.
+        stops: base steps to record in place of every ``every``-th.
     """
     marks, off = sort_out(breaks, h)
     broken = distinct(np.floor(off).astype(np.int64)) if len(off) else np.empty(0, dtype=np.int64)
     broken = broken[(broken >= first) & (broken < last)]
-    bounds = np.concatenate([np.array([first, last]), marks, broken, broken + 1])
+    ends = np.empty(0, dtype=np.int64) if stops is None else stops
+    bounds = np.concatenate([np.array([first, last]), marks, broken, broken + 1, ends])
     bounds = distinct(bounds[(bounds >= first) & (bounds <= last)])
     starts = bounds[:-1]
     lengths = bounds[1:] - starts
     to_record = every - starts % every
     steps = lengths * substeps
     due = np.where(to_record <= lengths, to_record * substeps, NEVER)
+    spacing, records = every * substeps, last // every - first // every
+    if stops is not None:
+        due = np.where(np.isin(bounds[1:], stops), steps, NEVER)
+        spacing, records = int(NEVER), int(np.count_nonzero((stops > first) & (stops <= last)))
     columns = [steps, due, np.zeros(len(starts)), starts * substeps, np.full(len(starts), h / substeps)]
     if len(broken):
         columns = _split(starts, columns, h, broken, off, substeps)
     kinds = (np.int64, np.int64, float, float, float)
     segments = Segments(*(np.ascontiguousarray(c, dtype=d) for c, d in zip(columns, kinds, strict=True)))
-    return Grid(segments, first, last, h, substeps, not len(broken))
+    return Grid(segments, first, last, h, substeps, not len(broken), spacing, records)
 
 
 def _split(starts: np.ndarray, columns: list, h: float, broken: np.ndarray, off: np.ndarray, substeps: int) -> list:

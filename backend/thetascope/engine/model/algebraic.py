@@ -17,8 +17,7 @@ import numpy as np
 from thetascope.engine.compiler.autodiff import derivatives
 from thetascope.engine.compiler.composite import linear_solve
 from thetascope.engine.compiler.graph import Equations, Graph, equations_text, evaluate
-from thetascope.engine.compiler.lowering import Lowering
-from thetascope.engine.compiler.numeric import numbers
+from thetascope.engine.compiler.lowering import Lowering, numbers
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.derivatives import derivative
 from thetascope.engine.language.lazy_sympy import numerical, sympy

@@ -15,11 +15,11 @@ import numpy as np
 from thetascope.engine.estimation.covariance import holds, noise_stds
 from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import constant, total
+from thetascope.engine.observability.opened import opened
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.kalman_defaults import state_scales, typical_sizes
+from thetascope.engine.simulation.controlled import simulation_of
 from thetascope.engine.simulation.experiment import Experiment, State
-from thetascope.engine.simulation.opened import opened
-from thetascope.engine.simulation.simulation import Simulation
 from thetascope.messages import Message
 
 SIZE = 1e-3  # size of the changes relative to a scale
@@ -128,7 +128,7 @@ def _measured(experiment: Experiment, context: Context) -> tuple[Experiment, int
 
 def _states(e: Experiment, firsts: np.ndarray) -> list[np.ndarray]:
     """Return the plant's state at rows of the nominal trajectory."""
-    simulation, last = Simulation(e, e.substeps or 1), int(firsts[-1]) * e.every + 1
+    simulation, last = simulation_of(e), int(firsts[-1]) * e.every + 1
     plant = np.concatenate([rows.plant for _, rows in simulation.spans(last)])
     return [plant[f].copy() for f in firsts]
 
@@ -149,7 +149,7 @@ def _sensitivity(
                 begin = replace(state, plant=x)
             else:
                 changed = replace(e, signals=e.signals | {name: total([e.signals[name], constant(change)])})
-            parts = [r.y for _, r in Simulation(changed, changed.substeps or 1).spans((rows - 1) * e.every + 1, begin)]
+            parts = [r.y for _, r in simulation_of(changed).spans((rows - 1) * e.every + 1, begin)]
             ends.append(np.concatenate(parts)[::stride])
         with np.errstate(invalid="ignore"):  # a plant that diverges
             columns.append((ends[0] - ends[1]) / (2 * size))

@@ -26,6 +26,7 @@ def plan(
     signals: tuple[tuple[str, bool], ...],
     given: tuple[str, ...] = (),
     jump: tuple[int, ...] = (),
+    implicit: bool = False,
 ) -> Plan:
     """Return the plan of a program that emits these nodes.
 
@@ -35,9 +36,10 @@ def plan(
         signals: names, and whether each signal is held over a segment.
         given: inputs that follow the staged signals in each staged row.
         jump: nodes that the states jump to at the head of every segment.
+        implicit: whether the kernel takes implicit steps.
     """
     used = variables(program.graph, [*program.update, *program.after, *emitted, *jump]) - set(given)
     held = tuple(sorted(n for n, is_held in signals if n in used and is_held))
     staged = tuple(sorted(n for n, is_held in signals if n in used and not is_held))
-    layout = Layout(held=held, staged=staged + given, emitted=emitted, jump=jump)
+    layout = Layout(held=held, staged=staged + given, emitted=emitted, jump=jump, implicit=implicit)
     return Plan(program, kernel(program, layout), held, staged, layout.shared_params(program))

@@ -14,6 +14,7 @@ from thetascope.engine.compiler.jit import Layout, kernel
 from thetascope.engine.compiler.partition import Partition, partition
 from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.errors import Cancelled
+from thetascope.engine.inputs.input_tables import RUNGE_KUTTA
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.inputs.time_grid import Grid, cut, sort_out
 from thetascope.engine.simulation.experiment import PROCESS_NOISE, Experiment
@@ -111,7 +112,8 @@ class _Lanes:
         self.first = first = experiments[0]
         estimator = first.estimators[i]
         self.program: Program = joined(first.plant, estimator.program)
-        self.stages = 1 if self.program.time == DISCRETE else 4
+        self.places = (0.0,) if self.program.time == DISCRETE else RUNGE_KUTTA
+        self.stages = len(self.places)
         self.substeps = first.substeps or 1
         self.signals = [_with_noise(e) for e in experiments]
         self.values = [e.parameters | e.estimators[i].parameters for e in experiments]
@@ -203,7 +205,7 @@ class _Lanes:
         emitted = np.empty((grid.count, self.stages, max(1, len(handed))))
         if shared is not None:
             held, staged = _divide(shared, [*shared.update, *handed], self.signals[0], self.staged)
-            tables = Tables(grid, self.signals[0], self.stages)
+            tables = Tables(grid, self.signals[0], self.places)
             layout = Layout(held=held, staged=staged, emitted=handed)
             kernel(shared, layout)(
                 grid.segments,
@@ -223,7 +225,7 @@ class _Lanes:
     def _lane_rows(self, grid: Grid, state: np.ndarray, handed: np.ndarray, rows: int) -> np.ndarray:
         """Advance the lanes block by block; return their rows (runs × rows × states)."""
         layout, lanes, blocks = self.layout, self.parts.lanes, self.blocks
-        tables = Tables(grid, self.signals[0], self.stages)
+        tables = Tables(grid, self.signals[0], self.places)
         staged = layout.staged[len(self.parts.names) :]
         if staged or not handed.flags.c_contiguous:
             handed = np.concatenate([handed, tables.staged(staged)[:, :, : len(staged)]], axis=2)
@@ -256,7 +258,7 @@ class _Lanes:
         if not names:
             return None
         runs = self.blocks.padded[self.blocks.slice(block)]
-        tables = [Tables(grid, self.signals[r], self.stages).staged(names) for r in runs]
+        tables = [Tables(grid, self.signals[r], self.places).staged(names) for r in runs]
         return np.ascontiguousarray(np.stack(tables, axis=3))
 
 

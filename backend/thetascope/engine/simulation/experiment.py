@@ -1,8 +1,9 @@
 """The data of a simulation: the experiment as engine objects, its state, and the rows it records."""
 
 import zlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 
 import numpy as np
 
@@ -10,9 +11,11 @@ from thetascope.engine.compiler.system import DISCRETE, Program
 from thetascope.engine.inputs.coloured_noise import process_noise as process_noise_signal
 from thetascope.engine.inputs.sensors import Measurement, Memory
 from thetascope.engine.inputs.signals import Signal
+from thetascope.engine.model.result import Accuracy
 from thetascope.engine.observers.support.declaration import Context, Observer
-from thetascope.engine.simulation.kernel_cost import Spent
+from thetascope.engine.programs.kernel_cost import Spent
 from thetascope.engine.simulation.loop import Loop, LoopRows
+from thetascope.engine.simulation.step_control import Control
 from thetascope.messages import Message
 
 PROCESS_NOISE = "w."  # prefix of the inputs by which process noise enters the states of a true plant
@@ -134,6 +137,7 @@ class State:
     memory: Memory
     loop: np.ndarray | None = None  # the controllers' and held states
     past: np.ndarray | None = None  # the means of the applied u over the last base steps, for sampled observers
+    control: Control | None = None  # of the step, where it follows the accuracy
 
 
 @dataclass(frozen=True)
@@ -150,10 +154,38 @@ class Rows:
     spent: Spent = field(default_factory=dict)
     passed: np.ndarray | None = None  # rows × m: the measurement before each row, where it is recorded
     loop: LoopRows | None = None
+    accuracy: Accuracy | None = None  # None: not measured
 
     def part(self, first: int, last: int | None = None) -> "Rows":
         """Return the rows from ``first`` up to ``last`` (exclusive)."""
-        index, plant, y = (part[first:last] for part in (self.index, self.plant, self.y))
-        passed = None if self.passed is None else self.passed[first:last]
-        loop = None if self.loop is None else self.loop.part(first, last)
-        return Rows(index, plant, y, tuple(o[first:last] for o in self.observers), self.spent, passed, loop)
+        return self.where(slice(first, last))
+
+    def where(self, wanted: np.ndarray | slice) -> "Rows":
+        """Return the wanted rows: a mask or a slice."""
+        index, plant, y = (part[wanted] for part in (self.index, self.plant, self.y))
+        passed = None if self.passed is None else self.passed[wanted]
+        loop = None if self.loop is None else self.loop.where(wanted)
+        observers = tuple(o[wanted] for o in self.observers)
+        return Rows(index, plant, y, observers, self.spent, passed, loop, self.accuracy)
+
+    @classmethod
+    def joined(cls, parts: "Sequence[Rows]") -> "Rows":
+        """Return the rows of consecutive spans of one experiment."""
+        spent: Spent = {}
+        for part in parts:
+            for name, (seconds, simulated) in part.spent.items():
+                before = spent.get(name, (0.0, 0.0))
+                spent[name] = before[0] + seconds, before[1] + simulated
+        passed = [p.passed for p in parts if p.passed is not None]
+        loops = [p.loop for p in parts if p.loop is not None]
+        accuracy = reduce(Accuracy.with_part, (p.accuracy for p in parts if p.accuracy is not None))
+        return cls(
+            index=np.concatenate([p.index for p in parts]),
+            plant=np.concatenate([p.plant for p in parts]),
+            y=np.concatenate([p.y for p in parts]),
+            observers=tuple(np.concatenate(o) for o in zip(*(p.observers for p in parts), strict=True)),
+            spent=spent,
+            passed=np.concatenate(passed) if len(passed) == len(parts) else None,
+            loop=LoopRows.concatenated(loops) if loops else None,
+            accuracy=accuracy,
+        )

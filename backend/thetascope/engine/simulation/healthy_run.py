@@ -18,10 +18,11 @@ from thetascope.engine.inputs.sensors import Measurement
 from thetascope.engine.inputs.signals import Signal, constant
 from thetascope.engine.observers.support.declaration import Context
 from thetascope.engine.observers.support.scales import Scales
+from thetascope.engine.programs.propagation import exponentials, jacobians
+from thetascope.engine.simulation.controlled import Repeated
 from thetascope.engine.simulation.experiment import Experiment, leading_rows
 from thetascope.engine.simulation.loop import Loop, LoopRows
-from thetascope.engine.simulation.simulation import Simulation, row_values
-from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS, fastest, sample_rows, substeps_needed
+from thetascope.engine.simulation.simulation import row_values
 
 _ROWS = 2000  # approximate number of recorded rows of the healthy run
 _LONGEST = 200_000  # base steps of the healthy run, at most
@@ -30,6 +31,7 @@ _FAULT_STEPS = 400_000  # base steps of all runs with a typical fault together, 
 _SMALL = 1e-3
 _INFINITE = 1e150  # the square of a larger number is not finite
 _POINTS = 24  # of the run at which eigenvalues are computed
+_GROWTH_POINTS = 200  # of the run between which the growth of a small change is computed
 _INTEGRATOR = 1e-3  # eigenvalues below this fraction of the largest at a point count as integrators
 _ROUNDING = 1e-9  # changes below this fraction of the size of a quantity count as none
 _ESCAPES = 1e8  # a state that grows to this multiple of its early size belongs to an unstable plant
@@ -79,8 +81,8 @@ class _Healthy:
         size = Context(len(program.states), len(outputs), 0, (0.0,) * len(outputs), step, step, data)
         every = max(1, steps // _ROWS)
         self.experiment = Experiment(program, parameters, x0, healthy, quiet, (), step, steps, every, size, loop=loop)
-        self.substeps = 1
-        self.index, self.x, self.y, self.loop = self._sufficient()
+        self.repeated = Repeated()
+        self.index, self.x, self.y, self.loop = self._simulate(self.experiment)
         self.early = leading_rows(self.x, _INFINITE)
         self.first_rate = self._rate(np.arange(min(1, self.early)))
         self.base, self.stable = self._base()
@@ -90,9 +92,8 @@ class _Healthy:
     def _simulate(self, experiment: Experiment) -> tuple[np.ndarray, np.ndarray, np.ndarray, LoopRows | None]:
         """Return base steps (rows,), states (rows, n), outputs (rows, m) and controllers, up to the first row that is
         not finite."""
-        simulation = Simulation(experiment, self.substeps)
         parts = []
-        for _, rows in simulation.spans(experiment.steps + 1):
+        for rows in self.repeated.spans(experiment):
             parts.append(rows)
             if leading_rows(rows.plant, _INFINITE) < len(rows.plant):
                 break
@@ -102,27 +103,11 @@ class _Healthy:
         loop = LoopRows.concatenated(loops).part(0, rows) if loops else None
         return index[:rows], x[:rows], y[:rows], loop
 
-    def _sufficient(self) -> tuple[np.ndarray, np.ndarray, np.ndarray, LoopRows | None]:
-        """Return the run with as many substeps as its step needs to be stable."""
-        e = self.experiment
-        while True:
-            index, x, y, loop = self._simulate(e)
-            if e.plant.time == DISCRETE:
-                return index, x, y, loop
-            values, picked = row_values(e, index, x, loop), sample_rows(len(index), len(e.plant.states), True)
-            rate = fastest(e.plant, values, picked)
-            if e.loop is not None and loop is not None:
-                rate = max(rate, fastest(e.loop.program, e.loop.values(loop, values), picked))
-            needed = min(MOST_SUBSTEPS, substeps_needed(e.step, rate))
-            if needed <= self.substeps:
-                return index, x, y, loop
-            self.substeps = needed
-
     def _values(self, rows: np.ndarray) -> dict:
         """Return inputs, parameters and states at rows of the run."""
         loop = None
         if self.loop is not None:
-            loop = LoopRows(*(getattr(self.loop, n)[rows] for n in ("states", "u", "ahead")))
+            loop = self.loop.where(rows)
         return row_values(self.experiment, self.index[rows], self.x[rows], loop)
 
     # ---- rates -------------------------------------------------------------------------------------------------------
@@ -192,7 +177,27 @@ class _Healthy:
         y = self._of_outputs(outputs, dy, noise, x)
         largest = np.abs(self.x).max(axis=0, initial=0.0) if self.stable else self.base
         extents = np.maximum(np.maximum(x, largest), self.base)
-        return Scales(tuple(map(float, x)), tuple(map(float, y)), tuple(map(float, extents)), rate, self.span)
+        sizes = [tuple(map(float, values)) for values in (x, y, extents)]
+        return Scales(*sizes, rate, self.span, self._amplification(extents))
+
+    def _amplification(self, extents: np.ndarray) -> float:
+        """Return the largest growth of a small change between two rows, relative to ``extents``; at least 1."""
+        e, n = self.experiment, len(extents)
+        if e.plant.time == DISCRETE or not n or len(self.x) < 2:
+            return 1.0
+        rows = np.unique(np.linspace(0, len(self.x) - 1, _GROWTH_POINTS).astype(int))
+        slopes = jacobians(e.plant, self._values(rows), len(rows))
+        scaled = slopes * extents[None, None, :] / extents[None, :, None]
+        growth = exponentials(scaled[:-1] * (np.diff(self.index[rows]) * e.step)[:, None, None])
+        starts, largest = np.zeros((0, n, n)), 1.0
+        with np.errstate(all="ignore"):
+            for matrix in growth:
+                starts = matrix @ np.concatenate([starts, np.eye(n)[None]])
+                size = float(np.abs(starts).sum(axis=2).max())
+                if not np.isfinite(size):
+                    return np.inf
+                largest = max(largest, size)
+        return largest
 
     def _effects(self, rate: float) -> tuple[np.ndarray, np.ndarray]:
         """Return the largest change of states (n,) and outputs (m,) that any fault of typical size causes."""

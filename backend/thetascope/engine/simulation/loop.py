@@ -11,13 +11,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from thetascope.engine.compiler.system import DISCRETE, Program
-from thetascope.engine.inputs.input_tables import Tables
+from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables
 from thetascope.engine.inputs.sampling import Sampling
 from thetascope.engine.inputs.sensors import Measurement, Memory
 from thetascope.engine.inputs.signals import Signal, constant
 from thetascope.engine.inputs.time_grid import Grid
 from thetascope.engine.model.loop_names import JUMP, SAMPLE
-from thetascope.engine.programs.call_plan import plan
+from thetascope.engine.programs.call_plan import Plan, plan
 
 _LONGEST = 4096  # steps of a span with faults that replace readings
 _TRIALS = 2  # repetitions of a step in which a reading depends on itself
@@ -83,7 +83,11 @@ class LoopRows:
 
     def part(self, first: int, last: int | None = None) -> "LoopRows":
         """Return the rows from ``first`` up to ``last`` (exclusive)."""
-        return LoopRows(self.states[first:last], self.u[first:last], self.ahead[first:last])
+        return self.where(slice(first, last))
+
+    def where(self, wanted: np.ndarray | slice) -> "LoopRows":
+        """Return the wanted rows: a mask, indices or a slice."""
+        return LoopRows(self.states[wanted], self.u[wanted], self.ahead[wanted])
 
     @classmethod
     def concatenated(cls, parts: "list[LoopRows]") -> "LoopRows":
@@ -117,7 +121,12 @@ class LoopRun:
     @property
     def stages(self) -> int:
         """Return the number of stages of a step."""
-        return 1 if self.loop.program.time == DISCRETE else 4
+        return len(self.places)
+
+    @property
+    def places(self) -> tuple[float, ...]:
+        """Return where the stages of a step are, in steps."""
+        return (0.0,) if self.loop.program.time == DISCRETE else RUNGE_KUTTA
 
     @property
     def names(self) -> list[str]:
@@ -182,15 +191,12 @@ class LoopRun:
         """Return a span in which replaced readings are ``given`` (NaN: read the output). With ``measured`` False, y are
         the noisy outputs without faults."""
         program, m = self.loop.program, len(self.names)
-        signals, sampled = self._signals(), bool(self.loop.every) or any(self.measurement.sampled_by)
+        signals = self._signals()
         replacing = () if given is None else tuple(f"{k}.{n}" for k in ("take", "given") for n in self.names)
         for name in replacing:
             signals.pop(name)
-        tables = Tables(grid, signals, self.stages)
-        outputs = [f"{k}.{n}" for k in ("noisy", "y") for n in self.names]
-        roots = tuple(program.outputs[n] for n in (*outputs, *self.loop.applied))
-        jump = tuple(program.outputs[f"{JUMP}{s}"] for s in program.states) if sampled else ()
-        call = plan(program, roots, tables.kinds, replacing, jump)
+        tables = Tables(grid, signals, self.places)
+        call = self._plan(tables, replacing)
         staged = tables.staged(call.staged) if call.staged or not replacing else None
         if given is not None:
             take = np.isfinite(given)
@@ -199,7 +205,7 @@ class LoopRun:
         held = self._held(grid, tables, call.held)
         params = np.array([self.parameters[p] for p in call.params] or [0.0])
         rows = np.empty((grid.recorded(self.every), len(program.states)))
-        emitted, new = np.empty((grid.count, self.stages, len(roots))), state.copy()
+        emitted, new = np.empty((grid.count, self.stages, len(call.kernel.layout.emitted))), state.copy()
         call.kernel(grid.segments, new, params, self.every, rows, held=held, staged=staged, emitted=emitted)
         noisy = emitted[:, :, :m]
         left = noisy[:, -1].copy()
@@ -208,6 +214,30 @@ class LoopRun:
         return LoopSpan(
             new, rows, emitted[:, :, m : 2 * m] if measured else noisy, emitted[:, :, 2 * m :], memory, left
         )
+
+    def each(
+        self, grid: Grid, states: np.ndarray, noises: Mapping[str, Signal]
+    ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Advance each row of states (segments, n + c) through one segment, without replaced readings.
+
+        Return the states, and the readings and applied inputs at all stages. ``noises``: in place of the measurement's.
+        """
+        m, tables = len(self.names), Tables(grid, self._signals() | dict(noises), self.places)
+        call = self._plan(tables, ())
+        params = np.array([self.parameters[p] for p in call.params] or [0.0])
+        emitted, new = np.empty((grid.count, self.stages, len(call.kernel.layout.emitted))), np.array(states, order="C")
+        held, staged = self._held(grid, tables, call.held), tables.staged(call.staged)
+        call.kernel.advance_each(grid.segments, new, params, held, staged, emitted)
+        return new, emitted[:, :, m : 2 * m], emitted[:, :, 2 * m :]
+
+    def _plan(self, tables: Tables, replacing: tuple[str, ...]) -> Plan:
+        """Return the plan of the closed loop's kernel, which emits noisy outputs, readings and applied inputs."""
+        program = self.loop.program
+        outputs = [f"{k}.{n}" for k in ("noisy", "y") for n in self.names]
+        roots = tuple(program.outputs[n] for n in (*outputs, *self.loop.applied))
+        sampled = bool(self.loop.every) or any(self.measurement.sampled_by)
+        jump = tuple(program.outputs[f"{JUMP}{s}"] for s in program.states) if sampled else ()
+        return plan(program, roots, tables.kinds, replacing, jump)
 
     def _signals(self) -> dict[str, Signal]:
         """Return all inputs of the closed loop as functions of time; those of instants and replaced readings are 0."""

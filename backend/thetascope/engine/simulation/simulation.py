@@ -15,17 +15,18 @@ from time import thread_time
 
 import numpy as np
 
+from thetascope.engine.compiler import implicit_method
 from thetascope.engine.compiler.graph import variables
 from thetascope.engine.compiler.jit import Layout, Segments, kernel
 from thetascope.engine.compiler.system import DISCRETE, Program, join
-from thetascope.engine.inputs.input_tables import Tables
+from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables
 from thetascope.engine.inputs.signals import Signal
 from thetascope.engine.inputs.time_grid import Grid, cut
 from thetascope.engine.programs.call_plan import Plan, plan
 from thetascope.engine.programs.evaluate_rows import probe
+from thetascope.engine.programs.kernel_cost import PLANT, divided
 from thetascope.engine.simulation.experiment import Experiment, Rows, State
 from thetascope.engine.simulation.initial_states import observer_states
-from thetascope.engine.simulation.kernel_cost import PLANT, divided
 from thetascope.engine.simulation.loop import ClosedSpan, Loop, LoopRows, LoopRun
 
 CHUNK = 1 << 15  # base steps per chunk, which keeps the tables of stages small
@@ -37,21 +38,38 @@ def joined(plant: Program, observer: Program) -> Program:
     return join(plant, observer, {name: (name, f"noise.{name}") for name in plant.outputs})
 
 
+def measured_nodes(experiment: Experiment, program: Program) -> tuple[int, ...]:
+    """Return the nodes of a joined program that hold the outputs with their noise."""
+    outputs, index = experiment.plant.outputs, program.graph.index
+    return tuple(index[("add", program.outputs[n], index[("var", f"noise.{n}")])] for n in outputs)
+
+
 class Simulation:
-    """Advances an experiment. ``substeps`` divides every base step (for stiff observers).
+    """Advances an experiment with steps of one length. ``substeps`` divides every base step.
 
     ``remember``: keep the last measurement even where nothing needs it yet, because a fault that needs it (freeze,
-    dropout) may be added later.
+    dropout) may be added later. ``implicit``: take the implicit steps of implicit_method.py, in continuous time.
+    ``inner``: where every base step is divided into parts, between 0 and 1; each part has ``substeps``.
     """
 
-    def __init__(self, experiment: Experiment, substeps: int = 1, remember: bool = False):
-        self.experiment, self.substeps, self.remember = experiment, substeps, remember
+    def __init__(
+        self,
+        experiment: Experiment,
+        substeps: int = 1,
+        remember: bool = False,
+        implicit: bool = False,
+        inner: tuple[float, ...] = (),
+    ):
+        self.inner = inner
+        self.experiment, self.substeps, self.remember, self.implicit = experiment, substeps, remember, implicit
         plant = experiment.plant
-        self.stages = 1 if plant.time == DISCRETE else 4
+        self.places = (0.0,) if plant.time == DISCRETE else implicit_method.C if implicit else RUNGE_KUTTA
+        self.stages = len(self.places)
         self.lockstep = [i for i, e in enumerate(experiment.estimators) if e.every is None]
         self.sampled = [i for i, e in enumerate(experiment.estimators) if e.every is not None]
-        # only an observer that runs in the plant's time can be joined to the plant
-        self.joined = bool(self.lockstep) and experiment.measurement.direct and experiment.loop is None
+        # only an observer that runs in the plant's time can be joined to the plant; implicit steps solve for each alone
+        direct = experiment.measurement.direct and experiment.loop is None
+        self.joined = bool(self.lockstep) and direct and not implicit
         self.kept = max((experiment.estimators[i].every or 0 for i in self.sampled), default=0)  # means of u
         self.spent: dict[str, float] = {}  # processor seconds of the kernels in one span
 
@@ -79,12 +97,21 @@ class Simulation:
 
     # ---- advancing ---------------------------------------------------------------------------------------------------
 
-    def advance(self, state: State, count: int) -> tuple[State, Rows]:
-        """Advance by ``count`` base steps; return the new state and the rows of [k, k + count)."""
+    def advance(self, state: State, count: int, points: np.ndarray | None = None) -> tuple[State, Rows]:
+        """Advance by ``count`` base steps; return the new state and the rows of [k, k + count).
+
+        ``points``: further base steps to return as rows, ascending; y is measured at recorded rows only.
+        """
         e, first, last = self.experiment, state.k, state.k + count
-        grid = cut(first, last, e.step, self._breaks(first, last), e.every, self.substeps)
         index = np.arange(-(-first // e.every) * e.every, last, e.every)
-        tables = Tables(grid, e.signals, self.stages)
+        every, stops = e.every, None
+        if points is not None and len(points) == count:
+            every, index = 1, points
+        elif points is not None and (points % every).any():
+            stops = np.union1d(points, np.arange(-(-first // every) * every, last + 1, every))
+            index = stops[stops < last]
+        grid = cut(first, last, e.step, self._breaks(first, last), every, self.substeps, stops)
+        tables = Tables(grid, e.signals, self.places)
         observers, self.spent = list(state.observers), {}
         recorded: dict[int, np.ndarray] = {}  # by the observer's index
         closed = None
@@ -157,17 +184,17 @@ class Simulation:
         if self.experiment.loop is not None:
             samplings = self.experiment.measurement.sampled_by
             parts.append(self.experiment.loop.instants(a, b, self.experiment.step, samplings))
+        if self.inner:
+            parts.append(((np.arange(first, last)[:, None] + np.array(self.inner)) * self.experiment.step).ravel())
         return np.concatenate(parts)
 
     def _rows(self, start: np.ndarray, out: np.ndarray, first: int, index: np.ndarray) -> np.ndarray:
-        """Return the states at the rows of the span: kernels record at ends of steps;
-        the first row may be the start."""
-        rows = np.vstack([start[None, :], out]) if first % self.experiment.every == 0 else out
-        return rows[: len(index)]
+        """Return the states at the rows of the span: kernels record at ends of steps.
 
-    def _out(self, first: int, last: int, width: int) -> np.ndarray:
-        every = self.experiment.every
-        return np.empty((last // every - first // every + 1, width))
+        The first row may be the start.
+        """
+        rows = np.vstack([start[None, :], out]) if len(index) and index[0] == first else out
+        return rows[: len(index)]
 
     def _call(
         self,
@@ -182,11 +209,11 @@ class Simulation:
         """Call a kernel and divide its processor time among ``parts``, the programs that it contains."""
         state, grid = start.copy(), tables.grid
         params = np.array([values[p] for p in plan.params] or [0.0])
-        out = self._out(grid.first, grid.last, len(plan.program.states))
+        out = np.empty((grid.records + 1, len(plan.program.states)))
         staged = tables.staged(plan.staged) if staged is None else staged
-        every, held = self.experiment.every * self.substeps, tables.held(plan.held)
+        held = tables.held(plan.held)
         clock = thread_time()
-        plan.kernel(grid.segments, state, params, every, out, held=held, staged=staged, emitted=emitted)
+        plan.kernel(grid.segments, state, params, grid.spacing, out, held=held, staged=staged, emitted=emitted)
         self.spent |= divided(thread_time() - clock, parts)
         return state, out
 
@@ -195,7 +222,7 @@ class Simulation:
         roots = tuple(plant.outputs.values())
         emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
         new, out = self._call(
-            plan(plant, roots, tables.kinds),
+            plan(plant, roots, tables.kinds, implicit=self.implicit),
             {PLANT: plant},
             tables,
             self.experiment.parameters,
@@ -210,12 +237,7 @@ class Simulation:
         estimator = e.estimators[i]
         program = joined(e.plant, estimator.program)
         emits = len(e.estimators) > 1 or self.remember
-        graph = program.graph
-        roots = (
-            tuple(graph.index[("add", program.outputs[n], graph.index[("var", f"noise.{n}")])] for n in e.plant.outputs)
-            if emits
-            else ()
-        )
+        roots = measured_nodes(e, program) if emits else ()
         noise = dict(zip([f"noise.{n}" for n in e.plant.outputs], e.measurement.noises, strict=True))
         tables = tables.extended(noise)
         emitted = np.empty((tables.grid.count, self.stages, max(1, len(roots))))
@@ -241,7 +263,7 @@ class Simulation:
         seen = y if closed is None else np.concatenate([y, closed.span.u], axis=2)
         names = [*self.experiment.plant.outputs, *self.experiment.applied]
         given = tuple(n for n in names if n in program.used_inputs)
-        call = plan(program, (), tables.kinds, given)
+        call = plan(program, (), tables.kinds, given, implicit=self.implicit)
         picked = [names.index(n) for n in given]
         parts = [p for p in (tables.staged(call.staged) if call.staged else None, seen[:, :, picked]) if p is not None]
         together = np.ascontiguousarray(np.concatenate(parts, axis=2))
@@ -305,6 +327,11 @@ class Simulation:
 
     def _measured_rows(self, grid: Grid, first: int, index: np.ndarray, plant_rows: np.ndarray, y: np.ndarray | None):
         e = self.experiment
+        recorded = index % e.every == 0
+        if not recorded.all():
+            measured = np.full((len(index), len(e.plant.outputs)), np.nan)
+            measured[recorded] = self._measured_rows(grid, first, index[recorded], plant_rows[recorded], y)
+            return measured
         at = grid.base[index - first]
         if y is not None:
             return y[at, 0, :]

@@ -4,11 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from thetascope.engine.execution.run_experiment import needed_substeps
-from thetascope.engine.simulation.simulation import Simulation
-from thetascope.engine.simulation.step_stability import MOST_SUBSTEPS
+from thetascope.engine.simulation.controlled import simulation_of
 from thetascope.live.session import log_events
-from thetascope.live.session.changes import add_substeps, enter_stage
+from thetascope.live.session.changes import enter_stage
 from thetascope.live.session.session_state import SessionState
 from thetascope.live.session.snapshots import RecordedBatch, SimulatedRows, Snapshot
 from thetascope_schemas.service.session import Event
@@ -16,19 +14,16 @@ from thetascope_schemas.service.session import Event
 _SMALL = 30  # rows that are wanted immediately, with the answer to a command
 
 
-def advance(state: SessionState, rows: int, replaying: bool = False) -> tuple[SessionState, np.ndarray]:
+def advance(state: SessionState, rows: int) -> tuple[SessionState, np.ndarray]:
     """Return the state after up to `rows` rows (to where columns change, or the end), and the rows, columns × rows."""
-    state, simulated = simulate(state, rows, replaying)
+    state, simulated = simulate(state, rows)
     return commit(state, simulated)
 
 
-def simulate(state: SessionState, rows: int, replaying: bool = False) -> tuple[SessionState, SimulatedRows | None]:
+def simulate(state: SessionState, rows: int) -> tuple[SessionState, SimulatedRows | None]:
     """Simulate rows from the present row on; None where no more can follow.
 
-    The state stays at its row; it may enter the stage that begins there, and it may get more substeps.
-
-    Args:
-        replaying: the rows were simulated before, so the step's stability has been checked.
+    The state stays at its row; it may enter the stage that begins there.
     """
     state = enter_stage(state)
     target = min(state.row + rows, state.setup.horizon)
@@ -37,21 +32,9 @@ def simulate(state: SessionState, rows: int, replaying: bool = False) -> tuple[S
     count = max(0, min(target, max(boundary, state.row + (0 if target == state.row else 1))) - state.row)
     if state.ended or count == 0:
         return replace(state, ended=state.ended or state.row >= state.setup.horizon), None
-    return _simulate(state, count, replaying)
-
-
-def _simulate(state: SessionState, count: int, replaying: bool) -> tuple[SessionState, SimulatedRows]:
-    simulation = Simulation(state.experiment, state.substeps, remember=True)
-    after, recorded = simulation.advance(state.current.state, count * state.setup.every)
-    # The check costs as much as everything else together: it is made often after a change, but not for the few rows
-    # that are wanted immediately, and now and then otherwise.
-    advances = state.advances + 1
-    state = replace(state, advances=advances)
-    due = 2 + (count <= _SMALL) <= advances <= 5 or advances % 16 == 0
-    if due and not replaying:
-        needed = needed_substeps(state.experiment, recorded)
-        if needed > state.substeps:
-            return _simulate(add_substeps(state, min(MOST_SUBSTEPS, needed)), count, replaying)
+    after, recorded = simulation_of(state.experiment, remember=True).advance(
+        state.current.state, count * state.setup.every
+    )
     return state, SimulatedRows(state.current, count, after, recorded)
 
 

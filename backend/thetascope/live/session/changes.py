@@ -1,4 +1,4 @@
-"""Changes of a session's spec: stages that begin, commands of a viewer, more substeps."""
+"""Changes of a session's spec: stages that begin, commands of a viewer."""
 
 from dataclasses import replace
 from itertools import takewhile
@@ -9,11 +9,11 @@ from thetascope.assembly.build.prepare import prepare
 from thetascope.diagnosis.evaluation.verdicts import fault_ids
 from thetascope.engine.execution.stages import Stage, carry
 from thetascope.live.session import edits, log_events
-from thetascope.live.session.gain_moves import check_moves, substeps_at
+from thetascope.live.session.gain_moves import check_moves
 from thetascope.live.session.session_state import SessionState
 from thetascope_schemas import ResolvedExperiment
-from thetascope_schemas.experiment.commands import AddObserver, SetSubsteps
-from thetascope_schemas.service.session import AddObserverNow, Clear, Event, Inject, SetGainNow, SpecCommand
+from thetascope_schemas.experiment.commands import AddObserver
+from thetascope_schemas.service.session import Clear, Event, Inject, SetGainNow, SpecCommand
 
 
 def change(state: SessionState, command: SpecCommand) -> tuple[SessionState, Event]:
@@ -46,14 +46,7 @@ def _changed(state: SessionState, command: SpecCommand) -> SessionState:
         if isinstance(command, SetGainNow):
             check_moves(state.experiment, command)
         spec, here = edits.with_command(state.spec, command, state.t, untimed)
-    state = adopt(state, spec, here, untimed)
-    if isinstance(command, SetGainNow):
-        measured = state.current.live_columns.last_measured
-        needed = substeps_at(state.experiment, state.substeps, state.current.state, measured)
-        if needed > state.substeps:
-            state = add_substeps(state, needed)
-    # An added observer and a moved gain are checked as rows come; no other command makes an observer stiff immediately.
-    return state if isinstance(command, AddObserverNow | SetGainNow) else replace(state, advances=0)
+    return adopt(state, spec, here, untimed)
 
 
 def note(state: SessionState, event: Event) -> tuple[SessionState, Event]:
@@ -65,28 +58,17 @@ def enter_stage(state: SessionState) -> SessionState:
     """Return the state in the stage that holds from the present row on; observers of that stage start here."""
     current, k = state.current, state.row * state.setup.every
     while current.stage + 1 < len(state.stages) and state.stages[current.stage + 1].k <= k:
-        old, new = (state.stages[current.stage + i].experiment for i in (0, 1))
+        old, new = state.stages[current.stage].experiment, state.stages[current.stage + 1]
         current = replace(
             current,
             state=carry(current.state, old, new),
             stage=current.stage + 1,
-            live_columns=current.live_columns.carried(new, current.row),
+            live_columns=current.live_columns.carried(new.experiment, current.row),
         )
     if current is not state.current:
         state = replace(state, current=current)
     columns = current.live_columns.columns
     return state if columns == state.columns else replace(state, columns=columns, epoch=state.epoch + 1)
-
-
-def add_substeps(state: SessionState, substeps: int) -> SessionState:
-    """Return the state with more substeps from the present row on, noted as a timed command for a saved run."""
-    command = SetSubsteps(at=state.t, substeps=substeps)
-    earlier = [c for c in state.spec.commands if c.at <= state.t]
-    later = [c for c in state.spec.commands if c.at > state.t]
-    state, untimed = _untimed(state)
-    here = untimed.model_copy(update={"substeps": substeps})
-    spec = state.spec.model_copy(update={"commands": (*earlier, command, *later)})
-    return adopt(state, spec, here, untimed)
 
 
 def adopt(
@@ -112,10 +94,11 @@ def adopt(
     experiment = (
         engine(here, since, current.context.healthy) if before is None else adapted(here, since, before, current)
     )
-    stages = (*state.stages[: stage + 1], Stage(k, experiment))
+    commanded = any(round(command.at / step) == k for command in newest)
+    stages = (*state.stages[: stage + 1], Stage(k, experiment, commanded))
     if newest and round(newest[0].at / step) > k:
         stages += tuple(later for later in prepare(complete).stages if later.k > k)
-    state = enter_stage(replace(state, spec=complete, stages=stages, advances=1))
+    state = enter_stage(replace(state, spec=complete, stages=stages))
     return replace(state, untimed=(complete, state.current.stage, here))
 
 

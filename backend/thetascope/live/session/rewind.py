@@ -4,6 +4,7 @@ from dataclasses import replace
 
 from thetascope.engine.errors import SpecError
 from thetascope.engine.estimation.covariance import latest
+from thetascope.engine.simulation.controlled import simulation_of
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope.live.session import edits
 from thetascope.live.session.advance import advance
@@ -60,7 +61,7 @@ def return_to(state: SessionState, row: int) -> SessionState:
     if batch is not None:
         again = _recall(again, batch, row)
     while again.row < row:
-        again, _ = advance(again, row - again.row, replaying=True)
+        again, _ = advance(again, row - again.row)
     # The rows in between have been reported before: their events are in the log already.
     log = tuple(e for e in state.log if e.row < row or (e.row == row and e.kind in _OF_COMMANDS))
     return replace(
@@ -75,12 +76,11 @@ def return_to(state: SessionState, row: int) -> SessionState:
 def _recall(state: SessionState, batch: RecordedBatch, row: int) -> SessionState:
     """Return the state at a row of a batch that is kept, without simulating it again."""
     current, experiment, known = state.current, state.experiment, batch.before(row)
-    simulation = Simulation(experiment, state.substeps, remember=True)
     columns = current.live_columns.continued(experiment, known.recorded, latest(known.columns.tables))
     detection, _ = state.setup.detector.observe(
         current.detection, experiment, known.recorded, known.columns.values, False, state.detects_outside
     )
-    reached = known.state_at(row, current.state, simulation)
+    reached = known.state_at(row, current.state, simulation_of(experiment, remember=True))
     return replace(state, current=Snapshot(row, reached, current.stage, columns, detection, current.log_length))
 
 

@@ -42,7 +42,7 @@ class SessionSetup:
     @classmethod
     def of(cls, spec: ResolvedExperiment, horizon: int) -> "SessionSetup":
         """Return the setup of a session on a spec; `horizon`: rows that it may reach."""
-        spec = spec.model_copy(update={"substeps": spec.substeps or 1, "diagnosis": with_fixed_span(spec)})
+        spec = spec.model_copy(update={"diagnosis": with_fixed_span(spec)})
         stages = tuple(prepare(spec).stages)
         first = stages[0].experiment
         detector = LiveDetector.create(spec, first, first.every * first.step)
@@ -66,7 +66,6 @@ class SessionState:
         columns: names of the columns at the present row.
         epoch: grows whenever the columns or the past change.
         ended: whether no more rows can follow.
-        advances: calls of `simulate` since the last change, plus one; decides when the step's stability is checked.
         log: all events so far.
         unreported: events found by advancing that nobody has fetched yet.
         history: the rows recorded so far.
@@ -83,7 +82,6 @@ class SessionState:
     columns: tuple[str, ...]
     epoch: int = 0
     ended: bool = False
-    advances: int = 1
     log: tuple[Event, ...] = ()
     unreported: tuple[Event, ...] = ()
     history: RowHistory = field(default_factory=RowHistory)
@@ -113,11 +111,6 @@ class SessionState:
     def experiment(self) -> Engine:
         """The engine's experiment at the present row."""
         return self.stages[self.current.stage].experiment
-
-    @property
-    def substeps(self) -> int:
-        """Substeps of a base step."""
-        return self.experiment.substeps or 1
 
     def with_log(self, log: tuple[Event, ...]) -> "SessionState":
         """Return the state with another log, which the present snapshot counts."""

@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 from thetascope.engine.estimation.covariance import Spreads
+from thetascope.engine.simulation.controlled import Controlled
 from thetascope.engine.simulation.experiment import Rows, State
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope.live.session.live_columns import ColumnBatch, LiveColumns
@@ -71,7 +72,7 @@ class RecordedBatch:
         count = row - self.first
         return RecordedBatch(self.first, self.recorded.part(0, count), self.columns.head(count))
 
-    def state_at(self, row: int, start: State, simulation: Simulation) -> State:
+    def state_at(self, row: int, start: State, simulation: Simulation | Controlled) -> State:
         """Return the state at a row of the batch, or just after it; `start`: the state at its first row."""
         count = row - self.first
         known = simulation.state_at(start, self.recorded, count) if count < len(self.recorded.index) else None

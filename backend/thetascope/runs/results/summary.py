@@ -8,12 +8,13 @@ import numpy as np
 from thetascope.assembly.build.diagnosis_settings import findings
 from thetascope.diagnosis.evaluation.metrics import LAST, event_times, final_values, settling, state_rmse, step_changes
 from thetascope.diagnosis.evaluation.observer_comparison import compare
+from thetascope.engine.model.result import Accuracy as Reached
 from thetascope.engine.model.result import Check, Diverged, ObserverReport, Result
 from thetascope.runs.results.comparison_rows import comparison_rows, facts_of
 from thetascope_schemas import Experiment, ResolvedExperiment
 from thetascope_schemas.experiment.base import Text
 from thetascope_schemas.experiment.diagnosis import Diagnosis
-from thetascope_schemas.service.run import AssumptionCheck, Divergence, ObserverSummary, RunSummary
+from thetascope_schemas.service.run import Accuracy, AssumptionCheck, Divergence, ObserverSummary, RunSummary
 
 
 def summarise(result: Result, spec: ResolvedExperiment) -> RunSummary:
@@ -24,6 +25,7 @@ def summarise(result: Result, spec: ResolvedExperiment) -> RunSummary:
         rows=result.data.shape[1],
         step=result.step,
         substeps=result.substeps,
+        accuracy=_accuracy(result.accuracy),
         diverged=_divergence(result.diverged),
         observers=tuple(_observer(result, report, spec) for report in result.observers),
         comparison=comparison_rows(comparison),
@@ -48,6 +50,13 @@ def _observer(result: Result, report: ObserverReport, spec: Experiment) -> Obser
         checks=tuple(_check(check) for check in report.checks),
         facts={name: jsonable(value) for name, value in report.facts.items()},
     )
+
+
+def _accuracy(reached: Reached | None) -> Accuracy | None:
+    if reached is None:
+        return None
+    values = {name: getattr(reached, name) for name in Accuracy.model_fields}
+    return Accuracy(**values)
 
 
 def _check(check: Check) -> AssumptionCheck:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from thetascope.engine.compiler.numeric import numbers
+from thetascope.engine.compiler.lowering import numbers
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.derivatives import jacobian
 from thetascope.engine.language.lazy_sympy import sympy

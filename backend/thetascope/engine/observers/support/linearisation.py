@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from thetascope.engine.compiler.numeric import numbers
+from thetascope.engine.compiler.lowering import numbers
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.observers.support.draft import Draft
 

@@ -19,6 +19,8 @@ class Scales:
         extents: the largest absolute value of each state that a healthy plant reaches, at least its scale.
         rate: the slowest rate of the plant in 1/s that matters, see `healthy_run`.
         span: the time in s over which the plant was simulated or is to be watched.
+        amplification: the largest factor by which a small change of the states, relative to `extents`, grows along the
+            run; at least 1.
     """
 
     states: tuple[float, ...]
@@ -26,6 +28,7 @@ class Scales:
     extents: tuple[float, ...]
     rate: float
     span: float
+    amplification: float = 1.0
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from thetascope.engine.compiler.numeric import numbers
+from thetascope.engine.compiler.lowering import numbers
 from thetascope.engine.observers.support.matrices import Matrix
 
 if TYPE_CHECKING:

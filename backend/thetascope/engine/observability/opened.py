@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from thetascope.engine.inputs.signals import Signal, steps
+from thetascope.engine.simulation.controlled import simulation_of
 from thetascope.engine.simulation.experiment import Experiment
-from thetascope.engine.simulation.simulation import Simulation
 
 
 def opened(experiment: Experiment) -> Experiment:
@@ -18,7 +18,7 @@ def opened(experiment: Experiment) -> Experiment:
     if loop is None:
         return experiment
     fine = replace(experiment, estimators=(), every=1)
-    parts = [r.loop for _, r in Simulation(fine, fine.substeps or 1).spans(fine.steps + 1) if r.loop is not None]
+    parts = [r.loop for _, r in simulation_of(fine).spans(fine.steps + 1) if r.loop is not None]
     means = np.concatenate([part.ahead for part in parts])
     applied = {name: _held(means[:, j], experiment.step) for j, name in enumerate(loop.applied)}
     return replace(experiment, signals={**experiment.signals, **applied}, loop=None)

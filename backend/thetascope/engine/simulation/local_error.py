@@ -1,0 +1,213 @@
+"""The local error of a step: one base step from a state, taken with n substeps and with 2n.
+
+The points at which it is measured are independent; the kernels are those of the run, called once for each point, so
+nothing more is compiled. Observers read y with its noise but without other faults of the measurement, which change the
+size of the error little.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+from itertools import pairwise
+
+import numpy as np
+
+from thetascope.engine.compiler import implicit_method
+from thetascope.engine.compiler.codegen_implicit import MOST_STATES
+from thetascope.engine.compiler.jit import NEVER, Segments
+from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables
+from thetascope.engine.inputs.signals import Signal
+from thetascope.engine.inputs.time_grid import Grid
+from thetascope.engine.programs.call_plan import Plan, plan
+from thetascope.engine.programs.defect import PLACES, defect_program
+from thetascope.engine.programs.evaluate_rows import probe
+from thetascope.engine.simulation.experiment import Estimator, Experiment
+from thetascope.engine.simulation.loop import LoopRun
+from thetascope.engine.simulation.simulation import Simulation, joined, measured_nodes
+from thetascope.engine.simulation.step_control import Steps
+
+_COMPRESSION = 32.0  # of the time at which noise is drawn, which its values do not depend on
+_BEFORE_END = 1e-4  # of a step
+_ORDER = {False: 4, True: 5}  # by whether steps are implicit
+
+States = dict[str, np.ndarray]
+"""States at points (points, states) by observer's label; "" is the plant, with its controllers after it."""
+
+
+@dataclass(frozen=True)
+class LocalErrors:
+    """Errors that one base step adds: ``plant`` (points, n), signed; ``observers`` by label (points, states).
+
+    ``ends``: the states after the base step, by label; the plant's is "".
+    """
+
+    plant: np.ndarray
+    observers: States
+    ends: States
+
+
+class Steppers:
+    """Takes single base steps of an experiment from given states, with any steps."""
+
+    def __init__(self, experiment: Experiment, remember: bool = False):
+        self.experiment = e = experiment
+        noises = (replace(s, value=_compressed(s)) for s in e.measurement.noises)
+        self.signals = e.signals | {f"noise.{n}": s for n, s in zip(e.plant.outputs, noises, strict=True)}
+        self.remember = remember
+        self._loop = None if e.loop is None else LoopRun(e.loop, e.measurement, e.signals, e.parameters, 1)
+
+    def local_errors(
+        self, points: np.ndarray, states: States, steps: Steps, part: tuple[float, float] = (0.0, 1.0)
+    ) -> LocalErrors:
+        """Return the errors of base steps that begin at ``points`` (their numbers).
+
+        ``states``: the states there. Labels that it lacks are not measured. ``part``: of the base step, if not all of
+        it; the states are those at its beginning.
+        """
+        substeps, implicit, inner = steps
+        ends = (part[0], *inner, part[1])
+        coarse, fine = (self._advance(points, states, n, implicit, ends) for n in (substeps, 2 * substeps))
+        scale = 2.0 ** _ORDER[implicit] / (2.0 ** _ORDER[implicit] - 1)
+        with np.errstate(all="ignore"):
+            errors = {label: scale * (coarse[label] - fine[label]) for label in coarse}
+        return LocalErrors(errors.pop(""), errors, coarse)
+
+    def _advance(
+        self, points: np.ndarray, states: States, substeps: int, implicit: bool, ends: tuple[float, ...]
+    ) -> States:
+        """Return the states after the parts between ``ends`` of each base step."""
+        places = implicit_method.C if implicit else RUNGE_KUTTA
+        for a, b in pairwise(ends):
+            grid = _grid(points, self.experiment.step, substeps, a, b)
+            states = self._part(Tables(grid, self.signals, places), states, implicit)
+        return states
+
+    def _part(self, tables: Tables, states: States, implicit: bool) -> States:
+        """Return the states after one segment for each point."""
+        e = self.experiment
+        simulation = Simulation(e, 1, self.remember, implicit)
+        measured = [s for s in e.estimators if s.every is None and s.label in states]
+        after: States = {}
+        lead = e.estimators[simulation.lockstep[0]] if simulation.joined else None
+        if self._loop is not None:
+            noises = {n: s for n, s in self.signals.items() if n.startswith("noise.")}
+            after[""], *seen = self._loop.each(tables.grid, states[""], noises)
+            y = np.concatenate(seen, axis=2)
+        elif lead is not None and lead in measured:
+            y = self._joint(lead, tables, states, after)
+            measured.remove(lead)
+        else:
+            y = self._plant(tables, states, after, implicit)
+        for estimator in measured:
+            assert y is not None, "it was emitted for further observers"
+            after[estimator.label] = self._observer(estimator, tables, states[estimator.label], y, implicit)
+        return after
+
+    def _joint(self, lead: Estimator, tables: Tables, states: States, after: States) -> np.ndarray | None:
+        """Advance plant and first observer with the run's joined kernel; return y where the run emits it."""
+        e, n = self.experiment, len(self.experiment.plant.states)
+        program = joined(e.plant, lead.program)
+        roots = measured_nodes(e, program) if len(e.estimators) > 1 or self.remember else ()
+        both = np.concatenate([states[""], states[lead.label]], axis=1)
+        both, y = _call(plan(program, roots, tables.kinds), tables, e.parameters | lead.parameters, both)
+        after[""], after[lead.label] = both[:, :n], both[:, n:]
+        return y if roots else None
+
+    def _plant(self, tables: Tables, states: States, after: States, implicit: bool) -> np.ndarray:
+        """Advance the plant alone; return y with noise at every stage of every step."""
+        e = self.experiment
+        own = Tables(tables.grid, e.signals, tables.places)
+        call = plan(e.plant, tuple(e.plant.outputs.values()), own.kinds, implicit=implicit)
+        after[""], clean = _call(call, own, e.parameters, states[""])
+        at = tables.grid.segment_anchor
+        noise = np.stack([self.signals[f"noise.{n}"](at, at) for n in e.plant.outputs], axis=1)
+        return clean + np.repeat(noise, tables.grid.segments.steps, axis=0)[:, None, :]
+
+    def _observer(
+        self, estimator: Estimator, tables: Tables, start: np.ndarray, y: np.ndarray, implicit: bool
+    ) -> np.ndarray:
+        """Return the states of an observer that reads y, and in a closed loop the applied inputs after y."""
+        e, program = self.experiment, estimator.program
+        names = [*e.plant.outputs, *e.applied]
+        given = tuple(n for n in names if n in program.used_inputs)
+        own = Tables(tables.grid, e.signals, tables.places)
+        picked = y[:, :, [names.index(n) for n in given]]
+        call = plan(program, (), own.kinds, given, implicit=implicit)
+        return _call(call, own, estimator.parameters, start, picked)[0]
+
+
+def _call(
+    call: Plan, tables: Tables, values: dict[str, float], start: np.ndarray, y: np.ndarray | None = None
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return the states after one segment from each row of ``start``, and the emitted nodes (steps, stages, nodes).
+
+    ``y``: measured outputs that follow the staged signals.
+    """
+    grid, nodes = tables.grid, len(call.kernel.layout.emitted)
+    parts = [tables.staged(call.staged)] if call.staged or y is None else []
+    staged = np.ascontiguousarray(np.concatenate([*parts, *([] if y is None else [y])], axis=2))
+    emitted = np.empty((grid.count, tables.stages, max(1, nodes)))
+    params = np.array([values[p] for p in call.params] or [0.0])
+    states = np.array(start, order="C")
+    call.kernel.advance_each(grid.segments, states, params, tables.held(call.held), staged, emitted)
+    return states, emitted[:, :, :nodes]
+
+
+def _compressed(noise: Signal) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
+    """Return the values of a noise in quicker succession: those at points that are far apart are drawn together."""
+    return lambda t, anchor: noise.value(t / _COMPRESSION, anchor / _COMPRESSION)
+
+
+def defects(e: Experiment, first: int, states: np.ndarray) -> np.ndarray:
+    """Return the size of the local error of each base step from ``first`` on, roughly: shape (steps, n).
+
+    ``states``: the plant's states at the ends of all base steps (steps + 1, n).
+    """
+    k = np.arange(first, first + len(states) - 1)
+    varying = tuple(sorted(n for n, s in e.signals.items() if not s.held))
+    program = defect_program(e.plant, varying)
+    start, anchor = k * e.step, (k + 0.5) * e.step
+    values: dict[str, np.ndarray | float] = {**e.parameters, "t": start, "h": e.step}
+    for name, signal in e.signals.items():
+        if signal.held:
+            values[name] = signal(anchor, anchor) if signal.level is None else signal.level
+            continue
+        values |= {f"{prefix}{name}": signal(start + place * e.step, anchor) for prefix, place in PLACES.items()}
+    values |= {f"from.{s}": states[:-1, j] for j, s in enumerate(e.plant.states)}
+    values |= {f"to.{s}": states[1:, j] for j, s in enumerate(e.plant.states)}
+    return np.abs(probe(program, list(program.outputs), values).T)
+
+
+def solvable(e: Experiment) -> bool:
+    """Return whether implicit steps can be taken: the equations are small enough, and no controller makes them jump."""
+    if e.loop is not None:
+        return False
+    sizes = [len(s.program.states) for s in e.estimators if s.every is None]
+    return max([len(e.plant.states), *sizes]) <= MOST_STATES
+
+
+def _grid(points: np.ndarray, h: float, substeps: int, a: float, b: float) -> Grid:
+    """Return one segment for every point: part a … b of its base step in ``substeps`` steps, none of them recorded."""
+    count = len(points)
+    counts, starts = np.full(count, substeps, dtype=np.int64), points.astype(np.int64)
+    if b - a == 1:
+        t, index, widths = np.zeros(count), (starts * substeps).astype(float), np.full(count, h / substeps)
+    else:
+        t, index, widths = (starts + a) * h, np.zeros(count), np.full(count, (b - a) * h / substeps)
+    segments = Segments(counts, np.full(count, NEVER), t, index, widths)
+    return _PointGrid(segments, int(points[0]), int(points[-1]) + 1, h, substeps, False, 1, 0)
+
+
+class _PointGrid(Grid):
+    """A grid whose every segment continues the piece of a signal that is active at its end: no jump is within it."""
+
+    @cached_property
+    def segment_anchor(self) -> np.ndarray:
+        """Return a time in s just before the end of every segment (segments,)."""
+        segments = self.segments
+        return segments.t + (segments.index + segments.steps - _BEFORE_END) * segments.h
+
+    @cached_property
+    def anchor(self) -> np.ndarray:
+        """Return the same for every step (steps,)."""
+        return np.repeat(self.segment_anchor, self.segments.steps)
