@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from thetascope import library
 from thetascope.assembly import prepare
-from thetascope.engine.compiler import implicit_method
+from thetascope.engine.compiler.instructions import implicit_method
 from thetascope.engine.model.result import TOLERANCE, Result
 from thetascope_schemas import Experiment
 

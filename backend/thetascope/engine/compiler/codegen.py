@@ -13,17 +13,23 @@ receives the values of selected nodes at every stage. Arrays named lane_* hold o
 results depend neither on how the steps are distributed over calls and segments nor on the number of lanes: no fast-math
 flag is set, and the fused multiply-adds are those of the graph.
 
+``run_each`` has the same signature and is for one lane: it takes each segment from a state of its own, so ``state`` has
+a row for each; all segments have ``every`` steps.
+
 Where a layout has ``jump`` nodes, one for each state, the states take their values at the head of every segment, before
 its first step. Whether a jump changes anything must then depend on held inputs.
 """
 
 from dataclasses import dataclass
 
-from thetascope.engine.compiler import implicit_method
 from thetascope.engine.compiler.graph import Graph, equations, topological
+from thetascope.engine.compiler.instructions import implicit_method
 from thetascope.engine.compiler.instructions.newton import Solver
-from thetascope.engine.compiler.ir_builder import Writer, declarations
+from thetascope.engine.compiler.ir_builder import SIGNATURE, Writer, declarations, run_each
 from thetascope.engine.compiler.system import BEGIN, DISCRETE, WIDTH, Program
+
+TABLES = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
+"""Arguments of a function that evaluates equations: the places of the values of parameters and inputs."""
 
 # Nodes times stages. Above it the right-hand side becomes a separate function, called once per stage: compiling takes a
 # third of the time, and runs are equally fast, because most values are in memory either way.
@@ -66,18 +72,8 @@ def fits_inline(program: Program, layout: Layout) -> bool:
 
 
 def emit(program: Program, layout: Layout) -> str:
-    """Return the IR text of a module with one function, ``run``."""
+    """Return the IR text of a module with the functions ``run`` and ``run_each``."""
     return _Module(program, layout).text()
-
-
-_POINTERS = (
-    *("seg_steps", "seg_first", "seg_t", "seg_index", "seg_h", "held", "lane_held", "staged", "lane_staged"),
-    *("params", "lane_params", "state", "out", "emitted"),
-)
-_HEAD = (
-    f"define void @run(i64 %segments, {', '.join(f'ptr noalias %{p}' for p in _POINTERS)}, i64 %every) #2 {{",
-    "entry:",
-)
 
 
 class _Module:
@@ -99,6 +95,14 @@ class _Module:
         body = self._main(w)
         functions = [] if self.inline else self._right_hand_side()
         functions += self._more_functions()
+        body += run_each(
+            {
+                "held": len(self.layout.held),
+                "staged": self.stages * len(self.layout.staged),
+                "state": len(self.program.states),
+                "emitted": self.stages * len(self.layout.emitted),
+            }
+        )
         solvers = [line for lines in self.solvers.values() for line in lines]
         declared, attributes = declarations(w, scalar=bool(solvers))
         return "\n".join([*declared, *self.tables.values(), *solvers, *functions, *body, *attributes])
@@ -220,7 +224,7 @@ class _Module:
         )
         self._next_segment(w, new)
         w.lines[place0] = "\n".join(f"  %a{i} = phi {t} [{v}, %entry], [%c{i}, %next]" for i, v in enumerate(start))
-        return [*_HEAD, *w.lines, "}"]
+        return [f"define void @run({SIGNATURE}) #2 {{", "entry:", *w.lines, "}"]
 
     def _jump(self, w: Writer, states: list[str], segment: dict) -> list[str]:
         """Append the jump at the head of a segment, and return the states after it."""
@@ -359,18 +363,10 @@ class _Module:
     def _where(self, w: Writer, stage: int, segment: dict, at: str) -> dict:
         """Append the addresses of a stage's inputs in the step ``at``, and return them by group."""
         lay = self.layout
-        where = {
-            "params": "%params",
-            "lane_params": "%lane_params",
-            "held": segment["held"],
-            "lane_held": segment["lane_held"],
-        }
-        where["staged"] = self._row(w, stage, "%staged", len(lay.staged), at) if lay.staged else "%staged"
-        where["lane_staged"] = (
-            self._row(w, stage, "%lane_staged", len(lay.lane_staged) * lay.lanes, at)
-            if lay.lane_staged
-            else "%lane_staged"
-        )
+        where = {k: segment.get(k, f"%{k}") for k in TABLES}
+        for name, width in (("staged", len(lay.staged)), ("lane_staged", len(lay.lane_staged) * lay.lanes)):
+            if width:
+                where[name] = self._row(w, stage, f"%{name}", width, at)
         return where
 
     def _row(self, w: Writer, stage: int, base: str, width: int, at: str) -> str:
@@ -384,8 +380,7 @@ class _Module:
         """Append a call of the separate right-hand side; return the update and the emitted nodes."""
         for i, value in enumerate(z):
             w.store(value, scratch["z"], i)
-        names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
-        args = ", ".join(f"ptr {where[k]}" for k in names)
+        args = ", ".join(f"ptr {where[k]}" for k in TABLES)
         w.put(f"call void @rhs(double {t}, ptr {scratch['z']}, ptr {scratch['d']}, ptr {scratch['e']}, {args}) #3")
         values = [w.load_lanes(scratch["d"], i) for i in range(len(z))]
         return values, [w.load_lanes(scratch["e"], j) for j in range(len(self.layout.emitted))]
@@ -393,14 +388,13 @@ class _Module:
     def _right_hand_side(self) -> list[str]:
         """Return the lines of the separate right-hand side, ``rhs``."""
         w = Writer(self.layout.lanes, self.tables)
-        names = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
-        where = {k: f"%{k}" for k in names}
+        where = {k: f"%{k}" for k in TABLES}
         leaves = {s: w.load_lanes("%z", i) for i, s in enumerate(self.program.states)} | {"t": w.splat("%t")}
         values, emitted = self._split(self._values(w, leaves, where, {}))
         for i, value in enumerate(values):
             w.store(value, "%d", i)
         for j, value in enumerate(emitted):
             w.store(value, "%e", j)
-        args = ", ".join(f"ptr noalias %{k}" for k in names)
+        args = ", ".join(f"ptr noalias %{k}" for k in TABLES)
         head = f"define internal void @rhs(double %t, ptr noalias %z, ptr noalias %d, ptr noalias %e, {args}) #3 {{"
         return [head, *w.lines, "  ret void", "}"]

@@ -9,9 +9,9 @@ from contextlib import contextmanager
 from dataclasses import replace
 
 from thetascope.engine.compiler.autodiff import derivatives
-from thetascope.engine.compiler.codegen import Layout, _Module
+from thetascope.engine.compiler.codegen import TABLES, Layout, _Module
 from thetascope.engine.compiler.graph import Graph
-from thetascope.engine.compiler.implicit_method import GAMMA, A, C
+from thetascope.engine.compiler.instructions.implicit_method import GAMMA, A, C
 from thetascope.engine.compiler.ir_builder import Writer
 from thetascope.engine.compiler.system import Program
 
@@ -19,8 +19,7 @@ MOST_STATES = 200  # the matrix of a step is on the stack
 ITERATIONS = 10  # of Newton's method; fewer where the corrections reach rounding, or no longer halve
 _ROUNDING = 1e-15  # a correction relative to its state that ends the iteration
 
-_TABLES = ("params", "lane_params", "held", "lane_held", "staged", "lane_staged")
-_STEP = f"double %t, double %h, ptr %x, {', '.join(f'ptr %{k}' for k in _TABLES)}, ptr %emitted"
+_STEP = f"double %t, double %h, ptr %x, {', '.join(f'ptr %{k}' for k in TABLES)}, ptr %emitted"
 
 
 class ImplicitModule(_Module):
@@ -46,7 +45,7 @@ class ImplicitModule(_Module):
             "lane_staged": "%lane_staged",
         }
         emitted = w.address("%emitted", w.let(f"mul i64 {row}, {self.m}"))
-        args = ", ".join(f"ptr {where[k]}" for k in _TABLES)
+        args = ", ".join(f"ptr {where[k]}" for k in TABLES)
         w.put(f"call void @implicit_step(double {t}, double %h, ptr {scratch['z']}, {args}, ptr {emitted}) #3")
         new = [w.load_lanes(scratch["z"], i) for i in range(self.n)]
         end = w.let(f"fadd double {t}, %h")
@@ -67,9 +66,9 @@ class ImplicitModule(_Module):
         inner.tables, inner.solvers = self.tables, self.solvers
         w = Writer(1, self.tables)
         leaves = {s: w.load_lanes("%z", i) for i, s in enumerate(self.program.states)} | {"t": "%t"}
-        for place, value in zip(places, inner._values(w, leaves, {k: f"%{k}" for k in _TABLES}, {}), strict=True):
+        for place, value in zip(places, inner._values(w, leaves, {k: f"%{k}" for k in TABLES}, {}), strict=True):
             w.store(value, "%d", place)
-        args = ", ".join(f"ptr noalias %{k}" for k in _TABLES)
+        args = ", ".join(f"ptr noalias %{k}" for k in TABLES)
         head = f"define internal void @jac(double %t, ptr noalias %z, ptr noalias %d, {args}) #3 {{"
         return [head, *w.lines, "  ret void", "}"]
 
@@ -91,7 +90,7 @@ class ImplicitModule(_Module):
         self._emit(b, 0)
         with b.loop("clear", "0", str(n * n)) as i:
             b.put(f"store double 0.0, ptr {b.address('%M', i)}")
-        args = ", ".join(f"ptr %{k}" for k in _TABLES)
+        args = ", ".join(f"ptr %{k}" for k in TABLES)
         b.put(f"call void @jac(double %t, ptr %x, ptr %M, {args}) #3")
         minus = b.let(f"fmul double %h, {b.const(-GAMMA)}")
         plus = b.let(f"fneg double {minus}")
@@ -158,7 +157,7 @@ class ImplicitModule(_Module):
     def _rhs(self, b: "_Blocks", stage: int, t: str, z: str, d: str) -> None:
         """Append a call of the right-hand side at one stage's inputs."""
         staged = b.address("%staged", stage * len(self.layout.staged))
-        args = ", ".join(f"ptr {staged if k == 'staged' else f'%{k}'}" for k in _TABLES)
+        args = ", ".join(f"ptr {staged if k == 'staged' else f'%{k}'}" for k in TABLES)
         b.put(f"call void @rhs(double {t}, ptr {z}, ptr {d}, ptr %e, {args}) #3")
 
     def _emit(self, b: "_Blocks", stage: int) -> None:

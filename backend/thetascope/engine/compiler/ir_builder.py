@@ -10,6 +10,14 @@ LIBM = ("sin", "cos", "tan", "asin", "acos", "atan", "sinh", "cosh", "tanh", "ex
 _COMPARE = {"lt": "olt", "le": "ole"}
 
 
+_POINTERS = (
+    *("seg_steps", "seg_first", "seg_t", "seg_index", "seg_h", "held", "lane_held", "staged", "lane_staged"),
+    *("params", "lane_params", "state", "out", "emitted"),
+)
+SIGNATURE = f"i64 %segments, {', '.join(f'ptr noalias %{p}' for p in _POINTERS)}, i64 %every"
+"""Of a kernel's functions, as codegen.py describes it."""
+
+
 class Writer:
     """Writer of the instructions of one function. A method that computes a value returns the value's name."""
 
@@ -193,3 +201,30 @@ def declarations(w: Writer, scalar: bool) -> tuple[list[str], list[str]]:
         f"attributes #2 = {{ {wide} }}",
         f"attributes #3 = {{ noinline {wide} }}",
     ]
+
+
+def run_each(widths: dict[str, int]) -> list[str]:
+    """Return the lines of ``run_each``, which calls ``run`` for every segment with its part of each array.
+
+    ``widths``: float64 values a segment (per step, for those with steps) in held, staged, state and emitted.
+    """
+    w = Writer(1)
+    w.put("%any = icmp sgt i64 %segments, 0")
+    w.put("br i1 %any, label %each, label %done")
+    w.lines.append("each:")
+    w.put("%s = phi i64 [0, %entry], [%s1, %each]")
+    first = w.let("mul i64 %s, %every")
+    place = {}
+    for name in _POINTERS[:5]:
+        place[name] = w.address(f"%{name}", "%s", "i64")
+    for name, width in widths.items():
+        row = first if name in ("staged", "emitted") else "%s"
+        place[name] = w.address(f"%{name}", w.let(f"mul i64 {row}, {width}"))
+    args = ", ".join(f"ptr {place.get(p, f'%{p}')}" for p in _POINTERS)
+    w.put(f"call void @run(i64 1, {args}, i64 1) #3")
+    w.put("%s1 = add i64 %s, 1")
+    w.put("%more = icmp slt i64 %s1, %segments")
+    w.put("br i1 %more, label %each, label %done")
+    w.lines.append("done:")
+    w.put("ret void")
+    return [f"define void @run_each({SIGNATURE}) #2 {{", "entry:", *w.lines, "}"]

@@ -75,7 +75,7 @@ class Kernel:
         small = fits_inline(program, layout)
         generate = emit_implicit if layout.implicit else emit
         self._engine = load(key, lambda: generate(program, layout), small, quick=not small and not program.states)
-        self._run = _SIGNATURE(self._engine.get_function_address("run"))
+        self._run, self._run_each = (_SIGNATURE(self._engine.get_function_address(n)) for n in ("run", "run_each"))
 
     def __call__(
         self,
@@ -134,18 +134,13 @@ class Kernel:
 
         held, staged and emitted as for a call, for all segments together.
         """
-        arrays = (segments.steps, segments.first, segments.t, segments.index, segments.h, held, staged, states, emitted)
-        assert all(a.flags.c_contiguous for a in arrays), "addresses of rows are computed"
-        count, nothing = len(states), np.zeros(max(1, states.shape[1]))
-        places = [a.__array_interface__["data"][0] for a in arrays]
-        widths = [a.nbytes // count for a in arrays]
-        given, out = params.__array_interface__["data"][0], nothing.__array_interface__["data"][0]
-        run = self._run
-        for steps, due, t, index, h, own, table, state, emits in zip(
-            *(range(p, p + count * w, w) if w else [p] * count for p, w in zip(places, widths, strict=True)),
-            strict=True,
-        ):
-            run(1, steps, due, t, index, h, own, None, table, None, given, None, state, out, emits, 1)
+        if not len(states):
+            return
+        arrays = (segments.steps, segments.first, segments.t, segments.index, segments.h, held, None, staged, None)
+        arrays += (params, None, states, np.zeros(states.shape[1] or 1), emitted)
+        assert all(a is None or a.flags.c_contiguous for a in arrays), "the kernel computes addresses of rows"
+        places = [None if a is None else a.__array_interface__["data"][0] for a in arrays]
+        self._run_each(len(states), *places, int(segments.steps[0]))
 
 
 @lru_cache(maxsize=256)

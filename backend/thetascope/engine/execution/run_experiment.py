@@ -46,7 +46,7 @@ def run(
     seconds["simulate"] = time.perf_counter() - clock
     clock = time.perf_counter()
     result = gather(parts, seconds)
-    result = replace(result, costs=result.costs | alone(stages[0].experiment))
+    result = replace(result, costs=result.costs | alone(stages[0].experiment, parts))
     seconds["gather"] = time.perf_counter() - clock
     if inspect is not None:
         clock = time.perf_counter()
@@ -60,13 +60,18 @@ def spans_of(experiment: Experiment) -> Parts:
     return _spans([Stage(0, experiment)], _Callbacks(None, None))
 
 
-def alone(experiment: Experiment) -> dict[str, float]:
+def alone(experiment: Experiment, parts: Sequence[tuple[Experiment, Rows]] = ()) -> dict[str, float]:
     """Return the cost of the observer that shares the plant's kernel, measured in a separate kernel.
 
     Observers are compared on equal terms this way. It takes a few thousand steps and the compilation of that kernel;
-    very large observers are not measured.
+    very large observers and runs with implicit steps are not measured. ``parts``: the run, whose substeps it takes.
     """
-    simulation = Simulation(experiment, experiment.substeps or 1)
+    taken = [(len(rows.index), rows.accuracy) for _, rows in parts if rows.accuracy is not None]
+    if any(accuracy.implicit for _, accuracy in taken):
+        return {}
+    rows = sum(count for count, _ in taken)
+    mean = sum(count * accuracy.substeps for count, accuracy in taken) / rows if rows else 1
+    simulation = Simulation(experiment, experiment.substeps or round(mean))
     if not simulation.joined or len(experiment.estimators) < 2:
         return {}
     first = experiment.estimators[simulation.lockstep[0]]

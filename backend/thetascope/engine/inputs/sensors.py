@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from thetascope.engine.compiler import implicit_method
+from thetascope.engine.compiler.instructions import implicit_method
 from thetascope.engine.inputs import random_streams
 from thetascope.engine.inputs.coloured_noise import coloured_noise
 from thetascope.engine.inputs.input_tables import RUNGE_KUTTA

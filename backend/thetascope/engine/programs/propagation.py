@@ -6,7 +6,8 @@ import numpy as np
 
 from thetascope.engine.compiler.autodiff import derivatives
 from thetascope.engine.compiler.graph import Graph, evaluate, variables
-from thetascope.engine.compiler.system import Program
+from thetascope.engine.compiler.jit import Layout, Segments, kernel
+from thetascope.engine.compiler.system import DISCRETE, Program
 
 
 @lru_cache(maxsize=64)
@@ -59,10 +60,35 @@ def accumulate(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Return e (points, n) and s (points,) of e ← growth·e + added and s ← keep·s + add, one after another."""
     e, s = start
-    errors, recent = np.empty_like(added), np.empty(len(keep))
-    with np.errstate(over="ignore", invalid="ignore"):
-        for i in range(len(keep)):
-            e = growth[i] @ e + added[i]
-            s = keep[i] * s + add[i]
-            errors[i], recent[i] = e, s
-    return errors, recent
+    count, n = added.shape
+    if not count:
+        return np.empty_like(added), np.empty(0)
+    program = _accumulation(n)
+    table = np.concatenate([growth.reshape(count, n * n), added, keep[:, None], add[:, None]], axis=1)
+    state, out = np.append(e, s), np.empty((count, n + 1))
+    ones, start_at = np.ones(1, dtype=np.int64), np.zeros(1)
+    run = kernel(program, Layout(staged=program.inputs))
+    run(Segments(ones * count, ones, start_at, start_at, start_at), state, start_at, 1, out, staged=table)
+    return np.ascontiguousarray(out[:, :n]), np.ascontiguousarray(out[:, n])
+
+
+@lru_cache(maxsize=16)
+def _accumulation(n: int) -> Program:
+    """Return the recursions of `accumulate` for n states as a program in discrete time."""
+    graph = Graph()
+    states = (*(f"e.{i}" for i in range(n)), "s")
+    inputs = (
+        *(f"growth.{i}.{j}" for i in range(n) for j in range(n)),
+        *(f"added.{i}" for i in range(n)),
+        "keep",
+        "add",
+    )
+    node = {name: graph.var(name) for name in (*states, *inputs)}
+    update = []
+    for i in range(n):
+        total = node[f"added.{i}"]
+        for j in range(n):
+            total = graph.add(graph.mul(node[f"growth.{i}.{j}"], node[f"e.{j}"]), total)
+        update.append(total)
+    update.append(graph.add(graph.mul(node["keep"], node["s"]), node["add"]))
+    return Program("accumulation", DISCRETE, states, inputs, (), graph, tuple(update), {})

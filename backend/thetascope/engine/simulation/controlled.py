@@ -14,7 +14,7 @@ from thetascope.engine.model.result import TOLERANCE, Accuracy
 from thetascope.engine.simulation import step_control
 from thetascope.engine.simulation.error_budget import PLANT_SHARE, Budget, Judged, taken
 from thetascope.engine.simulation.experiment import Experiment, Rows, State
-from thetascope.engine.simulation.local_error import States, defects, solvable
+from thetascope.engine.simulation.local_error import States, defects, roughness, solvable
 from thetascope.engine.simulation.simulation import CHUNK, Simulation
 from thetascope.engine.simulation.state_scales import grown
 from thetascope.engine.simulation.step_control import Control, Steps
@@ -22,6 +22,7 @@ from thetascope.engine.simulation.step_control import Control, Steps
 _FIRST_SPAN = 2048  # base steps simulated at first
 _SHORT_SPAN = 2048  # substeps simulated after a change of substeps, at least 16 base steps
 _SUSPECT = 0.3  # of the error that a base step may add: a larger defect makes it a point
+_ROUGH = 12.0  # times that: the roughness, about h⁵·x⁗′, above which the defect is evaluated; the error is about 1/120
 _TOLERABLE = 100.0  # times the error that a base step may add: tolerated, where no steps reach it
 _OF_PART = 0.25  # of the error that a base step may add: what one part of it may
 
@@ -89,6 +90,8 @@ class Controlled:
         known = {n: v for n, v in control.sizes.items() if n in sizes and len(v) == len(sizes[n])}
         if len(control.plant) != len(self._budget.least):
             control = replace(control, plant=np.zeros(len(sizes[""])), plant_step=np.zeros(len(sizes[""])))
+        if control.largest.shape != self._budget.least.shape:
+            control = replace(control, largest=self._budget.least, recent=np.zeros((0, len(self._budget.least))))
         return replace(control, sizes=sizes | known)
 
     def _advance(self, state: State, count: int) -> tuple[State, Rows | None]:
@@ -108,7 +111,7 @@ class Controlled:
             points, ahead = self._seen(control, points, ahead, rows, after)
         if not len(points) or "" in control.lost:
             self._note(first, control)
-            control = self._budget.without_points(control, rows.index, rows.plant)
+            control = self._budget.without_points(control, rows.index, rows.plant).after(rows.plant)
             return replace(after, control=control), replace(self._recorded(rows), accuracy=taken(control))
         at = np.searchsorted(rows.index, points)
         plant = rows.plant if rows.loop is None else np.concatenate([rows.plant, rows.loop.states], axis=1)
@@ -121,7 +124,7 @@ class Controlled:
         if changed is None:
             self._note(first, control)
             self._span = min(4 * self._span, CHUNK)
-            return replace(after, control=control), replace(self._recorded(rows), accuracy=reached)
+            return replace(after, control=control.after(rows.plant)), replace(self._recorded(rows), accuracy=reached)
         work = control.substeps * (len(control.inner) + 1) * (8 if control.implicit else 1)
         self._span = max(16, _SHORT_SPAN // work)
         if points[changed] == first:
@@ -129,6 +132,7 @@ class Controlled:
         before = state.control
         assert before is not None
         self._note(first, before)
+        control = control.after(rows.plant[: int(at[changed])])
         after, rows = inner.advance(state, int(points[changed]) - first)
         return replace(after, control=control), replace(rows, accuracy=reached)
 
@@ -141,10 +145,11 @@ class Controlled:
     ) -> tuple[np.ndarray, np.ndarray]:
         """Add the base steps whose defect is large for their substeps to points and base steps to the next point."""
         states = np.vstack([rows.plant, after.plant[None]])
-        sizes = np.maximum(grown(control.sizes[""], states), 1e-300)
-        relative = defects(self.experiment, int(rows.index[0]), states) / (sizes[1:] * control.substeps**4)
-        large = ~(relative <= _SUSPECT * PLANT_SHARE * TOLERANCE).all(axis=1)
-        every = np.union1d(points, rows.index[large])
+        sizes = np.maximum(grown(control.largest, states), 1e-300)[1:] * control.substeps**4
+        limits = _SUSPECT * PLANT_SHARE * TOLERANCE * sizes
+        rough = np.flatnonzero(~(roughness(control.recent, states) <= _ROUGH * limits).all(axis=1))
+        large = ~(defects(self.experiment, rows.index[rough], states[rough], states[rough + 1]) <= limits[rough])
+        every = np.union1d(points, rows.index[rough[large.any(axis=1)]])
         gaps = np.ones(len(every), dtype=np.int64)
         gaps[np.searchsorted(every, points)] = ahead
         return every, gaps

@@ -32,6 +32,7 @@ _MOST_PROPAGATED = 12  # plant states up to which errors are propagated
 _LEAST_AMPLIFIED = 5.0
 _EXCEEDED = 2.0  # times the tolerance of observers: where other steps are chosen
 _MOST_AMPLIFIED = 1e4
+_SLOPES_EVERY = 8  # base steps, of explicit steps: where the Jacobian of a plant that is not linear is computed
 
 
 class Budget:
@@ -95,7 +96,14 @@ class Budget:
         """Return the control after a span without points."""
         if self.at_points or not self.propagated:
             return control
-        return replace(control, drift=_summed(self.slopes(index, plant), np.array([0, len(index)]), control.drift)[0])
+        slopes, index = self.slopes_along(control, index, plant)
+        return replace(control, drift=_summed(slopes, np.array([0, len(index)]), control.drift)[0])
+
+    def slopes_along(self, control: Control, index: np.ndarray, plant: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return h·∂f/∂x at some of the base steps of a span, times the base steps that each covers, and which."""
+        every = 1 if control.implicit else _SLOPES_EVERY
+        wanted = index % every == 0
+        return every * self.slopes(index[wanted], plant[wanted]), index[wanted]
 
 
 class Judged:
@@ -168,8 +176,9 @@ class Judged:
         if budget.at_points:
             slopes = budget.slopes(index, plant) * gaps[:, None, None]
         else:
-            bounds = np.concatenate([[0], self.points - index[0], [len(index)]])
-            slopes = _summed(budget.slopes(index, plant), bounds, self._before.drift)
+            slopes, index = budget.slopes_along(self._before, index, plant)
+            bounds = np.concatenate([[0], np.searchsorted(index, self.points), [len(index)]])
+            slopes = _summed(slopes, bounds, self._before.drift)
             slopes, self._drift = slopes[:-1], slopes[-1]
         return np.nan_to_num(exponentials(slopes))
 

@@ -12,8 +12,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from thetascope.engine.compiler import implicit_method
 from thetascope.engine.compiler.codegen_implicit import MOST_STATES
+from thetascope.engine.compiler.instructions import implicit_method
 from thetascope.engine.compiler.jit import NEVER, Segments
 from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables
 from thetascope.engine.inputs.signals import Signal
@@ -158,12 +158,8 @@ def _compressed(noise: Signal) -> Callable[[np.ndarray, np.ndarray], np.ndarray]
     return lambda t, anchor: noise.value(t / _COMPRESSION, anchor / _COMPRESSION)
 
 
-def defects(e: Experiment, first: int, states: np.ndarray) -> np.ndarray:
-    """Return the size of the local error of each base step from ``first`` on, roughly: shape (steps, n).
-
-    ``states``: the plant's states at the ends of all base steps (steps + 1, n).
-    """
-    k = np.arange(first, first + len(states) - 1)
+def defects(e: Experiment, k: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+    """Return roughly the local error of base steps ``k`` from the plant's states at both ends, in size (steps, n)."""
     varying = tuple(sorted(n for n, s in e.signals.items() if not s.held))
     program = defect_program(e.plant, varying)
     start, anchor = k * e.step, (k + 0.5) * e.step
@@ -173,9 +169,28 @@ def defects(e: Experiment, first: int, states: np.ndarray) -> np.ndarray:
             values[name] = signal(anchor, anchor) if signal.level is None else signal.level
             continue
         values |= {f"{prefix}{name}": signal(start + place * e.step, anchor) for prefix, place in PLACES.items()}
-    values |= {f"from.{s}": states[:-1, j] for j, s in enumerate(e.plant.states)}
-    values |= {f"to.{s}": states[1:, j] for j, s in enumerate(e.plant.states)}
+    values |= {f"from.{s}": begin[:, j] for j, s in enumerate(e.plant.states)}
+    values |= {f"to.{s}": end[:, j] for j, s in enumerate(e.plant.states)}
     return np.abs(probe(program, list(program.outputs), values).T)
+
+
+def roughness(before: np.ndarray, states: np.ndarray) -> np.ndarray:
+    """Return the size of the fifth differences of states, which end with each base step (steps, n): about h⁵·d⁵x/dt⁵.
+
+    They are infinite where fewer than four states are known before the base step.
+
+    Args:
+        before: states at the last base steps before the first one (at most four, n).
+        states: at the ends of all base steps (steps + 1, n).
+    """
+    known = np.vstack([before, states]) if len(before) else states
+    differences = np.full((len(states) - 1, states.shape[1]), np.inf)
+    with np.errstate(invalid="ignore", over="ignore"):
+        fifth = np.abs(np.diff(known, 5, axis=0))
+    count = min(len(fifth), len(differences))
+    if count:
+        differences[-count:] = fifth[-count:]
+    return differences
 
 
 def solvable(e: Experiment) -> bool:

@@ -15,8 +15,8 @@ from time import thread_time
 
 import numpy as np
 
-from thetascope.engine.compiler import implicit_method
 from thetascope.engine.compiler.graph import variables
+from thetascope.engine.compiler.instructions import implicit_method
 from thetascope.engine.compiler.jit import Layout, Segments, kernel
 from thetascope.engine.compiler.system import DISCRETE, Program, join
 from thetascope.engine.inputs.input_tables import RUNGE_KUTTA, Tables

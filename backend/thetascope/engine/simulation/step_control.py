@@ -18,9 +18,10 @@ _CALM = 8  # points in a row that need fewer substeps before there are fewer
 _PATIENCE = 4096  # most base steps before substeps that reach no tolerance are chosen anew
 _FEWER = 8  # substeps become fewer by this factor or more, because each change takes time
 _SAFETY = 1.2
+_RECENT = 4  # base steps whose states are kept
 OPENING = 64  # base steps with more points, at the beginning and after a command
 INTERVAL = 64  # base steps between points elsewhere, at least
-_AFTER_BREAK = np.array([0, 1, 2, 4, 8, 12, 16, 24, 32, 48])  # base steps after a discontinuity that are points
+_AFTER_BREAK = np.array([0, 1, 2, 4, 8, 16, 32])  # base steps after a discontinuity that are points
 LOOK_BACK = OPENING + 50  # base steps before a span whose discontinuities decide about its points
 _OPENING_POINTS = np.concatenate([np.arange(32), np.arange(32, OPENING + 1, 4)])
 _AFTER_CHOICE = np.array([1, 2, 3, 4, 6, 8, 11, 15, 20, 26])  # the same after a choice of several substeps
@@ -49,6 +50,8 @@ class Control:
         plant_step, observers_step: errors that the base step from that point adds, (n,) and relative.
         sizes: largest size so far of each state, by observer's label; "" is the plant.
         drift: sum of h·∂f/∂x over the base steps since that point (n, n), where the plant is not linear.
+        recent, largest: the plant's states at the last base steps, at most four (steps, n), and their largest sizes so
+            far (n,); for a plant that is not linear.
     """
 
     origin: int = 0
@@ -68,10 +71,22 @@ class Control:
     observers_step: float = 0.0
     sizes: Mapping[str, np.ndarray] = field(default_factory=dict)
     drift: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    recent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    largest: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
     def restarted(self, k: int) -> "Control":
         """Return the control from a command on, which may change how stiff the equations are."""
-        return replace(self.with_steps(k, 1, False, ()), origin=k, waits=0, patience=1, lost=frozenset())
+        started = self.with_steps(k, 1, False, ())
+        return replace(started, origin=k, waits=0, patience=1, lost=frozenset(), recent=self.recent[:0])
+
+    def after(self, states: np.ndarray) -> "Control":
+        """Return the control after base steps that begin at the plant's states (steps, n)."""
+        if len(states) == 0 or states.shape[1] != len(self.largest):
+            return self
+        sizes = np.where(np.isfinite(states), np.abs(states), 0.0).max(axis=0)
+        return replace(
+            self, recent=np.vstack([self.recent, states[-_RECENT:]])[-_RECENT:], largest=np.maximum(self.largest, sizes)
+        )
 
     @property
     def steps(self) -> "Steps":
