@@ -43,7 +43,7 @@ def _filter_along(name: str, count: int):
     prepared = prepare(library.resolve(experiment(name)))
     engine = prepared.stages[0].experiment
     detector = run_to_end(prepare_detector(engine, engine.context, detector_settings(prepared.spec), ""))
-    filter_, (now, rows) = detector.filter, next(iter(spans_of(engine, 1)))
+    filter_, (now, rows) = detector.filter, next(iter(spans_of(engine)))
     table = filter_.table(rows.index, rows.y, row_values(now, rows.index, rows.plant), now.signals)[:count]
     t, known = rows.index[:count] * engine.step, np.zeros(filter_.p)
     held = filter_.held(known, table)

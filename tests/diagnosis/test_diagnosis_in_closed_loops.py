@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from thetascope.engine.simulation.opened import opened
 
 from tests.engine.loops import experiment, level
 from tests.simulate import simulate
@@ -13,6 +12,7 @@ from thetascope.diagnosis.residuals.innovation_filter import InnovationFilter
 from thetascope.engine.errors import SpecError
 from thetascope.engine.execution.run_experiment import spans_of
 from thetascope.engine.observability.empirical_gramian import empirical
+from thetascope.engine.observability.opened import opened
 from thetascope.engine.simulation.simulation import row_values
 from thetascope_schemas.experiment.diagnosis import DiagnosisSettings
 
@@ -25,7 +25,7 @@ def test_innovations_are_white_in_a_closed_loop(period: float | None):
     """Without faults, the filter's innovations have variance one and no correlation from row to row."""
     engine = prepare(experiment(level(period), horizon=400, **CHANGES)).engine
     filter_ = InnovationFilter(engine, engine.context)
-    (_, rows), *_ = spans_of(engine, 1)
+    (_, rows), *_ = spans_of(engine)
     table = filter_.table(rows.index, rows.y, row_values(engine, rows.index, rows.plant, rows.loop), engine.signals)
     nu = filter_.run(filter_.start(), np.zeros(filter_.p), table, rows.index * engine.step).nu[500:, 0]
     assert 0.8 < nu.var() < 1.1
@@ -35,7 +35,7 @@ def test_innovations_are_white_in_a_closed_loop(period: float | None):
 def test_an_opened_loop_has_the_same_course():
     """The plant alone, with the applied input of a sampled controller, has the states of the closed loop."""
     closed = prepare(experiment(level(0.5), **CHANGES)).engine
-    one, two = (spans_of(e, 1)[0][1] for e in (closed, opened(closed)))
+    one, two = (spans_of(e)[0][1] for e in (closed, opened(closed)))
     assert opened(closed).loop is None
     np.testing.assert_allclose(one.plant, two.plant, rtol=1e-10)
 
@@ -53,7 +53,7 @@ def test_a_set_point_is_proposed():
     spec = experiment(level(0.5), inputs={}, **CHANGES)
     engine = prepare(spec).engine
     filter_ = InnovationFilter(engine, engine.context)
-    (state, *_) = [rows for _, rows in spans_of(engine, 1)]
+    (state, *_) = [rows for _, rows in spans_of(engine)]
     last = int(state.index[-1])
     proposal = propose(filter_, engine, state.plant[-1], last, 20.0, 0.05, loop=state.loop.states[-1])
     assert proposal.input == "r" and proposal.level > 2 * proposal.before

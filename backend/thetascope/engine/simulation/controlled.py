@@ -14,7 +14,7 @@ from thetascope.engine.model.result import TOLERANCE, Accuracy
 from thetascope.engine.simulation import step_control
 from thetascope.engine.simulation.error_budget import PLANT_SHARE, Budget, Judged, taken
 from thetascope.engine.simulation.experiment import Experiment, Rows, State
-from thetascope.engine.simulation.local_error import States, defects, roughness, solvable
+from thetascope.engine.simulation.local_error import SHORTEST_EVENT, States, defects, roughness, solvable
 from thetascope.engine.simulation.simulation import CHUNK, Simulation
 from thetascope.engine.simulation.state_scales import grown
 from thetascope.engine.simulation.step_control import Control, Steps
@@ -178,7 +178,7 @@ class Controlled:
         The accuracy is that of the points up to there.
         """
         errors = self._budget.errors(control, points, states, control.steps)
-        judged = Judged(self._budget, control, points, ahead, states, errors)
+        judged = Judged(self._budget, control, points, ahead, states, errors, control.steps)
         along = (points, states[""]) if self._budget.at_points else (rows.index, rows.plant)
         need, started = judged.accumulate(*along), control
         several = control.substeps > 1 or control.implicit
@@ -188,7 +188,7 @@ class Controlled:
                 continue
             here = {n: v[i : i + 1] for n, v in states.items()}
             if need[i] > 1:
-                control = self._more(judged.control_at(i, control), k, here)
+                control = self._more(judged.control_at(i, control), k, here, bool(judged.fired[i]))
             else:
                 control, fewer = step_control.calmed(control, k, float(judged.strict[i]))
                 if fewer:
@@ -197,9 +197,14 @@ class Controlled:
                 return i, judged.control_at(i, control), judged.reached(i)
         return None, judged.control_at(len(points), control), judged.reached(len(points))
 
-    def _more(self, control: Control, k: int, states: States) -> Control:
+    def _more(self, control: Control, k: int, states: States, fired: bool) -> Control:
         """Return the control with substeps that suffice at a point, or with the best ones, kept for a while."""
         steps, possible = control.steps, solvable(self.experiment)
+        if fired:
+            many = control.inner and k - control.chosen < step_control.FAR
+            inner = () if many else self._divided(control, k, {"": states[""]})
+            control = control.with_steps(k, step_control.PART_SUBSTEPS, possible, inner or ())
+            return control if inner else step_control.waiting(control, k)
         tried = {steps: self._strict(control, k, states, steps)}
         need = tried[steps]
         for steps in step_control.candidates(control, need, possible):
@@ -229,16 +234,28 @@ class Controlled:
         return frozenset(label for label, end in ends.items() if label and not np.isfinite(end).all())
 
     def _divided(self, control: Control, k: int, states: States) -> tuple[float, ...] | None:
-        """Return where to divide a base step so that every part is accurate, by halving.
+        """Return where to divide a base step so that every part is accurate: around events, else by halving.
 
-        None: it takes too many parts.
+        None: it takes too many parts, or too many events act in it.
         A part that is as short as possible is taken as it is: it contains a jump or a kink.
         """
         steps: Steps = (step_control.PART_SUBSTEPS, solvable(self.experiment), ())
-        ends, waiting = [], [(0.0, 1.0)]
+        ends, waiting, events = [], [(0.0, 1.0)], 0
         while waiting:
             a, b = waiting.pop()
+            if len(ends) + len(waiting) >= step_control.MOST_PARTS or events > step_control.MOST_EVENTS:
+                return None
+            if b - a <= SHORTEST_EVENT:
+                events += 1
+                ends.append(b)
+                states = self._budget.ends(k, states, steps, (a, b))
+                continue
             need, errors = self._budget.excess(control, k, states, steps, (a, b))
+            if errors.fired[0]:
+                low, high = self._budget.event_between(k, states, steps, (a, b))
+                if (low, high) != (a, b):
+                    waiting += [(c, d) for c, d in ((high, b), (low, high), (a, low)) if d > c]
+                    continue
             if need <= _OF_PART or b - a <= step_control.SHORTEST_PART:
                 if not np.isfinite(need):
                     return None
@@ -247,8 +264,6 @@ class Controlled:
             else:
                 middle = 0.5 * (a + b)
                 waiting += [(middle, b), (a, middle)]
-            if len(ends) + len(waiting) > step_control.MOST_PARTS:
-                return None
         return tuple(ends[:-1])
 
     def _fewer(self, control: Control, k: int, states: States) -> Control:
@@ -279,9 +294,13 @@ class Repeated:
             return
         state = first.initial()
         ends = [*(min(k, count) for k, _ in self._courses[1:]), count]
+        parts: list[Rows] = []
         for end, (substeps, implicit, inner) in zip(ends, (steps for _, steps in self._courses), strict=True):
             if end > state.k:
                 simulation = Simulation(experiment, substeps, implicit=implicit, inner=inner)
                 for after, rows in simulation.spans(end - state.k, state):
                     state = after
-                    yield rows
+                    parts.append(rows)
+                    if sum(len(p.index) for p in parts) * experiment.every >= CHUNK or state.k >= count:
+                        yield Rows.joined(parts)
+                        parts = []

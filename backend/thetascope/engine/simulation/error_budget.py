@@ -32,6 +32,8 @@ _MOST_PROPAGATED = 12  # plant states up to which errors are propagated
 _LEAST_AMPLIFIED = 5.0
 _EXCEEDED = 2.0  # times the tolerance of observers: where other steps are chosen
 _MOST_AMPLIFIED = 1e4
+_JUMP = 30.0  # ratio of errors at neighbouring points above which the error changed suddenly
+_STABLE = 2.5  # about the eigenvalue times the step up to which explicit steps are stable
 _SLOPES_EVERY = 8  # base steps, of explicit steps: where the Jacobian of a plant that is not linear is computed
 
 
@@ -42,7 +44,7 @@ class Budget:
         self.experiment, loop = experiment, experiment.loop
         program = experiment.plant if loop is None else loop.program
         self.propagated = len(program.states) <= _MOST_PROPAGATED
-        self.linear = is_linear(program)
+        self.linear = is_linear(program) and not program.after
         self.at_points = self.linear or loop is not None  # where the Jacobian is computed
         # controllers are judged by their effect on the plant
         controllers = np.full(0 if loop is None else len(loop.start), np.inf)
@@ -68,9 +70,9 @@ class Budget:
         moved = {n: v + NUDGE * scales[n] * _signs(v.shape[1]) if n else v for n, v in states.items()}
         return self._steppers.local_errors(points, moved, steps, part)
 
-    def ends(self, k: int, states: States, steps: Steps) -> States:
-        """Return the states after base step k."""
-        return self._steppers.local_errors(np.array([k]), states, steps).ends
+    def ends(self, k: int, states: States, steps: Steps, part: tuple[float, float] = (0.0, 1.0)) -> States:
+        """Return the states after base step k, or after a part of it."""
+        return self._steppers.ends(np.array([k]), states, steps, part)
 
     def excess(
         self, control: Control, k: int, states: States, steps: Steps, part: tuple[float, float] = (0.0, 1.0)
@@ -79,7 +81,12 @@ class Budget:
         at = np.array([k])
         errors = self.errors(control, at, states, steps, part)
         gap = np.array([step_control.interval(self.experiment.every)])
-        return float(Judged(self, control, at, gap, states, errors).strict[0]), errors
+        whole = steps if part == (0.0, 1.0) else None
+        return float(Judged(self, control, at, gap, states, errors, whole).strict[0]), errors
+
+    def event_between(self, k: int, states: States, steps: Steps, part: tuple[float, float]) -> tuple[float, float]:
+        """Return a short interval of a part of base step k in which an event of the plant acts."""
+        return self._steppers.event_between(k, states[""], steps[1], part)
 
     def slopes(self, index: np.ndarray, plant: np.ndarray) -> np.ndarray:
         """Return h·∂f/∂x at base steps, with the plant's states there: shape (base steps, n, n)."""
@@ -112,6 +119,7 @@ class Judged:
     Attributes:
         sizes: largest sizes so far (points, states), by label.
         strict: errors of the next base step, relative to the share that any step may add (points,).
+        fired: whether an event acts in the next base step, which is not divided there (points,).
     """
 
     def __init__(
@@ -122,13 +130,18 @@ class Judged:
         ahead: np.ndarray,
         states: States,
         errors: LocalErrors,
+        steps: Steps | None,
     ):
-        """Judge errors; ``ahead``: base steps from each point to the next (points,)."""
+        """Judge errors of base steps taken with ``steps``, or of a part of them (None).
+
+        ``ahead``: base steps from each point to the next (points,).
+        """
         self.points, self._ahead, self._budget, self._before = points, ahead, budget, control
         self.sizes, scales = budget.scales(control, states, errors.ends)
         self.scale = scales[""]
         parts = []
         with np.errstate(all="ignore"):
+            lost = ~(np.abs(states[""]) < DIVERGED * self.scale).all(axis=1)
             plant = _largest(np.abs(errors.plant) / self.scale, states[""], DIVERGED * self.scale)
             for label, known in budget.observers.items():
                 if label in states:
@@ -139,6 +152,17 @@ class Judged:
         left = np.maximum(OBSERVER_TOLERANCE - control.observers * keep, _LEAST_LEFT * OBSERVER_TOLERANCE)
         with np.errstate(over="ignore"):
             self.shares = observers * MEMORY * (1 - keep) / left, plant / (PLANT_SHARE * TOLERANCE)
+        if budget.at_points and steps is not None:
+            self._slopes = budget.slopes(points, states[""])
+            # a plant at rest shows no error of unstable steps, until something moves it between points
+            self.shares = (
+                self.shares[0],
+                np.maximum(self.shares[1], np.where(lost, 0.0, instability(self._slopes, steps))),
+            )
+        # two numbers of substeps say nothing of the error of an event: both may take the same substep across it
+        divided = steps is None or (np.array([k == control.chosen and bool(control.inner) for k in points]))
+        self.fired = errors.fired & ~divided
+        self.shares = self.shares[0], np.where(self.fired, np.inf, self.shares[1])
         self.strict = np.maximum(*self.shares)
         self.plant_step = np.where(np.isfinite(errors.plant), errors.plant, 0.0)
         self.observers_step = np.where(np.isfinite(observers), observers, 0.0)
@@ -150,8 +174,9 @@ class Judged:
         """
         control, budget = self._before, self._budget
         gaps = np.diff(self.points, prepend=control.at).astype(float)
-        steps = _between(np.vstack([control.plant_step[None], self.plant_step]), gaps[:, None])
-        recent = _between(np.concatenate([[control.observers_step], self.observers_step]), gaps)
+        self._allowed = PLANT_SHARE * TOLERANCE * self.scale, OBSERVER_TOLERANCE / MEMORY
+        steps = _between(np.vstack([control.plant_step[None], self.plant_step]), gaps[:, None], self._allowed[0])
+        recent = _between(np.concatenate([[control.observers_step], self.observers_step]), gaps, self._allowed[1])
         growth = self._growth(index, plant, gaps)
         keep = (1 - 1 / MEMORY) ** gaps
         self.plant, self.observers = accumulate((control.plant, control.observers), growth, steps, keep, recent)
@@ -174,7 +199,7 @@ class Judged:
         if not budget.propagated:
             return np.broadcast_to(np.eye(n), (len(gaps), n, n))
         if budget.at_points:
-            slopes = budget.slopes(index, plant) * gaps[:, None, None]
+            slopes = self._slopes * gaps[:, None, None]
         else:
             slopes, index = budget.slopes_along(self._before, index, plant)
             bounds = np.concatenate([[0], np.searchsorted(index, self.points), [len(index)]])
@@ -183,16 +208,23 @@ class Judged:
         return np.nan_to_num(exponentials(slopes))
 
     def control_at(self, i: int, control: Control) -> Control:
-        """Return the control with errors at point i and the sizes before it; after the last point, those there."""
+        """Return the control with errors at point i and the sizes before it; after the last point, those there.
+
+        Where the steps are changed at the point, the errors of those that are taken instead are within the tolerance.
+        """
         last = min(i, len(self.points) - 1)
+        plant_step, observers_step = self.plant_step[last], float(self.observers_step[last])
+        if control.steps != self._before.steps:
+            plant_step = np.clip(plant_step, -self._allowed[0][last], self._allowed[0][last])
+            observers_step = min(observers_step, self._allowed[1])
         sizes = dict(self._before.sizes) | ({n: s[i - 1] for n, s in self.sizes.items()} if i else {})
         return replace(
             control,
             at=int(self.points[last]),
             plant=self.plant[last],
             observers=float(self.observers[last]),
-            plant_step=self.plant_step[last],
-            observers_step=float(self.observers_step[last]),
+            plant_step=plant_step,
+            observers_step=observers_step,
             sizes=sizes,
             drift=self._drift if i > last else np.zeros_like(self._drift),
         )
@@ -214,12 +246,18 @@ def taken(control: Control) -> Accuracy:
     return Accuracy(substeps=control.substeps)
 
 
-def _between(errors: np.ndarray, gaps: np.ndarray) -> np.ndarray:
+def _between(errors: np.ndarray, gaps: np.ndarray, allowed: np.ndarray | float) -> np.ndarray:
     """Return the error that the base steps between neighbouring points add together, as if it changed exponentially.
 
-    ``errors``: of the base steps at the points (points + 1, …), ``gaps``: base steps between them (points, …).
+    A far larger error at the second point than at the first one began there, with a discontinuity or an event.
+
+    Args:
+        errors: of the base steps at the points (points + 1, …).
+        gaps: base steps between them (points, …).
+        allowed: error that any base step may add (points, …).
     """
     first, last = errors[:-1], np.abs(errors[1:])
+    last = np.minimum(last, np.maximum(_JUMP * np.abs(first), allowed))
     with np.errstate(all="ignore"):
         ratio = last / np.abs(first)
         mean = np.where(np.abs(ratio - 1) < 1e-3, 1.0, (ratio - 1) / np.log(ratio))
@@ -240,6 +278,23 @@ def _summed(slopes: np.ndarray, bounds: np.ndarray, before: np.ndarray) -> np.nd
         longer = np.flatnonzero(counts > offset)
         sums[longer] += slopes[starts[longer] + offset]
     return sums
+
+
+def instability(slopes: np.ndarray, steps: Steps) -> np.ndarray:
+    """Return by how much unstable steps exceed what is stable, as an error of order 4; 0 for stable ones (points,).
+
+    ``slopes``: h·∂f/∂x of base steps (points, n, n).
+    """
+    substeps, implicit, inner = steps
+    if implicit or inner or not slopes.shape[1]:
+        return np.zeros(len(slopes))
+    changed = np.concatenate([[True], (slopes[1:] != slopes[:-1]).any(axis=(1, 2))])
+    z = np.linalg.eigvals(slopes[changed]) / substeps
+    with np.errstate(over="ignore", invalid="ignore"):
+        grown_by = np.abs(1 + z * (1 + z / 2 * (1 + z / 3 * (1 + z / 4))))
+        unstable = ~(grown_by <= 1.001 * np.maximum(1.0, np.abs(np.exp(z))))
+        need = np.where(unstable, np.maximum(2.0, (np.abs(z) / _STABLE) ** 4), 0.0).max(axis=1)
+    return need[np.cumsum(changed) - 1]
 
 
 def _largest(relative: np.ndarray, states: np.ndarray, limits: np.ndarray) -> np.ndarray:

@@ -178,7 +178,8 @@ class Rows:
                 spent[name] = before[0] + seconds, before[1] + simulated
         passed = [p.passed for p in parts if p.passed is not None]
         loops = [p.loop for p in parts if p.loop is not None]
-        accuracy = reduce(Accuracy.with_part, (p.accuracy for p in parts if p.accuracy is not None))
+        known = [p.accuracy for p in parts if p.accuracy is not None]
+        accuracy = reduce(Accuracy.with_part, known) if known else None
         return cls(
             index=np.concatenate([p.index for p in parts]),
             plant=np.concatenate([p.plant for p in parts]),

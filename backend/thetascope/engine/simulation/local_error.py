@@ -27,6 +27,8 @@ from thetascope.engine.simulation.simulation import Simulation, joined, measured
 from thetascope.engine.simulation.step_control import Steps
 
 _COMPRESSION = 32.0  # of the time at which noise is drawn, which its values do not depend on
+SHORTEST_EVENT = 2.0**-24  # of a base step: the interval to which the time of an event is narrowed
+_TRIED = 256  # times at which an event is looked for
 _BEFORE_END = 1e-4  # of a step
 _ORDER = {False: 4, True: 5}  # by whether steps are implicit
 
@@ -38,12 +40,13 @@ States = dict[str, np.ndarray]
 class LocalErrors:
     """Errors that one base step adds: ``plant`` (points, n), signed; ``observers`` by label (points, states).
 
-    ``ends``: the states after the base step, by label; the plant's is "".
+    ``ends``: the states after the base step, by label; the plant's is "". ``fired``: whether an event acted (points,).
     """
 
     plant: np.ndarray
     observers: States
     ends: States
+    fired: np.ndarray
 
 
 class Steppers:
@@ -54,6 +57,9 @@ class Steppers:
         noises = (replace(s, value=_compressed(s)) for s in e.measurement.noises)
         self.signals = e.signals | {f"noise.{n}": s for n, s in zip(e.plant.outputs, noises, strict=True)}
         self.remember = remember
+        self._quiet: Steppers | None = None  # the same plant without events
+        if e.plant.after and e.loop is None:
+            self._quiet = Steppers(replace(e, plant=replace(e.plant, after=()), estimators=()))
         self._loop = None if e.loop is None else LoopRun(e.loop, e.measurement, e.signals, e.parameters, 1)
 
     def local_errors(
@@ -70,13 +76,56 @@ class Steppers:
         scale = 2.0 ** _ORDER[implicit] / (2.0 ** _ORDER[implicit] - 1)
         with np.errstate(all="ignore"):
             errors = {label: scale * (coarse[label] - fine[label]) for label in coarse}
-        return LocalErrors(errors.pop(""), errors, coarse)
+        return LocalErrors(errors.pop(""), errors, coarse, self._fired(points, states, steps, ends, coarse))
+
+    def ends(self, points: np.ndarray, states: States, steps: Steps, part: tuple[float, float]) -> States:
+        """Return the states after base steps that begin at ``points``, or after a part of them."""
+        substeps, implicit, inner = steps
+        return self._advance(points, states, substeps, implicit, (part[0], *inner, part[1]))
+
+    def _fired(
+        self, points: np.ndarray, states: States, steps: Steps, ends: tuple[float, ...], after: States
+    ) -> np.ndarray:
+        """Return whether events acted in base steps that led to the states ``after`` (points,)."""
+        if self._quiet is None:
+            return np.zeros(len(points), dtype=bool)
+        quiet = self._quiet._advance(points, {"": states[""]}, steps[0], steps[1], ends)[""]
+        return ((quiet != after[""]) & ~(np.isnan(quiet) & np.isnan(after[""]))).any(axis=1)
+
+    def event_between(
+        self, k: int, plant: np.ndarray, implicit: bool, part: tuple[float, float]
+    ) -> tuple[float, float]:
+        """Return a short interval of a part of base step k in which the first event acts, if one acts in the part.
+
+        Its length is SHORTEST_EVENT of the base step, or less. ``plant``: the states at the beginning of the part.
+        """
+        assert self._quiet is not None, "a plant without events has none to find"
+        low, high = part
+        while high - low > SHORTEST_EVENT:
+            tried = np.linspace(low, high, _TRIED + 1)[1:]
+            states = np.repeat(plant, len(tried), axis=0)
+            after, quiet = (s._stretched(k, states, implicit, part[0], tried) for s in (self, self._quiet))
+            fired = ((after != quiet) & ~(np.isnan(after) & np.isnan(quiet))).any(axis=1)
+            first = int(np.argmax(fired)) if fired.any() else len(tried) - 1
+            low, high = (float(tried[first - 1]) if first else low), float(tried[first])
+        return low, high
+
+    def _stretched(self, k: int, plant: np.ndarray, implicit: bool, begin: float, ends: np.ndarray) -> np.ndarray:
+        """Return the plant's states after one step from ``begin`` to each of ``ends``, as parts of base step k."""
+        count, h = len(ends), self.experiment.step
+        ones = np.ones(count, dtype=np.int64)
+        start = np.full(count, (k + begin) * h)
+        segments = Segments(ones, NEVER * ones, start, np.zeros(count), (ends - begin) * h)
+        tables = Tables(_PointGrid(segments, k, k + 1, h, 1, False, 1, 0), self.signals, _places(implicit))
+        states: States = {}
+        self._plant(tables, {"": plant}, states, implicit)
+        return states[""]
 
     def _advance(
         self, points: np.ndarray, states: States, substeps: int, implicit: bool, ends: tuple[float, ...]
     ) -> States:
         """Return the states after the parts between ``ends`` of each base step."""
-        places = implicit_method.C if implicit else RUNGE_KUTTA
+        places = _places(implicit)
         for a, b in pairwise(ends):
             grid = _grid(points, self.experiment.step, substeps, a, b)
             states = self._part(Tables(grid, self.signals, places), states, implicit)
@@ -134,6 +183,11 @@ class Steppers:
         picked = y[:, :, [names.index(n) for n in given]]
         call = plan(program, (), own.kinds, given, implicit=implicit)
         return _call(call, own, estimator.parameters, start, picked)[0]
+
+
+def _places(implicit: bool) -> tuple[float, ...]:
+    """Return the times of the stages, in steps."""
+    return implicit_method.C if implicit else RUNGE_KUTTA
 
 
 def _call(

@@ -12,6 +12,8 @@ import numpy as np
 
 MOST_SUBSTEPS = 64  # of explicit steps; more, and implicit steps are taken
 MOST_PARTS = 600  # of a base step that is divided unequally
+MOST_EVENTS = 8  # that are located in a base step
+FAR = 8  # base steps: events that follow one another more closely act at the ends of steps for a while
 SHORTEST_PART = 2.0**-18  # of a base step
 PART_SUBSTEPS = 2  # of each part
 _CALM = 8  # points in a row that need fewer substeps before there are fewer
