@@ -177,8 +177,8 @@ class _Healthy:
         y = self._of_outputs(outputs, dy, noise, x)
         largest = np.abs(self.x).max(axis=0, initial=0.0) if self.stable else self.base
         extents = np.maximum(np.maximum(x, largest), self.base)
-        sizes = [tuple(map(float, values)) for values in (x, y, extents)]
-        return Scales(*sizes, rate, self.span, self._amplification(extents))
+        of_x, of_y, of_extents = (tuple(map(float, values)) for values in (x, y, extents))
+        return Scales(of_x, of_y, of_extents, rate, self.span, self._amplification(extents))
 
     def _amplification(self, extents: np.ndarray) -> float:
         """Return the largest growth of a small change between two rows, relative to ``extents``; at least 1."""
