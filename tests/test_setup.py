@@ -89,21 +89,23 @@ def test_developers_get_the_tools_from_npm_as_locked(tmp_path, monkeypatch):
     python.symlink_to(sys.executable)
     commands: list[tuple[str, ...]] = []
 
-    def call(*command: str) -> None:
+    def start(*command: str) -> subprocess.Popen:
         commands.append(command)
         if "ci" in command:
             (tmp_path / "node_modules").mkdir(exist_ok=True)
             environment.PAGE_NOTE.write_text("{}")
+        return subprocess.Popen([sys.executable, "-c", ""])
 
-    monkeypatch.setattr(environment, "call", call)
+    monkeypatch.setattr(environment, "start", start)
+    monkeypatch.setattr(environment, "compile_tests", lambda: None)
     monkeypatch.setattr(environment, "create", lambda: ["pip"])
     environment.install("run")
     assert environment.installed("run")
     assert not [c for c in commands if "ci" in c]
 
     environment.install("dev")
-    assert commands[-1][:2] == (str(environment.NPM), "ci")
-    assert "--ignore-scripts" in commands[-1]
+    (npm,) = [c for c in commands if "ci" in c]
+    assert npm[0] == str(environment.NPM) and "--ignore-scripts" in npm
     assert environment.installed("dev")
     environment.PAGE_NOTE.unlink()
     assert not environment.installed("dev")
@@ -114,6 +116,20 @@ def test_developers_get_the_tools_from_npm_as_locked(tmp_path, monkeypatch):
     lock.write_text(lock.read_text().replace("sha512-", "sha512-0", 1))
     assert not environment.installed("dev")
     assert environment.installed("run")
+
+
+@pytest.mark.parametrize("program", ["pip", "npm"])
+def test_a_failed_installation_is_reported_and_not_recorded(program, tmp_path, monkeypatch, capsys):
+    """If pip or npm fails, the set-up names the command, and the next one starts again."""
+    python, note = checkout(tmp_path, monkeypatch)
+    python.symlink_to(sys.executable)
+    good, bad = script(tmp_path / "good", 0), script(tmp_path / "bad", 1)
+    monkeypatch.setattr(environment, "NPM", bad if program == "npm" else good)
+    monkeypatch.setattr(environment, "compile_tests", lambda: None)
+    monkeypatch.setattr(environment, "create", lambda: [bad if program == "pip" else good])
+    assert environment.main(["dev"]) == 1
+    assert f"this failed: {bad} {'ci' if program == 'npm' else 'install'}" in capsys.readouterr().err
+    assert not note.exists()
 
 
 def test_tools_from_npm_are_versions_with_hashes():

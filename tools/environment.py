@@ -66,14 +66,18 @@ def install(level: str) -> None:
     """Install the level, then record it and the levels that it includes."""
     pip = create()
     print(f"set-up: installing {LEVELS[level]} into .venv (once; a minute or so)", flush=True)
-    # Tests compile the modules that they import, once; compiling every module of every package would take almost as
-    # long as the rest of the installation. Users get compiled modules, also where Python may not write them later.
+    # Compiling every module of every package would take almost as long as the rest of the installation: for developers
+    # only those are compiled that tests import. Users get all, also where Python may not write them later.
     compiled = [] if level == "run" else ["--no-compile"]
     call(*pip, "install", *compiled, "--require-hashes", "--requirement", str(ROOT / LEVELS[level]))
-    call(*pip, "install", "--no-deps", "--no-build-isolation", "--editable", str(ROOT))
+    tools = None
     if level != "run":
         print("set-up: installing the tools of package-lock.json into node_modules", flush=True)
-        call(str(NPM), "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--loglevel", "error")
+        tools = start(str(NPM), "ci", "--no-audit", "--no-fund", "--ignore-scripts", "--loglevel", "error")
+    call(*pip, "install", "--no-deps", "--no-build-isolation", "--editable", str(ROOT))
+    if tools is not None:
+        compile_tests()
+        finish(tools)
     names = list(LEVELS)
     NOTE.write_text("\n".join(digest(name) for name in names[: names.index(level) + 1]) + "\n")
 
@@ -109,10 +113,27 @@ def has_pip(python: Path) -> bool:
     return subprocess.run([python, "-m", "pip", "--version"], capture_output=True, check=False).returncode == 0
 
 
+def compile_tests() -> None:
+    """Let pytest import all tests, so that the modules are compiled once and not by each of its workers."""
+    command = [str(PYTHON), "-m", "pytest", "--collect-only", "--quiet", "-p", "no:cacheprovider"]
+    environment = os.environ | {"PYTHONDONTWRITEBYTECODE": ""}
+    subprocess.run(command, cwd=ROOT, env=environment, stdout=subprocess.DEVNULL, check=False)  # an error shows later
+
+
 def call(*command: str) -> None:
     """Run a command with visible output. Raises SetupError if it fails."""
-    if subprocess.run(command, cwd=ROOT, check=False).returncode != 0:
-        raise SetupError(f"this failed: {' '.join(command)}\nIts message is above; `make clean` starts anew.")
+    finish(start(*command))
+
+
+def start(*command: str) -> subprocess.Popen:
+    """Start a command with visible output."""
+    return subprocess.Popen(command, cwd=ROOT)
+
+
+def finish(process: subprocess.Popen) -> None:
+    """Wait for a command. Raises SetupError if it fails."""
+    if process.wait() != 0:
+        raise SetupError(f"this failed: {' '.join(process.args)}\nIts message is above; `make clean` starts anew.")
 
 
 if __name__ == "__main__":
