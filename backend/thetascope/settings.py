@@ -44,12 +44,18 @@ class Settings:
     port: int = 8000
     #: Further names of this service, separated by commas; loopback names and addresses as numbers are always accepted.
     hosts: str = ""
-    #: Runs computed at the same time. Kernels leave Python's lock, so threads use several cores.
+    #: Runs of one client computed at the same time, each in a process. For short ones and for long ones, one more is
+    #: kept for other clients.
     workers: int = min(4, os.cpu_count() or 1)
-    #: Whether the library's experiments are prepared in the background after the first start (0: not).
+    #: Whether worker processes are started, and the library's experiments prepared, before they are needed (0: not).
     prepare: int = 1
-    #: Runs that may wait; one more is refused with 503.
+    #: Runs that may wait, and other computations of one client; one more is refused with 503.
     queue: int = 64
+    #: Limits of one computation in a worker process (checking a plant, compiling, opening a session): time from the
+    #: request on and processor time, and memory, which holds for runs, too. It is ended when it reaches one of them.
+    job_seconds: float = 20.0
+    job_cpu: float = 20.0
+    job_memory: int = 1024**3
     #: How long POST /api/runs waits for the result before it answers 202, and the most a client may ask for.
     wait: float = 2.0
     max_wait: float = 60.0

@@ -19,7 +19,10 @@ ROOT = Path(__file__).parents[2]
 def service(data: Path, **settings: object) -> Iterator[str]:
     """Start the service on a free port and return its address; settings as in backend/thetascope/settings.py."""
     environment = {name: value for name, value in os.environ.items() if not name.startswith("THETASCOPE_")}
-    environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in {"prepare": 0, **settings}.items()}
+    environment |= {
+        f"THETASCOPE_{name.upper()}": str(value)
+        for name, value in {"prepare": 0, "job_seconds": 60, **settings}.items()
+    }
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
     command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
     process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)

@@ -3,7 +3,7 @@
 import asyncio
 import json
 import struct
-from collections.abc import Coroutine
+from collections.abc import Callable, Coroutine
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import partial
@@ -104,6 +104,7 @@ class Stage:
             clock=lambda: self.now,
             background=self._background,
             workshop=self._background,
+            rehearse=self._rehearse,
             wake=self._wake,
             request_prefetch=self._feed,
             request_detection=self._watch,
@@ -130,6 +131,10 @@ class Stage:
 
     def _background(self, job: Job, then: Callback) -> None:
         then(*outcome(job))
+
+    def _rehearse(self, spec: object, command: object, client: str, then: Callback) -> Callable[[], None]:
+        then(None, None)
+        return lambda: None
 
     def _wake(self, room: Room, at: float) -> None:
         self.at = at

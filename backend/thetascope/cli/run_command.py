@@ -3,6 +3,7 @@
 import argparse
 import shlex
 import sys
+import time
 from concurrent.futures import ThreadPoolExecutor, wait
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from thetascope.runs.jobs.store_rows import record_of
 from thetascope.runs.jobs.worker import allow, completed
 from thetascope.runs.results.comparison_rows import compared
 from thetascope.runs.results.engine_version import engine_version
+from thetascope.runs.results.summary import summarise
 from thetascope.runs.run_report import report_html
 from thetascope.runs.specs.overrides import parse_assignment
 from thetascope.runs.specs.plant_files import read_experiment
@@ -68,8 +70,9 @@ def result_of(spec: Experiment, settings: Settings, store: RunStore | None, prog
     job = Job(complete.spec_hash(), spec)
     result = store and store.get_result(job.id, engine_version())
     if result is not None:
-        return completed(job.snapshot(), result, complete)
-    finished = completed(job.snapshot(), compute(job, complete, settings, progress), complete)
+        return completed(job, result, summarise(result, complete))
+    result = compute(job, complete, settings, progress)
+    finished = completed(job, result, summarise(result, complete))
     if store is not None:
         _keep(store, finished, say)
     return finished
@@ -80,9 +83,10 @@ def compute(job: Job, spec: ResolvedExperiment, settings: Settings, progress: Pr
 
     def work() -> Result:
         prepared = assembly.prepare(spec)
-        allow(spec, prepared.cost, settings)
-        job.begin(settings.max_seconds)
-        return prepared.run(job.report, job.stopped)
+        allow(spec, prepared.cost, settings.max_steps, settings.max_result)
+        job.begin()
+        until = time.monotonic() + settings.max_seconds
+        return prepared.run(job.report, lambda: job.cancelled or time.monotonic() > until)
 
     with ThreadPoolExecutor(1) as pool:
         future = pool.submit(work)

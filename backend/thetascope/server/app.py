@@ -42,6 +42,10 @@ Start with `GET /api/experiments`, then `POST /api/runs` with `{"experiment": "z
 problem document (RFC 9457) that names the field, the value and the remedy."""
 
 
+_WARM = 2
+"""Workers that wait for their first computation."""
+
+
 def create_app(settings: Settings | None = None) -> FastAPI:
     """Return the application. Its store is opened at startup and closed at shutdown. Raises SettingsError."""
     settings = settings or load()
@@ -49,7 +53,7 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     @asynccontextmanager
     async def lifespan(app: FastAPI) -> AsyncIterator[None]:
         app.state.services = Services.start(settings)
-        Thread(target=_warm, name="warm", daemon=True).start()
+        Thread(target=_warm, args=(app.state.services,), name="warm", daemon=True).start()
         yield
         app.state.services.live.stop()
         await run_in_threadpool(app.state.services.close)
@@ -73,9 +77,11 @@ def create_app(settings: Settings | None = None) -> FastAPI:
     return app
 
 
-def _warm() -> None:
+def _warm(services: Services) -> None:
     """Load the modules of the first run after the service has started, so that its user does not wait for them."""
     time.sleep(0.3)
+    if services.settings.prepare:
+        services.workers.warm(_WARM)
     import_module("thetascope.assembly")
     library.experiments()
 

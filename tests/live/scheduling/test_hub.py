@@ -10,6 +10,8 @@ from tests.runs.samples import spec
 from thetascope import library
 from thetascope.live.scheduling.hub import Hub, share
 from thetascope.live.session.session import Session
+from thetascope.runs.workers.limits import Limits
+from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
 from thetascope_schemas.service.session import ClientMessage
 
@@ -20,7 +22,7 @@ def test_sessions_on_the_same_experiment_do_not_know_of_each_other(tmp_path):
     """Each has the numbers of a session opened alone, and a command to one does not affect another."""
 
     async def scenario() -> None:
-        hub = Hub(Settings(data=tmp_path))
+        hub = Hub(Settings(data=tmp_path), Workers(1, Limits(20.0, 20.0, 1 << 30), 8))
         given = spec(record=0.01)
         try:
             one, two = [await hub.create(lambda: given, play=False) for _ in range(2)]
@@ -45,7 +47,7 @@ def test_sessions_that_are_opened_concurrently_are_all_opened(tmp_path):
     """Each of many concurrent requests gets a session of its own."""
 
     async def scenario() -> None:
-        hub = Hub(Settings(data=tmp_path))
+        hub = Hub(Settings(data=tmp_path), Workers(1, Limits(20.0, 20.0, 1 << 30), 8))
         try:
             rooms = await asyncio.gather(*(hub.create(lambda: spec(record=0.01), play=False) for _ in range(12)))
             assert len({room.id for room in rooms}) == len(hub) == 12

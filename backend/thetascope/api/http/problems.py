@@ -6,6 +6,7 @@ import re
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
 from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect
 from starlette.responses import Response
 
 from thetascope.api.http.language import language_of
@@ -13,6 +14,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.messages import Message, words
 from thetascope.runs.specs.problem_documents import problem, refused
 from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Refusal, Unknown, from_engine
+from thetascope.runs.workers.limits import Crashed, LimitReached
 from thetascope.store import StoreError
 from thetascope_schemas.service.field_error import field_errors
 from thetascope_schemas.service.run import Problem
@@ -64,6 +66,7 @@ def install(app: FastAPI) -> None:
         RequestValidationError: _parameters,
         HTTPException: _http,
         StoreError: _store,
+        ClientDisconnect: _gone,
         Exception: _unexpected,
     }.items():
         app.add_exception_handler(error, handler)
@@ -84,7 +87,8 @@ async def _body(request: Request, error: BodyProblem) -> Response:
 
 
 async def _refusal(request: Request, error: Refusal) -> Response:
-    status = {Unknown: 404, Busy: 503, NotReady: 409}.get(type(error), 409)
+    statuses = {Unknown: 404, Busy: 503, NotReady: 409, LimitReached: 422, Crashed: 500}
+    status = statuses.get(type(error), 409)
     document = problem(status, error.problem, error.remedy, language_of(request), request.url.path)
     return problem_response(document, {"Retry-After": "2"} if status == 503 else None)
 
@@ -122,6 +126,11 @@ def methods_of(request: Request) -> list[str]:
 async def _store(request: Request, error: StoreError) -> Response:
     log.error("%s", error)
     return problem_response(problem(503, error.problem, language=language_of(request)))
+
+
+async def _gone(request: Request, error: ClientDisconnect) -> Response:
+    """Return an answer that nobody reads: the client has closed the connection."""
+    return Response(status_code=499)
 
 
 async def _unexpected(request: Request, error: Exception) -> Response:

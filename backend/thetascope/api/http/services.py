@@ -7,15 +7,22 @@ from fastapi import Depends, Request
 
 from thetascope.live.scheduling.hub import Hub
 from thetascope.runs.jobs.manager import RunManager
+from thetascope.runs.workers.limits import Limits
+from thetascope.runs.workers.pool import Workers
+from thetascope.runs.workers.process import preload
 from thetascope.settings import Settings
 from thetascope.store import Database, RunStore
+
+PRELOADED = ("sympy", "thetascope.live.session.session", "thetascope.assembly.analyses.record_diagnosis")
+"""Modules that workers have imported when they start."""
 
 
 @dataclass(frozen=True)
 class Services:
-    """The settings, the run manager, the live sessions and the store's database of one application."""
+    """The settings, the workers, the run manager, the live sessions and the store's database of one application."""
 
     settings: Settings
+    workers: Workers
     runs: RunManager
     live: Hub
     database: Database
@@ -24,11 +31,16 @@ class Services:
     def start(cls, settings: Settings) -> "Services":
         """Open the store and start the manager. Raises StoreError."""
         database = Database(settings.database)
-        runs = RunManager(settings, RunStore(database, settings.store_limit))
-        return cls(settings, runs, Hub(settings), database)
+        preload(PRELOADED)
+        limits = Limits(settings.job_seconds, settings.job_cpu, settings.job_memory)
+        workers = Workers(settings.workers, limits, settings.queue)
+        runs = RunManager(settings, RunStore(database, settings.store_limit), workers)
+        return cls(settings, workers, runs, Hub(settings, workers), database)
 
     def close(self) -> None:
-        """Cancel the active runs, and close the run manager and the store."""
+        """End all computations, cancel the active runs, and close the run manager and the store."""
+        self.runs.cancel_all()
+        self.workers.close()
         self.runs.close()
         self.database.close()
 

@@ -1,11 +1,10 @@
 """/api/gains: the gains of observers, with defaults computed for the plant and its noise."""
 
-from typing import Any
-
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from thetascope.api.http.answers import json_response
+from thetascope.api.http.computed import computed
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
@@ -23,10 +22,8 @@ router = APIRouter(tags=["catalogue"])
 async def gains(request: Request, services: Use) -> Response:
     """Return every gain of every observer of an experiment, defaults filled in, with labels of rows and columns."""
 
-    def answer(data: Any) -> dict[str, Any]:
-        from thetascope.assembly.analyses.gains import present_gains  # imports SymPy, so the service starts without it
+    from thetascope.assembly.analyses.gains import present_gains  # imports SymPy, so the service starts without it
 
-        gains, labels = present_gains(resolved(validated(Experiment, data)))
-        return {"gains": gains, "labels": labels}
-
-    return json_response(await parsed(request, services.settings.max_body, answer))
+    spec = await parsed(request, services.settings.max_body, lambda data: resolved(validated(Experiment, data)))
+    gains, labels = await computed(request, services, present_gains, spec)
+    return json_response({"gains": gains, "labels": labels})

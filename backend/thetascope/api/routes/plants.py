@@ -1,12 +1,11 @@
 """/api/plants and /api/experiments: the library, and checking a plant."""
 
-from typing import Any
-
 from fastapi import APIRouter, Request
 from starlette.responses import Response
 
 from thetascope import library
 from thetascope.api.http.answers import json_response
+from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language, Prose
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
@@ -76,12 +75,10 @@ def get_plant(id: str, language: Prose) -> Response:
 async def check_plant(request: Request, services: Use, language: Language) -> Response:
     """Check a plant: return its equations and the matrices Φ and Ψ, or the error and its place."""
 
-    def check(data: Any) -> dict[str, Any]:
-        from thetascope.assembly import check_plant  # imports SymPy, so it is not imported at the start of the service
+    from thetascope.assembly import check_plant  # imports SymPy, so it is not imported at the start of the service
 
-        return check_plant(validated(Plant, data), language)
-
-    return json_response(await parsed(request, services.settings.max_body, check))
+    plant = await parsed(request, services.settings.max_body, lambda data: validated(Plant, data))
+    return json_response(await computed(request, services, check_plant, plant, language))
 
 
 @router.get("/experiments", response_model=ExperimentList, tags=["experiments"])

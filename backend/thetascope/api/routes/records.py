@@ -4,12 +4,12 @@ from typing import Any
 
 import numpy as np
 from fastapi import APIRouter, Request
-from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
+from thetascope.api.http.computed import computed
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
-from thetascope.api.http.read_body import body_schema, json_of, read_body
+from thetascope.api.http.read_body import body_schema, parsed
 from thetascope.api.http.services import Use
 from thetascope.engine.errors import SpecError
 from thetascope.live.wire.localize import encode
@@ -18,6 +18,7 @@ from thetascope.runs.specs.refusals import from_engine, invalid, validated
 from thetascope.runs.specs.resolve_spec import plant_of, resolved
 from thetascope_schemas.experiment.diagnosis import Observability, ObserverDiagnosis
 from thetascope_schemas.experiment.experiment import Experiment
+from thetascope_schemas.experiment.plant import Plant
 from thetascope_schemas.service.record import MOST_ROWS, Record
 
 router = APIRouter(tags=["diagnosis"])
@@ -34,8 +35,13 @@ async def diagnose_record(request: Request, services: Use, language: Language) -
 
     The noise is estimated from the record; thresholds are computed by simulating the plant with the recorded inputs.
     """
-    body = await read_body(request, services.settings.max_record)
-    diagnosis = await run_in_threadpool(lambda: _diagnosed(json_of(body)))
+    from thetascope.assembly.analyses.record_diagnosis import diagnose_columns  # imports the engine
+
+    record, plant, columns = await parsed(request, services.settings.max_record, _read)
+    try:
+        diagnosis = await computed(request, services, diagnose_columns, plant, columns, record.diagnosis, record.learn)
+    except SpecError as error:
+        raise from_engine(error) from None
     return Response(encode(diagnosis, language), media_type="application/json")
 
 
@@ -47,30 +53,19 @@ async def diagnose_record(request: Request, services: Use, language: Language) -
 )
 async def observe(request: Request, services: Use, language: Language) -> Response:
     """Return how well the outputs determine states and faults: structural rank; rank and condition along the run."""
-    body = await read_body(request, services.settings.max_body)
-    observability = await run_in_threadpool(lambda: _observed(json_of(body)))
-    return Response(encode(observability, language), media_type="application/json")
-
-
-def _observed(data: Any) -> Observability:
     from thetascope.assembly.analyses.observability_report import observability
 
-    spec = resolved(validated(Experiment, data))
+    spec = await parsed(request, services.settings.max_body, lambda data: resolved(validated(Experiment, data)))
     try:
-        return observability(spec)
+        report = await computed(request, services, observability, spec)
     except SpecError as error:
         raise from_engine(error, True) from None
+    return Response(encode(report, language), media_type="application/json")
 
 
-def _diagnosed(data: Any) -> ObserverDiagnosis:
-    from thetascope.assembly.analyses.record_diagnosis import diagnose_recording, recording  # imports the engine
-
+def _read(data: Any) -> tuple[Record, Plant, dict[str, np.ndarray]]:
     record = validated(Record, data)
-    plant = plant_of(record.plant)
-    try:
-        return diagnose_recording(plant, recording(plant, _columns(record)), record.diagnosis, record.learn)
-    except SpecError as error:
-        raise from_engine(error) from None
+    return record, plant_of(record.plant), _columns(record)
 
 
 def _columns(record: Record) -> dict[str, np.ndarray]:

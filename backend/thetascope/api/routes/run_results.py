@@ -5,11 +5,11 @@ from typing import Annotated, Literal
 from fastapi import APIRouter, Query, Request
 from starlette.responses import Response, StreamingResponse
 
-from thetascope.api.http import time_span
 from thetascope.api.http.answers import from_result, json_response, run_links
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.services import Use
+from thetascope.api.routes import time_span
 from thetascope.export import MEDIA_TYPES, Table, comparison_csv, csv_chunks, json_bytes, matlab_bytes, select
 from thetascope.messages import Message
 from thetascope.runs.jobs.job import Finished

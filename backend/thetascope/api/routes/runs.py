@@ -1,5 +1,6 @@
 """/api/runs: start runs, follow their progress, cancel, pin and remove them."""
 
+import asyncio
 from typing import Annotated
 
 from fastapi import APIRouter, Query, Request
@@ -7,6 +8,7 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response
 
 from thetascope.api.http.answers import ended, json_response, listed, progress_response, run_response
+from thetascope.api.http.computed import client_of, first_of
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented
 from thetascope.api.http.read_body import body_schema, parsed
@@ -44,13 +46,17 @@ async def create_run(request: Request, services: Use, language: Language, wait: 
     The run's id is the hash of the spec, so posting the same spec again returns the stored run.
     """
     settings = services.settings
-    started = await parsed(request, settings.max_body, lambda data: services.runs.submit(parse_request(data)))
+    client = client_of(request)
+    started = await parsed(request, settings.max_body, lambda data: services.runs.submit(parse_request(data), client))
     if isinstance(started, Snapshot):
         return run_response(started, language)
-    snapshot = await ended(started, settings.wait if wait is None else min(wait, settings.max_wait))
-    if snapshot is not None:
-        return run_response(snapshot, language, 201)
-    await run_in_threadpool(services.runs.announce, started)
+    try:
+        future = asyncio.wrap_future(started.done)
+        if await first_of(request, future, settings.wait if wait is None else min(wait, settings.max_wait)):
+            return run_response(future.result(), language, 201)
+        await run_in_threadpool(services.runs.announce, started)
+    finally:
+        await run_in_threadpool(services.runs.leave, started)
     return progress_response(started.snapshot(), language, 202)
 
 

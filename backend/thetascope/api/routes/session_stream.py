@@ -7,6 +7,7 @@ from contextlib import suppress
 from starlette.types import Receive, Scope, Send
 from starlette.websockets import WebSocket
 
+from thetascope.api.http.computed import client_of
 from thetascope.api.http.hosts import AllowedHosts
 from thetascope.api.http.language import language_of
 from thetascope.api.http.services import Services
@@ -66,7 +67,7 @@ async def _stream(websocket: WebSocket, send: Send) -> None:
 
     loop = asyncio.get_running_loop()
     language = ALL if websocket.query_params.get("lang") == ALL else language_of(websocket)
-    viewer = Viewer(send_text, send_samples, token is not None, loop, language)
+    viewer = Viewer(send_text, send_samples, token is not None, loop, language, client_of(websocket))
     await services.live.viewer_slot()
     try:
         room.join(viewer, _number(websocket.query_params.get("after")))

@@ -8,13 +8,14 @@ from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
 from starlette.routing import WebSocketRoute
 
-from thetascope.api.http import time_span
 from thetascope.api.http.answers import ended, json_response, progress_response, run_response
+from thetascope.api.http.computed import client_of, computed, while_connected
 from thetascope.api.http.language import Language
 from thetascope.api.http.problems import documented, problem_response
 from thetascope.api.http.read_body import body_schema, json_of, parsed, read_body
 from thetascope.api.http.services import Services, Use
 from thetascope.api.http.session_bodies import ForkRequest, SessionRequest
+from thetascope.api.routes import time_span
 from thetascope.api.routes.session_stream import Stream, matches
 from thetascope.engine.errors import Unwatchable
 from thetascope.export import MEDIA_TYPES, Table, csv_chunks, json_bytes, matlab_bytes
@@ -27,6 +28,7 @@ from thetascope.runs.jobs.job import Snapshot
 from thetascope.runs.specs.problem_documents import problem
 from thetascope.runs.specs.refusals import NotReady, Unknown, invalid, validated
 from thetascope_schemas.experiment.diagnosis import InputProposal
+from thetascope_schemas.experiment.experiment import ResolvedExperiment
 from thetascope_schemas.service.answers import SessionOpened, SessionState
 from thetascope_schemas.service.comparison import WindowComparison
 from thetascope_schemas.service.run import Problem, Progress, Run
@@ -55,8 +57,15 @@ def links(id: str) -> dict[str, str]:
 async def create_session(request: Request, services: Use, language: Language) -> Response:
     """Open a session. The token grants control; the address without it permits viewing only."""
     body = await parsed(request, services.settings.max_body, lambda data: validated(SessionRequest, data))
+
+    async def rehearse(spec: ResolvedExperiment) -> None:
+        from thetascope.live.scheduling.rehearsal import rehearse_opening  # imports SymPy
+
+        await computed(request, services, rehearse_opening, spec, services.settings.session_rows)
+
+    opening = services.live.create(body.resolved, body.t, body.play, body.speed, rehearse, client_of(request))
     try:
-        return _opened(await services.live.create(body.resolved, body.t, body.play, body.speed))
+        return _opened(await while_connected(request, opening))
     except TooManySessions:
         return _full(services, language)
 
@@ -122,7 +131,9 @@ async def fork_session(request: Request, id: str, services: Use, language: Langu
         **_FORBIDDEN,
     },
 )
-async def save_session(id: str, services: Use, language: Language, token: ControlToken = "") -> Response:
+async def save_session(
+    request: Request, id: str, services: Use, language: Language, token: ControlToken = ""
+) -> Response:
     """Save the session up to now as an ordinary run with exactly the same numbers."""
     room = _room(services, id)
     if not matches(token, room.token):
@@ -130,7 +141,7 @@ async def save_session(id: str, services: Use, language: Language, token: Contro
     if room.shown < 2:
         raise NotReady(Message("session.not-begun"))
     spec = room.spec()
-    started = await run_in_threadpool(services.runs.submit, spec)
+    started = await run_in_threadpool(services.runs.submit, spec, client_of(request))
     if isinstance(started, Snapshot):
         return run_response(started, language)
     snapshot = await ended(started, services.settings.wait)

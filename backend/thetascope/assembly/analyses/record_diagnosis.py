@@ -114,6 +114,13 @@ def _column(columns: Mapping[str, np.ndarray], names: tuple[str, ...], field: st
     return values
 
 
+def diagnose_columns(
+    plant: Plant, columns: Mapping[str, np.ndarray], settings: DiagnosisSettings, learn: float
+) -> ObserverDiagnosis:
+    """Return the diagnosis of a record's columns; see `recording` and `diagnose_recording`."""
+    return diagnose_recording(plant, recording(plant, columns), settings, learn)
+
+
 def diagnose_recording(
     plant: Plant, record: Recording, settings: DiagnosisSettings, learn: float = 0.0
 ) -> ObserverDiagnosis:

@@ -4,8 +4,13 @@ import contextlib
 import hashlib
 import os
 import tempfile
+import threading
 from functools import lru_cache
 from pathlib import Path
+from weakref import WeakValueDictionary
+
+_lock = threading.Lock()
+_locks: "WeakValueDictionary[str, threading.RLock]" = WeakValueDictionary()
 
 
 @lru_cache(maxsize=1)
@@ -13,6 +18,12 @@ def folder() -> Path:
     """Return the cache folder: THETASCOPE_CACHE, else `thetascope` in the user's cache folder."""
     named = os.environ.get("THETASCOPE_CACHE")
     return Path(named) if named else Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "thetascope"
+
+
+def lock(key: str) -> threading.RLock:
+    """Return the lock of a key, held while its value is made: others wait for that value, and for no other."""
+    with _lock:
+        return _locks.setdefault(key, threading.RLock())
 
 
 def read(kind: str, key: str) -> bytes | None:

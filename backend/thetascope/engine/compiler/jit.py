@@ -154,11 +154,14 @@ def load(key: str, text: Callable[[], str], optimised: bool = True, quick: bool 
 
     ``quick``: compile fast instead of to fast code; the code rounds in the same way.
     """
-    with _lock:
+    with cache.lock(key):
         code = cache.read("kernel", key)
         if code is None:
-            code = _object_code(text(), optimised, quick)
+            source = text()
+            with _lock:
+                code = _object_code(source, optimised, quick)
             cache.write("kernel", key, code)
+    with _lock:
         engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine_for_engine())
         engine.add_object_file(llvm.ObjectFileRef.from_data(code))
         engine.finalize_object()

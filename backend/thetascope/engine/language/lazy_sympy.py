@@ -21,7 +21,9 @@ else:
             self._name = name
 
         def __getattr__(self, attribute: str) -> object:
-            return getattr(importlib.import_module(self._name), attribute)
+            value = getattr(importlib.import_module(self._name), attribute)
+            setattr(self, attribute, value)  # the next access finds it without this function
+            return value
 
     sympy, functions = _Lazy("sympy"), _Lazy("thetascope.engine.language.sympy_functions")
     numerical = _Lazy("thetascope.engine.language.numerical_functions")

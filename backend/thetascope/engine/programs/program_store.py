@@ -21,7 +21,7 @@ from thetascope.messages import Message
 _PROSE = ("title", "description", "source", "unit", "typical", "scale")
 _CONTROL = ("references", "controllers")
 _memory: OrderedDict[str, "Written"] = OrderedDict()
-_lock = threading.RLock()
+_lock = threading.Lock()
 _KEPT = 256
 
 
@@ -123,19 +123,42 @@ def _written(inputs: list, write: Callable[[], Written]) -> Written:
     """Return the program determined by `inputs` (JSON values): from memory, else from disk, else from `write`."""
     text = json.dumps([inputs, cache.package_digest()], sort_keys=True, separators=(",", ":"))
     key = hashlib.sha256(text.encode()).hexdigest()
+    known = _known(key)
+    if known is not None:
+        return known
+    with cache.lock(key):
+        return _known(key) or _keep(key, _stored(key) or _write(key, write))
+
+
+def _known(key: str) -> Written | None:
+    """Return a program from memory."""
     with _lock:
         if key in _memory:
             _memory.move_to_end(key)
-            return _memory[key]
-        stored = cache.read("program", key)
-        if stored is not None:
-            data = json.loads(stored)
-            result = Written(Program.from_json(data["program"]), data["facts"])
-        else:
-            result = write()
-            body = {"program": result.program.to_json(), "facts": result.facts}
-            cache.write("program", key, json.dumps(body, separators=(",", ":")).encode())
+        return _memory.get(key)
+
+
+def _keep(key: str, result: Written) -> Written:
+    """Keep a program in memory, and return it."""
+    with _lock:
         _memory[key] = result
         while len(_memory) > _KEPT:
             _memory.popitem(last=False)
-        return result
+    return result
+
+
+def _stored(key: str) -> Written | None:
+    """Return a program from the disk cache."""
+    stored = cache.read("program", key)
+    if stored is None:
+        return None
+    data = json.loads(stored)
+    return Written(Program.from_json(data["program"]), data["facts"])
+
+
+def _write(key: str, write: Callable[[], Written]) -> Written:
+    """Return a new program, and store it in the disk cache."""
+    result = write()
+    body = {"program": result.program.to_json(), "facts": result.facts}
+    cache.write("program", key, json.dumps(body, separators=(",", ":")).encode())
+    return result

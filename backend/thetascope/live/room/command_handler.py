@@ -2,7 +2,7 @@
 
 import logging
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -11,10 +11,12 @@ from pydantic import ValidationError
 from thetascope.engine.errors import SpecError
 from thetascope.live.room.prefetch_plan import RowBatch, compute
 from thetascope.live.room.room_state import Transition
+from thetascope.live.session.edits import without_commands
 from thetascope.live.wire import messages
 from thetascope.live.wire.viewer import Viewer
 from thetascope.messages import Message
-from thetascope_schemas import ResolvedExperiment
+from thetascope.runs.specs.refusals import Refusal
+from thetascope_schemas.experiment.signals import ExpressionSignal
 from thetascope_schemas.service.session import (
     Ack,
     AddObserverNow,
@@ -24,10 +26,13 @@ from thetascope_schemas.service.session import (
     Pause,
     Play,
     Refused,
+    RemoveObserverNow,
     Reset,
     Seek,
     SessionCommand,
     SetGainNow,
+    SetSignalNow,
+    SetTruthNow,
     Spec,
     Speed,
     Step,
@@ -40,6 +45,8 @@ log = logging.getLogger(__name__)
 
 _LONG = (AddObserverNow, Reset, Seek)
 """Commands that may take longer than other sessions should wait: they are carried out in a thread."""
+_REHEARSED = (AddObserverNow, RemoveObserverNow, SetTruthNow)
+"""Commands that may bring equations, or other kernels: they are carried out in a worker process first."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +68,12 @@ class CommandHandler:
         self._room = room
         self._waiting: deque[tuple[Viewer, SessionCommand]] = deque()
         self._busy = False
+        self._rehearsal: tuple[Viewer, Callable[[], None]] | None = None
+
+    def left(self, viewer: Viewer) -> None:
+        """End what is computed for a viewer that has left."""
+        if self._rehearsal is not None and self._rehearsal[0] is viewer:
+            self._rehearsal[1]()
 
     def receive(self, viewer: Viewer, text: str | None, limit: int) -> None:
         """Handle a message of a viewer; the answer goes into its outbox.
@@ -115,14 +128,29 @@ class CommandHandler:
             return
         self._busy = True
         viewer, command = self._waiting.popleft()
-        added = [member for member in _members(command) if isinstance(member, AddObserverNow)]
-        if added:
-            # Compiling must not stop the session: it is done beside it, into the cache, where the session finds the
-            # kernel.
-            spec = self._room.session.spec
-            self._room.services.workshop(lambda: _compile(spec, added), lambda *_: self._submit(viewer, command))
+        if any(_is_rehearsed(member) for member in _members(command)):
+            self._rehearse(viewer, command)
         else:
             self._submit(viewer, command)
+
+    def _rehearse(self, viewer: Viewer, command: SessionCommand) -> None:
+        """Compile the kernels of a command beside the session, into the cache, where the session finds them.
+
+        A command whose equations take too much time or memory is refused.
+        """
+        session = self._room.session
+
+        def then(_: object, error: Exception | None) -> None:
+            self._rehearsal = None
+            if isinstance(error, Refusal):
+                self._busy = False
+                viewer.send(messages.refusal(command.id, error.problem))
+                self._next()
+            else:
+                self._submit(viewer, command)
+
+        here = without_commands(session.spec, session.t)
+        self._rehearsal = viewer, self._room.services.rehearse(here, command, viewer.client, then)
 
     def _submit(self, viewer: Viewer, command: SessionCommand) -> None:
         room = self._room
@@ -221,10 +249,8 @@ def _members(command: SessionCommand) -> Sequence[SessionCommand]:
     return command.commands if isinstance(command, Batch) else (command,)
 
 
-def _compile(spec: ResolvedExperiment, commands: Sequence[AddObserverNow]) -> None:
-    """Compile the kernels of observers into the cache. Errors are reported when the command is carried out."""
-    from thetascope.assembly import prepare
-
-    added = {command.observer.label: command.observer for command in commands}
-    observers = (*(o for o in spec.observers if o.label not in added), *added.values())
-    prepare(spec.model_copy(update={"observers": observers, "commands": ()})).run(None, lambda: True)
+def _is_rehearsed(command: SessionCommand) -> bool:
+    """Return whether a command is carried out in a worker process first; of signals, those with a text."""
+    if isinstance(command, SetSignalNow):
+        return isinstance(command.signal, ExpressionSignal)
+    return isinstance(command, _REHEARSED)

@@ -153,6 +153,7 @@ class Room:
         """Remove a viewer."""
         if viewer in self.broadcast.viewers:
             self.broadcast.viewers.remove(viewer)
+            self.commands.left(viewer)
             self.send_status()
         if not self.broadcast.viewers:
             self.empty_since = self.services.clock()

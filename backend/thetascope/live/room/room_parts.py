@@ -9,7 +9,9 @@ from thetascope.live.room.playback_clock import PlaybackClock
 from thetascope.live.room.prefetch_plan import PrefetchPlan, RowBatch
 from thetascope.live.room.room_state import RoomMachine
 from thetascope.live.room.serial_queue import Background, Callback, SerialQueue
+from thetascope_schemas import ResolvedExperiment
 from thetascope_schemas.experiment.diagnosis import ObserverDiagnosis
+from thetascope_schemas.service.session import SessionCommand
 
 if TYPE_CHECKING:
     from thetascope.live.room.broadcast import Broadcast
@@ -116,7 +118,9 @@ class RoomServices:
     Args:
         clock: returns the time, s.
         background: runs short jobs in a thread.
-        workshop: runs long jobs (compiling) in a thread.
+        workshop: runs long jobs in a thread.
+        rehearse: carries out a command of a client in a worker process, where its kernels are compiled; calls back with
+            the error, if it took too much time or memory, and returns a function that ends it.
         wake: schedules a room's tick at a time.
         request_prefetch: schedules a room's `prefetch_rows`, before all other rooms (True) or after them.
         request_detection: schedules testing a room's waiting rows for faults, in slices.
@@ -129,6 +133,7 @@ class RoomServices:
     clock: Callable[[], float]
     background: Background
     workshop: Background
+    rehearse: Callable[[ResolvedExperiment, SessionCommand, str, Callback], Callable[[], None]]
     wake: Callable[[ScheduledRoom, float], None]
     request_prefetch: Callable[[ScheduledRoom, bool], None]
     request_detection: Callable[[ScheduledRoom], None]

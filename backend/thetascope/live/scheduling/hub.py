@@ -6,18 +6,22 @@ import logging
 import secrets
 import sys
 from collections import OrderedDict
-from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Awaitable, Callable
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import suppress
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from thetascope.engine.errors import SpecError
 from thetascope.live.room.playback_clock import MinimumInterval, RateLimiter
 from thetascope.live.room.room_state import Transition
 from thetascope.live.room.serial_queue import Background, Callback, Job, outcome
+from thetascope.live.scheduling.fast_forward import FastForward
 from thetascope.messages import Message
+from thetascope.runs.specs.refusals import Busy
+from thetascope.runs.workers.pool import Workers
 from thetascope_schemas import ResolvedExperiment
-from thetascope_schemas.service.session import CLOSE_ENDED
+from thetascope_schemas.service.session import CLOSE_ENDED, SessionCommand
 
 if TYPE_CHECKING:
     from thetascope.live.room.room import Room
@@ -46,7 +50,8 @@ _OPENING, _JOINING = 0.012, 0.006
 leaves playing sessions the time they need."""
 _COLLECT = 900.0
 """Seconds between two full garbage collections, if sessions were opened."""
-_ROWS = 4096  # computed in one call on the way to a session's opening time
+_REHEARSED = 4096
+"""Experiments whose opening was rehearsed and is not rehearsed again."""
 
 
 class TooManySessions(Exception):
@@ -59,8 +64,8 @@ class Hub:
     The engine and SymPy are imported with the first session, so that the service starts quickly.
     """
 
-    def __init__(self, settings: "Settings") -> None:
-        self._settings = settings
+    def __init__(self, settings: "Settings", workers: Workers) -> None:
+        self._settings, self._workers = settings, workers
         self._rooms: dict[str, Room] = {}
         self._opening = 0
         self._threads = ThreadPoolExecutor(_THREADS, thread_name_prefix="live")
@@ -71,6 +76,8 @@ class Hub:
         self._sweep: asyncio.TimerHandle | None = None
         self._frozen, self._collected = False, 0.0
         self._templates: OrderedDict[str, Session] = OrderedDict()
+        self._rehearsed: OrderedDict[str, None] = OrderedDict()
+        self._forward = FastForward(settings.job_seconds)
         self._openings, self._joins = RateLimiter(_OPENING), RateLimiter(_JOINING)
 
     def __len__(self) -> int:
@@ -81,7 +88,13 @@ class Hub:
         return self._rooms.get(id)
 
     async def create(
-        self, read: Callable[[], ResolvedExperiment], t: float = 0.0, play: bool = True, speed: float | None = 1.0
+        self,
+        read: Callable[[], ResolvedExperiment],
+        t: float = 0.0,
+        play: bool = True,
+        speed: float | None = 1.0,
+        rehearse: Callable[[ResolvedExperiment], Awaitable[None]] | None = None,
+        client: str = "",
     ) -> "Room":
         """Open a session and return its room.
 
@@ -90,12 +103,25 @@ class Hub:
             t: time in s to advance to.
             play: whether time runs from the start.
             speed: simulated seconds per second; None: as fast as possible.
+            rehearse: opens such a session in a worker process first, where that takes no longer than it may.
+            client: whose turn it takes on the way to `t`.
 
         Raises:
             TooManySessions, SpecError.
         """
-        rows, past = self._settings.session_rows, self._past()
-        return await self._open(lambda: _advanced(self._template(read(), rows), rows, past, t), play, speed)
+        loop, limit = asyncio.get_running_loop(), self._settings.session_rows
+        with self._reserve():
+            await asyncio.sleep(self._openings.wait(loop.time()))
+            spec = await loop.run_in_executor(self._workshop, read)
+            key = spec.model_copy(update={"seed": 0}).model_dump_json()
+            if rehearse is not None and key not in self._rehearsed:
+                await rehearse(spec)
+                self._rehearsed[key] = None
+                while len(self._rehearsed) > _REHEARSED:
+                    self._rehearsed.popitem(last=False)
+            session = await loop.run_in_executor(self._workshop, lambda: self._template(spec, limit))
+            await self._forward.advance(session, _rows_until(session, t, limit), self._past(), client)
+        return self._add(session, play, speed, None)
 
     async def viewer_slot(self) -> None:
         """Return when the next viewer may join."""
@@ -120,17 +146,11 @@ class Hub:
         if self._scheduler is not None:
             self._scheduler.stop()
         self._rooms.clear()
+        self._forward.stop()
         for pool in (self._threads, self._workshop):
             pool.shutdown(wait=False, cancel_futures=True)
 
     # ------------------------------------------------------------------------------------------------------------------
-
-    async def _open(self, make: Callable[[], "Session"], play: bool, speed: float | None) -> "Room":
-        loop = asyncio.get_running_loop()
-        with self._reserve():
-            await asyncio.sleep(self._openings.wait(loop.time()))
-            session = await loop.run_in_executor(self._workshop, make)
-        return self._add(session, play, speed, None)
 
     def _template(self, spec: ResolvedExperiment, limit: int) -> "Session":
         """Return a session with its first row, copied from an earlier one on the same spec if there was one."""
@@ -186,6 +206,7 @@ class Hub:
             clock=loop.time,
             background=_in_pool(self._threads, loop),
             workshop=_in_pool(self._workshop, loop),
+            rehearse=self._rehearse,
             wake=self._scheduler.wake,
             request_prefetch=self._scheduler.request_prefetch,
             request_detection=self._scheduler.request_detection,
@@ -198,6 +219,23 @@ class Hub:
         self._collected = loop.time()
         self._sweep_rooms(loop)
         return self._room_services
+
+    def _rehearse(
+        self, spec: ResolvedExperiment, command: SessionCommand, client: str, then: Callback
+    ) -> Callable[[], None]:
+        """Carry out a command in a worker process, call back with None and the error, and return how to end it."""
+        from thetascope.live.scheduling.rehearsal import rehearse_command
+
+        loop = asyncio.get_running_loop()
+        try:
+            computation = self._workers.call(
+                rehearse_command, spec, command, self._settings.session_rows, client=client
+            )
+        except Busy as refusal:
+            loop.call_soon(then, None, refusal)
+            return _nothing
+        computation.result.add_done_callback(lambda done: _call_on(loop, partial(then, None, _error_of(done))))
+        return computation.leave
 
     def _sweep_rooms(self, loop: asyncio.AbstractEventLoop) -> None:
         """Close sessions without viewers that are idle for too long, and free their memory;
@@ -248,10 +286,8 @@ def share(past: int, sessions: int) -> int:
     return past * _TOGETHER // max(_TOGETHER, sessions)
 
 
-def _advanced(session: "Session", limit: int, past: int, t: float) -> "Session":
-    """Return the session advanced to time `t` in s. Raises SpecError if that is beyond `limit` rows."""
-    from thetascope.live.room.prefetch_plan import compute
-
+def _rows_until(session: "Session", t: float, limit: int) -> int:
+    """Return the rows of a session that is at time `t` in s. Raises SpecError if that is beyond `limit` rows."""
     rows = round(t / session.record) + 1
     if rows > limit:
         record = session.record
@@ -259,6 +295,20 @@ def _advanced(session: "Session", limit: int, past: int, t: float) -> "Session":
             "session.open.beyond-limit", limit=limit, duration=limit * record, latest=(limit - 1) * record
         )
         raise SpecError("t", t, problem)
-    while session.row < rows and not session.ended:
-        compute(session, min(_ROWS, rows - session.row), past)
-    return session
+    return rows
+
+
+def _call_on(loop: asyncio.AbstractEventLoop, then: Callable[[], Any]) -> None:
+    """Call back on the loop, unless it has ended."""
+    with suppress(RuntimeError):
+        loop.call_soon_threadsafe(then)
+
+
+def _error_of(done: "Future[Any]") -> Exception | None:
+    """Return the exception of a future that is done, or None."""
+    error = done.exception()
+    return error if isinstance(error, Exception) else None
+
+
+def _nothing() -> None:
+    """End nothing."""

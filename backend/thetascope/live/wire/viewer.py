@@ -32,6 +32,7 @@ class Viewer:
         control: whether the viewer may send commands.
         loop: the event loop.
         language: the language of the sentences it is sent.
+        client: whose turn its commands take.
     """
 
     def __init__(
@@ -41,8 +42,9 @@ class Viewer:
         control: bool,
         loop: asyncio.AbstractEventLoop,
         language: str = "en",
+        client: str = "",
     ) -> None:
-        self.control, self.language = control, language
+        self.control, self.language, self.client = control, language, client
         self.outbox = Outbox()
         self.closing: tuple[int, Message] | None = None
         self.closed = asyncio.Event()

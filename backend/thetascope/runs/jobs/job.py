@@ -1,6 +1,7 @@
 """A queued or active run: its status, its progress, and the future that its outcome resolves."""
 
 import time
+from collections.abc import Callable
 from concurrent.futures import Future
 from dataclasses import dataclass, field, replace
 from threading import Event
@@ -35,7 +36,7 @@ class Job:
     """A run that is queued or running.
 
     `done` resolves to the last snapshot; it does not raise when the run fails (the snapshot says so), only
-    InvalidSpec when the spec was refused before the run began.
+    InvalidSpec when the spec was refused before the run began. `holders` counts the requests that wait for it.
     """
 
     id: str
@@ -44,45 +45,45 @@ class Job:
     pinned: bool = False
     status: Status = "queued"
     progress: float = 0.0
-    deadline: float | None = None
+    client: str = ""
+    holders: int = 1
     announced: bool = False
     ending: bool = False
     done: "Future[Snapshot]" = field(default_factory=Future)
     _cancel: Event = field(default_factory=Event)
+    _end: Callable[[], None] | None = None
 
     def __post_init__(self) -> None:
-        self.done.set_running_or_notify_cancel()  # a disconnecting client must not cancel it
+        self.done.set_running_or_notify_cancel()  # it ends by `cancel`, not by cancelling the future
 
     def snapshot(self) -> Snapshot:
         """Return the present state of the run."""
         return Snapshot(self.id, self.spec, self.status, self.created, self.progress, pinned=self.pinned)
 
-    def begin(self, seconds: float) -> None:
-        """Mark the run as running, with a time limit in seconds."""
+    def begin(self) -> None:
+        """Mark the run as running."""
         self.status = "running"
-        self.deadline = time.monotonic() + seconds
 
     def report(self, progress: float) -> None:
-        """Record the share done; called by the kernel's loop."""
+        """Record the share done."""
         self.progress = min(max(progress, self.progress), 1.0)
 
     def cancel(self) -> None:
-        """Request the run to end; the kernel's loop and the worker check this."""
+        """End the run."""
         self._cancel.set()
+        if self._end is not None:
+            self._end()
+
+    def ends(self, end: Callable[[], None]) -> None:
+        """Name the function that ends the computation of the run."""
+        self._end = end
+        if self._cancel.is_set():
+            end()
 
     @property
     def cancelled(self) -> bool:
         """Return whether cancellation was requested."""
         return self._cancel.is_set()
-
-    @property
-    def late(self) -> bool:
-        """Return whether the run has used up its time."""
-        return self.deadline is not None and time.monotonic() > self.deadline
-
-    def stopped(self) -> bool:
-        """Return whether the kernel's loop must end early."""
-        return self._cancel.is_set() or self.late
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from thetascope.runs.results.engine_version import engine_version
 from thetascope.runs.specs.problem_documents import refused
 from thetascope.runs.specs.refusals import Busy, InvalidSpec, NotReady, Unknown
 from thetascope.runs.specs.resolve_spec import resolved
+from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
 from thetascope.store import Record, RunStore
 from thetascope_schemas.experiment.experiment import Experiment
@@ -22,22 +23,22 @@ class RunManager:
     """Starts runs and returns their status and results.
 
     A spec that was run before is answered from memory or from the store; one that is running now joins that run. Any
-    other is prepared and run in worker threads, and its result is written to the store in the background. A result that
-    is lost in a crash is recomputed from its spec.
+    other is prepared and run in a worker process, and its result is written to the store in the background. A result
+    that is lost in a crash is recomputed from its spec.
     """
 
-    def __init__(self, settings: Settings, store: RunStore) -> None:
+    def __init__(self, settings: Settings, store: RunStore, workers: Workers) -> None:
         self._room = settings.queue + settings.workers
         self._store = store
         self._memory = Memory(settings.memory)
         self._jobs: dict[str, Job] = {}
         self._lock = Lock()
         self._writer = Writer()
-        self._execution = Execution(settings, self._end)
+        self._execution = Execution(settings, workers, self._end)
         store.interrupted(INTERRUPTED.model_dump(mode="json"))
 
-    def submit(self, spec: Experiment) -> Snapshot | Job:
-        """Return the run of a spec: a snapshot if it has a result, else the job that computes it.
+    def submit(self, spec: Experiment, client: str = "") -> Snapshot | Job:
+        """Return the run of a spec for a client: a snapshot if it has a result, else the job that computes it.
 
         Raises:
             InvalidSpec: names that do not fit the plant, or more steps or numbers than the limits allow.
@@ -52,12 +53,26 @@ class RunManager:
         with self._lock:
             job = self._jobs.get(id)
             if job is not None:
+                job.holders += 1
                 return job
             if len(self._jobs) >= self._room:
                 raise Busy(Message("run.queue-full", n=len(self._jobs)))
-            job = self._jobs[id] = Job(id, spec, **kept)
+            job = self._jobs[id] = Job(id, spec, client=client, **kept)
+        try:
             self._execution.start(job, complete)
+        except Busy:
+            with self._lock:
+                del self._jobs[id]
+            raise
         return job
+
+    def leave(self, job: Job) -> None:
+        """Let a request wait no longer for a job. It is cancelled if nobody else waits, and nobody knows its id."""
+        with self._lock:
+            job.holders -= 1
+            unwanted = job.holders <= 0 and not job.announced
+        if unwanted:
+            self._cancel(job)
 
     def get(self, id: str) -> Snapshot:
         """Return the present state of the run. Raises :class:`Unknown`."""
@@ -114,9 +129,7 @@ class RunManager:
         """Request an active run to stop; a run that has ended stays unchanged. Raises :class:`Unknown`."""
         job = self._jobs.get(id)
         if job is not None:
-            job.cancel()
-            if job.status == "queued":
-                self._end(job, Ended(replace(job.snapshot(), status="cancelled")))
+            self._cancel(job)
         return self.get(id)
 
     def remove(self, id: str) -> None:
@@ -138,12 +151,19 @@ class RunManager:
         """Return the number of active runs, and the store's usage."""
         return {"active": len(self._jobs), **self._store.usage()}
 
-    def close(self) -> None:
-        """Cancel the active runs, write those that have ended, and stop the threads."""
+    def cancel_all(self) -> None:
+        """Cancel the active runs."""
         for job in list(self._jobs.values()):
-            job.cancel()
-        self._execution.close()
+            self._cancel(job)
+
+    def close(self) -> None:
+        """Write the runs that have ended. The workers are closed before."""
         self._writer.close()
+
+    def _cancel(self, job: Job) -> None:
+        job.cancel()
+        if job.status == "queued":
+            self._end(job, Ended(replace(job.snapshot(), status="cancelled")))
 
     def _known(self, id: str) -> Snapshot | None:
         """Return the run from memory or from the store."""

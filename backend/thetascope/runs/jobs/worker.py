@@ -1,39 +1,47 @@
-"""Process jobs in worker threads: prepare (check, compile), compare the cost with the limits, run."""
+"""Carry out jobs in worker processes: prepare (check, compile), compare the cost with the limits, run."""
 
 import logging
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
-from thetascope.engine.errors import Cancelled, SpecError
+from thetascope.engine.errors import SpecError
 from thetascope.engine.model.result import Result
 from thetascope.messages import Message
-from thetascope.runs.jobs.job import Ended, Finished, Job, Snapshot
+from thetascope.runs.jobs.job import Ended, Finished, Job
 from thetascope.runs.results.summary import summarise
 from thetascope.runs.specs.problem_documents import problem
-from thetascope.runs.specs.refusals import InvalidSpec, from_engine, invalid
+from thetascope.runs.specs.refusals import Busy, InvalidSpec, Refusal, from_engine, invalid
+from thetascope.runs.workers import limits
+from thetascope.runs.workers.child import Reporter
+from thetascope.runs.workers.limits import Limits
+from thetascope.runs.workers.pool import Workers
 from thetascope.settings import Settings
 from thetascope_schemas.experiment.experiment import ResolvedExperiment
+from thetascope_schemas.service.run import RunSummary
 
 if TYPE_CHECKING:
-    from thetascope.assembly import Cost, Prepared
+    from thetascope.assembly import Cost
 
 log = logging.getLogger(__name__)
 
-_PREPARERS = 2
+_LONG = 2_000_000
+"""Steps of a run that takes long on any plant."""
+_COPIES = 6
+"""How many times the bytes of its result a run may need at its end, when columns are gathered and diagnosed."""
 End = Callable[[Job, Ended | InvalidSpec], None]
 
 
-def allow(spec: ResolvedExperiment, cost: "Cost", settings: Settings) -> None:
+def allow(spec: ResolvedExperiment, cost: "Cost", max_steps: int, max_result: int) -> None:
     """Refuse a run with more steps or numbers than the settings allow. Raises InvalidSpec with the figures."""
-    if cost.steps > settings.max_steps:
+    if cost.steps > max_steps:
         raise invalid(
             "horizon",
             spec.horizon,
-            Message("run.steps.over-limit", steps=cost.steps, limit=settings.max_steps),
+            Message("run.steps.over-limit", steps=cost.steps, limit=max_steps),
         )
-    if cost.bytes > settings.max_result:
+    if cost.bytes > max_result:
         raise invalid(
             "record",
             spec.record,
@@ -42,77 +50,104 @@ def allow(spec: ResolvedExperiment, cost: "Cost", settings: Settings) -> None:
                 rows=cost.rows,
                 columns=cost.columns,
                 bytes=cost.bytes,
-                limit=settings.max_result,
+                limit=max_result,
             ),
         )
 
 
-class Execution:
-    """The worker threads. `end` is called once for each started job, with its outcome.
+def compute(
+    reporter: Reporter, spec: ResolvedExperiment, max_steps: int, max_result: int, running: Limits
+) -> tuple[Result, RunSummary]:
+    """Carry out a run in a worker; return the result and its summary.
 
-    Kernels run outside Python's lock, so the workers use several cores. Preparation has separate threads, so that a
-    wrong spec is refused immediately even while long runs occupy the workers.
+    The worker's limits hold until its kernels are compiled, `running` from then on.
+
+    Raises:
+        SpecError, InvalidSpec: the experiment is refused.
     """
+    from thetascope.assembly import prepare  # imports SymPy
 
-    def __init__(self, settings: Settings, end: End) -> None:
-        self._settings = settings
-        self._end = end
-        self._preparers = ThreadPoolExecutor(_PREPARERS, thread_name_prefix="prepare")
-        self._workers = ThreadPoolExecutor(max(1, settings.workers), thread_name_prefix="run")
+    prepared = prepare(spec)
+    allow(spec, prepared.cost, max_steps, max_result)
+    begun = False
+
+    def progress(share: float) -> None:
+        nonlocal begun
+        if not begun:
+            reporter.other_limits(running)
+        begun = True
+        reporter.progress(share)
+
+    result = prepared.run(progress)
+    return result, summarise(result, spec)
+
+
+class Execution:
+    """The runs in worker processes. `end` is called once for each started job, with its outcome."""
+
+    def __init__(self, settings: Settings, workers: Workers, end: End) -> None:
+        self._settings, self._workers, self._end = settings, workers, end
+        seconds = settings.max_seconds
+        self._running = Limits(seconds, seconds, settings.job_memory)
 
     def start(self, job: Job, spec: ResolvedExperiment) -> None:
-        """Queue a job; `spec` is its experiment, resolved."""
-        self._preparers.submit(self._guarded, job, lambda: self._prepare(job, spec))
+        """Queue a job; `spec` is its experiment, resolved. Raises Busy."""
+        settings = self._settings
+        computation = self._workers.submit(
+            compute,
+            spec,
+            settings.max_steps,
+            settings.max_result,
+            self._running,
+            client=job.client,
+            report=partial(self._reported, job),
+            long=spec.horizon / spec.step * (spec.substeps or 1) > _LONG,
+        )
+        job.ends(computation.cancel)
+        computation.result.add_done_callback(lambda done: self._ended(job, spec, done.exception() or done.result()))
 
-    def close(self) -> None:
-        """Wait for the threads; cancel the jobs first."""
-        self._preparers.shutdown(wait=True)
-        self._workers.shutdown(wait=True)
+    def _reported(self, job: Job, name: str, value: Any) -> None:
+        if name == "limits":
+            job.begin()
+        elif name == "progress":
+            job.report(value)
 
-    def _prepare(self, job: Job, spec: ResolvedExperiment) -> None:
-        if job.cancelled:
-            raise Cancelled
-        from thetascope.assembly import prepare  # imports SymPy, so it is not imported at the start of the service
+    def _ended(self, job: Job, spec: ResolvedExperiment, outcome: Any) -> None:
+        """Turn the outcome of the computation into that of the job."""
+        if isinstance(outcome, SpecError):
+            self._end(job, from_engine(outcome, in_plant=True))
+        elif isinstance(outcome, InvalidSpec):
+            self._end(job, outcome)
+        elif isinstance(outcome, limits.Ended) or isinstance(outcome, Busy) and job.cancelled:
+            self._end(job, Ended(replace(job.snapshot(), status="cancelled")))
+        elif isinstance(outcome, limits.LimitReached):
+            self._fail(job, self._limit(job, outcome), 422)
+        elif isinstance(outcome, Refusal):
+            self._fail(job, outcome.problem)
+        elif isinstance(outcome, BaseException):
+            log.error("Run %s failed", job.id, exc_info=outcome)
+            self._fail(job, Message("run.internal-error"))
+        else:
+            self._end(job, completed(job, *outcome))
 
-        prepared = prepare(spec)
-        allow(spec, prepared.cost, self._settings)
-        self._workers.submit(self._guarded, job, lambda: self._run(job, prepared))
+    def _fail(self, job: Job, why: Message, status: int = 500) -> None:
+        self._end(job, failed(job, why, status))
 
-    def _run(self, job: Job, prepared: "Prepared") -> None:
-        if job.cancelled:
-            raise Cancelled
-        job.begin(self._settings.max_seconds)
-        result = prepared.run(job.report, job.stopped)
-        self._end(job, completed(job.snapshot(), result, prepared.spec))
-
-    def _guarded(self, job: Job, stage: Callable[[], None]) -> None:
-        """Run a stage; any exception becomes the job's outcome, so that nobody waits forever."""
-        try:
-            stage()
-        except SpecError as error:
-            self._end(job, from_engine(error, in_plant=True))
-        except InvalidSpec as error:
-            self._end(job, error)
-        except Cancelled:
-            self._end(job, self._stopped(job))
-        except MemoryError:
-            self._end(job, failed(job, Message("run.no-memory")))
-        except Exception:
-            log.exception("Run %s failed", job.id)
-            self._end(job, failed(job, Message("run.internal-error")))
-
-    def _stopped(self, job: Job) -> Ended:
-        if job.cancelled:
-            return Ended(replace(job.snapshot(), status="cancelled"))
-        limit = self._settings.max_seconds
-        return failed(job, Message("run.too-slow", seconds=limit, share=job.progress))
+    def _limit(self, job: Job, reached: limits.LimitReached) -> Message:
+        """Return which limit a run reached: once it has begun, in the words of runs."""
+        code = reached.problem.code
+        if code == "work.memory-limit":
+            return Message("run.no-memory")
+        if job.status == "running":
+            return Message("run.too-slow", seconds=self._settings.max_seconds, share=job.progress)
+        return reached.problem
 
 
-def completed(snapshot: Snapshot, result: Result, spec: ResolvedExperiment) -> Finished:
+def completed(job: Job, result: Result, summary: RunSummary) -> Finished:
     """Return the outcome of a run that has a result."""
-    return Finished(replace(snapshot, status="done", progress=1.0, summary=summarise(result, spec)), result)
+    return Finished(replace(job.snapshot(), status="done", progress=1.0, summary=summary), result)
 
 
-def failed(job: Job, why: Message) -> Ended:
+def failed(job: Job, why: Message, status: int = 500) -> Ended:
     """Return the outcome of a run that has no result."""
-    return Ended(replace(job.snapshot(), status="failed", problem=problem(500, why)))
+    return Ended(replace(job.snapshot(), status="failed", problem=problem(status, why)))

@@ -1,0 +1,77 @@
+"""Advance new sessions to the time at which they open, a piece at a time.
+
+All of them share one thread, in which they take turns. So Python's lock is left to everybody else now and then, and a
+session that nobody waits for any more ends with its piece.
+"""
+
+import asyncio
+from collections import defaultdict
+from concurrent.futures import ThreadPoolExecutor
+from time import perf_counter
+from typing import TYPE_CHECKING
+
+from thetascope.engine.errors import SpecError
+from thetascope.messages import Message
+from thetascope.runs.specs.refusals import Busy
+
+if TYPE_CHECKING:
+    from thetascope.live.session.session import Session
+
+_PIECE = 0.05
+"""Seconds of one piece, about."""
+_FIRST, _MOST = 256, 4096
+"""Rows of the first piece, and of the largest."""
+
+
+class FastForward:
+    """The thread, and the turns in it: one session of a client at a time. Methods are called on the event loop.
+
+    Args:
+        seconds: time in s after which a session that is not at its time is given up.
+    """
+
+    def __init__(self, seconds: float) -> None:
+        self._seconds = seconds
+        self._thread = ThreadPoolExecutor(1, thread_name_prefix="forward")
+        self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        self._stopped = False
+
+    async def advance(self, session: "Session", rows: int, past: int, client: str) -> None:
+        """Advance a session to a number of rows; it keeps `past` bytes of samples.
+
+        Raises:
+            SpecError: it takes too long.
+            Busy: the service stops.
+        """
+        if session.row >= rows:
+            return
+        until = perf_counter() + self._seconds
+        async with self._turns[client]:
+            count = _FIRST
+            while session.row < rows and not session.ended:
+                if perf_counter() > until:
+                    record = session.record
+                    problem = Message("session.open.too-slow", seconds=self._seconds, reached=session.row * record)
+                    raise SpecError("t", (rows - 1) * record, problem)
+                count = await self._piece(session, min(count, rows - session.row), past)
+
+    def stop(self) -> None:
+        """End after the present piece."""
+        self._stopped = True
+        self._thread.shutdown(wait=False, cancel_futures=True)
+
+    async def _piece(self, session: "Session", rows: int, past: int) -> int:
+        """Advance by one piece; return the rows of the next one."""
+        from thetascope.live.room.prefetch_plan import compute
+
+        if self._stopped:
+            raise Busy(Message("work.stopping"))
+        seconds = await asyncio.get_running_loop().run_in_executor(self._thread, _timed, compute, session, rows, past)
+        return max(1, min(_MOST, 4 * rows, round(rows * _PIECE / max(seconds, 1e-6))))
+
+
+def _timed(compute, session: "Session", rows: int, past: int) -> float:
+    """Compute rows and return the seconds that it took."""
+    begin = perf_counter()
+    compute(session, rows, past)
+    return perf_counter() - begin

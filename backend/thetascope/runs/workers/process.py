@@ -1,0 +1,119 @@
+"""The service's side of one worker process: start it, hand it computations, read its answers, end it."""
+
+import multiprocessing
+import os
+import sys
+import time
+from collections.abc import Sequence
+from contextlib import contextmanager, suppress
+from threading import Lock
+from typing import Any
+
+from thetascope.engine.compiler import cache
+from thetascope.runs.workers.child import data_bytes, receive, serve
+
+_START = "forkserver" if sys.platform != "win32" else "spawn"
+_ALONE = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}
+"""Several workers share the processors, so none starts threads of its own. Read when NumPy is imported."""
+_GRACE = 1.0
+"""Seconds that a killed process may take to be gone."""
+_lock = Lock()  # processes are started and their exit codes are read by one thread at a time
+
+
+class Gone(Exception):
+    """The process has ended; `code` is its exit code, negative for a signal."""
+
+    def __init__(self, code: int | None) -> None:
+        super().__init__(code)
+        self.code = code
+
+
+def preload(modules: Sequence[str]) -> None:
+    """Name the modules that workers have imported when they start; before the first of them starts."""
+    if _START == "forkserver":
+        multiprocessing.get_context(_START).set_forkserver_preload(list(modules))
+
+
+class WorkerProcess:
+    """A worker process. Used by one thread at a time.
+
+    Args:
+        memory: bytes that its computations may take in addition to its own.
+    """
+
+    def __init__(self, memory: int) -> None:
+        context = multiprocessing.get_context(_START)
+        self._connection, other = context.Pipe()
+        environment = _ALONE | {"THETASCOPE_CACHE": str(cache.folder())}
+        self._process = context.Process(target=serve, args=(other, memory, environment), daemon=True)
+        with _lock, _environment(_ALONE):
+            self._process.start()
+        other.close()
+        self.nice = 0
+        self._idle_bytes = data_bytes(self._process.pid or 0)
+
+    @property
+    def grown(self) -> int:
+        """Return the bytes of data that the process has reserved since it started."""
+        return data_bytes(self._process.pid or 0) - self._idle_bytes
+
+    @property
+    def cpu(self) -> float:
+        """Return the seconds of processor time that the process has used; those of the clock where that is unknown."""
+        try:
+            with open(f"/proc/{self._process.pid}/stat") as file:
+                fields = file.read().rpartition(")")[2].split()
+            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        except (OSError, IndexError, ValueError):
+            return time.monotonic()
+
+    def begin(self, task: bytes, cpu: float) -> None:
+        """Hand over a computation. Raises Gone."""
+        try:
+            self._connection.send((task, cpu))
+        except OSError:
+            raise Gone(self._code()) from None
+
+    def receive(self, seconds: float) -> tuple[str, Any] | None:
+        """Return the next message of the worker; None if none comes in time. Raises Gone."""
+        try:
+            if not self._connection.poll(seconds):
+                return None
+            kind, *rest = self._connection.recv()
+            return receive(self._connection, *rest) if kind == "answer" else (kind, rest[0])
+        except (EOFError, OSError):
+            raise Gone(self._code()) from None
+
+    def give_way(self, nice: int) -> None:
+        """Lower the priority of the process to a nice value for the rest of its life."""
+        if nice > self.nice and hasattr(os, "setpriority") and self._process.pid is not None:
+            self.nice = nice
+            with suppress(OSError):
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, nice)
+
+    def end(self) -> None:
+        """End the process, whatever it computes."""
+        with suppress(OSError):
+            self._process.kill()
+        self._code()
+        self._connection.close()
+
+    def _code(self) -> int | None:
+        with _lock:
+            self._process.join(_GRACE)
+            return self._process.exitcode
+
+
+@contextmanager
+def _environment(values: dict[str, str]):
+    """Set variables for the processes that are started meanwhile."""
+    before = {name: os.environ.get(name) for name in values}
+    os.environ.update(values)
+    try:
+        yield
+    finally:
+        for name, value in before.items():
+            if value is None:
+                os.environ.pop(name, None)
+            else:
+                os.environ[name] = value
