@@ -16,24 +16,32 @@ ROOT = Path(__file__).parents[2]
 
 
 @contextmanager
-def service(data: Path, **settings: object) -> Iterator[str]:
-    """Start the service on a free port and return its address; settings as in backend/thetascope/settings.py."""
+def process(data: Path, **settings: object) -> Iterator[tuple[subprocess.Popen, str]]:
+    """Start the service on a free port; return its process and address. Settings as in backend/thetascope/settings.py.
+
+    Computations have more time than by default: the tests share the processors.
+    """
     environment = {name: value for name, value in os.environ.items() if not name.startswith("THETASCOPE_")}
-    environment |= {
-        f"THETASCOPE_{name.upper()}": str(value)
-        for name, value in {"prepare": 0, "job_seconds": 60, **settings}.items()
-    }
+    defaults = {"prepare": 0, "job_seconds": 60, "job_cpu": 60}
+    environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in {**defaults, **settings}.items()}
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
     command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
-    process = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
+    started = subprocess.Popen(command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True)
     try:
-        line = process.stdout.readline()
+        line = started.stdout.readline()
         assert "http://" in line, f"the service did not start: {line!r}"
-        yield line.split(" at ")[1].split("/ ")[0]
+        yield started, line.split(" at ")[1].split("/ ")[0]
     finally:
-        process.terminate()
-        process.wait(60)
-        process.stdout.close()
+        started.terminate()
+        started.wait(60)
+        started.stdout.close()
+
+
+@contextmanager
+def service(data: Path, **settings: object) -> Iterator[str]:
+    """Start the service on a free port and return its address."""
+    with process(data, **settings) as (_, started):
+        yield started
 
 
 @pytest.fixture(scope="session")

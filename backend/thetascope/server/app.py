@@ -42,6 +42,8 @@ Start with `GET /api/experiments`, then `POST /api/runs` with `{"experiment": "z
 problem document (RFC 9457) that names the field, the value and the remedy."""
 
 
+_PATIENCE = 3
+"""Seconds that open connections have at the end of the service."""
 _WARM = 2
 """Workers that wait for their first computation."""
 
@@ -55,7 +57,6 @@ def create_app(settings: Settings | None = None) -> FastAPI:
         app.state.services = Services.start(settings)
         Thread(target=_warm, args=(app.state.services,), name="warm", daemon=True).start()
         yield
-        app.state.services.live.stop()
         await run_in_threadpool(app.state.services.close)
 
     app = FastAPI(
@@ -93,7 +94,8 @@ def _api() -> APIRouter:
     def health(services: Use) -> Response:
         """Return whether the service and its store work, and the versions of program, schema and numbers."""
         versions = {"version": __version__, "schema": SCHEMA_VERSION, "engine": engine_version()}
-        return json_response({"status": "ok", **versions, "runs": services.runs.usage()})
+        usage = {"runs": services.runs.usage(), "workers": services.workers.usage()}
+        return json_response({"status": "ok", **versions, **usage})
 
     for part in (catalogue, plants, equations, gain_defaults, lessons, messages, records, runs, run_results, sessions):
         api.include_router(part.router)
@@ -109,8 +111,9 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
     import uvicorn
 
     Database(settings.database).close()
+    app = create_app(settings)
     config = uvicorn.Config(
-        create_app(settings),
+        app,
         host=settings.host,
         port=settings.port,
         log_level="warning",
@@ -118,7 +121,7 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
         ws="websockets-sansio",
         ws_per_message_deflate=False,
         ws_max_size=4 * settings.max_message,
-        timeout_graceful_shutdown=5,
+        timeout_graceful_shutdown=_PATIENCE,
     )
 
     class Server(uvicorn.Server):
@@ -128,6 +131,12 @@ def serve(settings: Settings, ready: Callable[[str], None] = lambda address: Non
                 port = self.servers[0].sockets[0].getsockname()[1]
                 host = "127.0.0.1" if settings.host in ("0.0.0.0", "::") else settings.host
                 ready(f"http://{host}:{port}/")
+
+        async def shutdown(self, sockets: list[socket] | None = None) -> None:
+            """End what is computed first, so that the requests that wait for it are answered."""
+            app.state.services.live.stop()
+            await run_in_threadpool(app.state.services.end_computations)
+            await super().shutdown(sockets)
 
     beside = prewarm.begin() if settings.prepare else None
     try:

@@ -37,10 +37,15 @@ class Services:
         runs = RunManager(settings, RunStore(database, settings.store_limit), workers)
         return cls(settings, workers, runs, Hub(settings, workers), database)
 
-    def close(self) -> None:
-        """End all computations, cancel the active runs, and close the run manager and the store."""
+    def end_computations(self) -> None:
+        """Cancel the active runs, and end all other computations and their processes."""
         self.runs.cancel_all()
         self.workers.close()
+
+    def close(self) -> None:
+        """End all sessions and computations, and close the run manager and the store."""
+        self.live.stop()
+        self.end_computations()
         self.runs.close()
         self.database.close()
 

@@ -27,7 +27,7 @@ class FastForward:
     """The thread, and the turns in it: one session of a client at a time. Methods are called on the event loop.
 
     Args:
-        seconds: time in s after which a session that is not at its time is given up.
+        seconds: the time in s that opening a session may take, for its refusal.
     """
 
     def __init__(self, seconds: float) -> None:
@@ -36,8 +36,8 @@ class FastForward:
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
         self._stopped = False
 
-    async def advance(self, session: "Session", rows: int, past: int, client: str) -> None:
-        """Advance a session to a number of rows; it keeps `past` bytes of samples.
+    async def advance(self, session: "Session", rows: int, past: int, client: str, until: float) -> None:
+        """Advance a session to a number of rows; it keeps `past` bytes of samples, and is given up at time `until`.
 
         Raises:
             SpecError: it takes too long.
@@ -45,15 +45,17 @@ class FastForward:
         """
         if session.row >= rows:
             return
-        until = perf_counter() + self._seconds
-        async with self._turns[client]:
-            count = _FIRST
+        clock, count = asyncio.get_running_loop().time, _FIRST
+        turn = self._turns[client]
+        async with turn:
             while session.row < rows and not session.ended:
-                if perf_counter() > until:
+                if clock() > until:
                     record = session.record
                     problem = Message("session.open.too-slow", seconds=self._seconds, reached=session.row * record)
                     raise SpecError("t", (rows - 1) * record, problem)
                 count = await self._piece(session, min(count, rows - session.row), past)
+        if not turn.locked():
+            self._turns.pop(client, None)
 
     def stop(self) -> None:
         """End after the present piece."""

@@ -110,6 +110,7 @@ class Hub:
             TooManySessions, SpecError.
         """
         loop, limit = asyncio.get_running_loop(), self._settings.session_rows
+        until = loop.time() + self._settings.job_seconds
         with self._reserve():
             await asyncio.sleep(self._openings.wait(loop.time()))
             spec = await loop.run_in_executor(self._workshop, read)
@@ -120,7 +121,7 @@ class Hub:
                 while len(self._rehearsed) > _REHEARSED:
                     self._rehearsed.popitem(last=False)
             session = await loop.run_in_executor(self._workshop, lambda: self._template(spec, limit))
-            await self._forward.advance(session, _rows_until(session, t, limit), self._past(), client)
+            await self._forward.advance(session, _rows_until(session, t, limit), self._past(), client, until)
         return self._add(session, play, speed, None)
 
     async def viewer_slot(self) -> None:

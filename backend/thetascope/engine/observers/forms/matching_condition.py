@@ -19,6 +19,7 @@ import scipy.linalg
 from thetascope.engine.errors import SpecError
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
+from thetascope.engine.observers.forms.sizes import cancels
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -61,8 +62,9 @@ def direction(model: Model, channels: Sequence[str]) -> tuple[list[Expr] | None,
 def _ratio(a: Expr, b: Expr) -> Expr:
     if a == 0 or a == b:
         return sympy.S.Zero if a == 0 else sympy.S.One
-    ratio = sympy.cancel(a / b)
-    return sympy.simplify(ratio) if ratio.count_ops() < 60 else ratio  # simplify is slow on long expressions
+    ratio = sympy.cancel(a / b) if cancels(a / b) else a / b
+    short = ratio.count_ops() < 60 and cancels(ratio)
+    return sympy.simplify(ratio) if short else ratio  # simplify is slow on long expressions
 
 
 def find_P(K: Sequence[float] | np.ndarray, d: Sequence[float] | np.ndarray) -> np.ndarray | None:

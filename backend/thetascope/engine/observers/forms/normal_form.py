@@ -23,6 +23,7 @@ from thetascope.engine.language.derivatives import derivative, jacobian
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model, clock
 from thetascope.engine.observers.forms.observable_form import rank_at, sample, tidy
+from thetascope.engine.observers.forms.sizes import TooLarge, check_jacobian, lie_derivative
 from thetascope.engine.observers.forms.state_inversion import NoInverse, invert
 from thetascope.engine.observers.support.matrices import Matrix, matrix
 from thetascope.messages import Message
@@ -116,7 +117,10 @@ def _cached(key: _Key) -> NormalForm:
     model = key.model
     if model.time != "continuous":
         raise _refused(model, Message("observer.reason.discrete"))
-    chains = [_chain(model, i) for i in range(model.m)]
+    try:
+        chains = [_chain(model, i) for i in range(model.m)]
+    except TooLarge as why:
+        raise _refused(model, why.message) from None
     blocks = tuple(len(chain) - 1 for chain in chains)
     if sum(blocks) != model.n:
         raise _refused(model, Message("observer.reason.degree", degrees=blocks, total=sum(blocks), states=model.n))
@@ -145,7 +149,8 @@ def _chain(model: Model, i: int) -> list[Expr]:
     if chain[0].free_symbols & outside:
         raise _refused(model, Message("observer.reason.direct", output=model.outputs[i]))
     while True:
-        following = tidy(derivative(chain[-1], clock()) + (jacobian(chain[-1:], model.x) * f)[0])  # (3)
+        following = tidy(derivative(chain[-1], clock()) + lie_derivative(chain[-1], model.x, f))  # (3)
+        check_jacobian([*chain, following], model.x)
         stop = following.free_symbols & outside or not _is_new(model, chain, following)
         chain.append(following)
         if stop:

@@ -18,10 +18,11 @@ from thetascope.engine.errors import SpecError
 from thetascope.engine.language.derivatives import jacobian
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
+from thetascope.engine.observers.forms.sizes import TooLarge, cancels, check_jacobian, expanded, lie_derivative
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
-    from sympy import ImmutableMatrix, Matrix
+    from sympy import Expr, ImmutableMatrix, Matrix
 
 _BALANCINGS = 20  # of rows and columns, before the rank of a matrix is taken
 _RANK = 1e-9  # singular values below it count as zero, with entries of size one
@@ -45,12 +46,12 @@ def canonical_form(model: Model) -> CanonicalForm:
         raise _refused(model, Message("observer.reason.discrete"))
     x = sympy.Matrix(model.x)
     f = model.f.xreplace(model.expansion)
-    if _is_chain(model, f):
-        return CanonicalForm(sympy.ImmutableMatrix(x), sympy.ImmutableMatrix(sympy.eye(model.n)), True, True)
-    drift = f.subs({u: 0 for u in model.u})
-    lie = [model.h.xreplace(model.expansion)[0]]
-    for _ in range(model.n - 1):
-        lie.append(tidy((jacobian(lie[-1:], model.x) * drift)[0]))
+    try:
+        if _is_chain(model, f):
+            return CanonicalForm(sympy.ImmutableMatrix(x), sympy.ImmutableMatrix(sympy.eye(model.n)), True, True)
+        lie = _map(model, f.subs({u: 0 for u in model.u}))
+    except TooLarge as why:
+        raise _refused(model, why.message) from None
     map_ = sympy.Matrix(lie)
     outside = map_.free_symbols - set(model.x) - set(model.parameters)
     if outside:
@@ -69,11 +70,20 @@ def canonical_form(model: Model) -> CanonicalForm:
     )
 
 
+def _map(model: Model, drift: Matrix) -> list[Expr]:
+    """Return T: the output and its Lie derivatives along the drift. Raises TooLarge, also for ∂T/∂x."""
+    lie = [model.h.xreplace(model.expansion)[0]]
+    for _ in range(model.n - 1):
+        lie.append(tidy(lie_derivative(lie[-1], model.x, drift)))
+    check_jacobian(lie, model.x)
+    return lie
+
+
 def _is_chain(model: Model, f: Matrix) -> bool:
     """Return whether the plant is written in the form (3)–(5): y = x1, x_i' = x_{i+1} + f_i(x1…xi, u, φ, t)."""
     if model.h.xreplace(model.expansion)[0] != model.x[0]:
         return False
-    rest = [sympy.expand(f[i] - model.x[i + 1]) for i in range(model.n - 1)]
+    rest = [expanded(f[i] - model.x[i + 1]) for i in range(model.n - 1)]
     return not any(e.free_symbols & set(model.x[i + 1 :]) for i, e in enumerate(rest))
 
 
@@ -81,9 +91,9 @@ def _refused(model: Model, why: Message) -> SpecError:
     return SpecError("observers.kind", model.id, Message("observer.canonical-form.none", why=why))
 
 
-def tidy(e: sympy.Expr) -> sympy.Expr:
+def tidy(e: Expr) -> Expr:
     """Return an expression with common factors cancelled, if it is rational and short enough for that."""
-    return sympy.cancel(e) if e.is_rational_function() and e.count_ops() < 200 else e
+    return sympy.cancel(e) if e.is_rational_function() and e.count_ops() < 200 and cancels(e) else e
 
 
 def sample(model: Model, seed: int) -> dict[str, float]:

@@ -18,6 +18,7 @@ from thetascope.engine.language.derivatives import jacobian
 from thetascope.engine.language.lazy_sympy import functions, sympy
 from thetascope.engine.language.parser import Node, parse
 from thetascope.engine.model.plant_model import Model
+from thetascope.engine.observers.forms.sizes import TooLarge, expanded
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -155,7 +156,10 @@ def before(o: Backlash, states: Collection[Symbol]) -> tuple[Symbol, Expr]:
 
 def _multiple(e: Expr, states: Collection[Symbol]) -> tuple[Symbol, Expr] | None:
     """Return the state and the factor of an expression that is a constant times one state; None for any other."""
-    e = sympy.expand(e)
+    try:
+        e = expanded(e)
+    except TooLarge:
+        return None
     inside = [s for s in states if e.has(s)]
     if len(inside) != 1:
         return None
@@ -168,8 +172,11 @@ def _keeps(e: Expr, value: Expr, remembered: Mapping[Symbol, Expr]) -> bool:
     state = _multiple(e, remembered)
     if state is None:
         return False
-    value = sympy.expand(value)
-    difference = sympy.expand(state[1] * remembered[state[0]] - value).as_coefficients_dict().values()
+    try:
+        value = expanded(value)
+        difference = expanded(state[1] * remembered[state[0]] - value).as_coefficients_dict().values()
+    except TooLarge:
+        return False
     size = max((abs(c) for c in value.as_coefficients_dict().values()), default=0)
     return all(abs(c) <= _ROUNDING * size for c in difference)
 

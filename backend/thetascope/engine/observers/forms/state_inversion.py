@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from thetascope.engine.language.lazy_sympy import functions, sympy
 from thetascope.engine.model.plant_model import Model
+from thetascope.engine.observers.forms.sizes import simpler
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
@@ -78,14 +79,12 @@ def _joint(rest: Rest, known: Known, unknown: set[Symbol]) -> Solved | None:
         if len(members) != len(states) or not states or len(states) > MAX_JOINT:
             continue
         ordered = sorted(states, key=lambda s: s.name)
-        M = sympy.Matrix([[e.diff(s) for s in ordered] for _, e in members]).applyfunc(sympy.simplify)
-        if M.free_symbols & unknown or sympy.simplify(M.det()) == 0:
+        M = sympy.Matrix([[e.diff(s) for s in ordered] for _, e in members]).applyfunc(simpler)
+        if M.free_symbols & unknown or simpler(M.det()) == 0:
             continue
         offset = sympy.Matrix([z - e.xreplace(dict.fromkeys(ordered, sympy.S.Zero)) for z, e in members])
         solved = M.LUsolve(offset)
-        return {z for z, _ in members}, {
-            s: sympy.simplify(e).xreplace(known) for s, e in zip(ordered, solved, strict=True)
-        }
+        return {z for z, _ in members}, {s: simpler(e).xreplace(known) for s, e in zip(ordered, solved, strict=True)}
     return None
 
 
@@ -97,7 +96,7 @@ def isolate(expression: Expr, x: Symbol, z: Expr, model: Model) -> Expr:
     """
     slope = expression.diff(x)
     if x in slope.free_symbols:
-        slope = sympy.simplify(slope)
+        slope = simpler(slope)
     if x not in slope.free_symbols:
         return (z - expression.xreplace({x: sympy.S.Zero})) / slope
     while expression != x:

@@ -19,6 +19,7 @@ from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.plant_model import Model
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check
 from thetascope.engine.observers.forms.matching_condition import closed, direction, find_P, lyapunov_margin
+from thetascope.engine.observers.forms.sizes import TooLarge, expanded
 from thetascope.engine.observers.support.common_checks import NO_ESTIMATE, stable, verdict
 from thetascope.engine.observers.support.declaration import Context, Gain, Observed, Observer
 from thetascope.engine.observers.support.draft import Draft, Matrix, ModelAt
@@ -26,7 +27,7 @@ from thetascope.engine.observers.support.kalman_defaults import output_scales, p
 from thetascope.messages import Message
 
 if TYPE_CHECKING:
-    from sympy import Expr
+    from sympy import Expr, Symbol
 
 SOURCE = "Shen & Hu 2015"
 
@@ -102,7 +103,15 @@ def describe(d: Draft, at: ModelAt) -> None:
     d.outputs("Dgamma", at.matrix(model.jacobian(gamma)))
     d.facts["affine"] = all(model.is_affine)
     flat = model.f.xreplace(model.expansion)
-    d.facts["chain"] = all(flat[i].expand().coeff(model.x[i + 1]) == 1 for i in range(model.n - 1))
+    d.facts["chain"] = all(_adds(flat[i], model.x[i + 1]) for i in range(model.n - 1))
+
+
+def _adds(e: Expr, x: Symbol) -> bool:
+    """Return whether the coefficient of x in an expression is 1; False where it has too many terms to tell."""
+    try:
+        return expanded(e).coeff(x) == 1
+    except TooLarge:
+        return False
 
 
 # ---- the assumptions of Theorem 1 ------------------------------------------------------------------------------------
