@@ -9,6 +9,8 @@ from thetascope.engine.compiler.graph import Graph, evaluate, variables
 from thetascope.engine.compiler.jit import Layout, Segments, kernel
 from thetascope.engine.compiler.system import DISCRETE, Program
 
+_MOST_HALVINGS = 64  # of a matrix before its exponential is a sum of powers
+
 
 @lru_cache(maxsize=64)
 def _slopes(program: Program) -> tuple[Graph, tuple[tuple[int, int, int], ...]]:
@@ -43,15 +45,19 @@ def exponentials(matrices: np.ndarray) -> np.ndarray:
     They are infinite where they overflow.
     """
     with np.errstate(all="ignore"):
-        size = float(np.abs(matrices).sum(axis=2).max(initial=0.0))
-        halvings = max(0, int(np.ceil(np.log2(size))) + 2) if 0 < size < np.inf else 0
-        scaled = matrices * 0.5**halvings
+        size = np.abs(matrices).sum(axis=2).max(axis=1, initial=0.0)
+        _, exponent = np.frexp(np.where(np.isfinite(size), size, 0.0))
+        # each by its own size: one alone must have the same exponential as among others
+        halvings = np.clip(exponent + 2, 0, _MOST_HALVINGS)
+        scaled = np.ldexp(matrices, -halvings[:, None, None])
         total = term = np.broadcast_to(np.eye(matrices.shape[1]), matrices.shape)
         for k in range(1, 8):
             term = term @ scaled / k
             total = total + term
-        for _ in range(halvings):
-            total = total @ total
+        for done in range(int(halvings.max(initial=0))):
+            more = np.flatnonzero(halvings > done)
+            total[more] = total[more] @ total[more]
+        total[size >= 2.0**_MOST_HALVINGS] = np.inf
     return total
 
 

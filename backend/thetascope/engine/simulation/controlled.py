@@ -108,10 +108,11 @@ class Controlled:
         if control.implicit:
             points, ahead = every_step, np.ones(count, dtype=np.int64)
         elif not linear and not closed:
-            points, ahead = self._seen(control, points, ahead, rows, after)
+            points, ahead = self._seen(control, points, ahead, rows.index, np.vstack([rows.plant, after.plant]))
         if not len(points) or "" in control.lost:
             self._note(first, control)
-            control = self._budget.without_points(control, rows.index, rows.plant).after(rows.plant)
+            ends = np.vstack([rows.plant, after.plant])
+            control = self._budget.without_points(control, rows.index, ends).after(rows.plant)
             return replace(after, control=control), replace(self._recorded(rows), accuracy=taken(control))
         at = np.searchsorted(rows.index, points)
         plant = rows.plant if rows.loop is None else np.concatenate([rows.plant, rows.loop.states], axis=1)
@@ -120,7 +121,8 @@ class Controlled:
             for s, o in zip(self.experiment.estimators, rows.observers, strict=True)
             if s.every is None and s.label not in control.lost
         }
-        changed, control, reached = self._choose(control, points, ahead, states, rows)
+        along = (points, states[""]) if self._budget.at_points else (rows.index, np.vstack([rows.plant, after.plant]))
+        changed, control, reached = self._choose(control, points, ahead, states, along)
         if changed is None:
             self._note(first, control)
             self._span = min(4 * self._span, CHUNK)
@@ -141,15 +143,17 @@ class Controlled:
             self.courses.append((k, control.steps))
 
     def _seen(
-        self, control: Control, points: np.ndarray, ahead: np.ndarray, rows: Rows, after: State
+        self, control: Control, points: np.ndarray, ahead: np.ndarray, index: np.ndarray, states: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray]:
-        """Add the base steps whose defect is large for their substeps to points and base steps to the next point."""
-        states = np.vstack([rows.plant, after.plant[None]])
+        """Add the base steps whose defect is large for their substeps to points and base steps to the next point.
+
+        ``states``: the plant's states at the base steps ``index`` and at the end (steps + 1, n).
+        """
         sizes = np.maximum(grown(control.largest, states), 1e-300)[1:] * control.substeps**4
         limits = _SUSPECT * PLANT_SHARE * TOLERANCE * sizes
         rough = np.flatnonzero(~(roughness(control.recent, states) <= _ROUGH * limits).all(axis=1))
-        large = ~(defects(self.experiment, rows.index[rough], states[rough], states[rough + 1]) <= limits[rough])
-        every = np.union1d(points, rows.index[rough[large.any(axis=1)]])
+        large = ~(defects(self.experiment, index[rough], states[rough], states[rough + 1]) <= limits[rough])
+        every = np.union1d(points, index[rough[large.any(axis=1)]])
         gaps = np.ones(len(every), dtype=np.int64)
         gaps[np.searchsorted(every, points)] = ahead
         return every, gaps
@@ -171,15 +175,19 @@ class Controlled:
     # ---- the choice --------------------------------------------------------------------------------------------------
 
     def _choose(
-        self, control: Control, points: np.ndarray, ahead: np.ndarray, states: States, rows: Rows
+        self,
+        control: Control,
+        points: np.ndarray,
+        ahead: np.ndarray,
+        states: States,
+        along: tuple[np.ndarray, np.ndarray],
     ) -> tuple[int | None, Control, Accuracy]:
         """Return the first point that needs other substeps (None: none does), the control from there, and the accuracy.
 
-        The accuracy is that of the points up to there.
+        The accuracy is that of the points up to there. ``along``: the arguments of `Judged.accumulate`.
         """
         errors = self._budget.errors(control, points, states, control.steps)
         judged = Judged(self._budget, control, points, ahead, states, errors, control.steps)
-        along = (points, states[""]) if self._budget.at_points else (rows.index, rows.plant)
         need, started = judged.accumulate(*along), control
         several = control.substeps > 1 or control.implicit
         for i in range(len(points)) if several else np.flatnonzero(need > 1).tolist():

@@ -34,7 +34,8 @@ _EXCEEDED = 2.0  # times the tolerance of observers: where other steps are chose
 _MOST_AMPLIFIED = 1e4
 _JUMP = 30.0  # ratio of errors at neighbouring points above which the error changed suddenly
 _STABLE = 2.5  # about the eigenvalue times the step up to which explicit steps are stable
-_SLOPES_EVERY = 8  # base steps, of explicit steps: where the Jacobian of a plant that is not linear is computed
+_SLOPES_EVERY = 8  # explicit steps: where the Jacobian of a plant that is not linear is computed
+_CHANGING = 1.0  # change of an element of h·∂f/∂x over a base step above which finite differences replace it
 
 
 class Budget:
@@ -100,17 +101,37 @@ class Budget:
             return e.step * jacobians(e.loop.program, values, len(index))
 
     def without_points(self, control: Control, index: np.ndarray, plant: np.ndarray) -> Control:
-        """Return the control after a span without points."""
+        """Return the control after a span without points; ``plant``: the states at its base steps and its end."""
         if self.at_points or not self.propagated:
             return control
-        slopes, index = self.slopes_along(control, index, plant)
-        return replace(control, drift=_summed(slopes, np.array([0, len(index)]), control.drift)[0])
+        factors, index = self.factors(control, index, plant)
+        return replace(control, growth=_products(factors, np.array([0, len(index)]), control.growth)[0])
 
-    def slopes_along(self, control: Control, index: np.ndarray, plant: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return h·∂f/∂x at some of the base steps of a span, times the base steps that each covers, and which."""
-        every = 1 if control.implicit else _SLOPES_EVERY
-        wanted = index % every == 0
-        return every * self.slopes(index[wanted], plant[wanted]), index[wanted]
+    def factors(self, control: Control, index: np.ndarray, plant: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return how deviations grow over some of the base steps of a span, or from each to the next, and which.
+
+        ``plant``: the states at the base steps ``index`` and at the end (steps + 1, n).
+        """
+        if control.implicit or control.substeps >= _SLOPES_EVERY:
+            slopes = self.slopes(np.append(index, index[-1:] + 1), plant)
+            factors = exponentials(0.5 * (slopes[:-1] + slopes[1:]))
+            changing = np.flatnonzero(np.abs(np.diff(slopes, axis=0)).max(axis=(1, 2), initial=0.0) > _CHANGING)
+            factors[changing] = self._differences(control, index[changing], plant[changing], plant[changing + 1])
+            return factors, index
+        every = max(1, _SLOPES_EVERY // control.substeps)
+        wanted = index[index % every == 0]
+        return exponentials(every * self.slopes(wanted, plant[wanted - index[0]])), wanted
+
+    def _differences(self, control: Control, points: np.ndarray, begin: np.ndarray, end: np.ndarray) -> np.ndarray:
+        """Return how deviations grow over base steps, by finite differences (points, n, n)."""
+        n = begin.shape[1]
+        if not len(points):
+            return np.empty((0, n, n))
+        moves = NUDGE * np.maximum(np.abs(begin), np.maximum(1e-4 * control.largest, 1e-300))
+        moved = (begin[:, None, :] + moves[:, None, :] * np.eye(n)).reshape(-1, n)
+        ends = self._steppers.ends(np.repeat(points, n), {"": moved}, control.steps, (0.0, 1.0))[""]
+        with np.errstate(all="ignore"):
+            return np.swapaxes((ends.reshape(-1, n, n) - end[:, None, :]) / moves[:, :, None], 1, 2)
 
 
 class Judged:
@@ -170,7 +191,8 @@ class Judged:
     def accumulate(self, index: np.ndarray, plant: np.ndarray) -> np.ndarray:
         """Set the errors at every point; return `strict`, but 0 where errors may stay as they are (points,).
 
-        ``index``: the points, or all base steps of the span where the plant is not linear; ``plant``: the states there.
+        ``index``: the points, or all base steps of the span where the plant is not linear; ``plant``: the states there,
+        and then also those at its end.
         """
         control, budget = self._before, self._budget
         gaps = np.diff(self.points, prepend=control.at).astype(float)
@@ -195,17 +217,16 @@ class Judged:
     def _growth(self, index: np.ndarray, plant: np.ndarray, gaps: np.ndarray) -> np.ndarray:
         """Return how deviations of the plant's states grow up to each point (points, n, n)."""
         budget, n = self._budget, plant.shape[1]
-        self._drift = np.zeros((n, n))
+        self._grown = np.eye(n)
         if not budget.propagated:
-            return np.broadcast_to(np.eye(n), (len(gaps), n, n))
+            return np.broadcast_to(self._grown, (len(gaps), n, n))
         if budget.at_points:
-            slopes = self._slopes * gaps[:, None, None]
-        else:
-            slopes, index = budget.slopes_along(self._before, index, plant)
-            bounds = np.concatenate([[0], np.searchsorted(index, self.points), [len(index)]])
-            slopes = _summed(slopes, bounds, self._before.drift)
-            slopes, self._drift = slopes[:-1], slopes[-1]
-        return np.nan_to_num(exponentials(slopes))
+            return np.nan_to_num(exponentials(self._slopes * gaps[:, None, None]))
+        factors, index = budget.factors(self._before, index, plant)
+        bounds = np.concatenate([[0], np.searchsorted(index, self.points), [len(index)]])
+        products = np.nan_to_num(_products(factors, bounds, self._before.growth))
+        self._grown = products[-1]
+        return products[:-1]
 
     def control_at(self, i: int, control: Control) -> Control:
         """Return the control with errors at point i and the sizes before it; after the last point, those there.
@@ -226,7 +247,7 @@ class Judged:
             plant_step=plant_step,
             observers_step=observers_step,
             sizes=sizes,
-            drift=self._drift if i > last else np.zeros_like(self._drift),
+            growth=self._grown if i > last else np.eye(len(plant_step)),
         )
 
     def reached(self, i: int) -> Accuracy:
@@ -265,19 +286,21 @@ def _between(errors: np.ndarray, gaps: np.ndarray, allowed: np.ndarray | float) 
     return first * np.where(gaps > 0, 1 + np.maximum(gaps - 1, 0) * mean, 0.0)
 
 
-def _summed(slopes: np.ndarray, bounds: np.ndarray, before: np.ndarray) -> np.ndarray:
-    """Return the sums of slopes (base steps, n, n) between neighbouring bounds; the first one begins with ``before``.
+def _products(factors: np.ndarray, bounds: np.ndarray, before: np.ndarray) -> np.ndarray:
+    """Return the products of matrices (steps, n, n) between neighbouring bounds, the later ones on the left.
 
-    The terms are added one after another, so that a sum does not depend on where spans begin and end.
+    The first one begins with ``before``. They are multiplied one after another, so that a product does not depend on
+    where spans begin and end.
     """
     starts, counts = bounds[:-1], np.diff(bounds)
-    sums = np.zeros((len(starts), *slopes.shape[1:]))
+    products = np.repeat(np.eye(factors.shape[1])[None], len(starts), axis=0)
     if before.size:
-        sums[0] = before
-    for offset in range(int(counts.max(initial=0))):
-        longer = np.flatnonzero(counts > offset)
-        sums[longer] += slopes[starts[longer] + offset]
-    return sums
+        products[0] = before
+    with np.errstate(all="ignore"):
+        for offset in range(int(counts.max(initial=0))):
+            longer = np.flatnonzero(counts > offset)
+            products[longer] = factors[starts[longer] + offset] @ products[longer]
+    return products
 
 
 def instability(slopes: np.ndarray, steps: Steps) -> np.ndarray:

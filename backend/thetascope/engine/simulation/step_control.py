@@ -51,7 +51,7 @@ class Control:
         observers: errors of the observers over the last base steps at that point, relative to their scales.
         plant_step, observers_step: errors that the base step from that point adds, (n,) and relative.
         sizes: largest size so far of each state, by observer's label; "" is the plant.
-        drift: sum of h·∂f/∂x over the base steps since that point (n, n), where the plant is not linear.
+        growth: how deviations of the plant's states grew since that point (n, n), where the plant is not linear.
         recent, largest: the plant's states at the last base steps, at most four (steps, n), and their largest sizes so
             far (n,); for a plant that is not linear.
     """
@@ -72,7 +72,7 @@ class Control:
     plant_step: np.ndarray = field(default_factory=lambda: np.zeros(0))
     observers_step: float = 0.0
     sizes: Mapping[str, np.ndarray] = field(default_factory=dict)
-    drift: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
+    growth: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     recent: np.ndarray = field(default_factory=lambda: np.zeros((0, 0)))
     largest: np.ndarray = field(default_factory=lambda: np.zeros(0))
 
