@@ -235,19 +235,24 @@ const link = {
     await writeAddress();
     if (!wanted()) return;
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
-    const joined = await arrive(() => rejoin(id, wanted));
-    if (!joined && wanted()) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
+    try {
+      const joined = await arrive(() => rejoin(id, wanted));
+      if (!joined && wanted()) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
+    } catch (error) {
+      if (wanted()) app.act.refused(error);
+    }
   },
 };
 
 /**
- * Join a session that this tab has had before, if it is still there and still wanted.
+ * Join a session that this tab has had before, if it is still there and still wanted. Throws where that is not known:
+ * another session in its place would lose it.
  * @param {string} id
  * @param {() => boolean} wanted
  */
 async function rejoin(id, wanted) {
   const known = kept.of(id);
-  if (!(await look(id).catch(() => null)) || !wanted()) return false;
+  if (!(await look(id)) || !wanted()) return false;
   join({
     id,
     control: known?.token ?? null,
@@ -332,7 +337,11 @@ async function open() {
   const mine = kept.read();
   const here = location.search + location.hash;
   const own = [history.state?.session, mine?.address === here && here && mine.id].find((id) => id && kept.of(id));
-  if (own && (await rejoin(own, wanted))) return undefined;
+  try {
+    if (own && (await rejoin(own, wanted))) return undefined;
+  } catch (error) {
+    return wanted() ? failed(error) : undefined;
+  }
   if (!wanted()) return undefined;
   if (request.session)
     return join({

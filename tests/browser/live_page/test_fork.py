@@ -65,7 +65,8 @@ def test_back_and_the_legend_lead_to_the_first_session_and_to_the_fork(page):
     until(opened, f"history.state?.session === {fork!r}")
     reload(opened)
     ready(opened)
-    assert state(opened, "session") == fork and state(opened, "role") == "control"
+    known = opened.evaluate("({entry: history.state, address: location.href, kept: {...sessionStorage}})")
+    assert (state(opened, "session"), state(opened, "role")) == (fork, "control"), (parent, known)
     until(opened, f"{APP}.state.origin !== null && document.querySelector('#panel-comparison .origin .link') !== null")
     opened.click("#panel-comparison .origin .link")
     until(opened, f"{APP}.state.session === {parent!r}")
