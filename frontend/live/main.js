@@ -96,7 +96,6 @@ function turn() {
 }
 
 // ---- joining and leaving a session
-// ---------------------------------------------------------------------------------------
 
 function leave() {
   socket?.stop();
@@ -274,7 +273,6 @@ function failed(error) {
 }
 
 // ---- the address
-// ---------------------------------------------------------------------------------------------------------
 
 let soon = 0;
 let written = -1; // rows when the address was last written: single steps move the time, too
@@ -377,7 +375,6 @@ async function open() {
 }
 
 // ---- the page
-// ------------------------------------------------------------------------------------------------------------
 
 app.act = actions(app, link);
 /** @param {string} id */
