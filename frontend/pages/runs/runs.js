@@ -1,6 +1,6 @@
 // Starts the page: loads the library, opens the choice of the address, and has the actions of the views.
 
-import {connection, get, post, Problem, reason, run} from '../../common/api.js';
+import {connection, follow, get, post, Problem, reason, run} from '../../common/api.js';
 import {query} from '../../common/dom.js';
 import {read, write} from './address.js';
 import {createStore} from './run-state.js';
@@ -67,19 +67,28 @@ const act = {
 };
 
 /**
- * Show a run that the address names; one that is gone is no error, it can be run again.
+ * Show a run that the address names, once it is done; one that is gone is no error, it can be run again.
  * @param {string} id
  * @param {Changes} changes
  */
 async function reopen(id, changes) {
+  const {signal} = (following = new AbortController());
   try {
-    /** @type {Run} */
-    const stored = await get(`/api/runs/${encodeURIComponent(id)}`);
-    if (stored.status !== 'done') return;
+    /** @type {Run | service.Progress} */
+    const found = await get(`/api/runs/${encodeURIComponent(id)}`, signal);
+    const known = store.state.spec !== null;
+    if (known && found.status !== 'done') store.dispatch({type: 'start'});
+    const stored = await follow(found, (progress) => known && store.dispatch({type: 'progress', progress}), signal);
+    if (stored.status === 'failed') throw new Problem(stored.problem ?? {});
+    if (stored.status !== 'done') {
+      if (known) store.dispatch({type: 'cancelled'});
+      return;
+    }
     if (store.state.spec === null)
       store.dispatch({type: 'foreign', spec: stored.spec, plant: await plantOf(stored.spec)});
     store.dispatch({type: 'done', run: stored, changes});
   } catch (error) {
+    if (signal.aborted) return;
     if (!(error instanceof Problem && error.status === 404)) throw error;
     if (store.state.spec === null) throw error;
   }

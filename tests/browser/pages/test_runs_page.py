@@ -224,6 +224,17 @@ def test_markup_in_texts_is_shown_as_text(page, server):
     assert opened.evaluate("window.pwned") is None and opened.locator("img").count() == 0
 
 
+def test_the_link_of_a_run_that_is_not_done_shows_it_when_it_is(page, server):
+    """A link that is opened while the run is computed follows it: the figures come without another visit."""
+    opened = page("/runs/", **SMALL)
+    request = {"experiment": "zhou-tan-2012", "set": {"seed": 77}}
+    answer = opened.request.post(f"{server}/api/runs?wait=0", data=request)
+    assert answer.status == 202
+    opened.goto(f"{server}/runs/?experiment=zhou-tan-2012&set=seed%3D77&run={answer.json()['id']}")
+    opened.wait_for_selector(DRAWN, state="attached")
+    assert opened.watch.errors == []
+
+
 def test_no_button_uploads_a_figure(kept_page):
     """Plotly's button for uploading a figure is absent."""
     opened = drawn(kept_page)
@@ -236,7 +247,7 @@ def test_no_button_uploads_a_figure(kept_page):
 def test_the_report_opens_offline_from_a_file(page, server, browser, tmp_path):
     """The saved report draws every figure without a network and requests nothing."""
     opened = page("/runs/")
-    answer = opened.request.post(f"{server}/api/runs", data={"experiment": "shen-hu-2015"})
+    answer = opened.request.post(f"{server}/api/runs?wait=60", data={"experiment": "shen-hu-2015"})
     report = opened.request.get(f"{server}{answer.json()['links']['report']}").text()
     (tmp_path / "report.html").write_text(report, encoding="utf-8")
     context = browser.new_context(offline=True)
