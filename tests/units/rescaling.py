@@ -1,7 +1,7 @@
 """Rewrite an experiment in other units: every quantity of the plant, and time, by a factor of its own."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from random import Random
 
@@ -26,12 +26,19 @@ class Units:
 def random_units(spec: ResolvedExperiment, seed: int, decades: float = 12.0, offsets: bool = True) -> Units:
     """Return random units: factors of up to 10^±decades for every quantity of the plant and for time."""
     draw, plant = Random(seed), spec.plant
-    names = plant.names("states", "inputs", "outputs", "parameters", "signals", "channels", "definitions")
+    names = [*plant.names("states", "inputs", "outputs", "parameters", "signals", "channels", "definitions")]
+    names += [item.name for item in plant.references]
+    names += [item.name for one in plant.controllers for item in (*one.states, *one.definitions)]
     factors = {name: 10 ** draw.uniform(-decades, decades) for name in names}
     for definition in plant.definitions:  # a limit that is a parameter has the definition's unit
         for limit in definition.domain:
             if isinstance(limit, str):
                 factors[definition.name] = factors[limit]
+    for controller in plant.controllers:
+        for output in controller.outputs:
+            for limit in output.saturation:
+                if isinstance(limit, str):
+                    factors[output.input] = factors[limit]
     time = 10 ** draw.uniform(-decades, decades)
     shifts = {y.name: factors[y.name] * draw.uniform(-300, 300) for y in plant.outputs} if offsets else {}
     return Units(factors, time, shifts)
@@ -65,20 +72,29 @@ def rescaled(spec: ResolvedExperiment, units: Units) -> ResolvedExperiment:
     return ResolvedExperiment.model_validate(data)
 
 
-def _plant(plant: dict, units: Units) -> dict:
+def _text(units: Units) -> Callable[[str, float], str]:
+    """Return a function that writes an expression in new units; its value is a factor times the old one."""
+
     def text(expression: str, factor: float) -> str:
         def old(match: re.Match) -> str:
             name = match.group()
             factor = units.time if name == "t" else units.factors.get(name)
+            if name in units.offsets:
+                return f"(({name} - ({units.offsets[name]!r}))/{units.of(name)!r})"
             return name if factor is None else f"({name}/{factor!r})"
 
         return f"{factor!r}*({_NAME.sub(old, expression)})"
 
+    return text
+
+
+def _plant(plant: dict, units: Units) -> dict:
+    text = _text(units)
     discrete = plant["time"]["kind"] == "discrete"
     rate = 1.0 if discrete else 1 / units.time
     if discrete:
         plant["time"]["period"] *= units.time
-    for group in ("states", "inputs", "outputs", "parameters", "signals", "channels", "definitions"):
+    for group in ("states", "inputs", "outputs", "parameters", "signals", "channels", "definitions", "references"):
         for item in plant[group]:
             factor = units.of(item["name"])
             for name in ("initial", "default", "value", "typical", "scale"):
@@ -87,6 +103,8 @@ def _plant(plant: dict, units: Units) -> dict:
             for name in ("domain", "bounds"):
                 if name in item:
                     item[name] = [factor * v if isinstance(v, int | float) else v for v in item[name]]
+    for controller in plant["controllers"]:
+        _controller(controller, units)
     for item in plant["definitions"]:
         item["expression"] = text(item["expression"], units.of(item["name"]))
     for item in plant["outputs"]:
@@ -103,6 +121,23 @@ def _plant(plant: dict, units: Units) -> dict:
             n: text(e, units.of(n) * (1.0 if n in outputs else rate) / size) for n, e in channel["enters"].items()
         }
     return plant
+
+
+def _controller(controller: dict, units: Units) -> None:
+    text, rate = _text(units), 1.0
+    if controller["period"] is None:
+        rate = 1 / units.time
+    else:
+        controller["period"] *= units.time
+    for item in controller["states"]:
+        item["initial"] *= units.of(item["name"])
+    for item in controller["definitions"]:
+        item["expression"] = text(item["expression"], units.of(item["name"]))
+    controller["dynamics"] = {n: text(e, units.of(n) * rate) for n, e in controller["dynamics"].items()}
+    for item in controller["outputs"]:
+        factor = units.of(item["input"])
+        item["expression"] = text(item["expression"], factor)
+        item["saturation"] = [factor * v if isinstance(v, int | float) else v for v in item["saturation"]]
 
 
 _BY_SIZE = ("value", "low", "high", "amplitude", "offset", "initial")

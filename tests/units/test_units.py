@@ -26,6 +26,8 @@ PLANTS = (
     "dc-motor",
     "dts200",
     "friction-motor",
+    "loop-actuator",
+    "loop-sensor",
     "quadruple-tank",
     "reduced-order-mimo",
     "shen-hu-2015",
