@@ -33,13 +33,14 @@ async def computed(
     """
     workers, client = services.workers, client_of(request)
     computation = await run_in_threadpool(lambda: workers.call(function, *args, client=client, **kwargs))
+    future = asyncio.wrap_future(computation.result)
     try:
-        future = asyncio.wrap_future(computation.result)
         if await first_of(request, future, computation.limits.seconds + _GRACE):
             return future.result()
         raise Busy(Message("work.not-begun", seconds=computation.limits.seconds))
     finally:
         computation.leave()
+        del computation, future  # they hold an exception that holds this frame, and with it all that it refers to
 
 
 async def while_connected(request: Request, work: Coroutine[Any, Any, Value]) -> Value:
@@ -50,6 +51,7 @@ async def while_connected(request: Request, work: Coroutine[Any, Any, Value]) ->
         return task.result()
     finally:
         task.cancel()
+        del task  # it holds an exception that holds this frame
 
 
 async def first_of(request: Request, future: "asyncio.Future[Any]", seconds: float | None = None) -> bool:

@@ -169,14 +169,14 @@ def _is_reciprocal(e: sympy.Expr) -> bool:
 
 def numbers(
     expressions: Iterable[sympy.Expr],
-    values: Mapping[str, float],
+    values: Mapping[str, float | np.ndarray],
     definitions: Iterable[tuple[sympy.Symbol, sympy.Expr]] = (),
 ) -> np.ndarray:
-    """Return the values of expressions at a point, one each.
+    """Return the values of expressions at a point, one each; at several points, one row each.
 
     Args:
         expressions: SymPy expressions, for example the entries of a matrix row by row.
-        values: the value of each free symbol by name.
+        values: the value of each free symbol by name; for several points its values, all of the same shape.
         definitions: intermediate results that the expressions may use, in order.
 
     Raises ValueError for a symbol that has neither a value nor a definition.
@@ -185,4 +185,5 @@ def numbers(
     for symbol, expression in definitions:
         lowering.define(symbol, expression)
     roots = [lowering(e) for e in expressions]
-    return np.array([float(v) for v in evaluate(lowering.graph, roots, values)])
+    shape = np.broadcast_shapes(*(np.shape(v) for v in values.values()))
+    return np.array([np.broadcast_to(v, shape) for v in evaluate(lowering.graph, roots, values)], dtype=float)

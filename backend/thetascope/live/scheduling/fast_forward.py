@@ -5,8 +5,11 @@ session that nobody waits for any more ends with its piece.
 """
 
 import asyncio
+import ctypes
+import sys
 from collections import defaultdict
 from concurrent.futures import ThreadPoolExecutor
+from functools import cache
 from time import perf_counter
 from typing import TYPE_CHECKING
 
@@ -45,22 +48,29 @@ class FastForward:
         """
         if session.row >= rows:
             return
-        clock, count = asyncio.get_running_loop().time, _FIRST
         turn = self._turns[client]
-        async with turn:
-            while session.row < rows and not session.ended:
-                if clock() > until:
-                    record = session.record
-                    problem = Message("session.open.too-slow", seconds=self._seconds, reached=session.row * record)
-                    raise SpecError("t", (rows - 1) * record, problem)
-                count = await self._piece(session, min(count, rows - session.row), past)
-        if not turn.locked():
-            self._turns.pop(client, None)
+        try:
+            async with turn:
+                await self._pieces(session, rows, past, until)
+        finally:
+            if not turn.locked():
+                self._turns.pop(client, None)
+            if not self._stopped:
+                self._thread.submit(return_memory)
 
     def stop(self) -> None:
         """End after the present piece."""
         self._stopped = True
         self._thread.shutdown(wait=False, cancel_futures=True)
+
+    async def _pieces(self, session: "Session", rows: int, past: int, until: float) -> None:
+        clock, count = asyncio.get_running_loop().time, _FIRST
+        while session.row < rows and not session.ended:
+            if clock() > until:
+                record = session.record
+                problem = Message("session.open.too-slow", seconds=self._seconds, reached=session.row * record)
+                raise SpecError("t", (rows - 1) * record, problem)
+            count = await self._piece(session, min(count, rows - session.row), past)
 
     async def _piece(self, session: "Session", rows: int, past: int) -> int:
         """Advance by one piece; return the rows of the next one."""
@@ -70,6 +80,18 @@ class FastForward:
             raise Busy(Message("work.stopping"))
         seconds = await asyncio.get_running_loop().run_in_executor(self._thread, _timed, compute, session, rows, past)
         return max(1, min(_MOST, 4 * rows, round(rows * _PIECE / max(seconds, 1e-6))))
+
+
+def return_memory() -> None:
+    """Return freed memory to the operating system, which C libraries keep for a long time."""
+    trim = getattr(_libc(), "malloc_trim", None)
+    if trim is not None:
+        trim(0)
+
+
+@cache
+def _libc() -> ctypes.CDLL | None:
+    return ctypes.CDLL(None) if sys.platform == "linux" else None
 
 
 def _timed(compute, session: "Session", rows: int, past: int) -> float:

@@ -16,7 +16,7 @@ from thetascope.engine.errors import SpecError
 from thetascope.live.room.playback_clock import MinimumInterval, RateLimiter
 from thetascope.live.room.room_state import Transition
 from thetascope.live.room.serial_queue import Background, Callback, Job, outcome
-from thetascope.live.scheduling.fast_forward import FastForward
+from thetascope.live.scheduling.fast_forward import FastForward, return_memory
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Busy
 from thetascope.runs.workers.pool import Workers
@@ -74,7 +74,7 @@ class Hub:
         self._scheduler: Scheduler | None = None
         self._room_services: RoomServices | None = None
         self._sweep: asyncio.TimerHandle | None = None
-        self._frozen, self._collected = False, 0.0
+        self._frozen, self._collected, self._closed_some = False, 0.0, False
         self._templates: OrderedDict[str, Session] = OrderedDict()
         self._rehearsed: OrderedDict[str, None] = OrderedDict()
         self._forward = FastForward(settings.job_seconds)
@@ -138,6 +138,7 @@ class Hub:
     def close(self, room: "Room", reason: Message = _ENDED) -> None:
         """End a session."""
         self._rooms.pop(room.id, None)
+        self._closed_some = True
         room.close(CLOSE_ENDED, reason)
 
     def stop(self) -> None:
@@ -245,6 +246,9 @@ class Hub:
         for room in list(self._rooms.values()):
             if room.empty_since is not None and now - room.empty_since > idle:
                 self.close(room, Message("session.close.idle"))
+        if self._closed_some:
+            self._closed_some = False
+            self._threads.submit(return_memory)
         if self._rooms:
             gc.freeze()  # objects that have lived until now: collections then have little to search
             self._frozen = True

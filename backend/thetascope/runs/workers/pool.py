@@ -28,7 +28,7 @@ _GIVE_WAY = ((MOMENT, 10), (8.0, 19))
 """Nice values, by the seconds of processor time that a computation has used: the longer, the more it gives way."""
 _LOOK = 0.05
 """Seconds between two looks at a computation: at its limits, and whether it was cancelled."""
-_KEPT = 0.25
+_KEPT = 0.125
 """A worker that has grown by more than this share of the memory limit is replaced after its computation."""
 _NEAR = 0.5
 """A worker that crashed with more than this share of its memory in use lacked memory: LLVM does not say so."""

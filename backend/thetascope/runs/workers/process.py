@@ -85,11 +85,12 @@ class WorkerProcess:
             raise Gone(self._code()) from None
 
     def give_way(self, nice: int) -> None:
-        """Lower the priority of the process to a nice value for the rest of its life."""
+        """Lower the priority of the process, by a nice value below that of the service, for the rest of its life."""
         if nice > self.nice and hasattr(os, "setpriority") and self._process.pid is not None:
             self.nice = nice
             with suppress(OSError):
-                os.setpriority(os.PRIO_PROCESS, self._process.pid, nice)
+                base = os.getpriority(os.PRIO_PROCESS, os.getpid())
+                os.setpriority(os.PRIO_PROCESS, self._process.pid, base + nice)
 
     def end(self) -> None:
         """End the process, whatever it computes."""

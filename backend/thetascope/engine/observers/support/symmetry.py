@@ -46,18 +46,19 @@ def require_symmetric(
     point = {name: draw.uniform(0.5, 1.5) for name in sorted(free - {s.name for s, _ in definitions})}
     for P in states:
         point |= {P[i, i].name: P.shape[0] + draw.uniform(1, 2) for i in range(P.shape[0])}
-    tables = []
-    for _ in range(_POINTS):
-        moved = {name: value * (1 + _APART * draw.uniform(-1, 1)) for name, value in point.items()}
-        tables.append(numbers(expressions, moved, definitions).reshape(-1, 2))
+    moved = {
+        name: value * (1 + _APART * np.array([draw.uniform(-1, 1) for _ in range(_POINTS)]))
+        for name, value in point.items()
+    }
+    values = numbers(expressions, moved, definitions)
     for k, (name, _, _) in enumerate(pairs):
-        upper, lower = np.array([table[k] for table in tables]).T
+        upper, lower = values[2 * k], values[2 * k + 1]
         with np.errstate(invalid="ignore"):
             apart = upper - lower
         finite = np.isfinite(apart).all()
         if finite and (np.abs(apart) > TOLERANCE * np.maximum(np.abs(upper), np.abs(lower))).all() and _same(apart):
-            values = f"({upper[0]:.6g}, {lower[0]:.6g})"
-            raise ValueError(f"{name} should be symmetric, but its mirror image differs {values}")
+            both = f"({upper[0]:.6g}, {lower[0]:.6g})"
+            raise ValueError(f"{name} should be symmetric, but its mirror image differs {both}")
 
 
 def _same(differences: np.ndarray) -> bool:
