@@ -91,3 +91,28 @@ def test_splitting_a_run_changes_no_number(rows: int):
         state, part = simulation_of(e).advance(state, min(rows * e.every, e.steps - state.k))
         parts.append(part.plant)
     np.testing.assert_array_equal(np.concatenate(parts), whole)
+
+
+def test_an_observer_that_is_stiff_while_it_settles_finds_its_fault():
+    """Its covariance settles in a ten-thousandth of a base step, which is divided; later, implicit steps suffice."""
+    plant = {
+        "id": "vat",
+        "states": [{"name": "x", "initial": 1}],
+        "inputs": [{"name": "u", "default": 1}],
+        "outputs": [{"name": "y", "expression": "x"}],
+        "dynamics": {"x": "u - x/1e5"},
+        "channels": [{"name": "loss", "kind": "actuator", "enters": {"x": "-u"}, "typical": 0.2}],
+    }
+    spec = {
+        "id": "case",
+        "plant": plant,
+        "observers": [{"label": "o", "kind": "adaptive-kalman"}],
+        "noise": {"y": {"std": 0.01, "sample_time": 1e3}},
+        "faults": [{"channel": "loss", "shape": "step", "onset": 5e5, "size": 0.2}],
+        "horizon": 1e6,
+        "step": 1e3,
+        "diagnosis": {"enabled": False},
+    }
+    result = prepare(library.resolve(Experiment.model_validate(spec))).run()
+    assert result.column("o.theta.loss")[-1] == pytest.approx(0.2, abs=1e-3)
+    assert result.accuracy is not None and result.accuracy.implicit and result.accuracy.observers < 1e-3

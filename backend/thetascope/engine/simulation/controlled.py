@@ -219,9 +219,10 @@ class Controlled:
             tried[steps] = need = self._strict(control, k, states, steps)
             if need <= 1:
                 return control.with_steps(k, *steps)
-        # only for the plant: where an observer is that stiff, dividing every base step would take too long
-        plant = {"": states[""]}
-        inner = self._divided(control, k, plant) if self._strict(control, k, plant, control.steps) > 1 else None
+        # an observer settles from its initial state; where it is that stiff for long, dividing its steps takes too long
+        part = {"": states[""]} if self._strict(control, k, {"": states[""]}, control.steps) > 1 else states
+        often = part is states and control.inner and k - control.chosen < step_control.FAR
+        inner = None if often else self._divided(control, k, part)
         if inner is not None:
             return control.with_steps(k, step_control.PART_SUBSTEPS, possible, inner)
         if not np.isfinite(need):
