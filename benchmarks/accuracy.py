@@ -41,7 +41,7 @@ class Case:
             "outputs": [{"name": "out", "expression": first}],
             "dynamics": {n: text for n, (_, text) in self.states.items()},
         }
-        spec = {"id": "case", "plant": plant, "horizon": self.horizon, "step": step, "record": self.record}
+        spec = {"id": "case", "plant": plant, "horizon": self.horizon, "step": step, "evaluate": self.record}
         return prepare(library.resolve(Experiment.model_validate(spec))).run()
 
     def exact(self) -> np.ndarray:

@@ -68,7 +68,7 @@ def longest(seed: int = 0, **changes: object) -> dict:
     """Return a run of as many steps as are allowed by default, and few rows."""
     return {
         "experiment": "zhao-2012",
-        "set": {"horizon": 20_000, "step": 0.001, "record": 1, "seed": seed, "faults": [], **changes},
+        "set": {"horizon": 20_000, "step": 0.001, "record": 1, "evaluate": 1, "seed": seed, "faults": [], **changes},
     }
 
 

@@ -90,7 +90,7 @@ def fresh(plant: str, observer: str, draw: random.Random) -> dict:
         "plant": data,
         "horizon": 1.0,
         "step": 0.001,
-        "record": 0.01,
+        "evaluate": 0.01,
         "observers": [{"label": "o", "kind": observer}],
     }
 
@@ -154,7 +154,7 @@ def large(n: int = 30, p: int = 5, count: int = 3) -> Figure:
             "plant": plant,
             "horizon": 1.0,
             "step": 0.001,
-            "record": 0.01,
+            "evaluate": 0.01,
             "observers": [{"label": "o", "kind": "zhao-adaptive"}],
         }
         seconds.append(first_estimate(spec))

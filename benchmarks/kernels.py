@@ -66,7 +66,7 @@ def varied(base: Experiment, i: int, runs: int) -> Experiment:
 
 def batches(by_hand: ByHand, runs: int, count: int = 7) -> Iterator[Figure]:
     """Compare batches, with noise drawn and states recorded each second; the C code does the same, run after run."""
-    base = engine(record=1.0)
+    base = engine(evaluate=1.0)
     inputs, state = rows(base), start(base)
     seeds = [with_seed(base, i) for i in range(runs)]
     differing = [varied(base, i, runs) for i in range(runs)]

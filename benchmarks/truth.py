@@ -35,7 +35,7 @@ def truths(spec: ResolvedExperiment, name: str) -> Iterator[tuple[str, dict]]:
         yield f"process noise {100 * share:g} %", {"process_noise": noise}
     outputs = spec.plant.names("outputs")
     hold = {n: spec.noise[n].sample_time for n in outputs}
-    row = max(spec.record_interval, *hold.values())
+    row = max(spec.evaluate_interval, *hold.values())
     for times in (2, 10, 100):
         yield f"noise with memory, {times} values", {"outputs": {n: {"correlation": times * hold[n]} for n in outputs}}
     for share in (0.1, 0.5):

@@ -180,7 +180,14 @@ def size_of(plant: Plant) -> tuple[int, int]:
 def moment_of(experiment: Experiment, kind: str) -> Experiment:
     """Return the first fifty steps of an experiment, with one observer of a kind."""
     spec = experiment.model_dump(mode="json")
-    spec |= {"horizon": 50 * spec["step"], "record": spec["step"], "faults": [], "figures": [], "commands": []}
+    spec |= {
+        "horizon": 50 * spec["step"],
+        "record": None,
+        "evaluate": spec["step"],
+        "faults": [],
+        "figures": [],
+        "commands": [],
+    }
     if observer(kind).time == "discrete":
         spec["measurement"] = {"mode": "sampled", "period": 10 * spec["step"]}
     spec["observers"] = [next((o for o in spec["observers"] if o["kind"] == kind), {"label": "one", "kind": kind})]

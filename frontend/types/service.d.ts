@@ -685,8 +685,10 @@ export interface Experiment {
   horizon: number;
   /** Integration step in s; the period of a discrete plant. */
   step: number;
-  /** Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows. */
+  /** Spacing of the result's rows in s, a multiple of the step; null: as `evaluate`. */
   record: number | null;
+  /** Spacing in s of the rows at which checks, bands, excitation and the detector examine the run, a multiple of the step; null: 1, 2 or 5·10^k steps, so that there are at most 10 000 rows. A live session shows these rows. */
+  evaluate: number | null;
   /** Substeps of each integration step; null: as many as its accuracy needs. */
   substeps: number | null;
   measurement: ContinuousMeasurement | SampledMeasurement;
@@ -728,8 +730,10 @@ export interface ExperimentInput {
   horizon: number;
   /** Integration step in s; the period of a discrete plant. */
   step?: number;
-  /** Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows. */
+  /** Spacing of the result's rows in s, a multiple of the step; null: as `evaluate`. */
   record?: number | null;
+  /** Spacing in s of the rows at which checks, bands, excitation and the detector examine the run, a multiple of the step; null: 1, 2 or 5·10^k steps, so that there are at most 10 000 rows. A live session shows these rows. */
+  evaluate?: number | null;
   /** Substeps of each integration step; null: as many as its accuracy needs. */
   substeps?: number | null;
   measurement?: ContinuousMeasurementInput | SampledMeasurementInput;

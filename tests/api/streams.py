@@ -86,7 +86,7 @@ FAULT = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
 
 def opened(client: Client, **fields: object) -> dict:
     """Open a session on the small plant."""
-    return client.post("/api/sessions", {"spec": spec_data(record=0.01), **fields})
+    return client.post("/api/sessions", {"spec": spec_data(evaluate=0.01), **fields})
 
 
 def delete(client: Client, session: dict, token: str) -> int:

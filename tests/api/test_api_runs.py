@@ -64,7 +64,7 @@ def test_a_long_run_is_answered_with_202_and_can_be_cancelled(client):
 
 def test_a_request_waits_as_long_as_specified(client):
     """A run of two seconds: 202 without waiting, 200 with waiting, and the same run when posted again."""
-    spec = spec_data(horizon=2000, record=1, seed=31)
+    spec = spec_data(horizon=2000, evaluate=1, seed=31)
     assert posted(client, spec, "?wait=0")[0] == 202
     status, _, run = posted(client, spec, "?wait=60")
     assert status in (200, 201) and run["status"] == "done"

@@ -204,14 +204,19 @@ def test_faults_that_end_together_keep_their_sizes(row):
         assert next(a for a in alarms if a["channel"] == channel)["size"] == pytest.approx(size, rel=0.03)
 
 
-@pytest.mark.parametrize(("frequency", "record", "refused"), [(2.0, 0.3, True), (0.05, 0.3, False), (2.0, 0.01, False)])
-def test_undersampled_inputs_are_refused_with_the_remedy(frequency, record, refused):
+@pytest.mark.parametrize(
+    ("frequency", "evaluate", "refused"), [(2.0, 0.3, True), (0.05, 0.3, False), (2.0, 0.01, False)]
+)
+def test_undersampled_inputs_are_refused_with_the_remedy(frequency, evaluate, refused):
     """A sine of less than two rows per period is refused; a slower one, or shorter rows, are accepted."""
     data = spec_data(
-        horizon=60, record=record, inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}}, observers=[]
+        horizon=60,
+        evaluate=evaluate,
+        inputs={"u": {"kind": "sine", "amplitude": 1, "frequency": frequency}},
+        observers=[],
     )
     diagnosis = prepare(library.resolve(Experiment.model_validate(data))).run().diagnosis["detector"]
     note = diagnosis["note"]
     assert (note is not None) == refused
     if refused:
-        assert (note["code"], note["args"]) == ("diagnosis.none.undersampled", {"signal": "u", "interval": record})
+        assert (note["code"], note["args"]) == ("diagnosis.none.undersampled", {"signal": "u", "interval": evaluate})

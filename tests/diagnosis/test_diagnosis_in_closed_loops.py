@@ -87,7 +87,7 @@ def test_a_discrete_plant_has_controllers():
         law = {"name": "i", "period": period, "states": [{"name": "e"}], "dynamics": {"e": "e + r - y"}}
         law["outputs"] = [{"input": "q", "expression": "0.5*e + 1", "saturation": [0, 1.4]}]
         fault = [{"channel": "bias", "shape": "step", "onset": 2, "size": 0.1}]
-        data = {"inputs": {"r": {"kind": "constant", "value": 1.2}}, "horizon": 6, "step": 0.1, "record": 0.1}
+        data = {"inputs": {"r": {"kind": "constant", "value": 1.2}}, "horizon": 6, "step": 0.1, "evaluate": 0.1}
         run = simulate(experiment(plant | {"controllers": [law]}, faults=fault, **data))
         h, e, q, course = 1.0, 0.0, 0.5, []
         for k in range(61):

@@ -39,7 +39,7 @@ def experiment(plant: dict | None = None, **changes: Any) -> ResolvedExperiment:
         "inputs": {"r": {"kind": "steps", "times": [20, 40], "values": [1, 1.3, 1]}},
         "horizon": 60,
         "step": 0.01,
-        "record": 0.1,
+        "evaluate": 0.1,
         "diagnosis": {"enabled": False},
     } | changes
     spec = Experiment.model_validate(data)

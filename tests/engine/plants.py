@@ -37,7 +37,7 @@ def spec(**changes: Any) -> dict:
         "noise": {"y": {"std": 0.01, "sample_time": 0.01}},
         "horizon": 10.0,
         "step": 0.005,
-        "record": 0.05,
+        "evaluate": 0.05,
         "seed": 3,
         "observers": [adaptive()],
     } | changes

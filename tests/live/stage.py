@@ -98,7 +98,7 @@ class Stage:
     ) -> None:
         self.now = 0.0
         self.at: float | None = None
-        self.session = Session(library.resolve(spec(**({"record": 0.01} | changes))), limit)
+        self.session = Session(library.resolve(spec(**({"evaluate": 0.01} | changes))), limit)
         self.session.advance(1)
         services = RoomServices(
             clock=lambda: self.now,
@@ -215,7 +215,7 @@ def kinds(events: list[dict] | list[Event]) -> list[str]:
 
 def expected(given: Experiment, columns: list[str], rows: int) -> np.ndarray:
     """Return the samples of an ordinary run of a spec, as they are sent."""
-    run = prepare(library.resolve(given.model_copy(update={"horizon": (rows - 1) * 0.01, "record": 0.01}))).run()
+    run = prepare(library.resolve(given.model_copy(update={"horizon": (rows - 1) * 0.01, "evaluate": 0.01}))).run()
     return np.array([run.column(name) for name in columns]).astype("<f4")
 
 

@@ -97,7 +97,7 @@ def test_the_literal_variance_hides_two_faults():
 def test_with_noise_of_std_0_001_the_means_are_correct():
     """Over 64 seeds the means on [90, 100] are the faults, to four standard errors; those of a run to 15 % of the
     largest."""
-    spec = library.experiment("zhao-2012").model_copy(update={"record": 0.1})
+    spec = library.experiment("zhao-2012").model_copy(update={"evaluate": 0.1})
     base = prepare(library.resolve(spec)).engine
     batch = run_batch([with_seed(base, seed) for seed in range(64)])
     late = batch.index * base.step >= 90

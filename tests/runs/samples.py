@@ -32,7 +32,7 @@ def spec(**changes: object) -> Experiment:
 
 def long_data(**changes: object) -> dict:
     """Some seconds of computing: 15 million steps of four substeps."""
-    return spec_data(horizon=15_000, record=10, substeps=4, **changes)
+    return spec_data(horizon=15_000, evaluate=10, substeps=4, **changes)
 
 
 def long_spec(**changes: object) -> Experiment:

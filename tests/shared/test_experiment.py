@@ -64,6 +64,8 @@ REFUSED: list[tuple[str, str, Change]] = [
     ("step", "at least 5e-07", lambda e: e.update(step=1e-7)),
     ("record", "0.02", lambda e: e.update(record=0.015)),
     ("record", "record ≤ 10", lambda e: e.update(record=20)),
+    ("evaluate", "0.02", lambda e: e.update(evaluate=0.015)),
+    ("evaluate", "evaluate ≤ 10", lambda e: e.update(evaluate=20)),
     ("measurement.period", "above 0", lambda e: e.update(measurement={"mode": "sampled", "period": 0})),
     ("measurement", "sampled", lambda e: e.update(measurement={"mode": "sample"})),
     ("seed", "at least 0", lambda e: e.update(seed=-1)),
@@ -141,20 +143,25 @@ def test_a_resolved_experiment_is_the_same_data(experiment: dict[str, Any]) -> N
 
 
 @pytest.mark.parametrize(
-    ("horizon", "step", "record", "interval"),
+    ("horizon", "step", "evaluate", "record", "intervals"),
     [
-        (100, 0.001, None, 0.01),
-        (10, 0.01, None, 0.01),
-        (2, 0.5, None, 0.5),
-        (100, 0.004, None, 0.008),
-        (10, 0.1, 0.3, 0.3),
+        (100, 0.001, None, None, (0.01, 0.01)),
+        (10, 0.01, None, None, (0.01, 0.01)),
+        (2, 0.5, None, None, (0.5, 0.5)),
+        (100, 0.004, None, None, (0.02, 0.02)),
+        (1.5e7, 1.0, None, None, (2e3, 2e3)),
+        (10, 0.1, None, 0.3, (0.1, 0.3)),
+        (10, 0.1, 0.5, None, (0.5, 0.5)),
+        (10, 0.1, 0.5, 0.2, (0.5, 0.2)),
     ],
 )
-def test_record_is_a_multiple_of_the_step(horizon: float, step: float, record: float | None, interval: float) -> None:
-    """Without a value it is max(step, horizon/10000) as a multiple of the step."""
-    spec = Experiment(plant="lag", horizon=horizon, step=step, record=record)
-    assert spec.record_interval == pytest.approx(interval, rel=1e-12)
-    assert spec.record_every == round(interval / step)
+def test_rows_are_examined_at_most_10000_times(
+    horizon: float, step: float, evaluate: float | None, record: float | None, intervals: tuple[float, float]
+) -> None:
+    """Without a value `evaluate` is 1, 2 or 5·10^k steps, whatever `record` is; `record` is then as `evaluate`."""
+    spec = Experiment(plant="lag", horizon=horizon, step=step, evaluate=evaluate, record=record)
+    assert (spec.evaluate_interval, spec.record_interval) == pytest.approx(intervals, rel=1e-12)
+    assert (spec.evaluate_every, spec.record_every) == tuple(round(interval / step) for interval in intervals)
 
 
 SAME: list[Change] = [

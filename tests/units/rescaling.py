@@ -57,7 +57,7 @@ def rescaled(spec: ResolvedExperiment, units: Units) -> ResolvedExperiment:
         for n, v in data["noise"].items()
     }
     data["faults"] = [_fault(fault, units) for fault in data["faults"]]
-    for name in ("horizon", "step", "record"):
+    for name in ("horizon", "step", "record", "evaluate"):
         data[name] = None if data[name] is None else units.time * data[name]
     if data["measurement"]["mode"] == "sampled":
         data["measurement"]["period"] *= units.time

@@ -163,7 +163,7 @@ def test_pascals_diverge_no_more_than_bars():
         "inputs": {"u": {"kind": "pulse", "low": -1, "high": 1, "period": 7, "width": 3.5}},
         "horizon": 20,
         "step": 0.01,
-        "record": 0.02,
+        "evaluate": 0.02,
         "noise": {"y": {"std": 2e4, "sample_time": 0.02}},
         "faults": [{"channel": "a", "shape": "step", "onset": 8, "size": 0.3}],
         "diagnosis": {"enabled": False},

@@ -37,7 +37,7 @@ from thetascope_schemas.experiment.signals import ConstantSignal, Signal
 from thetascope_schemas.texts.refusal import refuse, suggestion
 
 ROWS = 10_000
-"""Number of recorded rows if an experiment does not set `record`."""
+"""Most rows at which a run is examined if an experiment does not set `evaluate`."""
 
 
 def _plant_kind(value: object) -> str:
@@ -81,7 +81,8 @@ class Experiment(Strict):
         seed=1,
         horizon=100,
         step=0.001,
-        record=0.01,
+        record=0.05,
+        evaluate=0.01,
         measurement={"mode": "continuous"},
         observers=[{"label": "adaptive", "kind": "zhao-adaptive"}],
         diagnosis={"false_alarms": 0.01},
@@ -116,7 +117,13 @@ class Experiment(Strict):
     horizon: Positive = Field(description="End of the run in s.")
     step: Positive = Field(default=0.001, description="Integration step in s; the period of a discrete plant.")
     record: Positive | None = Field(
-        default=None, description="Spacing of recorded rows in s, a multiple of the step; null: about 10 000 rows."
+        default=None, description="Spacing of the result's rows in s, a multiple of the step; null: as `evaluate`."
+    )
+    evaluate: Positive | None = Field(
+        default=None,
+        description="Spacing in s of the rows at which checks, bands, excitation and the detector examine the run, a "
+        "multiple of the step; null: 1, 2 or 5·10^k steps, so that there are at most 10 000 rows. A live session shows "
+        "these rows.",
     )
     substeps: Annotated[int, Field(ge=1, le=64)] | None = Field(
         default=None, description="Substeps of each integration step; null: as many as its accuracy needs."
@@ -138,15 +145,26 @@ class Experiment(Strict):
 
     @property
     def record_every(self) -> int:
-        """Return the number of steps between two recorded rows."""
-        if self.record is not None:
-            return round(self.record / self.step)
-        return max(1, round(self.horizon / ROWS / self.step))
+        """Return the number of steps between two rows of the result."""
+        return round(self.record / self.step) if self.record is not None else self.evaluate_every
 
     @property
     def record_interval(self) -> float:
-        """Return the time in s between two recorded rows: `record`, or about horizon/10000, a multiple of the step."""
-        return self.record if self.record is not None else self.record_every * self.step
+        """Return the time in s between two rows of the result: `record`, or that between the examined rows."""
+        return self.record if self.record is not None else self.evaluate_interval
+
+    @property
+    def evaluate_every(self) -> int:
+        """Return the number of steps between two rows at which the run is examined."""
+        if self.evaluate is not None:
+            return round(self.evaluate / self.step)
+        least = self.horizon / self.step / ROWS * (1 - 1e-9)
+        return next(k for j in range(19) for k in (10**j, 2 * 10**j, 5 * 10**j) if k >= least)
+
+    @property
+    def evaluate_interval(self) -> float:
+        """Return the time in s between two rows at which the run is examined; `record` does not change it."""
+        return self.evaluate if self.evaluate is not None else self.evaluate_every * self.step
 
     @property
     def plant_id(self) -> str:
@@ -175,7 +193,7 @@ class Experiment(Strict):
         filled: dict[str, object] = {
             name: getattr(self, name) for name in type(self).model_fields if name not in self.prose
         }
-        filled["record"] = self.record_interval
+        filled |= {"record": self.record_interval, "evaluate": self.evaluate_interval}
         if self.truth == Truth():  # as before the field existed
             del filled["truth"]
         if isinstance(self.plant, Plant):
@@ -214,15 +232,16 @@ class Experiment(Strict):
         return {config.label: config for config in (*self.observers, *added)}
 
     def _check_times(self) -> None:
-        """Refuse a step beyond the horizon, intervals too short for it, and an invalid `record`."""
+        """Refuse a step beyond the horizon, intervals too short for it, and an invalid spacing of rows."""
         if self.step > self.horizon:
             raise refuse("experiment.step.beyond-horizon", "step", self.step, step=self.step, horizon=self.horizon)
         for path, item in self._timed():
             if (problem := self.too_often(item)) is not None:
                 field, interval, code, args = problem
                 raise refuse(code, f"{path}.{field}".lstrip("."), interval, **args)
-        if self.record is not None:
-            self._check_record(self.record)
+        for field in ("record", "evaluate"):
+            if (interval := getattr(self, field)) is not None:
+                self._check_rows(field, interval)
 
     def too_often(self, item: object) -> tuple[str, float, str, dict[str, float]] | None:
         """Return the first interval of a signal, fault, noise or command that is too short for the horizon.
@@ -237,14 +256,14 @@ class Experiment(Strict):
                 return field, interval, "experiment.interval.too-short", args | {"least": self.horizon / MAX_STEPS}
         return None
 
-    def _check_record(self, record: float) -> None:
+    def _check_rows(self, field: str, interval: float) -> None:
         """Refuse a spacing of rows beyond the horizon or that is not a multiple of the step."""
-        steps = record / self.step
-        if record > self.horizon:
-            raise refuse("experiment.record.beyond-horizon", "record", record, horizon=self.horizon)
+        steps = interval / self.step
+        if interval > self.horizon:
+            raise refuse(f"experiment.{field}.beyond-horizon", field, interval, horizon=self.horizon)
         if round(steps) < 1 or not math.isclose(steps, round(steps), rel_tol=1e-9):
             near = max(1, round(steps)) * self.step
-            raise refuse("experiment.time.no-multiple", "record", record, time=record, step=self.step, near=near)
+            raise refuse("experiment.time.no-multiple", field, interval, time=interval, step=self.step, near=near)
 
     def _timed(self) -> Iterator[tuple[str, object]]:
         """Yield all parts that have an interval, with their paths, starting with the experiment itself."""

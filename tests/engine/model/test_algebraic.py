@@ -43,7 +43,7 @@ SPEC: dict[str, Any] = {
     "inputs": {"e": {"kind": "sine", "amplitude": 5.0, "frequency": 2.0, "offset": 2.0}},
     "horizon": 1.0,
     "step": 0.0005,
-    "record": 0.01,
+    "evaluate": 0.01,
 }
 FOUR_BARS: dict[str, Any] = {  # three pipes that meet in a junction: flows and a pressure, one block of four unknowns
     "id": "junction",
@@ -101,7 +101,7 @@ def test_a_rectifier_runs_as_scipy_says_with_a_root_finder_inside():
 
 def test_equations_that_belong_together_are_solved_together():
     """Three flows and a pressure with definitions of them in between equal SciPy's fsolve in the right-hand side."""
-    result = run({"plant": FOUR_BARS, "horizon": 5.0, "step": 0.01, "record": 0.1})
+    result = run({"plant": FOUR_BARS, "horizon": 5.0, "step": 0.01, "evaluate": 0.1})
 
     def flows(h: np.ndarray) -> np.ndarray:
         def residual(z: np.ndarray) -> list[float]:
@@ -297,7 +297,7 @@ def test_a_lost_root_is_reported_with_time_and_variable(in_dynamics: bool):
     plant = copy.deepcopy(DIODE) | {"channels": []}
     plant["algebraic"] = [{"name": "i", "equation": "i^2 = 1 - v", "guess": "1"}]
     plant["dynamics"] = {"v": "1 + 0.1*i" if in_dynamics else "1"}
-    result = run({"plant": plant, "horizon": 2.0, "step": 0.001, "record": 0.01})
+    result = run({"plant": plant, "horizon": 2.0, "step": 0.001, "evaluate": 0.01})
     assert result.diverged.time == pytest.approx(0.95 if in_dynamics else 1.0, abs=0.03)
     assert result.diverged.cause.code == "diverged.no-root"
     assert "variable i" in result.diverged.cause.text()

@@ -115,7 +115,7 @@ def test_controllers_act_one_after_the_other_at_an_instant():
             {"name": "follow", "period": 1.0, "outputs": [{"input": "p", "expression": "100*q + a + p"}]},
         ],
     )
-    run = simulate(experiment(plant, inputs={}, horizon=3, record=0.5))
+    run = simulate(experiment(plant, inputs={}, horizon=3, evaluate=0.5))
     a, b, q, p = (run.column(n) for n in ("c.a", "c.b", "u.q", "u.p"))
     np.testing.assert_array_equal(a, np.arange(7))  # before the instant of the row
     np.testing.assert_array_equal(b, [10, *range(6)])

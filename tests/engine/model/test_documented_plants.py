@@ -26,7 +26,7 @@ def test_the_documentation_has_the_plants_that_people_bring():
 def test_a_documented_plant_can_be_copied(id: str):
     """It is valid as it stands, and its simulation stays finite."""
     plant = Plant.model_validate(PLANTS[id])
-    result = simulate(library.resolve(Experiment(plant=plant, horizon=0.5, step=0.001, record=0.01)))
+    result = simulate(library.resolve(Experiment(plant=plant, horizon=0.5, step=0.001, evaluate=0.01)))
     assert result.diverged is None
     assert np.isfinite(result.data).all()
 
@@ -36,7 +36,7 @@ def test_the_documented_motor_starts_as_scipy_says():
     sine = {"kind": "sine", "amplitude": 180.0, "frequency": 50.0}
     inputs = {"u_α": sine | {"phase": np.pi / 2}, "u_β": sine}
     plant = Plant.model_validate(PLANTS["induction-motor"])
-    spec = Experiment.model_validate({"plant": plant, "inputs": inputs, "horizon": 0.3, "step": 1e-4, "record": 1e-3})
+    spec = Experiment.model_validate({"plant": plant, "inputs": inputs, "horizon": 0.3, "step": 1e-4, "evaluate": 1e-3})
     result = simulate(library.resolve(spec))
     R, r, L, M, J, f, p, w = 1.4, 1.2, 0.17, 0.16, 0.02, 0.002, 2, 100 * np.pi
 

@@ -79,7 +79,7 @@ def bounced(t: float) -> float:
 def test_a_thermostat_switches_when_the_temperature_crosses():
     """All switches occur in the step that contains the exact time, and the temperature agrees to the square of the
     step over the time constant."""
-    spec = {"plant": THERMOSTAT, "horizon": 500.0, "step": 0.1, "record": 0.1, "substeps": 1}
+    spec = {"plant": THERMOSTAT, "horizon": 500.0, "step": 0.1, "evaluate": 0.1, "substeps": 1}
     result = simulate(spec)
     t, on = result.column("t"), result.column("x.on")
     times = t[1:][np.diff(on) != 0]
@@ -97,7 +97,7 @@ def test_the_error_of_a_bouncing_ball_falls_with_the_square_of_the_step():
     """Six bounces against the exact parabolas: a step of a tenth leaves a hundredth of the error."""
     errors = []
     for step in (1e-2, 1e-3):
-        result = simulate({"plant": BALL, "horizon": 2.5, "step": step, "record": 0.01, "substeps": 1})
+        result = simulate({"plant": BALL, "horizon": 2.5, "step": step, "evaluate": 0.01, "substeps": 1})
         exact = np.array([bounced(t) for t in result.column("t")])
         errors.append(np.abs(result.column("x.h") - exact).max())
     assert errors[0] < 2e-3
@@ -110,7 +110,7 @@ def test_events_act_with_the_steps_that_the_run_chooses():
     counting["states"].append({"name": "n"})
     counting["dynamics"]["n"] = "0"
     counting["events"][0]["set"]["n"] = "n + 1"
-    result = simulate({"plant": counting, "horizon": 2.5, "step": 1e-2, "record": 0.01})
+    result = simulate({"plant": counting, "horizon": 2.5, "step": 1e-2, "evaluate": 0.01})
     exact = np.array([bounced(t) for t in result.column("t")])
     assert np.abs(result.column("x.h") - exact).max() < 2e-3
     assert result.column("x.n")[-1] == 4
@@ -119,7 +119,7 @@ def test_events_act_with_the_steps_that_the_run_chooses():
 def test_an_integrator_that_fires_agrees_with_located_events():
     """Spikes, an adapting threshold and a counter under a sine agree with solve_ivp, restarted at each event."""
     sine = {"kind": "sine", "amplitude": 1.0, "frequency": 0.3, "offset": 2.0}
-    spec = {"plant": NEURON, "horizon": 12.0, "step": 1e-3, "record": 0.01, "substeps": 1, "inputs": {"i": sine}}
+    spec = {"plant": NEURON, "horizon": 12.0, "step": 1e-3, "evaluate": 0.01, "substeps": 1, "inputs": {"i": sine}}
     result = simulate(spec)
 
     def rate(t: float, x: np.ndarray) -> list[float]:
@@ -143,7 +143,7 @@ def test_an_integrator_that_fires_agrees_with_located_events():
 
 def test_a_span_may_be_divided_anywhere():
     """Advanced a few steps at a time, plant and observer have the bits of one span; the stored program is the same."""
-    spec = {"plant": THERMOSTAT, "horizon": 60.0, "step": 0.1, "record": 0.1, "substeps": 1}
+    spec = {"plant": THERMOSTAT, "horizon": 60.0, "step": 0.1, "evaluate": 0.1, "substeps": 1}
     spec |= {
         "observers": [{"label": "a", "kind": "adaptive-kalman"}],
         "noise": {"y": {"std": 0.05, "sample_time": 0.1}},
@@ -166,7 +166,7 @@ def test_every_kind_of_observer_runs_on_a_plant_with_events_or_says_why_not():
     assert possible == {"adaptive-kalman", "adaptive-kalman-discrete", "joint-ekf", "joint-ukf"}
     assert all(entry["why"] for entry in report["observers"] if not entry["possible"])
     assert report["observability"]["rank"] == report["observability"]["size"] == 2
-    spec = {"plant": THERMOSTAT, "horizon": 600.0, "step": 0.1, "record": 0.5, "seed": 1}
+    spec = {"plant": THERMOSTAT, "horizon": 600.0, "step": 0.1, "evaluate": 0.5, "seed": 1}
     spec |= {
         "noise": {"y": {"std": 0.05, "sample_time": 0.1}},
         "observers": [{"label": k, "kind": k} for k in possible],

@@ -49,7 +49,7 @@ SPEC: dict[str, Any] = {
     "faults": [{"channel": "ΔR", "shape": "step", "onset": 100.0, "size": 0.02}],
     "horizon": 200.0,
     "step": 0.25,
-    "record": 1.0,
+    "evaluate": 1.0,
 }
 
 

@@ -38,7 +38,7 @@ def carts_spec(kind: str, gains: dict, horizon: float = 8.0, **spec) -> Resolved
         "u1": {"kind": "expression", "text": "sin(1.3*t)"},
         "u2": {"kind": "expression", "text": "0.5*cos(0.7*t)"},
     }
-    given = {"plant": CARTS, "inputs": inputs, "horizon": horizon, "record": 0.01, "observers": [observer]} | spec
+    given = {"plant": CARTS, "inputs": inputs, "horizon": horizon, "evaluate": 0.01, "observers": [observer]} | spec
     return library.resolve(Experiment.model_validate(given))
 
 

@@ -25,7 +25,7 @@ def test_dc_motor_follows_the_equations():
         initial={"current": 1, "speed": 20, "current_bias": 0.1},
         horizon=2.0,
         step=0.0005,
-        record=0.01,
+        evaluate=0.01,
         inputs={"voltage": {"kind": "sine", "amplitude": 4, "frequency": 1.5, "offset": 12}},
         faults=[
             {"channel": "gain_loss", "shape": "step", "onset": 0.5, "size": 0.15},
@@ -68,7 +68,7 @@ def test_quadruple_tank_follows_the_equations():
         initial={"h1": 10, "h2": 11, "h3": 2, "h4": 2},
         horizon=100,
         step=0.05,
-        record=1,
+        evaluate=1,
         inputs={"v1": {"kind": "sine", "amplitude": 1, "frequency": 0.02, "offset": 3}},
         faults=[
             {"channel": "pump1", "shape": "step", "onset": 20, "size": 0.1},
@@ -120,7 +120,7 @@ def test_the_claimed_deviation_is_the_spread_of_the_estimates():
             initial={"x": 0},
             horizon=20,
             step=0.01,
-            record=0.1,
+            evaluate=0.1,
             seed=seed,
             noise={"y": {"std": 0.1, "sample_time": 0.01}},
             faults=[
@@ -189,7 +189,7 @@ def test_two_biases_of_one_output_lose_excitation():
         {"r": 1e-4, "lambda": 0.5, "window": 2},
         horizon=20,
         step=0.01,
-        record=0.1,
+        evaluate=0.1,
     )
     check = next(c for c in result.observers[0].checks if str(c.name) == "persistent excitation")
     assert check.verdict == "fails" and abs(check.value) < 1e-6

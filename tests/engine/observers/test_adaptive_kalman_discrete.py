@@ -25,7 +25,7 @@ def test_three_tanks_sampled_at_one_second():
         initial={"h1": 42, "h2": 17, "h3": 30.5},
         horizon=200,
         step=0.1,
-        record=1,
+        evaluate=1,
         seed=5,
         measurement={"mode": "sampled", "period": 1},
         inputs={"Q1": {"kind": "sine", "amplitude": 20, "frequency": 0.01, "offset": 50}},
@@ -70,7 +70,7 @@ def test_motor_sampled_at_two_milliseconds():
         initial={"current": 2, "speed": 10},
         horizon=1.0,
         step=0.001,
-        record=0.002,
+        evaluate=0.002,
         seed=2,
         inputs={"voltage": {"kind": "sine", "amplitude": 6, "frequency": 2, "offset": 12}},
         noise={"y_current": {"std": 0.1, "sample_time": 0.002}, "y_speed": {"std": 0.2, "sample_time": 0.002}},
@@ -105,7 +105,7 @@ def test_covariances_stay_positive_definite(period, horizon):
         options={"period": period},
         horizon=horizon,
         step=period,
-        record=period * max(1, round(horizon / period / 500)),
+        evaluate=period * max(1, round(horizon / period / 500)),
         inputs={"v1": {"kind": "sine", "amplitude": 1, "frequency": 0.01, "offset": 3}},
         faults=[{"channel": "pump1", "shape": "step", "onset": horizon / 2, "size": 0.1}],
     )
@@ -132,7 +132,7 @@ def test_discrete_plant_takes_its_own_map():
     spec = {
         "horizon": 100,
         "step": 0.5,
-        "record": 0.5,
+        "evaluate": 0.5,
         "seed": 3,
         "noise": {"y": {"std": 0.1, "sample_time": 0.5}},
         "inputs": {"u": {"kind": "prbs", "low": -1, "high": 1, "hold": 2, "seed": 1}},
@@ -180,7 +180,7 @@ def test_without_excitation_the_covariance_tends_to_its_bound(kind, share):
         "dynamics": {"x": "-x"},
         "channels": [{"name": "loss", "kind": "actuator", "enters": {"x": "u"}, "typical": 0.3}],
     }
-    given = {"horizon": 60.0, "step": 0.05, "record": 1.0, "noise": {"y": {"std": 0.01, "sample_time": 0.05}}}
+    given = {"horizon": 60.0, "step": 0.05, "evaluate": 1.0, "noise": {"y": {"std": 0.01, "sample_time": 0.05}}}
     gains = {"lambda": 1.0, "bound": 0.04, "gamma0": 0.001}
     result = run(plant, kind, ("loss",), gains, options={"forgetting": "bounded"}, **given)
     assert result.observers[0].diverged is None

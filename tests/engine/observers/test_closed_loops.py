@@ -53,7 +53,7 @@ def _closed(spec: ResolvedExperiment, place: int) -> ResolvedExperiment:
         "inputs": inputs,
         "observers": (spec.observers[place],),
         "horizon": STEPS * spec.step,
-        "record": spec.step,
+        "evaluate": spec.step,
         "substeps": 4,  # both runs take the same steps
         "faults": spec.faults[:1],
         "figures": (),

@@ -14,7 +14,7 @@ def test_on_the_papers_plant_it_agrees_with_dop853(L):
     """ẑ' = Aẑ + B[α + Fu] + L(y − Cẑ) for two gains, estimates in the user's coordinates."""
     spec = library.experiment("reduced-order-mimo")
     observer = spec.observers[1].model_copy(update={"gains": {"L": L}})
-    run = simulate(library.resolve(spec.model_copy(update={"observers": (observer,), "figures": (), "record": 0.01})))
+    run = simulate(library.resolve(spec.model_copy(update={"observers": (observer,), "figures": (), "evaluate": 0.01})))
     exact = reduced_order.dop853(gains=(L[:2], L[2:]), kind="full")
     ours = np.stack([run.column(f"full.x.x{i}") for i in (1, 2, 3, 4)], axis=1)
     assert ours == pytest.approx(exact["xhat"], abs=1e-7)

@@ -75,7 +75,7 @@ def test_equals_the_filter_in_numpy(plant, kind, more, theirs):
         channels,
         gains,
         options={"period": period, "substeps": case["substeps"]},
-        record=period,
+        evaluate=period,
         seed=4,
         initial=dict(zip(case["states"], case["x0"], strict=True)),
         **case["spec"],
@@ -109,7 +109,7 @@ def test_innovations_show_whether_the_noise_level_is_right():
 
     def verdict(r: float) -> str:
         result = run(
-            "dts200", "joint-ekf", ("pump1",), {"r": r, "q": 1e-4}, options={"period": 1.0}, record=1, **case["spec"]
+            "dts200", "joint-ekf", ("pump1",), {"r": r, "q": 1e-4}, options={"period": 1.0}, evaluate=1, **case["spec"]
         )
         return {str(c.name): c.verdict for c in result.observers[0].checks}["innovations consistent with P and R"]
 
@@ -129,7 +129,7 @@ def test_two_biases_of_one_output_are_not_distinguished():
     }
 
     def verdict(*channels: str) -> str:
-        result = run(plant, "joint-ekf", channels, {"r": 1e-4, "window": 3}, horizon=20, step=0.01, record=0.1)
+        result = run(plant, "joint-ekf", channels, {"r": 1e-4, "window": 3}, horizon=20, step=0.01, evaluate=0.1)
         return {str(c.name): c.verdict for c in result.observers[0].checks}["observability of (x, θ)"]
 
     assert verdict("one") == "holds"

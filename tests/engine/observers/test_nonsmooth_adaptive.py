@@ -44,7 +44,7 @@ def chain(kind="nonsmooth-adaptive", plant=CHAIN, horizon=20.0, faults=True, **o
                 {"channel": "theta2", "shape": "step", "onset": 0.0, "size": -0.5},
             ][: len(plant["channels"]) if faults else 0],
             "horizon": horizon,
-            "record": 0.01,
+            "evaluate": 0.01,
             "observers": [{"label": "o", "kind": kind, "initial": ZERO} | observer],
         }
     )
@@ -93,7 +93,7 @@ def test_near_zero_the_linear_observers_overtake_the_nonsmooth_one():
 
 def test_the_linear_observers_agree_with_dop853():
     """Both baselines follow an independent integration at tight tolerance to 1e-9."""
-    run = paper(horizon=10.0, record=0.01)
+    run = paper(horizon=10.0, evaluate=0.01)
     for label, gains in (("linear", shen_hu.PAPER_GAINS.linear()), ("linear-fair", shen_hu.PAPER_GAINS.linear_fair())):
         exact = shen_hu.dop853(scenario=shen_hu.paper_scenario(horizon=10.0), gains=gains)
         assert run.column(f"{label}.x.x2") == pytest.approx(exact["xhat"][:, 1], abs=1e-9)
@@ -105,7 +105,7 @@ def test_the_nonsmooth_observer_agrees_with_dop853_off_its_corner(gains):
     """The slope of ⌊e⌉^α is unbounded at 0, which costs digits at each sign change of e1; also for other gains."""
     config = {"K": list(gains.K), "rho": gains.rho, "alpha": gains.alpha, "lambda": gains.lam}
     first = library.experiment("shen-hu-2015-noise-free").observers[0].model_copy(update={"gains": config})
-    run = paper(horizon=10.0, record=0.01, observers=(first,), figures=())
+    run = paper(horizon=10.0, evaluate=0.01, observers=(first,), figures=())
     exact = shen_hu.dop853(scenario=shen_hu.paper_scenario(horizon=10.0), gains=gains)
     assert run.column("nonsmooth.x.x2") == pytest.approx(exact["xhat"][:, 1], abs=3e-5)
     assert run.column("nonsmooth.theta.theta") == pytest.approx(exact["thetahat"][:, 0], abs=3e-5)
@@ -113,7 +113,7 @@ def test_the_nonsmooth_observer_agrees_with_dop853_off_its_corner(gains):
 
 def test_with_noise_the_run_is_the_reference_with_the_same_noise():
     """With the noise of our run, a plain RK4 of (11)–(12) gives our estimates."""
-    run = paper("shen-hu-2015", horizon=5.0, record=0.01)
+    run = paper("shen-hu-2015", horizon=5.0, evaluate=0.01)
     noise = run.column("y.y") - run.column("x.x1")
     assert noise.std() == pytest.approx(0.1, rel=0.1)
     scenario = shen_hu.paper_scenario(horizon=5.0, noise=(tuple(noise), 0.01))
@@ -146,7 +146,7 @@ def test_the_linear_baseline_on_the_chain():
 
 def test_the_option_uses_the_printed_equations():
     """Section 3 as printed: no 0.1 sin, exponent 2α − 1 twice, ρ² for ρ k2."""
-    run = paper("shen-hu-2015-as-printed", horizon=6.0, record=0.01)
+    run = paper("shen-hu-2015-as-printed", horizon=6.0, evaluate=0.01)
     h, s, rows = 1e-3, np.array([1.0, -1.0, 0.0, 0.0, 0.0]), []
 
     def rhs(t, s):

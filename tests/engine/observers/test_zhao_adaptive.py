@@ -50,7 +50,7 @@ def pendulum(kind: str, gains: dict, horizon: float, step: float) -> "object":
                     "faults": FAULTS,
                     "horizon": horizon,
                     "step": step,
-                    "record": 0.01,
+                    "evaluate": 0.01,
                     "observers": [{"label": "o", "kind": kind, "gains": gains, "initial": start}],
                 }
             )
@@ -106,7 +106,7 @@ def contois(plant: str, names: tuple[str, str], start: tuple[float, float]) -> "
                     "faults": fault,
                     "horizon": 10.0,
                     "step": 0.0005,
-                    "record": 0.01,
+                    "evaluate": 0.01,
                     "initial": {},
                     "signals": {},
                     "observers": [

@@ -82,7 +82,7 @@ def test_splitting_a_run_changes_no_number(rows: int):
         },
         "horizon": 3,
         "step": 0.01,
-        "record": 0.02,
+        "evaluate": 0.02,
     }
     e = prepare(library.resolve(Experiment.model_validate(spec))).engine
     whole = np.concatenate([r.plant for _, r in simulation_of(e).spans(e.steps)])

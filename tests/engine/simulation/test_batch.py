@@ -16,7 +16,7 @@ from thetascope.engine.simulation.experiment import Experiment
 from thetascope.engine.simulation.simulation import Simulation
 from thetascope_schemas import Experiment as Spec
 
-SHORT = {"horizon": 2.0, "record": 0.05}
+SHORT = {"horizon": 2.0, "evaluate": 0.05}
 HIGH_GAIN = {"label": "high", "kind": "high-gain", "gains": {"rho": 3.0}, "initial": {"x1": 0.5}}
 
 
@@ -151,7 +151,7 @@ def test_runs_that_do_not_differ_at_all():
 
 def test_discrete_time():
     """A discrete plant with an observer in its own time (zhou-tan-2012), from different initial states, in lanes."""
-    spec = library.experiment("zhou-tan-2012").model_dump() | {"horizon": 2.0, "record": None}
+    spec = library.experiment("zhou-tan-2012").model_dump() | {"horizon": 2.0, "evaluate": None}
     state = library.plant(spec["plant"]).states[0].name
     experiments = [
         prepare(library.resolve(Spec.model_validate(spec | {"initial": {state: 0.1 * i}}))).engine for i in range(5)
@@ -193,7 +193,7 @@ def test_experiments_of_different_shape_are_refused():
     base = engine(**SHORT)
     for other in (
         engine(**SHORT | {"horizon": 3.0}),
-        engine(**SHORT | {"record": 0.1}),
+        engine(**SHORT | {"evaluate": 0.1}),
         engine(**SHORT, step=0.01),
         engine(**SHORT, observers=[HIGH_GAIN]),
         engine(**SHORT, observers=[]),
@@ -207,7 +207,7 @@ def test_experiments_of_different_shape_are_refused():
 )
 def test_a_batch_can_be_stopped(change: dict):
     """Cancelled is raised at the next check, and checks are frequent."""
-    experiments = [with_seed(engine(**{"horizon": 100.0, "record": 1.0} | change), i) for i in range(3)]
+    experiments = [with_seed(engine(**{"horizon": 100.0, "evaluate": 1.0} | change), i) for i in range(3)]
     looks = []
 
     def cancelled() -> bool:

@@ -24,7 +24,7 @@ def test_every_observer_has_a_cost_and_it_changes_no_number():
 def test_the_first_observer_costs_as_much_as_its_twin(monkeypatch):
     """It shares the plant's kernel but is measured in a separate one, like the same observer in second place."""
     monkeypatch.setattr(running, "_MEASURED", 200_000)
-    e = engine(observers=[adaptive(), adaptive("twin")], horizon=1000.0, record=1.0)
+    e = engine(observers=[adaptive(), adaptive("twin")], horizon=1000.0, evaluate=1.0)
     assert Simulation(e).joined
     ratios = []
     for _ in range(5):

@@ -46,7 +46,7 @@ def heated(rows: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize("step", [1.0, 0.05])
 def test_a_relay_with_a_stiff_heater_switches_at_the_right_times(step: float):
     """At rest between events, its heater shows no error of a step that is far too long for it, until the relay acts."""
-    result = simulate({"plant": RELAY, "horizon": 60.0, "step": step, "record": 1.0})
+    result = simulate({"plant": RELAY, "horizon": 60.0, "step": step, "evaluate": 1.0})
     np.testing.assert_allclose(result.column("x.T"), heated(result.column("t")), rtol=1e-8)
     assert result.accuracy is not None and result.accuracy.plant < 1e-6
 
@@ -54,7 +54,7 @@ def test_a_relay_with_a_stiff_heater_switches_at_the_right_times(step: float):
 @pytest.mark.parametrize("step", [0.1, 1e-2, 1e-3])
 def test_a_ball_bounces_at_the_right_times_whatever_the_step(step: float):
     """Its height agrees with the exact parabolas over six bounces to 1e-12 m."""
-    result = simulate({"plant": BALL, "horizon": 2.5, "step": step, "record": 0.1})
+    result = simulate({"plant": BALL, "horizon": 2.5, "step": step, "evaluate": 0.1})
     exact = np.array([bounced(t) for t in result.column("t")])
     np.testing.assert_allclose(result.column("x.h"), exact, atol=1e-12)
 
@@ -68,7 +68,7 @@ def test_an_event_that_acts_in_every_step_is_not_located_each_time():
         "dynamics": {"x": "-x", "n": "0"},
         "events": [{"when": "x > 0", "set": {"n": "n + 1"}}],
     }
-    spec = {"id": "case", "plant": counter, "horizon": 10.0, "step": 1e-2, "record": 0.1}
+    spec = {"id": "case", "plant": counter, "horizon": 10.0, "step": 1e-2, "evaluate": 0.1}
     simulation = simulation_of(prepare(library.resolve(Experiment.model_validate(spec))).engine)
     assert isinstance(simulation, Controlled)
     *_, (state, _) = simulation.spans(1000)
@@ -78,7 +78,7 @@ def test_an_event_that_acts_in_every_step_is_not_located_each_time():
 
 def test_splitting_a_run_with_events_changes_no_number():
     """A base step is divided around an event alike however many rows each call advances."""
-    spec = {"id": "case", "plant": RELAY, "horizon": 30.0, "step": 0.05, "record": 0.05}
+    spec = {"id": "case", "plant": RELAY, "horizon": 30.0, "step": 0.05, "evaluate": 0.05}
     e = prepare(library.resolve(Experiment.model_validate(spec))).engine
     whole = np.concatenate([r.plant for _, r in simulation_of(e).spans(e.steps)])
     state, parts = simulation_of(e).initial(), []

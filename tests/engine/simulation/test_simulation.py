@@ -26,7 +26,7 @@ def rows_of(e, chunks: list[int]):
 
 def test_the_coupling_of_plant_and_observer_is_of_fourth_order():
     """Halving a fixed step divides the noise-free error by about 16."""
-    quiet = {"noise": {}, "faults": [], "record": 0.5, "horizon": 5.0, "substeps": 1}
+    quiet = {"noise": {}, "faults": [], "evaluate": 0.5, "horizon": 5.0, "substeps": 1}
     fine = run(engine(**quiet, step=0.0005)).column("adaptive.x.x2")
     coarse, half = (np.abs(run(engine(**quiet, step=h)).column("adaptive.x.x2") - fine).max() for h in (0.02, 0.01))
     assert 13 < coarse / half < 19

@@ -36,7 +36,7 @@ def resolved(**changes: Any) -> ResolvedExperiment:
 
 def lag(**changes: Any) -> ResolvedExperiment:
     """Return a run of a first-order lag with changes."""
-    data = {"plant": LAG, "horizon": 10.0, "step": 0.01, "record": 0.1} | changes
+    data = {"plant": LAG, "horizon": 10.0, "step": 0.01, "evaluate": 0.1} | changes
     experiment = Experiment.model_validate(data)
     return experiment.with_plant(experiment.plant)
 
@@ -78,7 +78,7 @@ def test_a_deviation_moves_every_parameter_by_that_share_in_a_direction_of_the_s
 def test_process_noise_has_the_variance_of_an_ornstein_uhlenbeck_process(step: float):
     """x' = −ax + σ·white noise has the variance σ²/2a, times tanh(z/2)/(z/2) with z = a·step, at every later row."""
     sigma, a = 0.3, 2.0
-    spec = lag(step=step, record=0.2, truth={"process_noise": {"x": sigma}})
+    spec = lag(step=step, evaluate=0.2, truth={"process_noise": {"x": sigma}})
     engine = prepare(spec).engine
     batch = run_batch([with_seed(engine, seed) for seed in range(300)])
     late = batch.plant[:, 15:, 0]
@@ -92,7 +92,7 @@ def test_process_noise_has_the_variance_of_an_ornstein_uhlenbeck_process(step: f
 def test_process_noise_depends_neither_on_rows_nor_on_substeps():
     """Another spacing of rows gives the same bits, four substeps the same path to integration error."""
     truth = {"process_noise": {"x1": 0.05, "x2": 0.2}}
-    fine, coarse = simulate(resolved(truth=truth)), simulate(resolved(truth=truth, record=0.25))
+    fine, coarse = simulate(resolved(truth=truth)), simulate(resolved(truth=truth, evaluate=0.25))
     assert (fine.column("x.x1")[::5] == coarse.column("x.x1")).all()
     divided = simulate(resolved(truth=truth, substeps=4))
     assert np.abs(divided.column("x.x1") - fine.column("x.x1")).max() < 1e-8
@@ -102,7 +102,7 @@ def test_process_noise_depends_neither_on_rows_nor_on_substeps():
 def test_process_noise_of_a_discrete_plant_is_that_of_a_period():
     """x(k+1) = x(k) + noise is a random walk of standard deviation std·√t."""
     plant = LAG | {"time": {"kind": "discrete", "period": 0.1}, "dynamics": {"x": "x + 0*u*a"}}
-    spec = lag(plant=plant, step=0.1, record=None, truth={"process_noise": {"x": 0.3}})
+    spec = lag(plant=plant, step=0.1, evaluate=None, truth={"process_noise": {"x": 0.3}})
     batch = run_batch([with_seed(prepare(spec).engine, seed) for seed in range(400)])
     assert batch.plant[:, -1, 0].std() == pytest.approx(0.3 * np.sqrt(10.0), rel=0.15)
 
@@ -129,7 +129,7 @@ def test_unmodelled_dynamics_are_the_equations_written_out():
 def test_sampled_outputs_hold_their_values_and_lose_samples():
     """Between samples y stays; with a share of samples lost, that share of instants has no new value."""
     truth = {"outputs": {"y": {"period": 0.1, "missing": 0.3, "jitter": 0.02}}}
-    result = simulate(resolved(truth=truth, record=0.005, horizon=60.0))
+    result = simulate(resolved(truth=truth, evaluate=0.005, horizon=60.0))
     changes = np.flatnonzero(np.diff(result.column("y.y"))) + 1
     assert len(changes) == pytest.approx(0.7 * 600, abs=50)
     assert np.unique(changes % 20).tolist() == [0, 1, 2, 3, 4]

@@ -23,7 +23,7 @@ def test_sessions_on_the_same_experiment_do_not_know_of_each_other(tmp_path):
 
     async def scenario() -> None:
         hub = Hub(Settings(data=tmp_path), Workers(1, Limits(20.0, 20.0, 1 << 30), 8))
-        given = spec(record=0.01)
+        given = spec(evaluate=0.01)
         try:
             one, two = [await hub.create(lambda: given, play=False) for _ in range(2)]
             fault = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
@@ -49,7 +49,7 @@ def test_sessions_that_are_opened_concurrently_are_all_opened(tmp_path):
     async def scenario() -> None:
         hub = Hub(Settings(data=tmp_path), Workers(1, Limits(20.0, 20.0, 1 << 30), 8))
         try:
-            rooms = await asyncio.gather(*(hub.create(lambda: spec(record=0.01), play=False) for _ in range(12)))
+            rooms = await asyncio.gather(*(hub.create(lambda: spec(evaluate=0.01), play=False) for _ in range(12)))
             assert len({room.id for room in rooms}) == len(hub) == 12
             assert len({id(room.session) for room in rooms}) == 12
         finally:

@@ -314,7 +314,7 @@ def test_divergence_is_reported_where_the_run_reports_it(piece):
         "channels": [{"name": "gain", "kind": "actuator", "enters": {"x": "u"}}],
     }
     plant = Experiment.model_validate(
-        {"plant": explosive, "horizon": 1.5, "record": 0.01, "diagnosis": {"enabled": False}}
+        {"plant": explosive, "horizon": 1.5, "evaluate": 0.01, "diagnosis": {"enabled": False}}
     )
     for spec, who in ((library.experiment("zhao-2012-as-printed"), "adaptive"), (plant, "")):
         run, session = (

@@ -174,7 +174,7 @@ def _spec(plant: Plant, record: Recording, settings: DiagnosisSettings) -> Resol
         "inputs": {n: held(v) for n, v in record.inputs.items()},
         "signals": {n: held(v) for n, v in record.signals.items()},
         "step": record.period / fine,
-        "record": record.period,
+        "evaluate": record.period,
         "horizon": record.period * (len(record.t) - 1),
         "diagnosis": settings,
         "noise": {n: {"std": 1.0, "sample_time": record.period} for n in plant.names("outputs")},

@@ -117,7 +117,7 @@ def trial(
     leaving the band is an alarm.
     """
     spec = prepared.spec
-    experiment = prepared.stages[0].experiment
+    experiment = replace(prepared.stages[0].experiment, record=None)
     channel_faults = [f for f in spec.faults if isinstance(f, ChannelFault) and 0 < f.onset < spec.horizon]
     faults = [_true_fault(f, sum(o.site == f.site for o in channel_faults)) for f in channel_faults]
     inspect = inspector(spec)

@@ -31,6 +31,8 @@ def calibration_key(spec: ResolvedExperiment, observers: tuple[ObserverConfig, .
     changes = {
         "seed": 0,
         "horizon": span(spec),
+        "record": None,
+        "evaluate": spec.evaluate_interval,
         "observers": observers,
         "commands": (),
         "figures": (),

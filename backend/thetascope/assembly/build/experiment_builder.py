@@ -24,7 +24,7 @@ def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, health
     healthy run of the experiment as it began, whose scales hold for the whole run; None where this is its beginning.
     """
     data = spec.plant.model_dump(mode="json")
-    step, steps, every = _times(spec)
+    step, steps, every, record = _times(spec)
     program = plant_program(data).program  # before the observers: an error in the plant's equations is the plant's
     healthy = healthy or healthy_run_of(spec, data)
     estimators = [estimator(i, c, spec, data, step, healthy) for i, c in enumerate(spec.observers)]
@@ -41,6 +41,7 @@ def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, health
         step=step,
         steps=steps,
         every=every,
+        record=record,
         substeps=spec.substeps,
         context=plant_context(spec, data, step, healthy),
         loop=loop_of(spec, data, step, measured),
@@ -48,13 +49,15 @@ def engine(spec: ResolvedExperiment, since: dict[str, int] | None = None, health
     return with_truth(model, spec)
 
 
-def _times(spec: ResolvedExperiment) -> tuple[float, int, int]:
+def _times(spec: ResolvedExperiment) -> tuple[float, int, int, int]:
+    """Return the step in s, and in base steps the horizon and the intervals `evaluate` and `record`."""
     step, plant = spec.step, spec.plant
     if plant.time.kind == "discrete":
         if abs(step - plant.time.period) > 1e-9 * plant.time.period:
             raise SpecError("step", step, Message("experiment.step.not-period", period=plant.time.period, step=step))
         step = plant.time.period
-    return step, multiple(spec.horizon, step, "horizon"), multiple(spec.record_interval, step, "record")
+    steps, every = multiple(spec.horizon, step, "horizon"), multiple(spec.evaluate_interval, step, "evaluate")
+    return step, steps, every, multiple(spec.record_interval, step, "record")
 
 
 def measurement(spec: ResolvedExperiment, step: float) -> Measurement:

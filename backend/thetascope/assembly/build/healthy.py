@@ -43,6 +43,7 @@ def _key(spec: ResolvedExperiment) -> str:
         "initial": {},
         "horizon": span(spec),
         "record": spec.step,
+        "evaluate": spec.step,
         "substeps": None,
         "measurement": ContinuousMeasurement(),
         "truth": Truth(),

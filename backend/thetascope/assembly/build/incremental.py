@@ -17,7 +17,7 @@ from thetascope.engine.simulation.experiment import Estimator
 from thetascope.engine.simulation.experiment import Experiment as Engine
 from thetascope_schemas import ResolvedExperiment
 
-_FIXED = ("parameters", "initial", "seed", "step", "horizon", "record", "measurement", "noise")
+_FIXED = ("parameters", "initial", "seed", "step", "horizon", "record", "evaluate", "measurement", "noise")
 
 
 def adapted(spec: ResolvedExperiment, since: dict[str, int], before: ResolvedExperiment, built: Engine) -> Engine:

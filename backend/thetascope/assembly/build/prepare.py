@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from math import gcd
 
 from thetascope.assembly.build.diagnosis_settings import inspector
 from thetascope.assembly.build.experiment_builder import engine
@@ -21,10 +22,10 @@ class Cost:
     """The cost of a run, known before it starts."""
 
     steps: int
-    rows: int
+    rows: int  # of the simulation: those that are examined and those that are recorded
     columns: int  # lower bound: diagnostics are not counted
     states: int  # of plant and observers
-    bytes: int  # approximate size of the result
+    bytes: int  # approximate size of these rows
 
 
 @dataclass(frozen=True)
@@ -43,7 +44,7 @@ class Prepared:
     def cost(self) -> Cost:
         """Return steps, rows, columns and bytes of the run, computed from the programs without running them."""
         e = self.engine
-        rows = e.steps // e.every + 1
+        rows = e.steps // gcd(e.every, e.record or e.every) + 1
         outputs = sum(len([o for o in s.program.outputs if not o.startswith("init.")]) for s in e.estimators)
         columns = 1 + len(e.signals) + len(e.plant.states) + len(e.plant.outputs) + outputs
         states = len(e.plant.states) + sum(len(s.program.states) for s in e.estimators)

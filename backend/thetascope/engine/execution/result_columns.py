@@ -157,13 +157,8 @@ def observer_columns(
         states[finite:] = np.nan
     elif inside < len(states):
         states[inside:] = np.nan
-    mine = {n: v[where] if np.ndim(v) else v for n, v in values.items()}
-    seen = observed_values(life.experiments[-1], parameters_over(life), mine, y[where])
-    program = estimator.program
-    seen |= {s: states[:, j] for j, s in enumerate(program.states)}
-    outputs = [n for n in program.outputs if not n.startswith("init.")]
-    seen |= dict(zip(outputs, probe(program, outputs, seen), strict=True))
-    e = life.experiments[-1]
+    columns, seen = estimates(life, values, y, states)
+    e, program = life.experiments[-1], estimator.program
     run = Observed(
         None,
         program,
@@ -176,12 +171,22 @@ def observer_columns(
         -(-estimator.since // e.every),
         max(0, wanted - where.start),
     )
-    columns = {n: seen[n] for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)}
     more = estimator.kind.diagnostics(run)
     seen |= more
     checks = _checks(estimator, run) if check else ()
     report = ObserverReport(estimator.label, estimator.kind.id, estimator.kind.title, checks, diverged, estimator.facts)
     return columns | more, report
+
+
+def estimates(life: Life, values: dict, y: np.ndarray, states: np.ndarray) -> tuple[dict[str, np.ndarray], dict]:
+    """Return x̂, θ̂ and ŷ over the rows of an observer from its states (rows, states), and all values along them."""
+    program, where = final_estimator(life).program, life.where
+    mine = {n: v[where] if np.ndim(v) else v for n, v in values.items()}
+    seen = observed_values(life.experiments[-1], parameters_over(life), mine, y[where])
+    seen |= {s: states[:, j] for j, s in enumerate(program.states)}
+    outputs = [n for n in program.outputs if not n.startswith("init.")]
+    seen |= dict(zip(outputs, probe(program, outputs, seen), strict=True))
+    return {n: seen[n] for prefix in ("x.", "theta.", "y.") for n in outputs if n.startswith(prefix)}, seen
 
 
 def _checks(estimator, run: Observed) -> tuple[Check, ...]:

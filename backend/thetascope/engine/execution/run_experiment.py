@@ -1,11 +1,13 @@
 """Run an experiment from t = 0 to its horizon and gather the columns, the divergences and the checks."""
 
+import math
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 from thetascope.engine.errors import Cancelled
 from thetascope.engine.execution.divergence import EXPLODED
+from thetascope.engine.execution.recorded_rows import every_nth, with_rows
 from thetascope.engine.execution.result_columns import gather
 from thetascope.engine.execution.stages import Stage, spans
 from thetascope.engine.model.result import Result
@@ -37,12 +39,16 @@ def run(
 ) -> Result:
     """Simulate. Raises Cancelled.
 
-    ``inspect`` receives the recorded rows and may add to the result.
+    ``inspect`` receives the rows at which the run is examined and may add to the result, whose columns are then reduced
+    to the rows of the experiment's ``record``. So no check depends on the spacing of these.
     """
     stages = [Stage(0, stages)] if isinstance(stages, Experiment) else list(stages)
     seconds: dict[str, float] = {}
     clock = time.perf_counter()
-    parts = _spans(stages, _Callbacks(progress, cancelled))
+    first = stages[0].experiment
+    record = first.record or first.every
+    all_parts = _spans(stages, _Callbacks(progress, cancelled), math.gcd(first.every, record))
+    parts = every_nth(all_parts, first.every)
     seconds["simulate"] = time.perf_counter() - clock
     clock = time.perf_counter()
     result = gather(parts, seconds)
@@ -52,7 +58,7 @@ def run(
         clock = time.perf_counter()
         result = inspect(parts, result)
         seconds["diagnose"] = time.perf_counter() - clock
-    return result
+    return with_rows(result, all_parts, first.every, record)
 
 
 def spans_of(experiment: Experiment) -> Parts:
@@ -83,11 +89,11 @@ def alone(experiment: Experiment, parts: Sequence[tuple[Experiment, Rows]] = ())
     return {first.label: costs([rows.spent])[first.label]}
 
 
-def _spans(stages: list[Stage], callbacks: _Callbacks) -> Parts:
-    """Return the rows up to the horizon."""
+def _spans(stages: list[Stage], callbacks: _Callbacks, spacing: int | None = None) -> Parts:
+    """Return the rows up to the horizon; ``spacing``: base steps between them."""
     parts: Parts = []
     total = stages[0].experiment.steps + 1  # one more: the rows of a span lie at the beginnings of its steps
-    for state, experiment, rows in spans(stages, total):
+    for state, experiment, rows in spans(stages, total, spacing):
         if callbacks.cancelled is not None and callbacks.cancelled():
             raise Cancelled("the run was cancelled")
         parts.append((experiment, rows))

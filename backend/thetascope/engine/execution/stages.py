@@ -44,12 +44,15 @@ def carry(state: State, old: Experiment, stage: Stage) -> State:
     return replace(state, observers=tuple(observers), control=control)
 
 
-def spans(stages: Sequence[Stage], count: int) -> Iterator[tuple[State, Experiment, Rows]]:
-    """Advance from t = 0 by ``count`` base steps through the stages, in chunks."""
+def spans(stages: Sequence[Stage], count: int, spacing: int | None = None) -> Iterator[tuple[State, Experiment, Rows]]:
+    """Advance from t = 0 by ``count`` base steps through the stages, in chunks.
+
+    ``spacing``: base steps between rows.
+    """
     state = None
     for i, stage in enumerate(stages):
         end = min(count, stages[i + 1].k) if i + 1 < len(stages) else count
-        simulated = simulation_of(stage.experiment)
+        simulated = simulation_of(stage.experiment, spacing=spacing)
         state = simulated.initial() if state is None else carry(state, stages[i - 1].experiment, stage)
         if end <= state.k:
             continue

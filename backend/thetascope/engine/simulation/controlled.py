@@ -27,21 +27,27 @@ _TOLERABLE = 100.0  # times the error that a base step may add: tolerated, where
 _OF_PART = 0.25  # of the error that a base step may add: what one part of it may
 
 
-def simulation_of(experiment: Experiment, remember: bool = False) -> "Simulation | Controlled":
-    """Return the simulation of an experiment: with the substeps that it gives, else with those that accuracy needs."""
+def simulation_of(
+    experiment: Experiment, remember: bool = False, spacing: int | None = None
+) -> "Simulation | Controlled":
+    """Return the simulation of an experiment: with the substeps that it gives, else with those that accuracy needs.
+
+    ``spacing``: base steps between rows, a divisor of the experiment's ``every``, which it is by default.
+    """
     if experiment.substeps is not None or experiment.plant.time != CONTINUOUS:
-        return Simulation(experiment, experiment.substeps or 1, remember)
-    return Controlled(experiment, remember)
+        return Simulation(experiment, experiment.substeps or 1, remember, spacing=spacing)
+    return Controlled(experiment, remember, spacing)
 
 
 class Controlled:
     """Advances an experiment as `Simulation` does, with substeps chosen by `step_control`.
 
-    ``courses``: the base steps from which other steps are taken, with those steps, as far as it has advanced.
+    ``courses``: the base steps from which other steps are taken, with those steps, as far as it has advanced; they do
+    not depend on ``spacing``.
     """
 
-    def __init__(self, experiment: Experiment, remember: bool = False):
-        self.experiment, self.remember = experiment, remember
+    def __init__(self, experiment: Experiment, remember: bool = False, spacing: int | None = None):
+        self.experiment, self.remember, self.spacing = experiment, remember, spacing or experiment.every
         self.courses: list[tuple[int, Steps]] = []
         self._span = _FIRST_SPAN  # of the next span; results do not depend on it
         self._measured = [s for s in experiment.estimators if s.every is None]
@@ -61,7 +67,7 @@ class Controlled:
             if rows is not None:
                 parts.append(rows)
         if not parts:
-            return Simulation(self.experiment, 1, self.remember).advance(state, 0)
+            return Simulation(self.experiment, 1, self.remember, spacing=self.spacing).advance(state, 0)
         return state, Rows.joined(parts) if len(parts) > 1 else parts[0]
 
     def _whole(self, span: int) -> int:
@@ -101,7 +107,9 @@ class Controlled:
         first, last, linear = state.k, state.k + count, self._budget.linear
         closed = self.experiment.loop is not None
         points, ahead = self._points(first, last, control)
-        inner = Simulation(self.experiment, control.substeps, self.remember, control.implicit, control.inner)
+        inner = Simulation(
+            self.experiment, control.substeps, self.remember, control.implicit, control.inner, self.spacing
+        )
         every_step = np.arange(first, last)
         dense = points if (linear or closed) and not control.implicit else every_step
         after, rows = inner.advance(state, count, dense if len(dense) else None)
@@ -160,7 +168,7 @@ class Controlled:
 
     def _recorded(self, rows: Rows) -> Rows:
         """Return the rows without those that were only points."""
-        wanted = rows.index % self.experiment.every == 0
+        wanted = rows.index % self.spacing == 0
         return rows if wanted.all() else rows.where(wanted)
 
     def _points(self, first: int, last: int, control: Control) -> tuple[np.ndarray, np.ndarray]:

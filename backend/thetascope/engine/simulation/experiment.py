@@ -72,12 +72,13 @@ class Experiment:
     estimators: tuple[Estimator, ...]
     step: float
     steps: int
-    every: int  # base steps between recorded rows
+    every: int  # base steps between the rows at which the run is examined
     context: Context  # of the plant with all its fault channels, for filters that estimate all of them
     substeps: int | None = None  # per base step; None: one, or as many as stiff gains need
     notes: tuple[Message, ...] = ()
     loop: Loop | None = None  # the controllers; None: an open loop
     model: Model | None = None  # None: the true plant
+    record: int | None = None  # base steps between the rows of the result; None: those that are examined
 
     @property
     def applied(self) -> tuple[str, ...]:

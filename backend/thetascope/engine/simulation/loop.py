@@ -74,7 +74,7 @@ class LoopRows:
     Attributes:
         states: (rows, c), the controllers' and held states before the instant of the row.
         u: (rows, applied inputs), the inputs that controllers set, from the row on.
-        ahead: (rows, applied inputs), their means until the next row.
+        ahead: (rows, applied inputs), their means until the next row that is examined; NaN between such rows.
     """
 
     states: np.ndarray
@@ -292,13 +292,19 @@ class ClosedSpan:
 
     @classmethod
     def of(
-        cls, span: LoopSpan, n: int, rows: np.ndarray, grid: Grid, index: np.ndarray, past: np.ndarray
+        cls, span: LoopSpan, n: int, rows: np.ndarray, grid: Grid, at: tuple[np.ndarray, int], past: np.ndarray
     ) -> "ClosedSpan":
-        """Return a span over a grid; ``rows``: all states at the base steps ``index``; n: states of the plant."""
-        means, places = _base_means(grid, span.u), index - grid.first
-        ahead = means[:0]
-        if len(places):
-            ahead = np.add.reduceat(means, places, axis=0) / np.diff(np.append(places, len(means)))[:, None]
+        """Return a span over a grid; ``rows``: all states at the base steps ``at[0]``; n: states of the plant.
+
+        Means of u are taken from every ``at[1]``-th base step to the next of these; other rows have none (NaN).
+        """
+        index, every = at
+        means, places, examined = _base_means(grid, span.u), index - grid.first, index % every == 0
+        ahead = np.full((len(places), means.shape[1]), np.nan)
+        if examined.any():
+            begins = places[examined]
+            lengths = np.diff(np.append(begins, len(means)))[:, None]
+            ahead[examined] = np.add.reduceat(means, begins, axis=0) / lengths
         loop_rows = LoopRows(rows[:, n:], span.u[grid.base[places], 0], ahead)
         remembered = np.concatenate([past, means])
         return cls(span, span.state[:n], rows[:, :n], span.state[n:], loop_rows, means, remembered, grid.first)

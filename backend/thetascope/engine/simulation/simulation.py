@@ -50,6 +50,7 @@ class Simulation:
     ``remember``: keep the last measurement even where nothing needs it yet, because a fault that needs it (freeze,
     dropout) may be added later. ``implicit``: take the implicit steps of implicit_method.py, in continuous time.
     ``inner``: where every base step is divided into parts, between 0 and 1; each part has ``substeps``.
+    ``spacing``: base steps between rows, a divisor of the experiment's ``every``, which it is by default.
     """
 
     def __init__(
@@ -59,8 +60,9 @@ class Simulation:
         remember: bool = False,
         implicit: bool = False,
         inner: tuple[float, ...] = (),
+        spacing: int | None = None,
     ):
-        self.inner = inner
+        self.inner, self.spacing = inner, spacing or experiment.every
         self.experiment, self.substeps, self.remember, self.implicit = experiment, substeps, remember, implicit
         plant = experiment.plant
         self.places = (0.0,) if plant.time == DISCRETE else implicit_method.C if implicit else RUNGE_KUTTA
@@ -91,7 +93,7 @@ class Simulation:
         """Return the applied u and the noisy outputs of a closed loop at the instant of a state."""
         e = self.experiment
         assert e.loop is not None and state.loop is not None, "only a closed loop computes its inputs"
-        grid = cut(state.k, state.k + 1, e.step, self._breaks(state.k, state.k + 1), e.every, self.substeps)
+        grid = cut(state.k, state.k + 1, e.step, self._breaks(state.k, state.k + 1), self.spacing, self.substeps)
         span = self._loop_run(e.loop).peek(grid, np.concatenate([state.plant, state.loop]), state.memory)
         return dict(zip((*e.plant.outputs, *e.applied), (*span.y[0, 0], *span.u[0, 0]), strict=True))
 
@@ -102,9 +104,8 @@ class Simulation:
 
         ``points``: further base steps to return as rows, ascending; y is measured at recorded rows only.
         """
-        e, first, last = self.experiment, state.k, state.k + count
-        index = np.arange(-(-first // e.every) * e.every, last, e.every)
-        every, stops = e.every, None
+        e, first, last, every, stops = self.experiment, state.k, state.k + count, self.spacing, None
+        index = np.arange(-(-first // every) * every, last, every)
         if points is not None and len(points) == count:
             every, index = 1, points
         elif points is not None and (points % every).any():
@@ -166,7 +167,7 @@ class Simulation:
 
     def _loop_run(self, loop: Loop) -> LoopRun:
         e = self.experiment
-        return LoopRun(loop, e.measurement, e.signals, e.parameters, e.every * self.substeps)
+        return LoopRun(loop, e.measurement, e.signals, e.parameters, self.spacing * self.substeps)
 
     def _closed(self, loop: Loop, state: State, grid: Grid, index: np.ndarray) -> ClosedSpan:
         """Advance plant and controllers."""
@@ -175,7 +176,7 @@ class Simulation:
         span = self._loop_run(loop).advance(grid, begin, state.memory)
         self.spent |= divided(thread_time() - clock, {PLANT: loop.program})
         rows = self._rows(begin, span.rows, state.k, index)
-        return ClosedSpan.of(span, len(state.plant), rows, grid, index, state.past)
+        return ClosedSpan.of(span, len(state.plant), rows, grid, (index, self.experiment.every), state.past)
 
     def _breaks(self, first: int, last: int) -> np.ndarray:
         a, b = (first - 0.5) * self.experiment.step, (last + 0.5) * self.experiment.step
@@ -327,7 +328,7 @@ class Simulation:
 
     def _measured_rows(self, grid: Grid, first: int, index: np.ndarray, plant_rows: np.ndarray, y: np.ndarray | None):
         e = self.experiment
-        recorded = index % e.every == 0
+        recorded = index % self.spacing == 0
         if not recorded.all():
             measured = np.full((len(index), len(e.plant.outputs)), np.nan)
             measured[recorded] = self._measured_rows(grid, first, index[recorded], plant_rows[recorded], y)

@@ -29,7 +29,7 @@ class SessionSetup:
         horizon: rows that the session may reach.
         detector: the detector of faults.
         step: base step of the simulation, s.
-        every: base steps per recorded row.
+        every: base steps per row; all rows at which the run is examined are shown, whatever `record` is.
     """
 
     spec: ResolvedExperiment
@@ -42,7 +42,8 @@ class SessionSetup:
     @classmethod
     def of(cls, spec: ResolvedExperiment, horizon: int) -> "SessionSetup":
         """Return the setup of a session on a spec; `horizon`: rows that it may reach."""
-        spec = spec.model_copy(update={"diagnosis": with_fixed_span(spec)})
+        rows = {"record": spec.evaluate_interval, "evaluate": spec.evaluate_interval}
+        spec = spec.model_copy(update={"diagnosis": with_fixed_span(spec), **rows})
         stages = tuple(prepare(spec).stages)
         first = stages[0].experiment
         detector = LiveDetector.create(spec, first, first.every * first.step)

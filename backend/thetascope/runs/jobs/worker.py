@@ -42,9 +42,11 @@ def allow(spec: ResolvedExperiment, cost: "Cost", max_steps: int, max_result: in
             Message("run.steps.over-limit", steps=cost.steps, limit=max_steps),
         )
     if cost.bytes > max_result:
+        intervals = {"record": spec.record_interval, "evaluate": spec.evaluate_interval}
+        field = min(intervals, key=lambda name: intervals[name])
         raise invalid(
-            "record",
-            spec.record,
+            field,
+            intervals[field],
             Message(
                 "run.result.over-limit",
                 rows=cost.rows,

@@ -50,7 +50,7 @@ def windowed_gramian(omega: np.ndarray, run: Observed) -> np.ndarray:
     Zhao, Li & Li 2012, eq. (36). Rows are NaN until a whole window has passed. Sums are accumulated in stretches of one
     window each, counted from t = 0, so that a row depends bit for bit on the last two stretches only.
     """
-    products = np.einsum("tki,tkj->tij", omega, omega) * run.record
+    products = np.einsum("tki,tkj->tij", omega, omega) * run.interval
     length = window_rows(run)
     rows = run.first_row + np.arange(len(products))
     prefix = np.empty_like(products)
@@ -68,7 +68,7 @@ def windowed_gramian(omega: np.ndarray, run: Observed) -> np.ndarray:
 
 def window_rows(run: Observed) -> int:
     """Return the number of rows in the window of the excitation level."""
-    return max(1, round(run.gain("window") / run.record))
+    return max(1, round(run.gain("window") / run.interval))
 
 
 def _stride(run: Observed) -> int:

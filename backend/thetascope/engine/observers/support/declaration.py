@@ -161,7 +161,7 @@ class Observed:
     channels: tuple[str, ...]
     facts: dict
     values: dict[str, np.ndarray]
-    record: float  # spacing of the rows, s
+    interval: float  # between rows, s
     context: Context
     first_row: int = 0  # number of the first of these rows, counted from t = 0
     born: int = 0  # row at which the observer began to watch

@@ -168,7 +168,7 @@ def joint_observability(run: Observed, period: float, source: str) -> Check:
     name, delta = Message("check.joint-observability"), run.gain("delta")
     if not run.facts["linearised"]:
         return _too_large(name, run, source)
-    requested = max(2, round(run.gain("window") / run.record))
+    requested = max(2, round(run.gain("window") / run.interval))
     length = min(requested, _WINDOW)
     matrices = _matrices(run)
     rows = len(run.values["t"])
@@ -176,7 +176,7 @@ def joint_observability(run: Observed, period: float, source: str) -> Check:
     smallest = [g for g in (_gramian(run, matrices, k, length, period) for k in starts) if g is not None]
     if not smallest:
         return Check(name, CANNOT_TELL, Message("check.window.short-or-infinite"), None, delta, source)
-    value, span = float(min(smallest)), length * run.record
+    value, span = float(min(smallest)), length * run.interval
     holds = (
         None if value < delta and length < requested else value >= delta
     )  # a window shorter than requested proves nothing
@@ -202,9 +202,9 @@ def _gramian(run: Observed, matrices: tuple[np.ndarray, ...], first: int, length
     blocks[:, :n, :n], blocks[:, :n, n:] = A, Phi
     if run.context.model["time"]["kind"] == "discrete":
         blocks[:, n:, n:] = np.eye(p)
-    transitions = _over(run, blocks, run.record)
+    transitions = _over(run, blocks, run.interval)
     for k in range(length):
         sensitivity = np.hstack([C[k], Psi[k]]) @ carried
-        total += sensitivity.T @ (sensitivity / R[:, None]) * (run.record / period)
+        total += sensitivity.T @ (sensitivity / R[:, None]) * (run.interval / period)
         carried = transitions[k] @ carried
     return float(np.linalg.eigvalsh(total)[0])
