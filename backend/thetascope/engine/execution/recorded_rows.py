@@ -38,8 +38,9 @@ def with_rows(result: Result, parts: Parts, every: int, record: int) -> Result:
     for life in lives(wanted):
         absent[life.label][life.where] = False
     for label, places in absent.items():
-        held = [i for i, n in enumerate(result.names) if n.startswith(f"{label}.") and n not in exact]
-        data[np.ix_(held, np.flatnonzero(places))] = np.nan
+        for row, name in zip(data, result.names, strict=True):
+            if name.startswith(f"{label}.") and name not in exact:
+                row[places] = np.nan
     return replace(result, data=data)
 
 
