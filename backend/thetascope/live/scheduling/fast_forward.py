@@ -8,6 +8,7 @@ import asyncio
 import ctypes
 import sys
 from collections import defaultdict
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from time import perf_counter
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
 
 _PIECE = 0.05
 """Seconds of one piece, about."""
+_REST = 0.5
+"""Rest after a piece, as a share of its time, so that requests get Python's lock."""
 _FIRST, _MOST = 256, 4096
 """Rows of the first piece, and of the largest."""
 
@@ -31,10 +34,11 @@ class FastForward:
 
     Args:
         seconds: the time in s that opening a session may take, for its refusal.
+        busy: whether others compute, too; then it rests after each piece as long as that took, otherwise half as long.
     """
 
-    def __init__(self, seconds: float) -> None:
-        self._seconds = seconds
+    def __init__(self, seconds: float, busy: Callable[[], bool]) -> None:
+        self._seconds, self._busy = seconds, busy
         self._thread = ThreadPoolExecutor(1, thread_name_prefix="forward")
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
         self._stopped = False
@@ -79,6 +83,7 @@ class FastForward:
         if self._stopped:
             raise Busy(Message("work.stopping"))
         seconds = await asyncio.get_running_loop().run_in_executor(self._thread, _timed, compute, session, rows, past)
+        await asyncio.sleep(seconds if self._busy() else _REST * seconds)
         return max(1, min(_MOST, 4 * rows, round(rows * _PIECE / max(seconds, 1e-6))))
 
 

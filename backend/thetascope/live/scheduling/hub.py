@@ -77,7 +77,7 @@ class Hub:
         self._frozen, self._collected, self._closed_some = False, 0.0, False
         self._templates: OrderedDict[str, Session] = OrderedDict()
         self._rehearsed: OrderedDict[str, None] = OrderedDict()
-        self._forward = FastForward(settings.job_seconds)
+        self._forward = FastForward(settings.job_seconds, lambda: workers.usage()["running"] > 0)
         self._openings, self._joins = RateLimiter(_OPENING), RateLimiter(_JOINING)
 
     def __len__(self) -> int:

@@ -18,6 +18,7 @@ from thetascope.runs.specs.refusals import Busy
 from thetascope.runs.workers.computation import Computation, Report, packed
 from thetascope.runs.workers.limits import Crashed, Ended, Limits, cpu_limit, memory_limit, time_limit
 from thetascope.runs.workers.process import Gone, WorkerProcess
+from thetascope.runs.workers.shares import Shares
 from thetascope.runs.workers.turns import Turns
 
 log = logging.getLogger(__name__)
@@ -57,6 +58,7 @@ class Workers:
         self._most, self._places = max(1, places), max(1, places) + 1
         self._limits, self._queue = limits, queue
         self._quick, self._slow = _Lane(), _Lane()
+        self._shares = Shares()
         self._idle: list[WorkerProcess] = []
         self._shared: OrderedDict[bytes, Computation] = OrderedDict()
         self._threads: set[Thread] = set()
@@ -211,7 +213,17 @@ class Workers:
         self._begin(turn)
         process, grown = turn.process, 0
         assert process is not None
-        begun = process.cpu
+        begun, counted = process.cpu, 0.0
+
+        def used() -> float:
+            """Return the processor time of this turn so far, and count it."""
+            nonlocal counted
+            seconds = process.cpu - begun
+            with self._lock:
+                self._shares.add(computation.client, seconds - counted)
+            counted = seconds
+            return seconds
+
         computation.begin()
         try:
             while True:
@@ -222,13 +234,15 @@ class Workers:
                 if turn.error is not None:
                     return
                 grown = process.grown
-                used = process.cpu - begun
-                if used > MOMENT and turn.lane is self._quick and not self._stays(turn):
+                seconds = used()
+                if seconds > MOMENT and turn.lane is self._quick and not self._stays(turn):
                     turn.again = True
                     return
-                process.give_way(max((nice for since, nice in _GIVE_WAY if used > since), default=0))
+                process.give_way(max((nice for since, nice in _GIVE_WAY if seconds > since), default=0))
         except Gone as gone:
             turn.error = _why(gone, computation, grown)
+        finally:
+            used()
 
     def _must_end(self, computation: Computation) -> Exception | None:
         """Return why a computation that runs is ended now, or None."""
@@ -239,12 +253,17 @@ class Workers:
         return time_limit(computation.limits) if time.monotonic() > computation.deadline else None
 
     def _begin(self, turn: "_Turn") -> None:
-        """Hand the computation to an idle worker, or to a new one if it has ended."""
+        """Hand the computation to an idle worker, or to a new one if it has ended, or if the client must give way.
+
+        A worker that gives way does so for the rest of its life, and those that know more are for the others.
+        """
         while True:
             with self._lock:
-                process = self._idle.pop() if self._idle else None
+                nice = self._shares.nice(turn.computation.client)
+                process = self._idle.pop() if self._idle and not nice else None
             fresh = process is None
             turn.process = process or self._started()
+            turn.process.give_way(nice)
             try:
                 turn.process.begin(turn.computation.task, turn.computation.limits.cpu)
             except Gone:

@@ -49,7 +49,7 @@ class WorkerProcess:
         with _lock, _environment(_ALONE):
             self._process.start()
         other.close()
-        self.nice = 0
+        self.nice, self._cpu = 0, 0.0
         self._idle_bytes = data_bytes(self._process.pid or 0)
 
     @property
@@ -59,13 +59,18 @@ class WorkerProcess:
 
     @property
     def cpu(self) -> float:
-        """Return the seconds of processor time that the process has used; those of the clock where that is unknown."""
+        """Return the seconds of processor time that the process has used, at its end the last ones that were read.
+
+        Where the system does not tell, return those of the clock.
+        """
         try:
             with open(f"/proc/{self._process.pid}/stat") as file:
                 fields = file.read().rpartition(")")[2].split()
-            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+            self._cpu = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
         except (OSError, IndexError, ValueError):
-            return time.monotonic()
+            if sys.platform != "linux":
+                return time.monotonic()
+        return self._cpu
 
     def begin(self, task: bytes, cpu: float) -> None:
         """Hand over a computation. Raises Gone."""
