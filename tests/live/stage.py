@@ -19,6 +19,7 @@ from thetascope.live.room.room_parts import RoomServices
 from thetascope.live.room.serial_queue import Callback, Job, outcome
 from thetascope.live.session.session import Session
 from thetascope.live.wire.viewer import Viewer
+from thetascope.runs.workers.limits import Ended
 from thetascope_schemas.experiment.experiment import Experiment
 from thetascope_schemas.service.session import HEADER, Event
 
@@ -97,6 +98,8 @@ class Stage:
         **changes: object,
     ) -> None:
         self.now = 0.0
+        self.rehearsal: object = None
+        self.rehearsed: list[object] = []
         self.at: float | None = None
         self.session = Session(library.resolve(spec(**({"evaluate": 0.01} | changes))), limit)
         self.session.advance(1)
@@ -133,7 +136,11 @@ class Stage:
         then(*outcome(job))
 
     def _rehearse(self, spec: object, command: object, client: str, then: Callback) -> Callable[[], None]:
-        then(None, None)
+        """Rehearse a command without a worker: `rehearsal` is its error; with ... it ends when it is left."""
+        self.rehearsed.append(command)
+        if self.rehearsal is ...:
+            return lambda: then(None, Ended())
+        then(None, self.rehearsal)
         return lambda: None
 
     def _wake(self, room: Room, at: float) -> None:

@@ -1,10 +1,13 @@
 """A room with viewers, on real sessions, with a clock that the test controls."""
 
+import json
+
 import numpy as np
 import pytest
 
 from tests.live.stage import Stage, kinds, same, staged
 from thetascope.live.session.session import Session
+from thetascope.runs.workers.limits import Limits, time_limit
 
 FAULT = {"channel": "gain", "shape": "step", "onset": 0, "size": 0.3}
 SECOND = {"label": "other", "kind": "adaptive-kalman"}
@@ -136,6 +139,41 @@ def test_observers_are_added_and_removed_with_their_columns():
         await stage.say(page, "remove-observer", label="other")
         await stage.go(0.2)
         assert page.of("columns")[1]["columns"] == page.texts[0]["columns"] and page.frames[-1].epoch == 2
+
+    staged(scenario)
+
+
+def test_a_command_whose_kernels_take_too_long_is_refused():
+    """The session has the same rows as without it, and later commands are carried out; simple ones need no worker."""
+
+    async def scenario(stage: Stage) -> None:
+        page = await stage.connect()
+        await stage.say(page, "play")
+        await stage.go(0.3)
+        stage.rehearsal = time_limit(Limits(20.0, 20.0, 1))
+        await stage.say(page, "add-observer", observer=SECOND)
+        await stage.go(0.2)
+        assert page.of("refused")[0]["code"] == "work.time-limit" and not page.of("columns")
+        await stage.say(page, "inject", fault=FAULT)
+        await stage.go(0.2)
+        assert len(stage.session.spec.faults) == 2
+        assert len(stage.rehearsed) == 1
+        same(page.rows(), stage.session.spec, page.texts[0]["columns"])
+
+    staged(scenario)
+
+
+def test_a_command_is_dropped_if_its_viewer_leaves_while_kernels_are_compiled():
+    """Commands of other viewers are carried out."""
+
+    async def scenario(stage: Stage) -> None:
+        page, other = await stage.connect(), await stage.connect()
+        stage.rehearsal = ...
+        command = json.dumps({"type": "add-observer", "id": 1, "observer": SECOND})
+        stage.room.commands.receive(page.viewer, command, 100_000)
+        stage.room.leave(page.viewer)
+        assert (await stage.say(other, "inject", fault=FAULT))["type"] == "ack"
+        assert len(stage.session.spec.faults) == 2 and not stage.session.spec.commands
 
     staged(scenario)
 

@@ -16,6 +16,7 @@ from thetascope.live.wire import messages
 from thetascope.live.wire.viewer import Viewer
 from thetascope.messages import Message
 from thetascope.runs.specs.refusals import Refusal
+from thetascope.runs.workers.limits import Ended
 from thetascope_schemas.experiment.signals import ExpressionSignal
 from thetascope_schemas.service.session import (
     Ack,
@@ -136,18 +137,19 @@ class CommandHandler:
     def _rehearse(self, viewer: Viewer, command: SessionCommand) -> None:
         """Compile the kernels of a command beside the session, into the cache, where the session finds them.
 
-        A command whose equations take too much time or memory is refused.
+        A command whose equations take too much time or memory is refused, and one whose viewer leaves is dropped.
         """
         session = self._room.session
 
         def then(_: object, error: Exception | None) -> None:
             self._rehearsal = None
-            if isinstance(error, Refusal):
-                self._busy = False
-                viewer.send(messages.refusal(command.id, error.problem))
-                self._next()
-            else:
+            if not isinstance(error, Refusal | Ended):
                 self._submit(viewer, command)
+                return
+            self._busy = False
+            if isinstance(error, Refusal):
+                viewer.send(messages.refusal(command.id, error.problem))
+            self._next()
 
         here = without_commands(session.spec, session.t)
         self._rehearsal = viewer, self._room.services.rehearse(here, command, viewer.client, then)
