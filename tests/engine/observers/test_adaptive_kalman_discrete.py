@@ -171,7 +171,10 @@ def test_library_tanks_are_diagnosed(experiment):
     ("kind", "share"), [("adaptive-kalman", 0.5), ("adaptive-kalman-discrete", 1 / (1 + np.exp(-0.05)))]
 )
 def test_without_excitation_the_covariance_tends_to_its_bound(kind, share):
-    """A fault that the input never shows: 60 forgetting times let a plain Γ grow by e^60, the bounded one end at Γ̄."""
+    """A fault that the input never shows: 60 forgetting times let a plain Γ grow by e^60, the bounded one end at Γ̄.
+
+    The check says from which row on: Γ reaches 0.9 Γ̄ after ln(9 (Γ̄/Γ(0) − 1)) = 5.9 forgetting times.
+    """
     plant = {
         "id": "hidden",
         "states": [{"name": "x", "scale": 1}],
@@ -185,5 +188,8 @@ def test_without_excitation_the_covariance_tends_to_its_bound(kind, share):
     result = run(plant, kind, ("loss",), gains, options={"forgetting": "bounded"}, **given)
     assert result.observers[0].diverged is None
     assert result.column("o.claimed.loss")[-1] == pytest.approx((0.04 * share) ** 0.5, rel=1e-6)
+    said = result.observers[0].checks[-1].text
+    assert said.code == "check.definite.bounded" and (said.args["time"], said.args["channels"]) == (6.0, ("loss",))
     plain = run(plant, kind, ("loss",), gains, **given)
+    assert all(check.text.code != "check.definite.bounded" for check in plain.observers[0].checks)
     assert plain.observers[0].diverged is not None or plain.column("o.claimed.loss")[-1] > 1e6

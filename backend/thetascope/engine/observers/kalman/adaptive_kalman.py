@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from thetascope.engine.model.result import Check
-from thetascope.engine.observers.support.common_checks import claimed_sigma, positive_definite
+from thetascope.engine.observers.support.common_checks import bounded_covariance, claimed_sigma, positive_definite
 from thetascope.engine.observers.support.declaration import Observed, Observer
 from thetascope.engine.observers.support.draft import Draft
 from thetascope.engine.observers.support.excitation_checks import (
@@ -83,13 +83,12 @@ def write(d: Draft) -> None:
 
 def checks(run: Observed) -> list[Check]:
     """Check the assumptions on this plant, these gains and this run."""
-    p = len(run.channels)
     return [
         observability(run, "Kalman & Bucy 1961"),
         closed_loop(run, SOURCE),
         positive_definite(run, "P", run.context.n, "Kalman & Bucy 1961"),
         excitation_check(run, run.values["pe"], SOURCE),
-        positive_definite(run, "Gamma", p, SOURCE),
+        bounded_covariance(run, "Gamma", SOURCE),
     ]
 
 

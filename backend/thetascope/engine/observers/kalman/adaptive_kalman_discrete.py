@@ -24,7 +24,7 @@ import numpy as np
 from thetascope.engine.language.lazy_sympy import sympy
 from thetascope.engine.model.result import Check
 from thetascope.engine.observers.kalman.rk4_map import SUBSTEPS, flow
-from thetascope.engine.observers.support.common_checks import claimed_sigma, positive_definite
+from thetascope.engine.observers.support.common_checks import bounded_covariance, claimed_sigma, positive_definite
 from thetascope.engine.observers.support.declaration import Observed, Observer
 from thetascope.engine.observers.support.draft import NOW, Draft
 from thetascope.engine.observers.support.draft_linalg import joseph, solve
@@ -108,13 +108,13 @@ def bounded(d: Draft, S: Matrix, mu: Expr) -> Matrix:
 
 def checks(run: Observed) -> list[Check]:
     """Check the assumptions on this plant, these gains and this run."""
-    p, period = len(run.channels), run.context.period
+    period = run.context.period
     return [
         observability(run, "Kalman 1960"),
         closed_loop(run, SOURCE, period),
         positive_definite(run, "P", run.context.n, "Kalman 1960"),
         excitation_check(run, run.values["pe"], SOURCE),
-        positive_definite(run, "S", p, SOURCE),
+        bounded_covariance(run, "S", SOURCE),
     ]
 
 

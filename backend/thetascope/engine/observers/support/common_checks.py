@@ -1,5 +1,7 @@
 """Checks shared by several observers. Each computes a number from a run and returns it in a Check."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from thetascope.engine.model.result import CANNOT_TELL, FAILS, HOLDS, Check, Verdict
@@ -8,6 +10,7 @@ from thetascope.messages import Message
 
 NO_VALUE = Message("check.no-value")
 NO_ESTIMATE = Message("check.no-estimate")
+_HELD = 0.9  # of its bound, at which forgetting no longer lets a covariance grow
 _GREEK = {"Gamma": "Γ", "Upsilon": "Υ", "Omega": "Ω"}
 
 
@@ -139,6 +142,25 @@ def positive_definite(run: Observed, name: str, size: int, source: str) -> Check
     picked = finite[np.unique(np.linspace(0, len(finite) - 1, 200).astype(int))]
     value = float(np.linalg.eigvalsh(_unit_diagonal(picked)).min())
     return Check(title, verdict(value > 0), Message("check.definite.smallest", value=value), value, 0.0, source)
+
+
+def bounded_covariance(run: Observed, name: str, source: str) -> Check:
+    """Check a covariance of θ̂ as `positive_definite` does, and say from which time to the end its bound Γ̄ holds it.
+
+    It is held where a diagonal entry is above 0.9 of its bound: there the input excites that fault too little.
+    """
+    size = len(run.channels)
+    check = positive_definite(run, name, size, source)
+    if check.value is None or not any(p.startswith("g.bound") for p in run.program.parameters):
+        return check
+    share = np.einsum("tii->ti", run.matrix(name, size, size, symmetric=True)) / run.gains("bound")
+    free = np.flatnonzero(~(share > _HELD).any(axis=1))
+    first = int(free[-1]) + 1 if len(free) else 0
+    if first >= len(share):
+        return check
+    channels = [c for c, of_channel in zip(run.channels, share[-1] > _HELD, strict=True) if of_channel]
+    args = {"value": check.value, "time": float(run.values["t"][first]), "channels": channels}
+    return replace(check, text=Message("check.definite.bounded", **args))
 
 
 def _unit_diagonal(matrices: np.ndarray) -> np.ndarray:
