@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from tests.engine.model.test_events import BALL, bounced, simulate
 from thetascope import library
 from thetascope.assembly import prepare
-from thetascope.engine.simulation.controlled import Controlled, simulation_of
+from thetascope.engine.simulation.controlled import Controlled, Repeated, simulation_of
 from thetascope_schemas import Experiment
 
 LAG = 1e-5
@@ -86,3 +86,13 @@ def test_splitting_a_run_with_events_changes_no_number():
         state, part = simulation_of(e).advance(state, min(7, e.steps - state.k))
         parts.append(part.plant)
     np.testing.assert_array_equal(np.concatenate(parts), whole)
+
+
+def test_runs_that_are_repeated_for_thresholds_locate_no_event():
+    """They are long, and many: a thermostat of the documentation would otherwise take minutes to calibrate."""
+    spec = {"id": "case", "plant": RELAY, "horizon": 30.0, "step": 0.05, "record": 0.05}
+    repeated = Repeated()
+    rows = list(repeated.spans(prepare(library.resolve(Experiment.model_validate(spec))).engine))
+    assert sum(len(part.index) for part in rows) == 601
+    assert rows[0].plant[:, 0].max() < 22.05, "its events act all the same"
+    assert not any(inner and len(inner) < 10 for _, (_, _, inner) in repeated.courses)

@@ -28,15 +28,19 @@ _OF_PART = 0.25  # of the error that a base step may add: what one part of it ma
 
 
 def simulation_of(
-    experiment: Experiment, remember: bool = False, spacing: int | None = None
+    experiment: Experiment, remember: bool = False, spacing: int | None = None, locates: bool = True
 ) -> "Simulation | Controlled":
     """Return the simulation of an experiment: with the substeps that it gives, else with those that accuracy needs.
 
-    ``spacing``: base steps between rows, a divisor of the experiment's ``every``, which it is by default.
+    Args:
+        experiment: what to simulate.
+        remember: as for `Simulation`.
+        spacing: base steps between rows, a divisor of the experiment's ``every``, which it is by default.
+        locates: whether base steps are divided around events, where steps follow the accuracy.
     """
     if experiment.substeps is not None or experiment.plant.time != CONTINUOUS:
         return Simulation(experiment, experiment.substeps or 1, remember, spacing=spacing)
-    return Controlled(experiment, remember, spacing)
+    return Controlled(experiment, remember, spacing, locates)
 
 
 class Controlled:
@@ -46,8 +50,12 @@ class Controlled:
     not depend on ``spacing``.
     """
 
-    def __init__(self, experiment: Experiment, remember: bool = False, spacing: int | None = None):
+    def __init__(
+        self, experiment: Experiment, remember: bool = False, spacing: int | None = None, locates: bool = True
+    ):
+        """Begin; the arguments are those of `simulation_of`."""
         self.experiment, self.remember, self.spacing = experiment, remember, spacing or experiment.every
+        self.locates = locates
         self.courses: list[tuple[int, Steps]] = []
         self._span = _FIRST_SPAN  # of the next span; results do not depend on it
         self._measured = [s for s in experiment.estimators if s.every is None]
@@ -198,13 +206,14 @@ class Controlled:
         judged = Judged(self._budget, control, points, ahead, states, errors, control.steps)
         need, started = judged.accumulate(*along), control
         several = control.substeps > 1 or control.implicit
-        for i in range(len(points)) if several else np.flatnonzero(need > 1).tolist():
+        events = judged.fired & self.locates
+        for i in range(len(points)) if several else np.flatnonzero((need > 1) | events).tolist():
             k = int(points[i])
-            if k < control.waits:
+            if k < control.waits or (control.inner and k == control.chosen):  # divided as well as it can be
                 continue
-            here = {n: v[i : i + 1] for n, v in states.items()}
-            if need[i] > 1:
-                control = self._more(judged.control_at(i, control), k, here, bool(judged.fired[i]))
+            here, located = {n: v[i : i + 1] for n, v in states.items()}, events[i] and control.credit_at(k) >= 1
+            if located or need[i] > 1:
+                control = self._more(judged.control_at(i, control), k, here, bool(located))
             else:
                 control, fewer = step_control.calmed(control, k, float(judged.strict[i]))
                 if fewer:
@@ -220,6 +229,7 @@ class Controlled:
             many = control.inner and k - control.chosen < step_control.FAR
             inner = () if many else self._divided(control, k, {"": states[""]})
             control = control.with_steps(k, step_control.PART_SUBSTEPS, possible, inner or ())
+            control = replace(control, credit=control.credit_at(k) - 1, credited=k)
             return control if inner else step_control.waiting(control, k)
         tried = {steps: self._strict(control, k, states, steps)}
         need = tried[steps]
@@ -229,7 +239,9 @@ class Controlled:
                 return control.with_steps(k, *steps)
         # an observer settles from its initial state; where it is that stiff for long, dividing its steps takes too long
         part = {"": states[""]} if self._strict(control, k, {"": states[""]}, control.steps) > 1 else states
-        often = part is states and control.inner and k - control.chosen < step_control.FAR
+        often = bool(control.inner) and k - control.chosen < step_control.FAR
+        # what an observer takes for an event has the error of its estimate, which no division removes
+        often = part is states and (often or bool(self.experiment.plant.after))
         inner = None if often else self._divided(control, k, part)
         if inner is not None:
             return control.with_steps(k, step_control.PART_SUBSTEPS, possible, inner)
@@ -299,20 +311,20 @@ class Repeated:
     """Simulates an experiment again and again, with other seeds or signals; the first run chooses the steps."""
 
     def __init__(self) -> None:
-        self._courses: list[tuple[int, Steps]] = []
+        self.courses: list[tuple[int, Steps]] = []
 
     def spans(self, experiment: Experiment) -> Iterator[Rows]:
         """Return the rows from t = 0 to the horizon, in chunks; the first run is to be drained or to be lost."""
-        count, first = experiment.steps + 1, simulation_of(experiment)
-        if isinstance(first, Simulation) or not self._courses:
+        count, first = experiment.steps + 1, simulation_of(experiment, locates=False)
+        if isinstance(first, Simulation) or not self.courses:
             for _, rows in first.spans(count):
                 yield rows
-                self._courses = first.courses if isinstance(first, Controlled) else []
+                self.courses = first.courses if isinstance(first, Controlled) else []
             return
         state = first.initial()
-        ends = [*(min(k, count) for k, _ in self._courses[1:]), count]
+        ends = [*(min(k, count) for k, _ in self.courses[1:]), count]
         parts: list[Rows] = []
-        for end, (substeps, implicit, inner) in zip(ends, (steps for _, steps in self._courses), strict=True):
+        for end, (substeps, implicit, inner) in zip(ends, (steps for _, steps in self.courses), strict=True):
             if end > state.k:
                 simulation = Simulation(experiment, substeps, implicit=implicit, inner=inner)
                 for after, rows in simulation.spans(end - state.k, state):

@@ -180,10 +180,8 @@ class Judged:
                 self.shares[0],
                 np.maximum(self.shares[1], np.where(lost, 0.0, instability(self._slopes, steps))),
             )
-        # two numbers of substeps say nothing of the error of an event: both may take the same substep across it
-        divided = steps is None or (np.array([k == control.chosen and bool(control.inner) for k in points]))
-        self.fired = errors.fired & ~divided
-        self.shares = self.shares[0], np.where(self.fired, np.inf, self.shares[1])
+        known = np.array([k == control.chosen and bool(control.inner) for k in points], dtype=bool)
+        self.fired = errors.fired & (steps is not None) & ~known
         self.strict = np.maximum(*self.shares)
         self.plant_step = np.where(np.isfinite(errors.plant), errors.plant, 0.0)
         self.observers_step = np.where(np.isfinite(observers), observers, 0.0)

@@ -40,7 +40,8 @@ States = dict[str, np.ndarray]
 class LocalErrors:
     """Errors that one base step adds: ``plant`` (points, n), signed; ``observers`` by label (points, states).
 
-    ``ends``: the states after the base step, by label; the plant's is "". ``fired``: whether an event acted (points,).
+    ``ends``: the states after the base step, by label; the plant's is "". ``fired``: whether an event acted (points,);
+    the plant's error is then that without events.
     """
 
     plant: np.ndarray
@@ -76,21 +77,19 @@ class Steppers:
         scale = 2.0 ** _ORDER[implicit] / (2.0 ** _ORDER[implicit] - 1)
         with np.errstate(all="ignore"):
             errors = {label: scale * (coarse[label] - fine[label]) for label in coarse}
-        return LocalErrors(errors.pop(""), errors, coarse, self._fired(points, states, steps, ends, coarse))
+        plant, fired = errors.pop(""), np.zeros(len(points), dtype=bool)
+        if self._quiet is not None:  # two numbers of substeps say nothing of an event: both may take one across it
+            alone = {"": states[""]}
+            one, two = (self._quiet._advance(points, alone, n, implicit, ends)[""] for n in (substeps, 2 * substeps))
+            fired = _differ(coarse[""], one)
+            with np.errstate(all="ignore"):
+                plant[fired] = scale * (one - two)[fired]
+        return LocalErrors(plant, errors, coarse, fired)
 
     def ends(self, points: np.ndarray, states: States, steps: Steps, part: tuple[float, float]) -> States:
         """Return the states after base steps that begin at ``points``, or after a part of them."""
         substeps, implicit, inner = steps
         return self._advance(points, states, substeps, implicit, (part[0], *inner, part[1]))
-
-    def _fired(
-        self, points: np.ndarray, states: States, steps: Steps, ends: tuple[float, ...], after: States
-    ) -> np.ndarray:
-        """Return whether events acted in base steps that led to the states ``after`` (points,)."""
-        if self._quiet is None:
-            return np.zeros(len(points), dtype=bool)
-        quiet = self._quiet._advance(points, {"": states[""]}, steps[0], steps[1], ends)[""]
-        return ((quiet != after[""]) & ~(np.isnan(quiet) & np.isnan(after[""]))).any(axis=1)
 
     def event_between(
         self, k: int, plant: np.ndarray, implicit: bool, part: tuple[float, float]
@@ -105,7 +104,7 @@ class Steppers:
             tried = np.linspace(low, high, _TRIED + 1)[1:]
             states = np.repeat(plant, len(tried), axis=0)
             after, quiet = (s._stretched(k, states, implicit, part[0], tried) for s in (self, self._quiet))
-            fired = ((after != quiet) & ~(np.isnan(after) & np.isnan(quiet))).any(axis=1)
+            fired = _differ(after, quiet)
             first = int(np.argmax(fired)) if fired.any() else len(tried) - 1
             low, high = (float(tried[first - 1]) if first else low), float(tried[first])
         return low, high
@@ -183,6 +182,11 @@ class Steppers:
         picked = y[:, :, [names.index(n) for n in given]]
         call = plan(program, (), own.kinds, given, implicit=implicit)
         return _call(call, own, estimator.parameters, start, picked)[0]
+
+
+def _differ(states: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return in which rows states differ (rows,)."""
+    return ((states != others) & ~(np.isnan(states) & np.isnan(others))).any(axis=1)
 
 
 def _places(implicit: bool) -> tuple[float, ...]:

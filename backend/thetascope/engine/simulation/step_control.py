@@ -13,6 +13,8 @@ import numpy as np
 MOST_SUBSTEPS = 64  # of explicit steps; more, and implicit steps are taken
 MOST_PARTS = 600  # of a base step that is divided unequally
 MOST_EVENTS = 8  # that are located in a base step
+_EVENTS = 1000.0  # that are located in a run, where they follow one another closely,
+_EVENTS_EVERY = 64  # and base steps for one more: locating one takes as long as thousands of steps
 FAR = 8  # base steps: events that follow one another more closely act at the ends of steps for a while
 SHORTEST_PART = 2.0**-18  # of a base step
 PART_SUBSTEPS = 2  # of each part
@@ -45,6 +47,7 @@ class Control:
         waits, patience: base step before which substeps are not chosen anew, because none reached the tolerance, and
             base steps to wait the next time.
         chosen: base step at which the present steps were chosen.
+        credit, credited: events that may be located, as of a base step.
         lost: labels whose states leave the finite numbers whatever the steps; they are no longer measured.
         at: the last point.
         plant: error of the plant's states (n,) at that point, propagated from the beginning.
@@ -65,6 +68,8 @@ class Control:
     wish: int = 1
     waits: int = 0
     patience: int = 1
+    credit: float = _EVENTS
+    credited: int = 0
     lost: frozenset[str] = frozenset()
     at: int = 0
     plant: np.ndarray = field(default_factory=lambda: np.zeros(0))
@@ -94,6 +99,10 @@ class Control:
     def steps(self) -> "Steps":
         """Return substeps, implicit and inner."""
         return self.substeps, self.implicit, self.inner
+
+    def credit_at(self, k: int) -> float:
+        """Return how many events may be located from base step k on."""
+        return min(_EVENTS, self.credit + (k - self.credited) / _EVENTS_EVERY)
 
     def with_steps(self, k: int, substeps: int, implicit: bool, inner: tuple[float, ...]) -> "Control":
         """Return the control with other steps from base step k on."""
