@@ -237,12 +237,11 @@ class Controlled:
             tried[steps] = need = self._strict(control, k, states, steps)
             if need <= 1:
                 return control.with_steps(k, *steps)
-        # an observer settles from its initial state; where it is that stiff for long, dividing its steps takes too long
+        # An observer settles from its initial state. Where it is that stiff later, dividing its steps takes too long,
+        # and what it takes for an event has the error of its estimate, which no division removes.
         part = {"": states[""]} if self._strict(control, k, {"": states[""]}, control.steps) > 1 else states
-        often = bool(control.inner) and k - control.chosen < step_control.FAR
-        # what an observer takes for an event has the error of its estimate, which no division removes
-        often = part is states and (often or bool(self.experiment.plant.after))
-        inner = None if often else self._divided(control, k, part)
+        late = part is states and (k > control.origin or bool(self.experiment.plant.after))
+        inner = None if late else self._divided(control, k, part)
         if inner is not None:
             return control.with_steps(k, step_control.PART_SUBSTEPS, possible, inner)
         if not np.isfinite(need):
