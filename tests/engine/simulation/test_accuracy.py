@@ -12,7 +12,6 @@ from thetascope.engine.model.result import TOLERANCE
 from thetascope.engine.programs.propagation import exponentials
 from thetascope_schemas import Experiment
 
-
 LONG = "the Oregonator"
 
 
