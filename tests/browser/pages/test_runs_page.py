@@ -144,7 +144,7 @@ def test_an_unknown_experiment_is_answered_with_a_notice(page):
 
 def test_a_long_run_shows_progress_and_can_be_cancelled(page):
     """A run of minutes shows its progress; Cancel ends it, and the page reports it."""
-    opened = page("/runs/?experiment=zhao-2012-observers&set=horizon%3D15000&set=record%3D1.5")
+    opened = page("/runs/?experiment=zhao-2012-observers&set=horizon%3D15000&set=evaluate%3D1.5&set=record%3D1.5")
     opened.wait_for_selector("h1")
     opened.click("button.run")
     until(opened, "/^[1-9]\\d* %$/.test(document.querySelector('.status').textContent)")

@@ -54,6 +54,7 @@ def _closed(spec: ResolvedExperiment, place: int) -> ResolvedExperiment:
         "observers": (spec.observers[place],),
         "horizon": STEPS * spec.step,
         "evaluate": spec.step,
+        "record": spec.step,
         "substeps": 4,  # both runs take the same steps
         "faults": spec.faults[:1],
         "figures": (),
