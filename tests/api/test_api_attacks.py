@@ -122,12 +122,12 @@ def test_a_computation_ends_when_its_clients_go_away(guarded):
 
 
 def health(address: str) -> dict:
-    """Return what the service says about its workers."""
+    """Return the state of the workers in the health of the service."""
     return send(address, "/api/health")[1]["workers"]
 
 
 def test_a_signal_ends_the_service_while_it_computes(tmp_path):
-    """It ends with its workers, and whoever waits for a computation is told."""
+    """It ends with its workers, and clients that wait for a computation get an answer."""
     with process(tmp_path, job_seconds=60, job_cpu=60) as (started, address):
         answers: list[tuple[int, dict]] = []
         requests = [(CHECK, attacks.wide()), (SESSION, attacks.later()), (RUN, attacks.longest())]

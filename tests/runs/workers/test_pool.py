@@ -77,7 +77,7 @@ def test_a_computation_ends_at_its_limits(start, limits: Limits, task: tuple, co
 
 
 def test_a_worker_that_dies_is_replaced(start):
-    """Whoever waited for it is told; the next computation gets another process."""
+    """Its clients get an error; the next computation gets another process."""
     workers = start()
     assert isinstance(outcome(workers.call(tasks.die)), Crashed)
     assert outcome(workers.call(tasks.add, 1, 1)) == 2
@@ -160,7 +160,7 @@ def test_a_full_queue_is_refused(start):
 
 
 def test_closing_ends_everything(start):
-    """Nothing is carried out any more, no process and no thread remains, and all who wait are told."""
+    """No computation runs any longer, no process and no thread remains, and all waiting clients get an error."""
     workers = start(places=1)
     pid = outcome(workers.call(tasks.process_id))
     many = [workers.call(tasks.spin, 60, mark) for mark in range(3)]

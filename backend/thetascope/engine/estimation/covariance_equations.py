@@ -19,6 +19,7 @@ Gains that are states themselves (Γ, P, Υ) are taken as given: noise in them m
 noise, an effect of second order.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -138,6 +139,22 @@ def _fading(g: Graph, noise: int, before: int, after: int, recent: int) -> tuple
     variance = g.add(before, g.mul(end, g.sub(after, before)))
     growth = g.mul(g.mul(share, variance), g.var("interval"))
     return growth, g.add(recent, g.mul(g.var("follow"), g.sub(eta, recent)))
+
+
+def reader(graph: Graph, filter_: Program, given: list[str]) -> Callable[[str], int]:
+    """Return a function that gives the node of a filter's output in a graph: a constant, else an input.
+
+    Names of inputs are added to ``given``.
+    """
+
+    def part(name: str) -> int:
+        value = filter_.graph.value(filter_.outputs[name])
+        if value is not None:
+            return graph.const(value)
+        given.append(name)
+        return graph.var(name)
+
+    return part
 
 
 def total(graph: Graph, products: list[tuple[int, int]]) -> int:

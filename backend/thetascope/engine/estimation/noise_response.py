@@ -14,7 +14,7 @@ from functools import lru_cache
 
 from thetascope.engine.compiler.graph import Graph
 from thetascope.engine.compiler.system import DISCRETE, Program
-from thetascope.engine.estimation.covariance_equations import total
+from thetascope.engine.estimation.covariance_equations import reader, total
 from thetascope.engine.programs.program_store import derived
 
 
@@ -31,13 +31,7 @@ def noise_response(filter_: Program, n: int, m: int) -> Program:
 
 def _write(filter_: Program, n: int, m: int) -> Program:
     g, given = Graph(), []
-
-    def part(name: str) -> int:
-        value = filter_.graph.value(filter_.outputs[name])
-        if value is not None:
-            return g.const(value)
-        given.append(name)
-        return g.var(name)
+    part = reader(g, filter_, given)
 
     mu = [g.var(f"mu.{i}") for i in range(n)]
     F = [[part(f"F.{i}.{j}") for j in range(n)] for i in range(n)]

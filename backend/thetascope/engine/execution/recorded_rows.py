@@ -18,7 +18,7 @@ Parts = Sequence[tuple[Experiment, Rows]]
 
 
 def every_nth(parts: Parts, steps: int) -> list[tuple[Experiment, Rows]]:
-    """Return the rows of spans at multiples of so many base steps."""
+    """Return the rows of spans at multiples of a number of base steps."""
     return [(e, rows.where(rows.index % steps == 0)) for e, rows in parts]
 
 

@@ -42,7 +42,7 @@ class Control:
     Attributes:
         origin: base step at which the run, or the stage of the last command, began.
         substeps, implicit: of each base step from here on.
-        inner: where each base step is divided into parts, between 0 and 1; every part has so many substeps.
+        inner: where each base step is divided into parts, between 0 and 1; each part has ``substeps``.
         calm, wish: points in a row that needed fewer substeps, and the largest number that one of them needed.
         waits, patience: base step before which substeps are not chosen anew, because none reached the tolerance, and
             base steps to wait the next time.

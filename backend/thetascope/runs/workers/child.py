@@ -17,7 +17,7 @@ try:
 except ImportError:  # Windows has no such limits
     resource = None
 
-_TELL = 0.05
+_REPORT_INTERVAL = 0.05
 """Least seconds between two reports of progress."""
 _NICE = 2
 """A worker gives way to the service, which answers everybody."""
@@ -30,12 +30,12 @@ class Reporter:
 
     def __init__(self, connection: Connection) -> None:
         self._connection = connection
-        self._told = 0.0
+        self._reported = 0.0
 
     def progress(self, share: float) -> None:
         """Report the share done."""
-        if time.monotonic() - self._told >= _TELL:
-            self._told = time.monotonic()
+        if time.monotonic() - self._reported >= _REPORT_INTERVAL:
+            self._reported = time.monotonic()
             self._connection.send(("progress", share))
 
     def other_limits(self, limits: Limits) -> None:
@@ -115,14 +115,14 @@ def receive(connection: Connection, head: bytes, sizes: list[int]) -> tuple[str,
 
 
 def limit_memory(memory: int) -> None:
-    """Allow this process so many bytes in addition to those that it has now."""
+    """Limit the memory of this process to what it has and the given bytes."""
     if resource is not None:
         most = data_bytes(os.getpid()) + memory
         resource.setrlimit(resource.RLIMIT_DATA, (most, most))
 
 
 def limit_cpu(seconds: float) -> None:
-    """Allow this process so many seconds of processor time from now on; it is killed after them."""
+    """Limit the processor time of this process from here on, in seconds; the system kills it after them."""
     if resource is not None:
         used = time.process_time()
         resource.setrlimit(resource.RLIMIT_CPU, (int(used + seconds) + 1, resource.RLIM_INFINITY))
