@@ -2,7 +2,8 @@
 
 import {get} from '../common/api.js';
 import {query} from '../common/dom.js';
-import {actions, addressOf, presented} from './actions.js';
+import {actions, presented} from './actions.js';
+import {keepAddress} from './address.js';
 import {mountDesk} from './ui/presentation.js';
 import {Edge, createLoop} from './loop.js';
 import {mountHysteresis} from './scope/hysteresis.js';
@@ -39,7 +40,6 @@ import {named, say, speak, t} from '../i18n/words.js';
  */
 
 const FIRST = {experiment: 'zhao-2012', t: 12}; // the first fault is 8 s ahead: time to look around, and then it comes
-const ADDRESS = 5000; // ms between updates of the address while time runs
 
 const store = createStore({...initial, theme: window.theme.now, language: chosenLanguage()}, reduce);
 const loop = createLoop();
@@ -87,6 +87,8 @@ const app = /** @type {App} */ (
 /** @type {{language: Language, answer: Promise<Catalogue>} | null} */
 let catalogue = null;
 
+const address = keepAddress(app, () => token);
+
 let turns = 0; // sessions asked for
 
 /** Ask for another session. Returns whether it is still the newest one asked for: the answers of others are dropped. */
@@ -132,7 +134,7 @@ function join({id, control, experiment, plain, parent = null, fresh = false, the
         if (fresh) app.act.speed(openingSpeed(message.spec));
         then();
       }
-      if (message.type === 'ack') addressSoon();
+      if (message.type === 'ack') address.soon();
       loop.wake();
     },
   });
@@ -204,7 +206,7 @@ const link = {
     const wanted = turn();
     const now = at ?? app.samples.now;
     try {
-      await writeAddress();
+      await address.write();
       const opened = await fork(session, token, at);
       if (!wanted()) {
         await end(opened.id, opened.token);
@@ -231,11 +233,11 @@ const link = {
    */
   async visit(id) {
     const wanted = turn();
-    await writeAddress();
+    await address.write();
     if (!wanted()) return;
     history.pushState({session: id}, '', kept.of(id) ? location.href : `/?session=${encodeURIComponent(id)}`);
     try {
-      const joined = await arrive(() => rejoin(id, wanted));
+      const joined = await address.arrive(() => rejoin(id, wanted));
       if (!joined && wanted()) app.act.tell({code: 'page.notice.session-ended'}, {kind: 'problem'});
     } catch (error) {
       if (wanted()) app.act.refused(error);
@@ -271,56 +273,6 @@ function failed(error) {
   const problem = {title: say(title ?? t('page.notice.failed')), detail: say(detail ?? message)};
   store.dispatch({type: 'failed', problem});
 }
-
-// ---- the address
-
-let soon = 0;
-let written = -1; // rows when the address was last written: single steps move the time, too
-let arriving = 0; // moves to another session that are under way: the address is that session's already
-
-/**
- * Move to another session, whose entry of the browser's history is the present one. Until it is joined, the session
- * that is being left may not write its own address there.
- * @template T
- * @param {() => Promise<T>} move
- * @returns {Promise<T>}
- */
-async function arrive(move) {
-  arriving += 1;
-  try {
-    return await move();
-  } finally {
-    arriving -= 1;
-  }
-}
-
-async function writeAddress() {
-  soon = 0;
-  written = app.samples.rows;
-  const {state} = store;
-  if (state.role !== 'control' || !state.spec || state.connection !== 'live') return;
-  const address = await addressOf(app);
-  if (state.session === null || store.state.session !== state.session || arriving > 0) return;
-  history.replaceState({session: state.session}, '', `/${address}`);
-  kept.write({
-    id: state.session,
-    token,
-    address,
-    experiment: state.experiment,
-    plain: state.begunPlain,
-    parent: state.parent,
-  });
-}
-
-function addressSoon() {
-  if (!soon) soon = setTimeout(writeAddress, 400);
-}
-
-setInterval(() => app.samples.rows !== written && addressSoon(), ADDRESS);
-addEventListener('pagehide', () => {
-  const mine = kept.read(); // a page that is loaded again knows its session by its address
-  if (mine?.id === store.state.session) kept.write({...mine, address: location.search + location.hash});
-});
 
 /** Open the session of the address; without one, the first experiment, already running. */
 async function open() {
@@ -388,7 +340,7 @@ mountTransport(place('transport'), app);
 mountNotice(place('notice'), app);
 mountDesk(place('main'), app);
 if (presented()) app.act.present(true);
-store.subscribe((state) => [state.spec, state.epoch, state.playing, state.session], addressSoon);
+store.subscribe((state) => [state.spec, state.epoch, state.playing, state.session], address.soon);
 store.subscribe(
   (state) => [state.spec?.title, state.language],
   ([title]) => {
@@ -396,5 +348,5 @@ store.subscribe(
   },
 );
 addEventListener('theme', ({detail}) => store.dispatch({type: 'set', theme: detail}));
-addEventListener('popstate', () => arrive(open));
+addEventListener('popstate', () => address.arrive(open));
 await Promise.all([mountPanels(app), open()]);

@@ -85,3 +85,37 @@ def test_a_viewer_downloads_the_displayed_data(tab, page):
         viewer.click("dialog[open] button:text-is('CSV')")
     head, first = download.value.path().read_text().splitlines()[:2]
     assert head.startswith("t,") and first.startswith("0") and viewer.watch.errors == []
+
+
+def test_escape_closes_a_dialog_wherever_the_focus_is(tab):
+    """A click on the title of a dialog takes the focus out of it; Escape closes it all the same."""
+    live = opened(tab)
+    live.keyboard.press("s")
+    until(live, OPENED)
+    live.click("#dialog-title")
+    live.evaluate("document.activeElement.blur()")
+    assert live.evaluate("document.activeElement === document.body")
+    live.keyboard.press("Escape")
+    until(live, f"!({OPENED})")
+
+
+def test_contents_that_come_late_do_not_replace_those_of_the_next_dialog(tab):
+    """The links to share are computed when the equations are shown already."""
+    live = opened(tab)
+    live.evaluate("""() => {
+      const link = thetascope.act.link;
+      const released = new Promise((done) => { window.release = done; });
+      thetascope.act.link = async (...options) => {
+        await released;
+        return link(...options);
+      };
+    }""")
+    live.keyboard.press("s")
+    until(live, OPENED)
+    live.keyboard.press("Escape")
+    until(live, f"!({OPENED})")
+    live.keyboard.press("e")
+    until(live, "document.querySelector('dialog[open] math') !== null")
+    live.evaluate("window.release()")
+    live.wait_for_timeout(200)
+    assert live.evaluate("document.querySelector('dialog[open] math') !== null")

@@ -3,6 +3,7 @@
 import os
 import signal
 import time
+from pathlib import Path
 
 import numpy as np
 
@@ -20,6 +21,16 @@ def process_id() -> int:
 
 def wait(seconds: float, mark: object = None) -> None:
     time.sleep(seconds)
+
+
+def wait_for(path: str) -> None:
+    while not Path(path).exists():
+        time.sleep(0.01)
+
+
+def note(path: str, word: str, mark: object = None) -> None:
+    with Path(path).open("a") as file:
+        file.write(f"{word}\n")
 
 
 def spin(seconds: float, mark: object = None) -> None:

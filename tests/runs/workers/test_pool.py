@@ -63,7 +63,7 @@ def test_values_arrays_and_exceptions_come_back_from_a_process_that_is_used_agai
 @pytest.mark.parametrize(
     ("limits", "task", "code"),
     [
-        (Limits(0.3, 60.0, 1 << 30), (tasks.wait, 60), "work.time-limit"),
+        (Limits(2.0, 60.0, 1 << 30), (tasks.wait, 60), "work.time-limit"),
         (Limits(60.0, 0.5, 1 << 30), (tasks.spin, 60), "work.cpu-limit"),
         (Limits(60.0, 60.0, 1 << 26), (tasks.zeros, 1 << 24), "work.memory-limit"),
     ],
@@ -110,18 +110,20 @@ def test_a_client_with_many_computations_does_not_keep_another_waiting(start):
         computation.leave()
 
 
-def test_clients_take_turns(start):
+def test_clients_take_turns(start, tmp_path):
     """With one place for both, those of the second client are not behind all of the first."""
     workers = start(places=1, queue=20)
     workers._places = 1
-    order: list[str] = []
-    first = workers.call(tasks.wait, 0.3, client="one")
-    waiting = [workers.call(tasks.wait, 0, (client, k), client=client) for client in ("one", "two") for k in range(4)]
-    for client, computation in zip(["one"] * 4 + ["two"] * 4, waiting, strict=True):
-        computation.result.add_done_callback(lambda _, client=client: order.append(client))
+    gate, begun = tmp_path / "gate", tmp_path / "begun"
+    first = workers.call(tasks.wait_for, str(gate), client="one")
+    waiting = [
+        workers.call(tasks.note, str(begun), client, k, client=client) for client in ("one", "two") for k in range(4)
+    ]
+    gate.touch()
     for computation in (first, *waiting):
         outcome(computation)
-    assert order[:4] in (["one", "two"] * 2, ["two", "one"] * 2)
+    order = begun.read_text().split()
+    assert len(order) == 8 and order[:4] in (["one", "two"] * 2, ["two", "one"] * 2)
 
 
 def test_what_takes_long_makes_room_for_what_is_short(start, monkeypatch):
@@ -137,9 +139,9 @@ def test_what_takes_long_makes_room_for_what_is_short(start, monkeypatch):
 
 def test_waiting_counts_towards_the_time_limit_but_not_for_runs(start):
     """What was not begun in time is refused as busy; a task with a report of its own has all of its time."""
-    workers = start(Limits(1.0, 60.0, 1 << 30))
+    workers = start(Limits(3.0, 60.0, 1 << 30))
     workers._places = 1
-    first = workers.submit(tasks.wait_in_two_parts, 0.05, 1.3, WIDE)
+    first = workers.submit(tasks.wait_in_two_parts, 0.05, 3.3, WIDE)
     waiting, later = workers.call(tasks.add, 1, 1), workers.submit(tasks.wait_in_two_parts, 0, 0, WIDE)
     assert outcome(first) == "done"  # its limits were others after the first part
     assert outcome(waiting).problem.code == "work.not-begun"

@@ -24,20 +24,23 @@ const TITLES = {
 /** @param {HTMLElement} element @param {App} app */
 export function mount(element, app) {
   const title = h('h2', {id: 'dialog-title'});
-  const body = h('div', {class: 'dialog-body', tabindex: 0});
+  let body = h('div');
   const close = h('button', {type: 'button', class: 'plain', onclick: () => dialog.close()}, icon('close'));
   /** @type {HTMLDialogElement} */
-  const dialog = h('dialog', {'aria-labelledby': 'dialog-title'}, h('div', {class: 'dialog-head'}, title, close), body);
+  const dialog = h('dialog', {'aria-labelledby': 'dialog-title'}, h('div', {class: 'dialog-head'}, title, close));
   dialog.addEventListener('click', (event) => {
     if (event.target === dialog) dialog.close();
   });
-  dialog.addEventListener('close', () => fill(body));
+  dialog.addEventListener('close', () => body.remove());
   fill(element, dialog);
   opens((name) => {
     if (dialog.open) dialog.close();
     dialog.dataset.name = name;
     close.setAttribute('aria-label', t('page.action.close'));
     title.textContent = TITLES[name]();
+    body.remove();
+    body = h('div', {class: 'dialog-body', tabindex: 0}); // a new one: contents that come late go to their own
+    dialog.append(body);
     CONTENTS[name](body, app, () => dialog.close());
     dialog.showModal();
   });

@@ -129,6 +129,7 @@ export function mount(element, app) {
   element.addEventListener('keydown', (event) => {
     if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey) return;
     if (event.target instanceof Element && own(event.target, event.key)) return;
+    if (document.querySelector('dialog:modal')) return; // its keys are its own, wherever the focus is
     if (event.key === 'Escape' && document.querySelector(':popover-open')) return; // the browser closes it
     const name = event.key === ' ' ? 'Space' : event.key.length === 1 ? event.key.toUpperCase() : event.key;
     const channel = /^[1-9]$/.test(name) ? app.state.plant?.channels[Number(name) - 1] : null;
