@@ -10,6 +10,9 @@ settings.register_profile(
 settings.load_profile("project")
 
 os.environ.setdefault("THETASCOPE_PREPARE", "0")  # services that tests start compile what they are asked for
+# On a busy machine an honest computation takes longer than a service allows by default.
+os.environ.setdefault("THETASCOPE_JOB_SECONDS", "300")
+os.environ.setdefault("THETASCOPE_JOB_CPU", "300")
 
 #: The longest tests. Started first, they do not keep one worker busy after the others have ended.
 FIRST = ("tests/test_types.py", "tests/test_docs.py", "tests/browser/")

@@ -22,7 +22,7 @@ def process(data: Path, **settings: object) -> Iterator[tuple[subprocess.Popen, 
     Computations have more time than by default: the tests share the processors.
     """
     environment = {name: value for name, value in os.environ.items() if not name.startswith("THETASCOPE_")}
-    defaults = {"prepare": 0, "job_seconds": 60, "job_cpu": 60}
+    defaults = {"prepare": 0, "job_seconds": 300, "job_cpu": 300}
     environment |= {f"THETASCOPE_{name.upper()}": str(value) for name, value in {**defaults, **settings}.items()}
     environment |= {"THETASCOPE_DATA": str(data), "PYTHONUNBUFFERED": "1"}
     command = [sys.executable, "-m", "thetascope.cli.main", "serve", "--port", "0"]
